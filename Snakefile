@@ -1,0 +1,41 @@
+# Target rules and includes, nothing else. Every stage is a file of workflow/rules/.
+from snakemake.utils import min_version
+
+min_version("9.27")
+
+
+configfile: workflow.source_path("config/config.yaml")
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/locks.smk"
+include: "workflow/rules/tell.smk"
+
+
+rule all:
+    input:
+        expand("results/{campaign}/report.html", campaign=CAMPAIGNS),
+
+
+include: "workflow/rules/structure.smk"
+include: "workflow/rules/assembly.smk"
+include: "workflow/rules/bench.smk"
+include: "workflow/rules/records.smk"
+include: "workflow/rules/decay.smk"
+include: "workflow/rules/stick.smk"
+include: "workflow/rules/fe_forces.smk"
+include: "workflow/rules/stiffness.smk"
+include: "workflow/rules/theory.smk"
+include: "workflow/rules/report.smk"
+
+
+onsuccess:
+    tell_results()
+
+
+onstart:
+    claim()
+
+
+onerror:
+    tell_failures(log)

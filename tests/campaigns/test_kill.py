@@ -1,0 +1,76 @@
+"""A run that is killed at any moment is continued by the same command, to the same numbers."""
+
+import subprocess
+import time
+
+import numpy as np
+import psutil
+import pytest
+import xarray as xr
+
+from .conftest import copy_house
+
+
+def kill_tree(process):
+    """kill -9 of a process and all that it started."""
+    tree = [*psutil.Process(process.pid).children(recursive=True), psutil.Process(process.pid)]
+    for member in tree:
+        try:
+            member.kill()
+        except psutil.NoSuchProcess:
+            continue
+    process.wait()
+
+
+def artifacts(folder):
+    return sorted(path.relative_to(folder) for path in (folder / "results").rglob("*.nc"))
+
+
+@pytest.mark.slow
+def test_a_killed_run_goes_on_and_ends_in_the_same_numbers(house, tmp_path):
+    broken = copy_house(tmp_path / "broken")
+    finished = len(artifacts(house.folder))
+    for share in (0.0, 0.3, 0.6, 0.9):
+        process = subprocess.Popen(
+            broken.command(),
+            cwd=broken.folder,
+            env=broken.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        while process.poll() is None and len(artifacts(broken.folder)) <= share * finished:
+            time.sleep(0.05)
+        assert process.poll() is None, "the run ended before it could be killed"
+        kill_tree(process)
+        for path in artifacts(broken.folder):
+            xr.load_dataset(broken.folder / path)  # whole, or not there at all
+    broken.run()
+    assert artifacts(broken.folder) == artifacts(house.folder)
+    assert not list((broken.folder / "results").rglob("*.part"))
+    for path in artifacts(house.folder):
+        left = xr.load_dataset(house.folder / path)
+        right = xr.load_dataset(broken.folder / path)
+        for name in left.variables:
+            np.testing.assert_array_equal(left[name], right[name], err_msg=f"{path}: {name}")
+
+
+def test_a_lock_whose_run_lives_is_respected(house):
+    """Only the lock of a dead run is removed: two runs at once would spoil each other."""
+    locks = house.folder / ".snakemake" / "locks"
+    locks.mkdir(parents=True, exist_ok=True)
+    owner = house.folder / ".snakemake" / "bladeroot_owner"
+    before = owner.read_text()
+    living = psutil.Process()
+    outputs = "\n".join(str(path) for path in artifacts(house.folder))
+    try:
+        owner.write_text(f"{living.pid} {living.create_time()}")
+        (locks / "0.output.lock").write_text(outputs)
+        refused = house.run("--forceall", check=False)
+        assert refused.returncode != 0
+        assert "lock" in (refused.stdout + refused.stderr).lower()
+        owner.write_text(f"{living.pid} {living.create_time() - 1e6}")
+        assert house.run("--dry-run").returncode == 0
+        assert not (locks / "0.output.lock").exists()
+    finally:
+        owner.write_text(before)
+        (locks / "0.output.lock").unlink(missing_ok=True)

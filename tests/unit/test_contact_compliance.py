@@ -1,0 +1,121 @@
+import numpy as np
+import pytest
+from bladeroot.contact.compliance import (
+    dissipated_energy,
+    normal_approach,
+    normal_stiffness,
+    normal_stiffness_by_quadrature,
+    tangential_displacement,
+    tangential_stiffness,
+    tangential_stiffness_by_quadrature,
+)
+from bladeroot.contact.punch import Punch, contact_half_width
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+BODY = {
+    "edge_radius": 2.5e-3,
+    "length": 26e-3,
+    "youngs_modulus": 210e9,
+    "poisson_ratio": 0.3,
+    "friction": 0.42,
+}
+FLANK = Punch(flat_half_width=1.28325e-3, **BODY)
+CYLINDER = Punch(flat_half_width=0.0, **BODY)
+FORCES = np.array([500.0, 4e3, 8485.0, 2e4])
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    force=st.floats(300.0, 5e4), flat=st.just(0.0) | st.floats(1e-9, 4e-3), nu=st.floats(0.0, 0.45)
+)
+def test_quadrature_agrees_with_the_closed_forms(force, flat, nu):
+    punch = Punch(**(BODY | {"poisson_ratio": nu}), flat_half_width=flat)
+    n = np.array([force])
+    # a contact that is nearly all flat loses digits in the pressure itself
+    opened = np.arccos(np.minimum(flat / contact_half_width(n / punch.length, punch), 1.0))
+    tolerance = float(1e-10 + 1e-13 / opened[0] ** 3)
+    by_sum = normal_stiffness_by_quadrature(n, punch, "slender")
+    np.testing.assert_allclose(by_sum, normal_stiffness(n, punch), rtol=tolerance)
+    by_sum = tangential_stiffness_by_quadrature(n, punch)
+    np.testing.assert_allclose(by_sum, tangential_stiffness(n, punch), rtol=tolerance)
+
+
+def test_finite_length_adds_the_next_term_of_the_logarithm():
+    """arsinh(L/2r) = ln(L/r) + r^2/L^2 + ..., averaged over a flat punch: b^2/(2 L^2)."""
+    b = contact_half_width(FORCES / FLANK.length, FLANK)
+    logarithm = np.log(2 * FLANK.length / b)
+    expected = logarithm / (logarithm + 0.5 * (b / FLANK.length) ** 2)
+    ratio = normal_stiffness_by_quadrature(FORCES, FLANK) / normal_stiffness(FORCES, FLANK)
+    np.testing.assert_allclose(ratio, expected, rtol=1e-5)
+
+
+def test_approach_of_a_cylinder_is_the_one_of_hertz():
+    """With b of Hertz: delta = 2P/(pi E*) (ln(2L/b) + 1/2) for a slender line."""
+    load = FORCES / CYLINDER.length
+    b = contact_half_width(load, CYLINDER)
+    factor = 2 * load / (np.pi * CYLINDER.contact_modulus)
+    expected = factor * (np.log(2 * CYLINDER.length / b) + 0.5)
+    found = normal_approach(FORCES, CYLINDER, "slender")
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_tangential_stiffness_is_the_start_of_the_displacement_curve():
+    small = 1e-5 * FLANK.friction * FORCES
+    secant = small / tangential_displacement(FORCES, small, FLANK)
+    np.testing.assert_allclose(secant, tangential_stiffness(FORCES, FLANK), rtol=1e-5)
+
+
+def test_tangential_displacement_is_odd_and_softens():
+    share = np.linspace(0.05, 1.0, 20)
+    n = np.full_like(share, 8e3)
+    t = share * FLANK.friction * n
+    there = tangential_displacement(n, t, FLANK)
+    np.testing.assert_allclose(tangential_displacement(n, -t, FLANK), -there)
+    assert np.all(np.diff(there / t) > 0)
+
+
+def test_stiffness_scales_and_theory_has_kt_below_kn():
+    stiffer = Punch(**(BODY | {"youngs_modulus": 420e9}), flat_half_width=1.28325e-3)
+    doubled = normal_stiffness(2 * FORCES, stiffer) / normal_stiffness(FORCES, FLANK)
+    np.testing.assert_allclose(doubled, 2.0, rtol=1e-12)
+    assert np.all(tangential_stiffness(FORCES, FLANK) < normal_stiffness(FORCES, FLANK))
+
+
+def test_cylinder_at_full_sliding_dissipates_half_pi():
+    """Appendix C's check value, the whole-cycle loss over (2/pi)^2 (mu P)^2/E*."""
+    limit = CYLINDER.friction * FORCES
+    per_metre = dissipated_energy(FORCES, limit, CYLINDER) / CYLINDER.length
+    unit = (2 / np.pi * limit / CYLINDER.length) ** 2 / CYLINDER.contact_modulus
+    np.testing.assert_allclose(per_metre / unit, np.pi / 2, rtol=1e-10)
+
+
+def test_dissipated_energy_is_the_work_of_friction_over_the_slip():
+    """Appendix C again, but from its slip and traction at full sliding, no loop involved."""
+    load = 8485.0 / CYLINDER.length
+    b = float(contact_half_width(np.array(load), CYLINDER))
+    node, weight = np.polynomial.legendre.leggauss(200)
+    angle = 0.5 * np.pi * node
+    x, scale = np.sin(angle), 0.5 * np.pi * weight * np.cos(angle)
+    friction = CYLINDER.friction
+    damage = friction**2 * load * b / (np.pi * CYLINDER.edge_radius) * x**2 * np.sqrt(1 - x**2)
+    cycle = 4 * b * np.sum(scale * damage) * CYLINDER.length
+    n = np.array([8485.0])
+    assert dissipated_energy(n, friction * n, CYLINDER)[0] == pytest.approx(cycle, rel=1e-9)
+
+
+def test_small_cycles_of_a_cylinder_dissipate_with_the_cube():
+    n = np.full(2, 8e3)
+    t = np.array([0.02, 0.04]) * CYLINDER.friction * n
+    energy = dissipated_energy(n, t, CYLINDER)
+    assert energy[1] / energy[0] == pytest.approx(8.0, rel=0.03)
+
+
+def test_flat_punch_dissipates_less_than_the_cylinder():
+    t = 0.6 * FLANK.friction * FORCES
+    assert np.all(dissipated_energy(FORCES, t, FLANK) < dissipated_energy(FORCES, t, CYLINDER))
+
+
+def test_too_large_a_shear_is_refused():
+    with pytest.raises(ValueError, match="friction times"):
+        tangential_displacement(np.array([1.0]), np.array([0.5]), FLANK)

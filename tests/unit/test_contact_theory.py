@@ -1,0 +1,104 @@
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.contact.loads import axial_force, normal_force
+from bladeroot.contact.published import published_stiffness
+from bladeroot.contact.theory import theory
+
+THESIS = Path(__file__).parents[2] / "resources" / "thesis"
+FE_FORCES = np.arange(12e3, 23e3, 2e3)
+
+
+def columns(name):
+    with (THESIS / name).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {key: [row[key] for row in rows] for key in rows[0]}
+
+
+@pytest.fixture(scope="module")
+def parameters():
+    table = columns("contact_parameters.csv")
+    return dict(zip(table["name"], map(float, table["value"]), strict=True))
+
+
+@pytest.fixture(scope="module")
+def published():
+    table = columns("table_5_2.csv")
+    return published_stiffness({key: list(map(float, cells)) for key, cells in table.items()})
+
+
+def test_loads_of_the_two_friction_limits():
+    n, angle = np.array([1e3]), np.pi / 4
+    assert axial_force(n, "T = 0", 0.42, angle)[0] == pytest.approx(np.sqrt(2) * 1e3)
+    assert axial_force(n, "T = mu N", 0.42, angle)[0] == pytest.approx(1.42 * np.sqrt(2) * 1e3)
+    for state in ("T = 0", "T = mu N"):
+        back = normal_force(axial_force(n, state, 0.42, 1.0), state, 0.42, 1.0)
+        np.testing.assert_allclose(back, n)
+    with pytest.raises(ValueError, match="friction state"):
+        normal_force(n, "T = 1", 0.42, angle)
+
+
+def test_published_totals_are_33_nodes(published):
+    assert published["kn_total"].sel(force=12e3) == pytest.approx(33 * 41428.6e3)
+    assert published["kt_total_std"].sel(force=22e3) == pytest.approx(33 * 19768.2e3)
+    with pytest.raises(ValueError, match=r"missing column .*kt_N_per_mm"):
+        published_stiffness({"force_kN": [1.0]})
+
+
+def test_theory_at_twelve_kilonewton(parameters):
+    """(pi/2) E* L / ln(2L/b) with b = 1.3183 mm from eq. 6.5 at N = 12 kN / sqrt 2."""
+    result = theory(parameters, FE_FORCES)
+    modulus = 210e9 / (2 * 0.91)
+    expected = np.pi / 2 * modulus * 26e-3 / np.log(52 / 1.318287)
+    at = result.sel(friction_state="T = 0", force=12e3)
+    assert float(at["kn_theory"]) == pytest.approx(expected, rel=1e-6)
+    printed = np.interp(12e3 / np.sqrt(2), result["normal_force"], result["kn_printed"])
+    assert 0.002 < printed / expected - 1 < 0.01
+
+
+def test_theory_compares_published_and_identified(parameters, published):
+    identified = xr.Dataset(
+        {
+            name: (("structure", "force"), np.full((1, 2), value))
+            for name, value in (("kn", 2e9), ("kt", 1e9), ("ln_kn_std", 0.1), ("ln_kt_std", 0.2))
+        },
+        coords={"structure": ["one"], "force": [12e3, 16e3]},
+    )
+    result = theory(parameters, FE_FORCES, identified, published)
+    ratio = result["kn_identified_ratio"]
+    assert ratio.dims == ("structure", "friction_state", "force")
+    at = {"force": 16e3, "friction_state": "T = mu N"}
+    back = ratio.sel(structure="one", **at) * result["kn_theory"].sel(at)
+    assert float(back) == pytest.approx(2e9)
+    assert np.isnan(ratio.sel(structure="one", force=14e3)).all()
+    assert float(result["kt_published_ratio"].sel(at)) == pytest.approx(2.094, abs=1e-3)
+    spread = result["kn_published_relative_std"].sel(force=12e3)
+    assert float(spread) == pytest.approx(4866.6 / 41428.6)
+
+
+def test_curves_agree_with_the_points_and_survive_netcdf(parameters, published, tmp_path):
+    result = theory(parameters, FE_FORCES, None, published)
+    curve = result["kt_of_axial_force"].interp(axial_force=FE_FORCES).values
+    np.testing.assert_allclose(curve, result["kt_theory"].values, rtol=1e-6)
+    for name, variable in result.data_vars.items():
+        assert {"units", "long_name"} <= set(variable.attrs), name
+    result.to_netcdf(tmp_path / "theory.nc")
+    with xr.open_dataset(tmp_path / "theory.nc") as again:
+        xr.testing.assert_identical(again.load(), result)
+
+
+def test_profiles_carry_their_loads(parameters):
+    result = theory(parameters, FE_FORCES)
+    line = result["profile_normal_force"] / parameters["length"]
+    total = result["pressure"].integrate("position")
+    np.testing.assert_allclose(total, line, rtol=2e-3)
+    sheared = result["shear"].integrate("position") / line / parameters["friction"]
+    np.testing.assert_allclose(sheared, result["load_ratio"], atol=2e-3)
+
+
+def test_forces_that_press_nothing_are_refused(parameters):
+    with pytest.raises(ValueError, match="must be positive"):
+        theory(parameters, np.array([0.0, 1e3]))

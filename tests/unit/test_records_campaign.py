@@ -1,0 +1,175 @@
+"""Every fault of a campaign's files is one line that names file and row."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from bladeroot.records.campaign import CampaignError, force_scale, load_campaign
+
+ROOT = Path(__file__).resolve().parents[2]
+
+DESCRIPTION = """
+title: a test
+structure: [dovetail-HB]
+modes:
+  1B: {expected_Hz: 540, laser_x_mm: 0}
+  2B: {expected_Hz: 1450, laser_x_mm: 40}
+force: {gauge: pressure, piston_area_cm2: 17.9, full_scale_bar: 700, accuracy_percent: 1,
+        accuracy_of: full-scale}
+"""
+HEADER = "record,file,mode,pressure_bar,hold,direction,time_s,quantity,unit,exclude\n"
+GOOD = "r1,r1.nc,1B,20,h1,up,0,velocity,mm/s,\n"
+STICK = "mode,force_N,frequency_Hz,frequency_std_Hz,loss_factor,loss_factor_std\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = tmp_path / "camp"
+    folder.mkdir()
+    (folder / "campaign.yaml").write_text(DESCRIPTION)
+    (folder / "r1.nc").touch()
+    return folder
+
+
+def faults(folder, sheet, text):
+    (folder / sheet).write_text(text)
+    with pytest.raises(CampaignError) as caught:
+        load_campaign(folder)
+    return str(caught.value).splitlines()
+
+
+def test_a_good_sheet_is_read_in_si_units(folder):
+    (folder / "records.csv").write_text(HEADER + GOOD + "r2,r1.nc,2B,10,,down,,,,yes\n")
+    campaign = load_campaign(folder)
+    assert campaign.excluded == ("r2",)
+    (record,) = campaign.records
+    assert record["force_N"] == pytest.approx(20 * 179.0)
+    assert (record["unit"], record["hold"], record["time_s"]) == ("mm/s", "h1", 0.0)
+    assert campaign.force_full_scale == pytest.approx(125300.0)
+
+
+def test_the_published_campaign_is_good():
+    campaign = load_campaign(ROOT / "resources" / "campaigns" / "thesis")
+    assert [row["mode"] for row in campaign.stick].count("1B") == 10
+    assert [row["mode"] for row in campaign.stick].count("2B") == 27
+
+
+def test_every_published_force_is_a_whole_number_of_bars():
+    # The argument that the piston measures 17.9 cm^2 where the text prints mm^2.
+    campaign = load_campaign(ROOT / "resources" / "campaigns" / "thesis")
+    for row in campaign.stick:
+        assert (row["force_N"] / 179) == pytest.approx(round(row["force_N"] / 179), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("r1,r9.nc,1B,20,h1,up,0,velocity,mm/s,", "file not found: r9.nc"),
+        ("r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,", "file must end in .nc, .csv, got 'r1.xyz'"),
+        ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
+        ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "unit of velocity must be m/s, mm/s, um/s"),
+        ("r1,r1.nc,1B,20,h1,up,0,speed,m/s,", "quantity must be velocity or"),
+        ("r1,r1.nc,1B,nan,h1,up,0,velocity,m/s,", "pressure_bar must be a finite number, got 'nan'"),
+        ("r1,r1.nc,1B,twenty,h1,up,0,velocity,m/s,", "must be a finite number, got 'twenty'"),
+        ("r1,r1.nc,1B,-3,h1,up,0,velocity,m/s,", "pressure_bar must be positive, got -3"),
+        ("r1,r1.nc,1B,701,h1,up,0,velocity,m/s,", "pressure_bar 701 lies outside the gauge's range"),
+        ("r1,r1.nc,1B,,h1,up,0,velocity,m/s,", "expected force_N or pressure_bar, got neither"),
+        ("r1,r1.nc,3B,20,h1,up,0,velocity,m/s,", "mode must be one of 1B, 2B (campaign.yaml)"),
+        ("r1,r1.nc,1B,20,h1,left,0,velocity,m/s,", "direction must be up or down, got 'left'"),
+        ("r1,r1.nc,1B,20,h1,up,inf,velocity,m/s,", "time_s must be a finite number, got 'inf'"),
+        ("r 1,r1.nc,1B,20,h1,up,0,velocity,m/s,", "record must be letters, digits, - and _"),
+        ("r1,r1.nc,1B,20,h1,up,0,velocity,m/s,maybe", "exclude must be yes or no, got 'maybe'"),
+        ("r1,r1.nc,1B,20,h1", "expected 10 cells, got 5"),
+    ],
+)
+def test_a_bad_record_is_one_line_with_file_and_row(folder, row, told):
+    (line,) = faults(folder, "records.csv", HEADER + "r0,r1.nc,1B,20,h1,up,0,velocity,m/s,\n" + row)
+    assert told in line
+    assert line.endswith(f"({folder / 'records.csv'}, row 3)")
+
+
+def test_two_rows_of_one_id(folder):
+    (line,) = faults(folder, "records.csv", HEADER + GOOD + GOOD)
+    assert "record 'r1' stands in row 2 already" in line
+    assert "row 3" in line
+
+
+def test_all_faults_are_told_at_once(folder):
+    rows = "r1,r9.nc,1B,20,h1,up,0,velocity,m/s,\nr2,r1.nc,9B,20,h1,up,0,velocity,m/s,\n"
+    assert len(faults(folder, "records.csv", HEADER + rows)) == 2
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("1B,3580,-3.2,0.1,0.004,0.0002", "frequency_Hz must be positive, got -3.2"),
+        ("1B,3580,540,nan,0.004,0.0002", "frequency_std_Hz must be a finite number, got 'nan'"),
+        ("1B,200000,540,0.1,0.004,0.0002", "force_N 200000 lies outside the gauge's range"),
+        ("2B,3580,540,0.1,0.004,0.0002", "frequency_Hz 540 is not in the band of mode 2B"),
+    ],
+)
+def test_a_bad_stick_frequency_is_one_line_with_file_and_row(folder, row, told):
+    (line,) = faults(folder, "stick.csv", STICK + row + "\n")
+    assert told in line
+    assert line.endswith(f"({folder / 'stick.csv'}, row 2)")
+
+
+@pytest.mark.parametrize(
+    ("sheet", "text", "told"),
+    [
+        ("records.csv", "", "the sheet is empty"),
+        ("records.csv", HEADER, "no usable row"),
+        ("records.csv", "record,file\nr1,r1.nc\n", "missing column 'mode'"),
+        ("records.csv", HEADER.replace("hold", "hlod") + GOOD, "unknown column 'hlod'"),
+        ("records.csv", HEADER.replace("hold", "file") + GOOD, "column 'file' stands twice"),
+        ("stick.csv", "mode,force_N\n1B,3580\n", "missing column 'frequency_Hz'"),
+    ],
+)
+def test_a_bad_sheet(folder, sheet, text, told):
+    (line,) = faults(folder, sheet, text)
+    assert told in line
+    assert sheet in line
+
+
+def test_a_sheet_that_is_not_text(folder):
+    (folder / "records.csv").write_bytes(b"\xff\xfe\x00record")
+    with pytest.raises(CampaignError, match="not UTF-8 text"):
+        load_campaign(folder)
+
+
+def test_both_sheets_or_none(folder):
+    with pytest.raises(CampaignError, match="expected records.csv or stick.csv"):
+        load_campaign(folder)
+    (folder / "records.csv").write_text(HEADER + GOOD)
+    (folder / "stick.csv").write_text(STICK)
+    with pytest.raises(CampaignError, match=r"found records.csv and stick.csv"):
+        load_campaign(folder)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("expected_Hz: 540", "expected_Hz: 5.4e2", "modes.1B.expected_Hz"),
+        ("full_scale_bar: 700", "full_scale_bar: -1", "force"),
+        ("title: a test", "titel: a test", "titel"),
+        ("structure: [dovetail-HB]", "structure: []", "structure"),
+        ("title: a test", "title: [", "not a YAML text"),
+    ],
+)
+def test_a_bad_description_names_the_key(folder, old, new, told):
+    # YAML reads 5.4e2 as text: the schema catches what would be a silent slip.
+    (folder / "campaign.yaml").write_text(DESCRIPTION.replace(old, new))
+    lines = faults(folder, "records.csv", HEADER + GOOD)
+    assert any(told in line and "campaign.yaml" in line for line in lines)
+
+
+def test_a_missing_folder(tmp_path):
+    with pytest.raises(CampaignError, match="campaign folder not found"):
+        load_campaign(tmp_path / "nowhere")
+    shutil.rmtree(tmp_path)
+
+
+def test_strain_gauge_force_per_microstrain():
+    gauge = {"gauge": "strain", "section_mm2": 260, "modulus_GPa": 210}
+    assert force_scale(gauge) == pytest.approx(54.6)

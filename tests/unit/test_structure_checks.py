@@ -1,0 +1,61 @@
+import numpy as np
+import pandas as pd
+import pytest
+from bladeroot.structure.checks import checks
+from structure_coarse import ROOT, coarse_structure
+
+TABLES = ("table_2_2", "table_4_1", "table_4_2", "table_4_4")
+
+
+@pytest.fixture(scope="module")
+def tables():
+    return {name: pd.read_csv(ROOT / f"resources/thesis/{name}.csv") for name in TABLES}
+
+
+@pytest.fixture(scope="module")
+def result(tables):
+    data = {name: table for name, table in tables.items() if name != "table_4_4"}
+    keep = tables["table_4_4"].force_kN.isin([0, 10.8])
+    return checks(coarse_structure(), data | {"table_4_4": tables["table_4_4"][keep]})
+
+
+def test_tables_are_as_printed(tables):
+    assert [len(tables[name]) for name in TABLES] == [9, 12, 70, 18]
+    wide = tables["table_4_2"].pivot_table(index="mode", columns="force_N", values="frequency_Hz")
+    assert wide.loc["1Fy", 30000] == 596.6
+    assert wide.loc["Rz", 5000] == 76.4
+    assert (
+        tables["table_4_4"].query("mode == '2B' and force_kN == 86.6").frequency_Hz.item() == 1688
+    )
+
+
+def test_every_comparison_is_there(result):
+    found = pd.Series(result.check.values).value_counts()
+    assert found["Table 4.1"] == 6
+    assert found["Table 4.2"] == 6
+    assert found["Table 4.4"] == 4
+    assert found["reduced against full"] == 18
+    assert found["rigid rotation"] == 3
+    assert sum(found[found.index.str.startswith("Table 2.2")]) == 9
+
+
+def test_identities_hold_on_any_mesh(result):
+    chosen = result.check.values == "rigid rotation"
+    assert abs(result.residual.values[chosen]).max() < 1e-9
+    chosen = np.isin(result.check.values, ["rotation mode at 1 kN", "reduced against full"])
+    assert result.within.values[chosen].all()
+
+
+def test_verdict_compares_residual_and_limit(result):
+    residual, limit = result.residual.values, result.limit.values
+    required = np.isfinite(limit)
+    np.testing.assert_array_equal(
+        result.within.values[required], (abs(residual) <= limit)[required]
+    )
+    assert result.within.values[~required].all()
+    np.testing.assert_allclose(residual, result.computed / result.reference - 1)
+
+
+def test_missing_table_is_named(tables):
+    with pytest.raises(ValueError, match="table_4_1"):
+        checks(coarse_structure(), {k: v for k, v in tables.items() if k != "table_4_1"})

@@ -1,0 +1,77 @@
+import pytest
+import yaml
+from bladeroot.structure.geometry import jaw_inner_face, structure_from_mapping
+from structure_coarse import DOVETAIL, ROOT, SCHEMA, coarse_data
+
+
+def test_lengths_and_moduli_arrive_in_si_units():
+    structure = structure_from_mapping(DOVETAIL, SCHEMA)
+    assert structure.width == pytest.approx(0.026)
+    assert structure.profile[0] == (0.0, pytest.approx(0.005))
+    assert structure.material.young == pytest.approx(200.3e9)
+    assert structure.slot.material == structure.material
+
+
+@pytest.mark.parametrize("name", ["dovetail-H", "dovetail-HB"])
+def test_shipped_structures_are_valid_and_carry_their_own_name(name):
+    data = yaml.safe_load((ROOT / f"resources/structures/{name}.yaml").read_text())
+    assert structure_from_mapping(data, SCHEMA).name == name
+
+
+def test_wrong_type_names_file_and_key():
+    data = coarse_data()
+    data["beam"] = data["beam"] | {"width_mm": "26 mm"}
+    with pytest.raises(ValueError, match=r"mine\.yaml, beam/width_mm: '26 mm' is not of type"):
+        structure_from_mapping(data, SCHEMA, "mine.yaml")
+
+
+def test_unknown_key_is_refused():
+    with pytest.raises(ValueError, match="colour"):
+        structure_from_mapping(coarse_data(colour="red"), SCHEMA)
+
+
+def test_missing_section_is_named():
+    data = coarse_data()
+    del data["slot"]
+    with pytest.raises(ValueError, match="'slot' is a required property"):
+        structure_from_mapping(data, SCHEMA)
+
+
+def test_loaded_case_without_a_pad_is_refused():
+    data = coarse_data()
+    del data["pad"]
+    with pytest.raises(ValueError, match="no pad"):
+        structure_from_mapping(data, SCHEMA)
+
+
+def _beam(**changes):
+    return {"beam": DOVETAIL["beam"] | changes}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (_beam(profile_mm=[[1, 5], *DOVETAIL["beam"]["profile_mm"][1:]]), "start at x = 0"),
+        (_beam(profile_mm=[*DOVETAIL["beam"]["profile_mm"], [150, 5]]), "x must grow"),
+        (_beam(flank_points=[5, 7]), "two neighbouring points"),
+        (_beam(flank_points=[2, 3]), "half-height must grow"),
+        ({"slot": DOVETAIL["slot"] | {"lip_mm": 9}}, "room for 3.37 mm, got 9.00"),
+        ({"pad": DOVETAIL["pad"] | {"length_mm": 300}}, "straight span"),
+    ],
+)
+def test_impossible_shapes_are_refused(changes, message):
+    data = coarse_data(**changes)
+    with pytest.raises(ValueError, match=message):
+        structure_from_mapping(data, SCHEMA)
+
+
+def test_jaw_follows_the_beam_up_to_the_flank_and_then_leaves_it():
+    structure = structure_from_mapping(DOVETAIL, SCHEMA)
+    face = jaw_inner_face(structure)
+    first, last = structure.flank
+    assert structure.profile[first] in face
+    assert structure.profile[last] in face
+    assert face[0][0] == pytest.approx(structure.profile[first][0] - structure.slot.lip)
+    tip_x, tip_h = structure.profile[-1]
+    assert face[-1][0] > tip_x
+    assert face[-1][1] > tip_h

@@ -1,0 +1,59 @@
+"""Opening and saving the artifacts of the stages: the one place that touches result files.
+
+An artifact is one xarray Dataset in one NetCDF file. It is written to a temporary name beside
+its place and moved there whole, so that a killed run never leaves half a file under a real name.
+"""
+
+import os
+from pathlib import Path
+
+import xarray as xr
+
+from bladeroot import __version__
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """Read a whole artifact into memory and close its file."""
+    with xr.open_dataset(path, engine="netcdf4") as dataset:
+        return dataset.load()
+
+
+def save(
+    dataset: xr.Dataset,
+    path: str | Path,
+    *,
+    campaign: str = "",
+    settings: str = "{}",
+    encoding: dict | None = None,
+) -> None:
+    """Write a Dataset with its provenance in the global attributes.
+
+    `settings` is the canonical JSON text (see `bladeroot.provenance`) of the settings that made
+    it. Attributes that the dataset already has stay.
+    """
+    stamped = dataset.assign_attrs(
+        dataset.attrs,
+        bladeroot_version=__version__,
+        campaign=campaign or dataset.attrs.get("campaign", ""),
+        settings=settings,
+    )
+    whole = Path(path)
+    whole.parent.mkdir(parents=True, exist_ok=True)
+    part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
+    try:
+        stamped.to_netcdf(part, engine="netcdf4", encoding=encoding)
+        os.replace(part, whole)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def save_text(text: str, path: str | Path) -> None:
+    """Write a text file (report, table) whole or not at all."""
+    whole = Path(path)
+    whole.parent.mkdir(parents=True, exist_ok=True)
+    part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, whole)
+    finally:
+        part.unlink(missing_ok=True)

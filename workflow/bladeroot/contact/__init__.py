@@ -1,0 +1,6 @@
+"""Contact theory of a flat punch with rounded edges on a half-space.
+
+From the geometry of one flank to pressure, shear, normal and tangential approach, and from these
+to the incremental contact stiffness against the normal force and against the axial force.
+The room needs numpy, scipy and xarray only.
+"""

@@ -1,0 +1,1 @@
+"""Figures: one small file a stage, each function takes Datasets and returns a matplotlib Figure."""

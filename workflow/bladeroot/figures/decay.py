@@ -1,0 +1,37 @@
+"""Frequency and damping against amplitude (figs 3.11, 3.12, 3.17)."""
+
+from collections.abc import Sequence
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladeroot.figures.style import force_colours, note_simulated, panels
+
+
+def backbones(decays: Sequence[xr.Dataset]) -> Figure:
+    """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force."""
+    modes = sorted({decay.attrs["mode"] for decay in decays})
+    colours = force_colours([decay.attrs["force_N"] for decay in decays])
+    drawn, axes = panels(2, len(modes), 4.4 * len(modes) + 0.6, 6.2, sharex="col")
+    for column, mode in enumerate(modes):
+        above, below = axes[:, column]
+        for decay in decays:
+            if decay.attrs["mode"] != mode or decay.sizes["point"] == 0:
+                continue
+            colour = colours.to_rgba(decay.attrs["force_N"] / 1e3)
+            amplitude = 1e6 * decay["amplitude"].values
+            for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
+                value = scale * decay[name].values
+                spread = scale * decay[f"{name}_std"].values
+                axis.plot(amplitude, value, color=colour, linewidth=0.9)
+                axis.fill_between(
+                    amplitude, value - spread, value + spread, color=colour, alpha=0.2, linewidth=0
+                )
+        above.set_title(f"mode {mode}", loc="left")
+        above.set_xscale("log")
+        below.set_yscale("log")
+        below.set_xlabel("displacement amplitude at the sensor / µm")
+    axes[0, 0].set_ylabel("natural frequency / Hz")
+    axes[1, 0].set_ylabel("loss factor / %")
+    drawn.colorbar(colours, ax=axes[:, -1], label="axial force / kN", aspect=40)
+    return note_simulated(drawn, any(bool(d.attrs.get("simulated")) for d in decays))

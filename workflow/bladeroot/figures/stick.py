@@ -1,0 +1,50 @@
+"""Stick frequency, loss factor and onset of slip against axial force (figs 3.13, 3.18, 5.10)."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, panels
+
+
+def over_force(stick: xr.Dataset, fe_forces: xr.Dataset, simulated: bool) -> Figure:
+    """Stick frequency and loss factor of each mode, with the interpolation to the FE forces."""
+    modes = list(fe_forces["mode"].values)
+    drawn, axes = panels(2, len(modes), 4.2 * len(modes), 5.6, sharex=True)
+    for column, mode in enumerate(modes):
+        levels = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
+        target = fe_forces.sel(mode=mode)
+        for axis, name, scale in (
+            (axes[0, column], "frequency", 1.0),
+            (axes[1, column], "loss_factor", 1e2),
+        ):
+            axis.errorbar(
+                levels["force"] / 1e3,
+                scale * levels[name],
+                scale * levels[f"{name}_std"],
+                fmt="o",
+                markersize=3.5,
+                color=MEASURED,
+                elinewidth=0.8,
+                label="measured, ±1 std",
+            )
+            spread = target[f"{name}_std"].sel(force_error=fe_forces.attrs["primary_force_error"])
+            axis.errorbar(
+                target["force"] / 1e3,
+                scale * target[name],
+                scale * spread,
+                fmt="s",
+                markersize=4,
+                markerfacecolor="white",
+                color=PUBLISHED,
+                elinewidth=0.8,
+                capsize=2,
+                label="at the simulation's forces, with force error",
+            )
+        axes[0, column].set_title(f"mode {mode}", loc="left")
+        axes[1, column].set_xlabel("axial force / kN")
+        axes[1, column].set_ylim(bottom=0)
+    axes[0, 0].set_ylabel("stick frequency / Hz")
+    axes[1, 0].set_ylabel("loss factor / %")
+    axes[0, 0].legend(loc="lower right")
+    return note_simulated(drawn, simulated)

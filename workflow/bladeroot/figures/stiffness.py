@@ -1,0 +1,93 @@
+"""The search for kn, kt: where each mode's measured frequency lies on its map (figs 5.11, 5.12)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladeroot.figures.style import PUBLISHED, note_simulated, panels
+
+_MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#2a7f62"}
+
+
+def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool) -> Figure:
+    """Lines of constant frequency through the measured ones, and the root where they cross.
+
+    One panel a search. Bands: plus and minus one standard deviation of measurement and model
+    bias. `published` is Table 5.2 with totals of a flank, shown where it has the force.
+    """
+    columns = min(3, len(searches))
+    rows = -(-len(searches) // columns)
+    drawn, axes = panels(rows, columns, 3.3 * columns, 3.2 * rows, sharex=True, sharey=True)
+    for axis in axes.flat[len(searches) :]:
+        axis.set_axis_off()
+    for axis, found in zip(axes.flat, searches, strict=False):
+        _map(axis, found, published)
+        axis.set_title(
+            f"{found.attrs['structure']}, {found.attrs['axial_force'] / 1e3:g} kN: "
+            f"{found['status'].item()}",
+            loc="left",
+            fontsize=8.5,
+        )
+    for axis in axes[-1]:
+        axis.set_xlabel("kn of a flank / GN/m")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("kt of a flank / GN/m")
+    axes[0, 0].legend(loc="lower left", fontsize=7)
+    return note_simulated(drawn, simulated)
+
+
+def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
+    kn, kt = 1e-9 * found["map_kn"].values, 1e-9 * found["map_kt"].values
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    for mode, colour in _MODE_COLOURS.items():
+        here = found.sel(mode=mode)
+        frequency = here["map_frequency"].transpose("map_kt", "map_kn").values
+        lines = axis.contour(kn, kt, frequency, 9, colors=colour, linewidths=0.35, alpha=0.6)
+        axis.clabel(lines, fontsize=5.5, fmt="%.0f")
+        target = float(here["target_frequency"])
+        spread = float(np.hypot(here["target_std"], here["fe_bias_std"] * target))
+        if not np.isfinite(target):
+            continue
+        axis.contourf(
+            kn, kt, frequency, [target - spread, target + spread], colors=colour, alpha=0.18
+        )
+        axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.6)
+        axis.plot([], [], color=colour, label=f"{mode} measured, ±1 std with model bias")
+    axis.plot(
+        1e-9 * found["root_kn"], 1e-9 * found["root_kt"], "o", color="black", markersize=4
+    )
+    if found["status"].item() == "root":
+        _ellipse(axis, found)
+    force = found.attrs["axial_force"]
+    if force in published["force"].values:
+        printed = published.sel(force=force)
+        axis.errorbar(
+            1e-9 * printed["kn_total"],
+            1e-9 * printed["kt_total"],
+            1e-9 * printed["kt_total_std"],
+            1e-9 * printed["kn_total_std"],
+            fmt="D",
+            markersize=3.5,
+            color=PUBLISHED,
+            label="thesis, Table 5.2 × 33",
+        )
+    axis.grid(visible=False)
+
+
+def _ellipse(axis, found: xr.Dataset) -> None:
+    """One standard deviation of (ln kn, ln kt), drawn as the polygon it is on log axes."""
+    covariance = found["ln_covariance"].sum("source").values
+    values, vectors = np.linalg.eigh(covariance)
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = np.stack([np.cos(angle), np.sin(angle)])
+    ring = vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)
+    axis.plot(
+        1e-9 * float(found["kn"]) * np.exp(ring[0]),
+        1e-9 * float(found["kt"]) * np.exp(ring[1]),
+        color="black",
+        linewidth=0.8,
+        label="root, ±1 std",
+    )

@@ -1,0 +1,67 @@
+"""The look that all figures share, and how one is written down."""
+
+import io
+from collections.abc import Sequence
+
+import matplotlib as mpl
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+MEASURED = "#1b3a5c"
+PUBLISHED = "#b5462f"
+STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
+SIMULATED_NOTE = "simulated records (virtual test bench)"
+
+_STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.labelsize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "lines.linewidth": 1.2,
+    "svg.fonttype": "path",
+    # Same data, same bytes: Snakemake then sees that nothing changed.
+    "svg.hashsalt": "bladeroot",
+}
+
+
+mpl.rcParams.update(_STYLE)
+
+
+def panels(rows: int, columns: int, width: float, height: float, **kwargs):
+    """A figure of a size in inches with a grid of axes (2-D array), in the project's style."""
+    drawn = Figure(figsize=(width, height), layout="constrained")
+    return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def svg(drawn: Figure) -> str:
+    """The figure as SVG text, the same bytes for the same data."""
+    text = io.StringIO()
+    drawn.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
+
+
+def force_colours(forces: Sequence[float]) -> ScalarMappable:
+    """Colours of axial forces (N), to be shown with a colour bar in kN."""
+    low, high = min(forces) / 1e3, max(forces) / 1e3
+    if low == high:
+        low, high = low - 1, high + 1
+    return ScalarMappable(Normalize(low, high), colormaps["viridis"].resampled(256))
+
+
+def note_simulated(drawn: Figure, simulated: bool) -> Figure:
+    """Say on the figure itself when its records are simulated."""
+    if simulated:
+        drawn.text(
+            0.995, 0.005, SIMULATED_NOTE, ha="right", va="bottom", fontsize=7, color=PUBLISHED
+        )
+    return drawn

@@ -1,0 +1,103 @@
+"""What a stage depends on besides its input files: its code and its settings, as short texts.
+
+Snakemake notices a changed rule parameter but neither an edited module that a script imports
+nor, dependably, a changed dictionary. So each rule carries two strings: the hash of the stage's
+code and the canonical JSON of the settings that it reads.
+"""
+
+import ast
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+
+_LIBRARY = Path(__file__).parent
+_PACKAGE = _LIBRARY.name
+
+
+def canonical_json(settings: object) -> str:
+    """JSON text that is the same for equal settings: sorted keys, no spaces, no NaN."""
+    return json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def code_hash(script: str | Path) -> str:
+    """Hash of a stage's script and of every library module that it imports, however deep.
+
+    Syntax trees without docstrings are hashed: a comment, a docstring or a line break changes
+    nothing, any real change does. Raises SyntaxError when a module cannot be parsed.
+    """
+    script = Path(script).resolve()
+    seen = {script}
+    waiting = [script]
+    while waiting:
+        for imported in _library_imports(waiting.pop()) - seen:
+            seen.add(imported)
+            waiting.append(imported)
+    digest = hashlib.sha256()
+    for name, dump in sorted((_module_name(path), _bare_tree(path)) for path in seen):
+        digest.update(f"{name}\n{dump}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def _module_name(path: Path) -> str:
+    if path.is_relative_to(_LIBRARY):
+        return path.relative_to(_LIBRARY).as_posix()
+    return path.name
+
+
+def _parse(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+@cache
+def _bare_tree(path: Path) -> str:
+    tree = _parse(path)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if (
+            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+            and body
+            and isinstance(body[0], ast.Expr)
+            and isinstance(body[0].value, ast.Constant)
+            and isinstance(body[0].value.value, str)
+        ):
+            node.body = body[1:]
+    return ast.dump(tree)
+
+
+@cache
+def _library_imports(path: Path) -> frozenset[Path]:
+    """Files of the library that a file imports, anywhere in it (late imports, too)."""
+    found = set()
+    for node in ast.walk(_parse(path)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = _absolute(node, path)
+            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
+        else:
+            continue
+        for name in names:
+            found |= _files(name)
+    return frozenset(found)
+
+
+def _absolute(node: ast.ImportFrom, path: Path) -> str:
+    if node.level == 0:
+        return node.module or ""
+    folder = path.parents[node.level - 1].relative_to(_LIBRARY.parent)
+    return ".".join([*folder.parts, *([node.module] if node.module else [])])
+
+
+def _files(module: str) -> set[Path]:
+    """The file of a dotted name and the `__init__` files that Python runs on the way to it."""
+    parts = module.split(".")
+    if parts[0] != _PACKAGE:
+        return set()
+    found = set()
+    for depth in range(1, len(parts) + 1):
+        stem = _LIBRARY.joinpath(*parts[1:depth])
+        for candidate in (stem / "__init__.py", stem.with_suffix(".py")):
+            if candidate.is_file():
+                found.add(candidate)
+    return found

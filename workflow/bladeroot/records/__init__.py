@@ -1,0 +1,1 @@
+"""Raw records: reading them in any format, and finding the free decay in them."""

@@ -1,0 +1,304 @@
+"""A campaign folder: its description and its sheet of records or stick frequencies, checked whole.
+
+Everything that can be wrong with the sheets is found here, before any long work, and told as one
+line a fault that names the file and the row (the line number an editor shows).
+"""
+
+import csv
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from bladeroot.schema import read_yaml
+
+RECORD_COLUMNS = (
+    "record", "file", "mode", "force_N", "pressure_bar", "hold", "direction", "time_s", "drive_A",
+    "quantity", "unit", "channel", "exclude",
+)  # fmt: skip
+STICK_COLUMNS = (
+    "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
+)  # fmt: skip
+UNITS = {
+    "velocity": ("m/s", "mm/s", "um/s"),
+    "displacement": ("m", "mm", "um"),
+    "acceleration": ("m/s^2", "g"),
+}
+SUFFIXES = (".nc", ".csv")
+# A stick frequency further than this from the mode's expected one belongs to another mode.
+MODE_BAND = 0.25
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+
+
+class CampaignError(ValueError):
+    """All faults of a campaign's files, a line each."""
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A checked campaign.
+
+    `records` (one dict a usable row, SI units) or `stick` (one dict a row) is filled, the other
+    is empty. `excluded` holds the ids of the rows marked `exclude`.
+    """
+
+    name: str
+    folder: Path
+    description: dict
+    records: tuple[dict, ...]
+    stick: tuple[dict, ...]
+    excluded: tuple[str, ...]
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the virtual test bench makes the raw records."""
+        return "bench" in self.description
+
+    @property
+    def force_scale(self) -> float:
+        """Newtons per unit of the gauge's reading (per bar, or per microstrain)."""
+        return force_scale(self.description["force"])
+
+    @property
+    def force_full_scale(self) -> float:
+        """The gauge's full scale in newtons."""
+        gauge = self.description["force"]
+        key = "full_scale_bar" if gauge["gauge"] == "pressure" else "full_scale_microstrain"
+        return gauge[key] * self.force_scale
+
+
+def force_scale(gauge: dict) -> float:
+    """Newtons per bar (F = A p) or per microstrain (F = A E strain) of a gauge (section 2.1.6)."""
+    if gauge["gauge"] == "pressure":
+        return gauge["piston_area_cm2"] * 1e-4 * 1e5
+    return gauge["section_mm2"] * 1e-6 * gauge["modulus_GPa"] * 1e9 * 1e-6
+
+
+def load_campaign(folder: str | Path) -> Campaign:
+    """Load and check a campaign folder. Raises CampaignError with a line for every fault."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise CampaignError(f"campaign folder not found: {folder}")
+    if not _ID.fullmatch(folder.name):
+        raise CampaignError(
+            f"a campaign folder's name must be letters, digits, - and _, got {folder.name!r}"
+        )
+    try:
+        description = read_yaml(folder / "campaign.yaml", "campaign")
+    except ValueError as error:
+        raise CampaignError(str(error)) from error
+
+    sheets = [name for name in ("records.csv", "stick.csv") if (folder / name).is_file()]
+    if len(sheets) != 1:
+        found = " and ".join(sheets) or "neither"
+        raise CampaignError(f"expected records.csv or stick.csv in {folder}, found {found}")
+    columns = RECORD_COLUMNS if sheets == ["records.csv"] else STICK_COLUMNS
+    rows, faults = _read_sheet(folder / sheets[0], columns)
+    sheet = _Sheet(folder, folder / sheets[0], description, faults)
+    if sheets == ["records.csv"]:
+        records = sheet.records(rows)
+        excluded = tuple(row["record"] for row in records if row.pop("exclude"))
+        records = tuple(row for row in records if row["record"] not in excluded)
+        stick = ()
+    else:
+        records, excluded = (), ()
+        stick = sheet.stick(rows)
+    if not faults and not records and not stick:
+        faults.append(f"no usable row ({sheet.path})")
+    if faults:
+        raise CampaignError("\n".join(faults))
+    return Campaign(folder.name, folder, description, records, stick, excluded)
+
+
+def _read_sheet(path: Path, columns: tuple[str, ...]) -> tuple[list[tuple[int, dict]], list[str]]:
+    """Rows of a CSV sheet as text with their line numbers, and the faults of its form."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise CampaignError(f"not UTF-8 text: {error.reason} at byte {error.start} ({path})") from (
+            error
+        )
+    reader = csv.reader(text.splitlines())
+    try:
+        header = [name.strip() for name in next(reader, [])]
+    except csv.Error as error:
+        raise CampaignError(f"not a CSV sheet: {error} ({path}, row 1)") from error
+    if not any(header):
+        raise CampaignError(f"the sheet is empty; expected a header row ({path})")
+    faults = [
+        f"unknown column {name!r}; expected some of {', '.join(columns)} ({path}, row 1)"
+        for name in header
+        if name not in columns
+    ]
+    faults += [
+        f"column {name!r} stands twice ({path}, row 1)"
+        for name in sorted(set(header))
+        if header.count(name) > 1
+    ]
+    if faults:
+        raise CampaignError("\n".join(faults))
+    rows = []
+    for cells in reader:
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(header):
+            faults.append(
+                f"expected {len(header)} cells, got {len(cells)} ({path}, row {reader.line_num})"
+            )
+            continue
+        values = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
+        rows.append((reader.line_num, values))
+    return rows, faults
+
+
+@dataclass(frozen=True)
+class _Sheet:
+    """Checks of one sheet; every check adds its line to `faults` and returns a value or None."""
+
+    folder: Path
+    path: Path
+    description: dict
+    faults: list[str]
+
+    def fault(self, text: str, row: int) -> None:
+        self.faults.append(f"{text} ({self.path}, row {row})")
+
+    def required(self, rows: list[tuple[int, dict]], columns: tuple[str, ...]) -> bool:
+        """Whether the columns are there (told once, not once a row)."""
+        present = rows[0][1] if rows else dict.fromkeys(columns)
+        missing = [name for name in columns if name not in present]
+        if missing:
+            self.fault(f"missing column {', '.join(map(repr, missing))}", 1)
+        return not missing
+
+    def number(self, row: int, values: dict, name: str, *, positive: bool = False) -> float | None:
+        text = values.get(name, "")
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            self.fault(f"{name} must be a finite number, got {text!r}", row)
+            return None
+        if positive and value <= 0:
+            self.fault(f"{name} must be positive, got {text}", row)
+            return None
+        return value
+
+    def mode(self, row: int, values: dict) -> str | None:
+        mode = values.get("mode", "")
+        modes = self.description["modes"]
+        if mode in modes:
+            return mode
+        self.fault(f"mode must be one of {', '.join(modes)} (campaign.yaml), got {mode!r}", row)
+        return None
+
+    def force(self, row: int, values: dict) -> float | None:
+        """The axial force in newtons, inside the gauge's range."""
+        gauge = self.description["force"]
+        given = [name for name in ("force_N", "pressure_bar") if values.get(name, "") != ""]
+        if len(given) != 1:
+            self.fault(
+                f"expected force_N or pressure_bar, got {' and '.join(given) or 'neither'}", row
+            )
+            return None
+        value = self.number(row, values, given[0], positive=True)
+        if value is None:
+            return None
+        scale = force_scale(gauge)
+        if given == ["pressure_bar"]:
+            if gauge["gauge"] != "pressure":
+                self.fault("pressure_bar needs a pressure gauge in campaign.yaml", row)
+                return None
+            value *= scale
+        key = "full_scale_bar" if gauge["gauge"] == "pressure" else "full_scale_microstrain"
+        full_scale = gauge[key] * scale
+        if value > full_scale:
+            self.fault(
+                f"{given[0]} {values[given[0]]} lies outside the gauge's range "
+                f"(0 to {full_scale:.0f} N)",
+                row,
+            )
+            return None
+        return round(value, 6)
+
+    def records(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
+        checked: list[dict] = []
+        first_row: dict[str, int] = {}
+        if not self.required(rows, ("record", "file", "mode")):
+            return ()
+        for row, values in rows:
+            record = values["record"]
+            if not _ID.fullmatch(record):
+                self.fault(f"record must be letters, digits, - and _, got {record!r}", row)
+            elif record in first_row:
+                self.fault(f"record {record!r} stands in row {first_row[record]} already", row)
+            first_row.setdefault(record, row)
+            checked.append(
+                {
+                    "record": record,
+                    "file": self.raw_file(row, values["file"]),
+                    "mode": self.mode(row, values),
+                    "force_N": self.force(row, values),
+                    "hold": values.get("hold") or record,
+                    "direction": self.choice(row, values, "direction", ("up", "down"), ""),
+                    "time_s": self.optional_number(row, values, "time_s"),
+                    "drive_A": self.optional_number(row, values, "drive_A"),
+                    **self.quantity(row, values),
+                    "channel": values.get("channel", ""),
+                    "exclude": self.exclude(row, values),
+                }
+            )
+        return tuple(checked)
+
+    def stick(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
+        checked = []
+        if not self.required(rows, STICK_COLUMNS):
+            return ()
+        for row, values in rows:
+            mode = self.mode(row, values)
+            line = {"mode": mode, "force_N": self.force(row, values)}
+            for name in STICK_COLUMNS[2:]:
+                line[name] = self.number(row, values, name, positive=True)
+            if mode and line["frequency_Hz"]:
+                expected = self.description["modes"][mode]["expected_Hz"]
+                if abs(line["frequency_Hz"] / expected - 1) > MODE_BAND:
+                    self.fault(
+                        f"frequency_Hz {values['frequency_Hz']} is not in the band of mode {mode} "
+                        f"({expected} Hz +- {MODE_BAND:.0%})",
+                        row,
+                    )
+            checked.append(line)
+        return tuple(checked)
+
+    def raw_file(self, row: int, name: str) -> str:
+        if not name:
+            self.fault("file is missing", row)
+        elif Path(name).suffix.lower() not in SUFFIXES:
+            self.fault(f"file must end in {', '.join(SUFFIXES)}, got {name!r}", row)
+        elif "bench" not in self.description and not (self.folder / name).is_file():
+            self.fault(f"file not found: {name}", row)
+        return name
+
+    def choice(self, row: int, values: dict, name: str, choices: tuple[str, ...], default: str):
+        value = values.get(name) or default
+        if value and value not in choices:
+            self.fault(f"{name} must be {' or '.join(choices)}, got {value!r}", row)
+        return value
+
+    def optional_number(self, row: int, values: dict, name: str) -> float | None:
+        return self.number(row, values, name) if values.get(name, "") != "" else None
+
+    def quantity(self, row: int, values: dict) -> dict:
+        quantity = self.choice(row, values, "quantity", tuple(UNITS), "velocity")
+        units = UNITS.get(quantity, ())
+        unit = values.get("unit") or (units[0] if units else "")
+        if units and unit not in units:
+            self.fault(f"unit of {quantity} must be {', '.join(units)}, got {unit!r}", row)
+        return {"quantity": quantity, "unit": unit}
+
+    def exclude(self, row: int, values: dict) -> bool:
+        text = values.get("exclude", "").lower()
+        if text not in ("", "0", "1", "no", "yes", "false", "true"):
+            self.fault(f"exclude must be yes or no, got {text!r}", row)
+        return text in ("1", "yes", "true")

@@ -1,0 +1,1 @@
+"""One file a format: SUFFIXES and read(path, quantity, unit, channel, sampling_Hz)."""

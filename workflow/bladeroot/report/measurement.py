@@ -1,0 +1,199 @@
+"""The sections on what was measured and which stick frequencies came of it."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
+from bladeroot.report.page import Picture, Section, Table
+
+
+def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str, str]) -> Section:
+    """The specimen's campaign: gauge, modes, records, what was left out and why."""
+    description = facts["description"]
+    parts: list = [description.get("notes", ""), _gauge_sentence(description["force"])]
+    parts = [part for part in parts if part]
+    if facts["entry"] == "stick frequencies":
+        parts.append(
+            f"The campaign enters at the stick-frequency stage with {_levels(stick)}; there are no "
+            "records to check them with."
+        )
+        return Section("What was measured", parts)
+    verdicts = Counter(str(v).split(":")[0] for v in stick["verdict"].values)
+    counts = [f"{count} with verdict “{verdict}”" for verdict, count in sorted(verdicts.items())]
+    parts.append(f"{stick.sizes['record']} records: {listed(counts)}.")
+    parts.append(_record_table(stick))
+    bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
+    for record in stick["record"].values[bad]:
+        parts.append(f"Left out: {record}, {stick['verdict'].sel(record=record).item()}.")
+    if facts["excluded"]:
+        parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
+    parts.append(
+        Picture(
+            figures["cuts"],
+            "Raw records and the free decay that was cut out by itself, for each mode at the "
+            "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
+        )
+    )
+    parts.append(
+        Picture(
+            figures["backbones"],
+            "Natural frequency and loss factor against displacement amplitude (FREEVIB, 3.11), "
+            "every usable record; bands are one standard error.",
+        )
+    )
+    return Section("What was measured", parts)
+
+
+def stick_section(
+    stick: xr.Dataset, figure: str, score: xr.Dataset | None, fe_forces: xr.Dataset
+) -> Section:
+    """Stick frequency, loss factor and onset for each mode and force."""
+    rows = [
+        (
+            str(level["mode"].item()),
+            fixed(float(level["force"]) / 1e3, 2),
+            with_std(float(level["frequency"]), float(level["frequency_std"]), 2),
+            fixed(float(level["within_std"]), 3),
+            fixed(float(level["between_std"]), 2),
+            with_std(100 * float(level["loss_factor"]), 100 * float(level["loss_factor_std"]), 3),
+            with_std(
+                1e6 * float(level["onset_amplitude"]), 1e6 * float(level["onset_amplitude_std"]), 2
+            ),
+            f"{int(level['records'])} / {int(level['holds'])}",
+        )
+        for level in (stick.isel(level=index) for index in range(stick.sizes["level"]))
+    ]
+    parts: list = [
+        "The stick frequency is that of the plateau at small amplitude, where all flanks stick and "
+        "the joint is linear. Nothing is extrapolated: a record that never reaches its plateau "
+        "gives a bound and no frequency.",
+        Picture(
+            figure,
+            "Stick frequency and loss factor against axial force, and their linear interpolation "
+            "to the simulation's forces with the force error included (5.13, 5.14).",
+        ),
+        Table(
+            "Stick frequencies. Within: propagated standard error of the records (3.21); between: "
+            "standard deviation of the records at one force. The stated error counts both, and "
+            "the scatter between holds where there are several.",
+            ("mode", "force / kN", "frequency / Hz", "within / Hz", "between / Hz",
+             "loss factor / %", "onset of slip / µm", "records / holds"),
+            rows,
+        ),
+    ]  # fmt: skip
+    if score is not None:
+        parts += _score_parts(stick, score)
+    parts.append(_interpolated(fe_forces))
+    return Section("Stick frequencies", parts)
+
+
+def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
+    """Table 5.1 beside ours, with the force error read in both ways."""
+    rows = []
+    for line in published.itertuples():
+        if 1e3 * line.force_kN not in fe_forces["force"].values:
+            continue
+        here = fe_forces["frequency_std"].sel(force=1e3 * line.force_kN)
+        cells = [f"{line.force_kN:g}"]
+        for mode in ("1B", "2B"):
+            of_mode = here.sel(mode=mode)
+            cells += [
+                fixed(getattr(line, f"frequency_delta_{mode}_Hz"), 2),
+                fixed(float(of_mode.sel(force_error="reading")), 3),
+                fixed(float(of_mode.sel(force_error="full-scale")), 2),
+            ]
+        rows.append(tuple(cells))
+    header = ["force / kN"]
+    for mode in ("1B", "2B"):
+        header += [f"{mode} printed / Hz", f"{mode}, 1 % of reading", f"{mode}, 1 % of full scale"]
+    return [
+        "The thesis's errors at these forces (Table 5.1) need a force error of 1 % of the reading. "
+        "The gauge's data sheet says 1 % of its full scale, 700 bar or 1253 N, which is several "
+        "times more; it is what we go on with.",
+        Table("Standard deviations of the interpolated frequencies, Hz", header, rows),
+    ]
+
+
+def _gauge_sentence(gauge: Mapping) -> str:
+    if gauge["gauge"] == "pressure":
+        what = (
+            f"from the actuator's pressure on {gauge['piston_area_cm2']:g} cm², full scale "
+            f"{gauge['full_scale_bar']:g} bar"
+        )
+    else:
+        what = f"from strain gauges, full scale {gauge['full_scale_microstrain']:g} microstrain"
+    return (
+        f"The axial force is read {what}, accurate to {gauge['accuracy_percent']:g} % of the "
+        f"{gauge['accuracy_of'].replace('-', ' ')}."
+    )
+
+
+def _levels(stick: xr.Dataset) -> str:
+    texts = []
+    for mode in dict.fromkeys(stick["mode"].values):
+        force = stick["force"].values[stick["mode"].values == mode] / 1e3
+        texts.append(f"{len(force)} forces in mode {mode} ({force.min():.1f} to {force.max():.1f} kN)")
+    return listed(texts)
+
+
+def _record_table(stick: xr.Dataset) -> Table:
+    frame = pd.DataFrame(
+        {
+            name: stick[name].values
+            for name in ("record_mode", "record_force", "hold", "plateau_reached")
+        }
+    )
+    rows = []
+    for (mode, force), group in frame.groupby(["record_mode", "record_force"]):
+        rows.append(
+            (
+                mode,
+                fixed(force / 1e3, 2),
+                str(len(group)),
+                str(group["hold"].nunique()),
+                str(int(group["plateau_reached"].sum())),
+            )
+        )
+    header = ("mode", "force / kN", "records", "holds", "plateau reached")
+    return Table("Records of each mode and force", header, rows)
+
+
+def _score_parts(stick: xr.Dataset, score: xr.Dataset) -> list:
+    reached, hit = score.attrs["reached"], score.attrs["within_3"]
+    deviation = score["deviation"].values
+    worst = np.nanmax(np.abs(deviation)) if reached else np.nan
+    error = 1e6 * np.abs(stick["stick_frequency"] / score["true_frequency"] - 1)
+    return [
+        "The records are simulated, so the answer is known: of "
+        f"{reached} records whose plateau is reached, {hit} hit the bench's stuck eigenfrequency "
+        f"within three of their stated standard errors (worst {significant(worst, 2)}); the median "
+        f"error is {significant(float(error.median()), 2)} ppm. "
+        f"{stick.sizes['record'] - reached} records are reported as not reached or rejected."
+    ]
+
+
+def _interpolated(fe_forces: xr.Dataset) -> Table:
+    primary = fe_forces.attrs["primary_force_error"]
+    modes = list(fe_forces["mode"].values)
+    rows = []
+    for force in fe_forces["force"].values:
+        cells = [f"{force / 1e3:g}"]
+        for mode in modes:
+            here = fe_forces.sel(force=force, mode=mode)
+            spread = here["frequency_std"].sel(force_error=primary)
+            cells.append(with_std(float(here["frequency"]), float(spread), 2))
+            low, high = float(here["lower_force"]), float(here["upper_force"])
+            cells.append(f"{low / 1e3:.2f} to {high / 1e3:.2f}" if np.isfinite(low) else NONE)
+        rows.append(tuple(cells))
+    header = ["force / kN"]
+    for mode in modes:
+        header += [f"{mode} / Hz", f"{mode} between / kN"]
+    return Table(
+        f"At the simulation's forces; force error: {primary.replace('-', ' ')} of the gauge",
+        header,
+        rows,
+    )

@@ -1,0 +1,44 @@
+"""Numbers as text, the same way everywhere in a report."""
+
+import math
+
+NONE = "–"
+
+
+def fixed(value: float, digits: int, unit: str = "") -> str:
+    """A number with a fixed count of decimals; a dash where there is none."""
+    if not math.isfinite(value):
+        return NONE
+    return f"{value:,.{digits}f}".replace(",", "\u202f") + (f" {unit}" if unit else "")
+
+
+def significant(value: float, digits: int = 3, unit: str = "") -> str:
+    """A number with a count of significant digits; a dash where there is none."""
+    if not math.isfinite(value):
+        return NONE
+    if value == 0:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    if decimals > 6:
+        return f"{value:.{digits - 1}e}" + (f" {unit}" if unit else "")
+    return fixed(value, decimals, unit)
+
+
+def with_std(value: float, std: float, digits: int, unit: str = "") -> str:
+    """Value ± standard deviation with the same decimals."""
+    if not math.isfinite(value):
+        return NONE
+    spread = f" ± {fixed(std, digits)}" if math.isfinite(std) else ""
+    return f"{fixed(value, digits)}{spread}" + (f" {unit}" if unit else "")
+
+
+def percent(ratio: float, digits: int = 1) -> str:
+    """A ratio in per cent."""
+    return fixed(100 * ratio, digits, "%")
+
+
+def listed(words: list[str], last: str = "and") -> str:
+    """Words as an enumeration."""
+    if len(words) < 2:
+        return "".join(words)
+    return f"{', '.join(words[:-1])} {last} {words[-1]}"

@@ -1,0 +1,51 @@
+"""The parts of a report, and the page made of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import resources
+
+import jinja2
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of finished texts; a row's cells stand under the header's."""
+
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure as SVG text with its caption."""
+
+    svg: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with paragraphs (str), tables and pictures in reading order."""
+
+    title: str
+    parts: Sequence["str | Table | Picture"] = field(default_factory=list)
+
+
+def render(
+    title: str, subtitle: str, simulated: bool, sections: Sequence[Section], footer: str
+) -> str:
+    """The whole self-contained HTML page."""
+    files = resources.files(__package__)
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
+    environment.tests["table"] = lambda part: isinstance(part, Table)
+    environment.tests["picture"] = lambda part: isinstance(part, Picture)
+    template = environment.from_string((files / "page.html.j2").read_text(encoding="utf-8"))
+    return template.render(
+        title=title,
+        subtitle=subtitle,
+        simulated=simulated,
+        sections=sections,
+        footer=footer,
+        style=(files / "page.css").read_text(encoding="utf-8"),
+    )

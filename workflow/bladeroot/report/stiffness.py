@@ -1,0 +1,116 @@
+"""The section on kn and kt: what was found with each structure, how certain, and where nothing is."""
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.page import Picture, Section, Table
+
+_HEADER = (
+    "structure", "force / kN", "kn nodal / N/mm", "kt nodal / N/mm", "std ln kn", "std ln kt",
+    "of it measured", "correlation", "thesis kn", "thesis kt",
+)  # fmt: skip
+_MISS_HEADER = (
+    "structure", "force / kN", "model must move, 1B", "model must move, 2B", "in its stds",
+    "bonded 1B / Hz", "bonded 2B / Hz", "measured 1B / Hz", "measured 2B / Hz",
+)  # fmt: skip
+
+
+def stiffness_section(stiffness: xr.Dataset, maps: str) -> Section:
+    """Tables of roots and of missing roots, the maps, and the laws over force."""
+    roots, misses = [], []
+    for structure in stiffness["structure"].values:
+        for force in stiffness["force"].values:
+            found = stiffness.sel(structure=structure, force=force)
+            status = found["status"].item()
+            if status == "root":
+                roots.append(_root_row(found, structure, force))
+            elif status == "no root":
+                misses.append(_miss_row(found, structure, force))
+    parts: list = [
+        "At each axial force the two measured frequencies are inverted for the normal and the "
+        "tangential stiffness of a flank (5.8). Two numbers from two numbers leave no residual: "
+        "the fit cannot show an error of the model. Its doubt is carried by the covariance of "
+        "(ln kn, ln kt), from the measured frequencies and from a bias of the model's "
+        f"frequencies (std {_bias(stiffness)}). Nodal values are the flank's total over 33 nodes, "
+        "as Table 5.2 prints them; our springs are shared by area.",
+        Picture(
+            maps,
+            "Lines of constant frequency over (kn, kt). Thick: the measured stick frequency of "
+            "each mode, the band one standard deviation with the model's bias. Where the two "
+            "thick lines cross, the pair of frequencies has a root; where they do not, none exists.",
+        ),
+    ]
+    if roots:
+        parts.append(Table("Roots. Standard deviations are of the logarithm: 0.2 is about 20 %.",
+                           _HEADER, roots))  # fmt: skip
+        parts += _law_sentences(stiffness)
+    if misses:
+        parts.append(
+            Table(
+                "No root: the smallest relative change of the model's frequencies (weighted by "
+                "their standard deviations) that would give one, and the frequencies of bonded "
+                "contact, which no stiffness can exceed.",
+                _MISS_HEADER,
+                misses,
+            )
+        )
+    return Section("Contact stiffness", parts)
+
+
+def _bias(stiffness: xr.Dataset) -> str:
+    bias = stiffness["fe_bias_std"].isel(structure=0, force=0)
+    return listed([f"{percent(float(bias.sel(mode=m)))} in {m}" for m in bias["mode"].values])
+
+
+def _root_row(found: xr.Dataset, structure: str, force: float) -> tuple[str, ...]:
+    measured = found["ln_covariance"].sel(source="measurement").values
+    spread = np.sqrt(np.diag(measured))
+    return (
+        structure,
+        f"{force / 1e3:g}",
+        fixed(float(found["kn_nodal"]) / 1e3, 0),
+        fixed(float(found["kt_nodal"]) / 1e3, 0),
+        significant(float(found["ln_kn_std"]), 2),
+        significant(float(found["ln_kt_std"]), 2),
+        f"{significant(spread[0], 2)}, {significant(spread[1], 2)}",
+        fixed(float(found["correlation"]), 3),
+        _printed(found, "kn"),
+        _printed(found, "kt"),
+    )
+
+
+def _printed(found: xr.Dataset, name: str) -> str:
+    if f"published_{name}_nodal" not in found:
+        return NONE
+    value = float(found[f"published_{name}_nodal"]) / 1e3
+    spread = float(found[f"published_{name}_nodal_std"]) / 1e3
+    return f"{fixed(value, 0)} ± {fixed(spread, 0)}" if np.isfinite(value) else NONE
+
+
+def _miss_row(found: xr.Dataset, structure: str, force: float) -> tuple[str, ...]:
+    needed = found["needed_bias"]
+    spread = np.hypot(found["fe_bias_std"], found["target_std"] / found["target_frequency"])
+    return (
+        structure,
+        f"{force / 1e3:g}",
+        *(f"{100 * float(needed.sel(mode=m)):+.2f} %" for m in ("1B", "2B")),
+        significant(float(np.sqrt(((needed / spread) ** 2).sum())), 2),
+        *(fixed(float(found["bonded_frequency"].sel(mode=m)), 1) for m in ("1B", "2B")),
+        *(fixed(float(found["target_frequency"].sel(mode=m)), 2) for m in ("1B", "2B")),
+    )
+
+
+def _law_sentences(stiffness: xr.Dataset) -> list[str]:
+    sentences = []
+    for structure in stiffness["structure"].values:
+        law = stiffness.sel(structure=structure)
+        if not np.isfinite(float(law["kn_law_exponent"])):
+            continue
+        texts = [
+            f"{name} ∝ F^({significant(float(law[f'{name}_law_exponent']), 2)} ± "
+            f"{significant(float(law[f'{name}_law_exponent_std']), 1)})"
+            for name in ("kn", "kt")
+        ]
+        sentences.append(f"Over its roots, {structure} gives {listed(texts)}.")
+    return sentences

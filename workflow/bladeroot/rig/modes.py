@@ -1,0 +1,69 @@
+"""Modes of the stuck specimen, and the contacts' flexibility that the kept modes leave out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.linalg import cho_factor, cho_solve, eigh
+
+from bladeroot.rig.joint import Specimen, sensor_row, stuck_stiffness
+
+# A change of sign counts as a node only between points that move by more than this part.
+_NODE_LEVEL = 0.1
+# A mode bends the line if its mean square reaches this part of the largest.
+_BENDING_LEVEL = 0.1
+
+
+@dataclass(frozen=True)
+class StuckModes:
+    """Kept modes of the stuck specimen (mass-normalised), seen at the sliders, laser and tip.
+
+    `residual` (m/N) is the static flexibility between sliders of all modes that are not kept.
+    """
+
+    omega: Float[ndarray, " mode"]
+    names: tuple[str, ...]
+    slider_shape: Float[ndarray, "slider mode"]
+    slider_kt: Float[ndarray, " slider"]
+    residual: Float[ndarray, "slider slider"]
+    laser_shape: Float[ndarray, " mode"]
+    tip_shape: Float[ndarray, " mode"]
+
+
+def stuck_modes(
+    body: Specimen, kn: float, kt: float, kept: int, laser_x: float, tip_x: float
+) -> StuckModes:
+    """Lowest `kept` modes of the specimen with all flanks stuck (kn, kt in N/m a flank; x in m)."""
+    stiffness, slider_kt = stuck_stiffness(body, kn, kt)
+    squares, shapes = eigh(stiffness, body.mass, subset_by_index=(0, kept - 1))
+    if squares[0] <= 0:
+        raise ValueError(f"the stuck specimen is not stable: omega^2 = {squares[0]}")
+    at_sliders = body.tangential @ shapes
+    static = body.tangential @ cho_solve(cho_factor(stiffness), body.tangential.T)
+    residual = static - (at_sliders / squares) @ at_sliders.T
+    return StuckModes(
+        omega=np.sqrt(squares),
+        names=bending_names(body.line_x, body.line_z @ shapes),
+        slider_shape=at_sliders,
+        slider_kt=slider_kt,
+        residual=(residual + residual.T) / 2,
+        laser_shape=sensor_row(body, laser_x) @ shapes,
+        tip_shape=sensor_row(body, tip_x) @ shapes,
+    )
+
+
+def bending_names(x: Float[ndarray, " point"], z: Float[ndarray, "point mode"]) -> tuple[str, ...]:
+    """Name modes by the nodes of their bending shape: `1B` none, `2B` one, ...; others stay empty.
+
+    `z` is the bending displacement of mass-normalised shapes on the middle line. Lateral, axial
+    and torsional modes hardly bend that line, so they are told by their small mean square.
+    """
+    strength = np.trapezoid(z**2, x, axis=0)
+    names: list[str] = []
+    for k, column in enumerate(z.T):
+        moving = column[np.abs(column) > _NODE_LEVEL * np.abs(column).max()]
+        name = f"{np.sum(moving[1:] * moving[:-1] < 0) + 1}B"
+        bending = strength[k] > _BENDING_LEVEL * strength.max()
+        names.append(name if bending and name not in names else "")
+    return tuple(names)

@@ -1,0 +1,41 @@
+"""Checking a YAML document against one of the project's JSON schemas (workflow/schemas/)."""
+
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+_SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
+
+
+def read_yaml(path: str | Path, schema: str) -> dict:
+    """Read a YAML file and check it; one ValueError names the file, every fault a line.
+
+    `schema` is a name in workflow/schemas/, without its ending.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise ValueError(f"file not found: {path}")
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(f"not a YAML text: {' '.join(str(error).split())} ({path})") from error
+    check(document, schema, str(path))
+    return document
+
+
+def check(document: object, schema: str, where: str) -> None:
+    """Raise one ValueError with a line for every fault of a document."""
+    text = (_SCHEMAS / f"{schema}.schema.yaml").read_text(encoding="utf-8")
+    validator = jsonschema.Draft202012Validator(yaml.safe_load(text))
+    faults = sorted(validator.iter_errors(document), key=lambda fault: list(map(str, fault.path)))
+    if faults:
+        raise ValueError("\n".join(_line(fault, where) for fault in faults))
+
+
+def _line(fault: jsonschema.ValidationError, where: str) -> str:
+    place = ".".join(str(step) for step in fault.absolute_path) or "the file"
+    hint = fault.schema.get("description") if isinstance(fault.schema, dict) else None
+    message = fault.message if len(fault.message) < 200 else f"{fault.message[:200]}..."
+    expected = f"; expected: {hint}" if hint else ""
+    return f"{place}: {message}{expected} ({where})"

@@ -1,0 +1,234 @@
+"""Contact stiffness of one assembly from its measured pair of frequencies (sections 5.2, 5.3).
+
+Two frequencies fix two unknowns exactly, so nothing is left over to tell how well the model
+fits; all doubt is in what the frequencies are worth. Measured ones carry the errors of 5.14, the
+model's a bias that is the same for all forces. Both go into the covariance of (ln kn, ln kt), and,
+as the map bends and ends at bonded contact, into draws that may have no root at all.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.stiffness.grid_search import grid_search
+from bladeroot.stiffness.map import Basis, all_frequencies, bases_of
+from bladeroot.stiffness.roots import all_roots, nearest_point, newton
+
+FE_BIAS = 0.005  # of the frequency, one standard deviation, unless known better
+SOURCES = ("measurement", "finite elements")
+QUANTILES = (0.16, 0.5, 0.84)
+STIFFNESS = ("kn", "kt")
+
+
+def search(
+    frequency_map: xr.Dataset,
+    fe_forces: xr.Dataset,
+    fe_bias: Mapping[str, float] | None = None,
+    fe_offset: Mapping[str, float] | None = None,
+    draws: int = 400,
+) -> xr.Dataset:
+    """Flank stiffness kn and kt that give the measured frequencies at the map's axial force.
+
+    frequency_map: from `bladeroot.stiffness.map`. fe_forces: from
+    `bladeroot.stiffness.interpolation`; its primary force error is used. fe_bias: standard
+    deviation of the model's bias per mode, as a fraction of frequency. fe_offset: the part of that
+    bias that is known, model over truth less one (zero unless given). draws: simulated errors.
+
+    `status` is "root", "no root" (no stiffness in the box gives the pair: kn and kt are NaN and
+    `needed_bias` says how far the model's frequencies would have to move) or "no measurement".
+    Of several roots the one with the smallest covariance of ln k is `kn`, `kt`; all are kept.
+    Raises ValueError for a bias that is not positive or missing for a mode.
+    """
+    modes = [str(mode) for mode in frequency_map["mode"].values]
+    bias = np.array([(fe_bias or dict.fromkeys(modes, FE_BIAS)).get(m, np.nan) for m in modes])
+    if not np.all(bias > 0.0):
+        raise ValueError(f"fe_bias must be positive for modes {modes}, got {fe_bias}")
+    offset = np.array([(fe_offset or {}).get(m, 0.0) for m in modes])
+    measured = _measured(fe_forces, modes, frequency_map.attrs["axial_force"])
+    target = measured["target_frequency"] * (1.0 + offset)  # what the model should give
+    std = measured["target_std"] * (1.0 + offset)
+    bases = bases_of(frequency_map)
+    known = bool(np.all(np.isfinite(target)) and np.all(np.isfinite(std)))
+    drawn = frequency_map["map_frequency"].values
+    log_axis = np.log(frequency_map["map_kn"].values)
+    roots = all_roots(bases, target, drawn, log_axis) if known else np.empty((0, 2))
+    parts = [
+        _targets(measured, bias, offset, modes),
+        _roots(bases, roots, target, std, bias, modes),
+        _miss(bases, target, std, bias, drawn, log_axis, modes, known and not len(roots)),
+        _scatter(bases, target, std, bias, drawn, log_axis, draws if known else 0),
+        grid_search(bases, target, std, bias * target) if known else xr.Dataset(),
+        frequency_map[["map_frequency", "bonded_frequency"]],
+    ]
+    status = "no measurement" if not known else "root" if len(roots) else "no root"
+    text = {"units": "1", "long_name": "whether the pair of frequencies has a root in the box"}
+    return (
+        xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+        .assign(status=((), status, text))
+        .assign_attrs(
+            structure=frequency_map.attrs["structure"],
+            axial_force=frequency_map.attrs["axial_force"],
+            force_error=fe_forces.attrs["primary_force_error"],
+            map_largest_relative_error=frequency_map.attrs["largest_relative_error"],
+            box_low=float(np.exp(log_axis[0])),
+            box_high=float(np.exp(log_axis[-1])),
+        )
+    )
+
+
+def _measured(fe_forces: xr.Dataset, modes: list[str], force: float) -> dict[str, ndarray]:
+    """Targets at one force, NaN where the campaign has none."""
+    names = {"target_frequency": "frequency", "target_std": "frequency_std"}
+    names |= {name: name for name in ("lower_force", "upper_force")}
+    out = {name: np.full(len(modes), np.nan) for name in names}
+    close = np.flatnonzero(np.isclose(fe_forces["force"].values, force, rtol=1e-9))
+    if len(close) == 0:
+        return out
+    here = fe_forces.isel(force=int(close[0])).sel(force_error=fe_forces.primary_force_error)
+    for m, mode in enumerate(modes):
+        if mode in here["mode"].values:
+            for name, original in names.items():
+                out[name][m] = float(here[original].sel(mode=mode))
+    return out
+
+
+def ln_covariance(
+    jacobian: Float[ndarray, "mode 2"],
+    target: Float[ndarray, " mode"],
+    std: Float[ndarray, " mode"],
+    bias: Float[ndarray, " mode"],
+) -> Float[ndarray, "source 2 2"]:
+    """Covariance of (ln kn, ln kt) from the measurement and from the model's bias (eq. 5.22).
+
+    jacobian: by (ln kn, ln kt), Hz. target, std: Hz. bias: fraction. As many frequencies as
+    unknowns, so (J^T S^-1 J)^-1 is J^-1 S J^-T. Both frequencies rise with both stiffnesses in
+    nearly the same proportion, hence a correlation close to -1.
+    """
+    inverse = np.linalg.inv(jacobian)
+    return np.stack([inverse @ np.diag(s**2) @ inverse.T for s in (std, bias * target)])
+
+
+def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
+    attrs = {"units": units, "long_name": long_name}
+    return (dims, values, attrs | ({"source": source} if source else {}))
+
+
+def _targets(
+    measured: dict[str, ndarray], bias: ndarray, offset: ndarray, modes: list[str]
+) -> xr.Dataset:
+    return xr.Dataset(
+        {
+            "target_frequency": _var(
+                "mode", measured["target_frequency"], "Hz", "measured stick frequency", "eq. 5.13"
+            ),
+            "target_std": _var(
+                "mode", measured["target_std"], "Hz", "its standard deviation", "eq. 5.14"
+            ),
+            "lower_force": _var("mode", measured["lower_force"], "N", "measured force below"),
+            "upper_force": _var("mode", measured["upper_force"], "N", "measured force above"),
+            "fe_bias_std": _var("mode", bias, "1", "standard deviation of the model's bias"),
+            "fe_offset": _var("mode", offset, "1", "known bias of the model, allowed for"),
+        },
+        coords={"mode": modes},
+    )
+
+
+def _roots(bases, roots, target, std, bias, modes) -> xr.Dataset:
+    """The chosen root with its covariance, and all roots."""
+    count = len(roots)
+    jacobians = all_frequencies(bases, roots)[1] if count else np.empty((0, len(modes), 2))
+    parts = np.array([ln_covariance(j, target, std, bias) for j in jacobians]).reshape(-1, 2, 2, 2)
+    whole = parts.sum(axis=1)
+    jacobian, covariance = np.full((len(modes), 2), np.nan), np.full((2, 2, 2), np.nan)
+    chosen = np.full(2, np.nan)
+    if count:
+        best = int(np.argmin(np.trace(whole, axis1=1, axis2=2)))
+        chosen, jacobian, covariance = np.exp(roots[best]), jacobians[best], parts[best]
+    total = covariance.sum(axis=0)
+    entries = {}
+    for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
+        text = f"{part} contact stiffness of a flank"
+        entries[name] = _var((), chosen[i], "N/m", text, "eq. 5.8")
+        spread = np.sqrt(total[i, i])
+        entries[f"ln_{name}_std"] = _var((), spread, "1", f"standard deviation of ln {name}")
+        entries[f"root_{name}"] = _var("root", np.exp(roots[:, i]), "N/m", f"{text}, every root")
+        spread = np.sqrt(whole[:, i, i])
+        entries[f"root_ln_{name}_std"] = _var(
+            "root", spread, "1", f"standard deviation of ln {name}, every root"
+        )
+    with np.errstate(invalid="ignore"):  # a source without error has no correlation
+        correlations = [c[0, 1] / np.sqrt(c[0, 0] * c[1, 1]) for c in (*covariance, total)]
+    return xr.Dataset(
+        entries
+        | {
+            "ln_covariance": _var(
+                ("source", "stiffness", "stiffness_"),
+                covariance,
+                "1",
+                "covariance of (ln kn, ln kt) by source of error",
+                "eq. 5.22",
+            ),
+            "correlation": _var((), correlations[2], "1", "correlation of ln kn and ln kt"),
+            "correlation_by_source": _var(
+                "source", correlations[:2], "1", "correlation of ln kn and ln kt by source of error"
+            ),
+            "jacobian": _var(
+                ("mode", "stiffness"), jacobian, "Hz", "slope of frequency by ln k", "eq. 5.16"
+            ),
+        },
+        coords={"source": list(SOURCES), "stiffness": list(STIFFNESS), "mode": modes},
+    )
+
+
+def _miss(bases, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Dataset:
+    """How far the model's frequencies would have to move for a root; zero where one exists."""
+    needed, edge = target * 0.0, 0
+    if rootless:
+        spread = np.hypot(std, bias * target)
+        point = nearest_point(bases, target, spread, drawn, log_axis)
+        near = all_frequencies(bases, point[None])[0][0]
+        needed = target / near - 1.0
+        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < 1e-3))
+    return xr.Dataset(
+        {
+            "needed_bias": _var(
+                "mode",
+                needed,
+                "1",
+                "smallest relative change of the model's frequencies, in units of their standard "
+                "deviation, that gives a root",
+            ),
+            "needed_bias_at_edge": _var(
+                (), edge, "1", "1 where the nearest point lies on the edge of the box"
+            ),
+        },
+        coords={"mode": modes},
+    )
+
+
+def _scatter(bases: list[Basis], target, std, bias, drawn, log_axis, draws: int) -> xr.Dataset:
+    """Roots of targets drawn with all errors: how many exist, and where they lie."""
+    share, quantiles = np.nan, np.full((2, len(QUANTILES)), np.nan)
+    if draws:
+        noise = np.random.default_rng(20240612).standard_normal((draws, len(target)))
+        spread = np.hypot(std, bias * target)
+        aims = target + noise * spread
+        flat = drawn.reshape(len(target), -1)
+        miss = sum(((flat[m] - aims[:, m : m + 1]) / spread[m]) ** 2 for m in range(len(target)))
+        start = np.stack(np.unravel_index(np.argmin(miss, axis=1), drawn.shape[1:]), axis=1)
+        ends, good = newton(bases, aims, log_axis[start], (log_axis[0], log_axis[-1]))
+        share = float(np.mean(good))
+        if good.sum() >= 20:
+            quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T
+    entries = {
+        "root_share": _var(
+            (), share, "1", "share of draws of measurement and model errors that have a root"
+        )
+    }
+    for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
+        text = f"{part} contact stiffness of a flank, quantiles over the draws that have a root"
+        entries[f"{name}_quantile"] = _var("quantile", quantiles[i], "N/m", text)
+    return xr.Dataset(entries, coords={"quantile": list(QUANTILES)})

@@ -1,0 +1,179 @@
+"""Contact stiffness over all axial forces, and the law it follows (Table 5.2, figs 5.15, 5.16)."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+NODES = 33
+REFERENCE_FORCE = 12e3  # N
+FEWEST = 3  # roots that a law of two parameters needs at least
+_FLOOR = 1e-6  # smallest std of ln k that a weight may rest on
+
+COLLECTED = (
+    "kn",
+    "kt",
+    "ln_kn_std",
+    "ln_kt_std",
+    "ln_covariance",
+    "correlation",
+    "correlation_by_source",
+    "jacobian",
+    "status",
+    "needed_bias",
+    "needed_bias_at_edge",
+    "root_share",
+    "kn_quantile",
+    "kt_quantile",
+    "target_frequency",
+    "target_std",
+    "fe_bias_std",
+    "fe_offset",
+    "lower_force",
+    "upper_force",
+    "bonded_frequency",
+    "grid_kn",
+    "grid_kt",
+    "grid_kn_std",
+    "grid_kt_std",
+)
+
+
+def summarise(
+    searches: Mapping[str, Sequence[xr.Dataset]],
+    fe_forces: xr.Dataset,
+    published: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """All searches side by side, dims structure and force, with the joint law of each structure.
+
+    searches: by structure, one Dataset of `bladeroot.stiffness.search` per axial force.
+    fe_forces: where their targets came from. published: Table 5.2, from
+    `bladeroot.contact.published`. The law is k = k_ref (F / 12 kN)^p, fitted to ln k.
+    Raises ValueError when a structure has two searches at one force.
+    """
+    lines = [_of_structure(name, parts) for name, parts in searches.items()]
+    whole = xr.concat(lines, "structure", join="outer", combine_attrs="override").sortby("force")
+    whole["structure"] = whole["structure"].astype(str)
+    status = whole["status"].fillna("no measurement").astype(str)
+    whole["status"] = status.assign_attrs(whole["status"].attrs)
+    whole = whole.assign(_nodal(whole)).assign(_roots(whole))
+    laws = xr.concat(
+        [_laws(whole.sel(structure=name), fe_forces) for name in whole["structure"].values],
+        whole["structure"],
+    )
+    parts = [whole, laws]
+    if published is not None:
+        named = published.rename({name: f"published_{name}" for name in published.data_vars})
+        parts.append(named.reindex(force=whole["force"].values))
+    merged = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+    merged["force"].attrs = {"units": "N", "long_name": "axial force"}
+    return merged.assign_attrs(
+        force_error=fe_forces.attrs["primary_force_error"], reference_force_N=REFERENCE_FORCE
+    )
+
+
+def _of_structure(name: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    forces = [float(part.attrs["axial_force"]) for part in parts]
+    if len(set(forces)) != len(forces):
+        raise ValueError(f"structure {name}: two searches at one force among {sorted(forces)} N")
+    chosen = [
+        part[[key for key in COLLECTED if key in part]].drop_attrs(deep=False) for part in parts
+    ]
+    line = xr.concat(chosen, xr.Variable("force", forces), data_vars="all", join="outer")
+    return line.expand_dims(structure=[name])
+
+
+def _nodal(whole: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Totals shared equally among the thesis's 33 nodes (eq. 6.16)."""
+    out = {}
+    for key, part in (("kn", "normal"), ("kt", "tangential")):
+        out[f"{key}_nodal"] = (whole[key] / NODES).assign_attrs(
+            units="N/m",
+            long_name=f"{part} contact stiffness of one of {NODES} equal nodes",
+            source="eq. 6.16",
+        )
+    return out
+
+
+def _roots(whole: xr.Dataset) -> dict[str, xr.DataArray]:
+    count = (whole["status"] == "root").sum("force")
+    return {
+        "root_count": count.assign_attrs(units="1", long_name="axial forces with a root"),
+    }
+
+
+def power_law(
+    force: Float[ndarray, " force"],
+    ln_stiffness: Float[ndarray, " force"],
+    measured: Float[ndarray, "force force"],
+    shared: Float[ndarray, "force force"],
+) -> tuple[Float[ndarray, " 2"], Float[ndarray, "2 2"], float]:
+    """Weighted fit of ln k = ln k_ref + p ln(F/12 kN): (ln k_ref, p), its covariance, the scatter.
+
+    measured: covariance of ln k from the measurement; its diagonal gives the weights. shared:
+    covariance from the model's bias, which is one and the same for all forces: it moves the law
+    without scattering about it, so it takes no part in the weights. Where the points scatter more
+    than their errors allow, the measured part of the covariance grows with it. The scatter is the
+    root mean square of the residuals in ln k.
+    """
+    x = np.log(force / REFERENCE_FORCE)
+    design = np.column_stack([np.ones_like(x), x])
+    weight = 1.0 / np.maximum(np.diag(measured), _FLOOR**2)
+    estimator = np.linalg.solve(design.T @ (weight[:, None] * design), design.T * weight)
+    law = estimator @ ln_stiffness
+    residual = ln_stiffness - design @ law
+    excess = max(1.0, float(residual @ (weight * residual)) / (len(x) - 2))
+    covariance = estimator @ (excess * measured + shared) @ estimator.T
+    return law, covariance, float(np.sqrt(np.mean(residual**2)))
+
+
+def _laws(line: xr.Dataset, fe_forces: xr.Dataset) -> xr.Dataset:
+    """The laws of one structure; NaN with fewer than three roots."""
+    good = np.flatnonzero(line["status"].values == "root")
+    names = ("kn", "kt")
+    law, std, scatter = np.full((2, 2), np.nan), np.full((2, 2), np.nan), np.full(2, np.nan)
+    if len(good) >= FEWEST:
+        here = line.isel(force=good).transpose("force", ...)
+        measured, shared = _joint_covariances(here, fe_forces)
+        for i, name in enumerate(names):
+            ln_k = np.log(here[name].values)
+            parts = (measured[:, i, :, i], shared[:, i, :, i])
+            law[i], covariance, scatter[i] = power_law(here["force"].values, ln_k, *parts)
+            std[i] = np.sqrt(np.diag(covariance))
+    out = {}
+    for i, name in enumerate(names):
+        texts = {
+            f"{name}_law_reference": (np.exp(law[i, 0]), "N/m", f"{name} at 12 kN by its law"),
+            f"ln_{name}_law_reference_std": (
+                std[i, 0],
+                "1",
+                f"standard deviation of ln {name} there",
+            ),
+            f"{name}_law_exponent": (law[i, 1], "1", f"exponent of {name} over axial force"),
+            f"{name}_law_exponent_std": (std[i, 1], "1", "standard deviation of the exponent"),
+            f"{name}_law_scatter": (scatter[i], "1", f"rms of ln {name} about its law"),
+        }
+        for key, (value, units, text) in texts.items():
+            out[key] = ((), value, {"units": units, "long_name": text})
+    return xr.Dataset(out)
+
+
+def _joint_covariances(
+    here: xr.Dataset, fe_forces: xr.Dataset
+) -> tuple[Float[ndarray, "force 2 force 2"], Float[ndarray, "force 2 force 2"]]:
+    """Covariance of ln k between forces, from shared measurements and from the shared bias."""
+    modes = [str(mode) for mode in here["mode"].values]
+    inverse = np.linalg.inv(here["jacobian"].transpose("force", "mode", "stiffness").values)
+    chosen = fe_forces["frequency_covariance"].sel(
+        force_error=fe_forces.attrs["primary_force_error"], mode=modes
+    )
+    place = [int(np.argmin(np.abs(fe_forces["force"].values - f))) for f in here["force"].values]
+    scale = 1.0 + here["fe_offset"].transpose("mode", "force").values
+    frequency = chosen.values[:, place][:, :, place] * scale[:, :, None] * scale[:, None, :]
+    measured = np.einsum("fkm,mfg,glm->fkgl", inverse, frequency, inverse)
+    target = here["target_frequency"].transpose("force", "mode").values * scale.T
+    bias = here["fe_bias_std"].transpose("force", "mode").values * target
+    gain = inverse * bias[:, None, :]
+    return measured, np.einsum("fkm,glm->fkgl", gain, gain)

@@ -1,0 +1,6 @@
+"""The prestressed blade root and its slots: geometry, 27-node hexahedra, reduction, assembly.
+
+A structure file becomes a mesh (`mesh`), mass, stiffness and geometric stiffness (`elasticity`,
+`prestress`), a Craig-Bampton model that serves every axial force (`reduction`), and one joined
+model a force (`assembly`). `checks` compares all of it with the published tables.
+"""

@@ -1,0 +1,144 @@
+"""Names of a beam's modes by reflection parity, never by order.
+
+A mode of a beam that is symmetric in X, Y and Z is even or odd in each; the three signs tell
+bending in Z ("Fy": about Y), bending in Y ("Fz"), torsion ("T") and axial motion ("A") apart, and
+odd from even orders. Rigid modes are X, Y, Z, Rx, Ry, Rz, as in the thesis's Table 4.2.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.structure.elasticity import rigid_modes
+
+# Signs under reflection in X, Y, Z of each rigid motion.
+_RIGID = {
+    (-1, 1, 1): "X",
+    (1, -1, 1): "Y",
+    (1, 1, -1): "Z",
+    (1, -1, -1): "Rx",
+    (-1, 1, -1): "Ry",
+    (-1, -1, 1): "Rz",
+}
+# Signs under reflection in Y and Z of each family, and the X sign of its first elastic mode
+# when the beam is free: torsion starts odd, axial motion even.
+_FAMILY = {(1, -1): ("Fy", 1), (-1, 1): ("Fz", 1), (-1, -1): ("T", -1), (1, 1): ("A", 1)}
+
+
+def mirror_nodes(nodes: Float[ndarray, "node 3"], axis: int) -> Int[ndarray, " node"]:
+    """Index of each node's mirror image in the plane normal to `axis`, -1 where there is none."""
+    step = np.pi * 1.0e-7
+    here = np.round(nodes / step).astype(np.int64)
+    there = np.round(nodes * np.where(np.arange(3) == axis, -1.0, 1.0) / step).astype(np.int64)
+    index = {tuple(key): k for k, key in enumerate(here)}
+    return np.array([index.get(tuple(key), -1) for key in there])
+
+
+def parities(
+    nodes: Float[ndarray, "node 3"],
+    weights: Float[ndarray, " node"],
+    shapes: Float[ndarray, "dof m"],
+) -> Float[ndarray, "m 3"]:
+    """Correlation of each shape with its reflections in X, Y, Z: +1 even, -1 odd.
+
+    `weights` are nodal masses (kg). Only nodes that have all their mirror images count, so that a
+    pad on one face does not blur the beam's own symmetry.
+    """
+    mirrors, whole = _mirrors(nodes)
+    moves = shapes.reshape(len(nodes), 3, -1)
+    size = np.einsum("n,nam->m", weights[whole], moves[whole] ** 2)
+    result = np.empty((moves.shape[2], 3))
+    for axis in range(3):
+        sign = np.where(np.arange(3) == axis, -1.0, 1.0)
+        image = moves[mirrors[axis][whole]] * sign[:, None]
+        product = np.einsum("n,nam,nam->m", weights[whole], moves[whole], image, optimize=True)
+        result[:, axis] = product / size
+    return result
+
+
+def _mirrors(
+    nodes: Float[ndarray, "node 3"],
+) -> tuple[list[Int[ndarray, " node"]], Int[ndarray, " whole"]]:
+    mirrors = [mirror_nodes(nodes, axis) for axis in range(3)]
+    whole = np.flatnonzero(np.all([m >= 0 for m in mirrors], axis=0))
+    return mirrors, whole
+
+
+def separate_null_modes(
+    nodes: Float[ndarray, "node 3"],
+    weights: Float[ndarray, " node"],
+    values: Float[ndarray, " m"],
+    shapes: Float[ndarray, "dof m"],
+) -> Float[ndarray, "dof m"]:
+    """Rotate the modes of zero frequency among themselves until each has pure parity.
+
+    An eigensolver returns any basis of the rigid motions; at zero force this picks X, Y, Z, Rx, Ry,
+    Rz. Modes count as null below 1e-8 of the largest eigenvalue given.
+    """
+    null = np.flatnonzero(abs(values) < 1e-8 * abs(values).max())
+    if len(null) < 2:
+        return shapes
+    mirrors, whole = _mirrors(nodes)
+    moves = shapes[:, null].reshape(len(nodes), 3, -1)
+    inner = moves[whole].reshape(-1, len(null)) * np.repeat(weights[whole], 3)[:, None]
+    mass = inner.T @ moves[whole].reshape(-1, len(null))
+    # Weights 1, 2, 4 give each of the eight parity classes its own eigenvalue.
+    mixed = np.zeros_like(mass)
+    for axis in range(3):
+        sign = np.where(np.arange(3) == axis, -1.0, 1.0)
+        image = (moves[mirrors[axis][whole]] * sign[:, None]).reshape(-1, len(null))
+        mixed += 2.0**axis * (inner.T @ image)
+    root = np.linalg.cholesky(mass)
+    turned = np.linalg.solve(root, np.linalg.solve(root, (mixed + mixed.T) / 2).T)
+    _, rotation = np.linalg.eigh(turned)
+    shapes = shapes.copy()
+    shapes[:, null] = shapes[:, null] @ np.linalg.solve(root.T, rotation)
+    return shapes
+
+
+def name_modes(
+    nodes: Float[ndarray, "node 3"],
+    weights: Float[ndarray, " node"],
+    values: Float[ndarray, " m"],
+    shapes: Float[ndarray, "dof m"],
+) -> list[str]:
+    """Names of modes given in order of eigenvalue (rad^2/s^2): X, Ry, 1Fy, 2Fz, 1T, ...
+
+    The order within a family follows from the parity in X: 1Fy, 3Fy are even, 2Fy odd. The lowest
+    mode of each family must be among those given. A free or a clamped beam may be named; without
+    rigid modes torsion starts even and axial motion odd. A shape with no clear parity is "?".
+    """
+    shapes = separate_null_modes(nodes, weights, values, shapes)
+    signs = parities(nodes, weights, shapes)
+    # A clamped beam's first bending mode is 0.7 rigid, a stiffened rigid rotation above 0.99.
+    rigid = rigid_fraction(nodes, weights, shapes) > 0.9
+    free = bool(rigid.any())
+    seen: dict[tuple[str, int], int] = {}
+    names = []
+    for sign, is_rigid in zip(signs, rigid, strict=True):
+        clear = bool((abs(sign) > 0.5).all())
+        key = tuple(int(s) for s in np.sign(sign))
+        if not clear or (is_rigid and key not in _RIGID):
+            names.append("?")
+        elif is_rigid:
+            names.append(_RIGID[key])
+        else:
+            family, first = _FAMILY[key[1:]]
+            if not free and family in ("T", "A"):
+                first = -first
+            count = seen.get((family, key[0]), 0)
+            seen[family, key[0]] = count + 1
+            names.append(f"{2 * count + (1 if key[0] == first else 2)}{family}")
+    return names
+
+
+def rigid_fraction(
+    nodes: Float[ndarray, "node 3"],
+    weights: Float[ndarray, " node"],
+    shapes: Float[ndarray, "dof m"],
+) -> Float[ndarray, " m"]:
+    """Share of each shape's kinetic energy that a rigid motion explains, 0..1."""
+    root = np.repeat(np.sqrt(weights), 3)[:, None]
+    basis, _ = np.linalg.qr(rigid_modes(nodes) * root)
+    scaled = shapes * root
+    return ((basis.T @ scaled) ** 2).sum(axis=0) / (scaled**2).sum(axis=0)

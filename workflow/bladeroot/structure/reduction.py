@@ -1,0 +1,225 @@
+"""Craig-Bampton reduction of beam and slots: once, at zero force (thesis 4.4).
+
+The basis found at F = 0 reduces the geometric stiffness too, so one reduction serves every force.
+Because the basis spans the whole space of contact displacements exactly, only the fixed-interface
+modes are an approximation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.structure import elasticity
+from bladeroot.structure.geometry import Structure
+from bladeroot.structure.linear import factor, lowest_eigenpairs
+from bladeroot.structure.mesh import SLOTS, Mesh, base_nodes, body_mesh
+from bladeroot.structure.prestress import materials_of
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Columns of the reduction (dof, master + mode) and the fixed-interface frequencies squared."""
+
+    columns: Float[ndarray, "dof reduced"]
+    eigenvalues: Float[ndarray, " mode"]
+    masters: Int[ndarray, " master"]
+
+
+def craig_bampton(
+    stiffness: sp.csr_array, mass: sp.csr_array, masters: Int[ndarray, " master"], modes: int
+) -> Basis:
+    """Static modes of the master dofs and the lowest `modes` fixed-interface modes, eqs 4.5-4.10.
+
+    `mass` is (dof, dof). Raises ValueError if there are not more slave dofs than modes.
+    """
+    size = stiffness.shape[0]
+    slaves = np.setdiff1d(np.arange(size), masters)
+    if modes >= len(slaves):
+        raise ValueError(f"cannot keep {modes} fixed-interface modes of {len(slaves)} slave dofs")
+    rows = stiffness[slaves]
+    inner = sp.csr_array(rows[:, slaves])
+    solve = factor(inner)
+    columns = np.zeros((size, len(masters) + modes))
+    columns[masters, np.arange(len(masters))] = 1.0
+    columns[slaves, : len(masters)] = -solve(rows[:, masters].toarray())
+    eigenvalues, shapes = lowest_eigenpairs(
+        inner, sp.csr_array(mass[slaves][:, slaves]), modes, solve=solve
+    )
+    columns[slaves, len(masters) :] = shapes
+    return Basis(columns, eigenvalues, masters)
+
+
+def project(matrix: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """alpha^T A alpha for a node-by-node matrix that acts alike on each axis (M, Kg), eq. 4.12."""
+    nodes, reduced = matrix.shape[0], basis.columns.shape[1]
+    moved = (matrix @ basis.columns.reshape(nodes, 3 * reduced)).reshape(-1, reduced)
+    result = basis.columns.T @ moved
+    return (result + result.T) / 2
+
+
+def project_stiffness(stiffness: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """alpha^T K alpha at F = 0: no coupling between static modes and fixed-interface modes."""
+    masters = basis.masters
+    count = len(masters)
+    result = np.zeros((basis.columns.shape[1],) * 2)
+    block = stiffness[masters] @ basis.columns[:, :count]
+    result[:count, :count] = (block + block.T) / 2
+    result[count:, count:] = np.diag(basis.eigenvalues)
+    return result
+
+
+def contact_dofs(nodes: Int[ndarray, " pair"]) -> Int[ndarray, " dof"]:
+    """Dofs of contact nodes, pair-major: 3*pair + axis."""
+    return (3 * nodes[:, None] + np.arange(3)).ravel()
+
+
+@dataclass(frozen=True)
+class BeamModel:
+    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node."""
+
+    mesh: Mesh
+    stiffness: sp.csr_array
+    mass: sp.csr_array
+    geometric: sp.csr_array
+
+
+def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> BeamModel:
+    """Matrices of the prestressed beam; ValueError if mesh and prestress differ about the pad."""
+    if mesh.attrs["with_pad"] != prestress.attrs["with_pad"]:
+        raise ValueError("mesh and prestress must agree on the pad")
+    beam, _ = body_mesh(mesh, 0)
+    materials = materials_of(structure, mesh, 0)
+    rule = elasticity.quadrature(beam)
+    return BeamModel(
+        beam,
+        elasticity.stiffness(beam, rule, materials),
+        elasticity.mass(beam, rule, materials),
+        elasticity.geometric_stiffness(beam, rule, prestress.stress.values),
+    )
+
+
+def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
+    """Craig-Bampton basis of the beam with its contact nodes as masters."""
+    masters = contact_dofs(mesh.pair_node.values[:, 0])
+    return craig_bampton(model.stiffness, elasticity.per_axis(model.mass), masters, modes)
+
+
+def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> xr.Dataset:
+    """Reduced beam (mass, stiffness, geometric stiffness per newton) and slots: `reduced.nc`.
+
+    The contact nodes are the masters; the slots' far faces are fixed before the reduction, which
+    equals removing them afterwards (eqs 5.1, 5.2). Display rows are recovered, not kept as masters.
+    """
+    model = beam_model(structure, mesh, prestress)
+    beam = model.mesh
+    basis = beam_basis(model, mesh, structure.beam_modes)
+    shown = mesh.display_node.values
+    slots = _reduce_slots(structure, mesh)
+    pairs = len(mesh.pair) // 2
+    matrices = ("beam_dof", "beam_dof_")
+    slot_matrices = ("slot", "slot_dof", "slot_dof_")
+    return xr.Dataset(
+        {
+            "pair_position": (
+                ("pair", "axis"),
+                beam.nodes[mesh.pair_node.values[:, 0]],
+                {"units": "m", "long_name": "position of each contact pair"},
+            ),
+            "pair_flank": mesh.pair_flank,
+            "pair_weight": mesh.pair_weight,
+            "flank_frame": mesh.flank_frame,
+            "beam_mass": (
+                matrices,
+                project(model.mass, basis),
+                {"units": "kg", "long_name": "reduced mass of the beam", "source": "eq. 4.12"},
+            ),
+            "beam_stiffness": (
+                matrices,
+                project_stiffness(model.stiffness, basis),
+                {
+                    "units": "N/m",
+                    "long_name": "reduced stiffness of the beam at zero force",
+                    "source": "eq. 4.12",
+                },
+            ),
+            "beam_geometric_stiffness": (
+                matrices,
+                project(model.geometric, basis),
+                {
+                    "units": "1/m",
+                    "long_name": "reduced geometric stiffness per newton of axial force",
+                    "source": "eqs 4.2, 4.12",
+                },
+            ),
+            "display_position": (
+                ("display", "axis"),
+                beam.nodes[shown],
+                {"units": "m", "long_name": "nodes on the middle line of the upper face"},
+            ),
+            "display_shape": (
+                ("display", "axis", "beam_dof"),
+                basis.columns.reshape(-1, 3, basis.columns.shape[1])[shown],
+                {"units": "1", "long_name": "displacement of display nodes per reduced dof"},
+            ),
+            "slot_mass": (
+                slot_matrices,
+                np.stack([one for one, _ in slots]),
+                {"units": "kg", "long_name": "reduced mass of each slot", "source": "eq. 4.12"},
+            ),
+            "slot_stiffness": (
+                slot_matrices,
+                np.stack([other for _, other in slots]),
+                {
+                    "units": "N/m",
+                    "long_name": "reduced stiffness of each slot",
+                    "source": "eqs 4.12, 5.2",
+                },
+            ),
+            "slot_pairs": (
+                ("slot", "slot_pair"),
+                np.arange(2 * pairs).reshape(2, pairs),
+                {"units": "1", "long_name": "pair index of each slot's contact nodes"},
+            ),
+        },
+        coords={
+            "axis": list("XYZ"),
+            "flank": mesh.flank.values,
+            "local": ["normal", "along Y", "along slope"],
+            "slot": list(SLOTS),
+        },
+        attrs={
+            "structure": structure.name,
+            "description": structure.description,
+            "with_pad": mesh.attrs["with_pad"],
+            "beam_modes": structure.beam_modes,
+            "slot_modes": structure.slot_modes,
+        },
+    )
+
+
+def _reduce_slots(
+    structure: Structure, mesh: xr.Dataset
+) -> list[tuple[Float[ndarray, "dof dof"], Float[ndarray, "dof dof"]]]:
+    """Mass and stiffness of slots Xn and Xp; Xp's are found, Xn's are their mirror image."""
+    body, start = body_mesh(mesh, 2)
+    materials = materials_of(structure, mesh, 2)
+    rule = elasticity.quadrature(body)
+    free = np.setdiff1d(np.arange(len(body.nodes)), base_nodes(body))
+    number = np.full(len(body.nodes), -1)
+    number[free] = np.arange(len(free))
+    dofs = contact_dofs(free)
+    stiffness = sp.csr_array(elasticity.stiffness(body, rule, materials)[dofs][:, dofs])
+    mass = sp.csr_array(elasticity.mass(body, rule, materials)[free][:, free])
+    pairs = len(mesh.pair) // 2
+    masters = contact_dofs(number[mesh.pair_node.values[pairs:, 1] - start])
+    basis = craig_bampton(stiffness, elasticity.per_axis(mass), masters, structure.slot_modes)
+    found = project(mass, basis), project_stiffness(stiffness, basis)
+    # Pairs of both ends are numbered alike, so the mirror only turns the contact nodes' X.
+    sign = np.ones(len(found[0]))
+    sign[: len(masters) : 3] = -1.0
+    mirror = np.outer(sign, sign)
+    return [tuple(matrix * mirror for matrix in found), found]

@@ -1,0 +1,108 @@
+# What every rule uses: the checked configuration and campaigns, and what a stage's parameters hold.
+import os
+import sys
+
+from pathlib import Path
+
+from bladeroot.provenance import canonical_json, code_hash
+from bladeroot.records.campaign import load_campaign
+from bladeroot.schema import check, read_yaml
+
+ROOT = Path(workflow.basedir)
+SCRIPTS = ROOT / "workflow" / "scripts"
+PYTHON = sys.executable
+
+# Several jobs share the cores: a job that starts a thread per core slows the others down.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+
+def refuse(faults):
+    """End the run before any job with one line a fault."""
+    for line in str(faults).splitlines():
+        print(f"bad input: {line}", file=sys.stderr)
+    sys.exit(1)
+
+
+def add_structure(name, campaign, structures):
+    """Find a structure's file, in the campaign's folder or in resources/structures/."""
+    own, shared = (
+        campaign.folder / f"{name}.yaml",
+        ROOT / "resources" / "structures" / f"{name}.yaml",
+    )
+    path = own if own.is_file() else shared
+    read_yaml(path, "structure")
+    if structures.setdefault(name, path) != path:
+        raise ValueError(
+            f"two structures are named {name!r}: {structures[name]} and {path}"
+        )
+
+
+def bench_of(campaign):
+    """Path of the virtual bench's file of a simulated campaign."""
+    return (campaign.folder / campaign.description["bench"]).resolve()
+
+
+def checked_campaigns():
+    """The campaigns by name and the structure files by name, with all their files checked."""
+    asked = config["campaigns"]
+    names = (
+        [name.strip() for name in asked.split(",")] if isinstance(asked, str) else asked
+    )
+    check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
+    campaigns, structures, faults = {}, {}, []
+    for name in names:
+        folder = (
+            Path(name) if os.sep in name else ROOT / "resources" / "campaigns" / name
+        )
+        try:
+            campaign = load_campaign(folder)
+            wanted = list(campaign.description["structure"])
+            if campaign.simulated:
+                wanted.append(read_yaml(bench_of(campaign), "bench")["structure"])
+            for structure in wanted:
+                add_structure(structure, campaign, structures)
+        except ValueError as error:
+            faults.append(str(error))
+            continue
+        if campaign.name in campaigns:
+            faults.append(
+                f"two campaigns are named {campaign.name!r}: {folder} and another"
+            )
+        campaigns[campaign.name] = campaign
+    if faults:
+        raise ValueError("\n".join(faults))
+    return campaigns, structures
+
+
+try:
+    CAMPAIGNS, STRUCTURES = checked_campaigns()
+except ValueError as error:
+    refuse(error)
+
+
+def structures_of(campaign):
+    return campaign.description["structure"]
+
+
+def forces_of(campaign):
+    """FE axial forces of a campaign in whole newtons, as they stand in file names."""
+    asked = campaign.description.get("fe_forces_kN", config["fe_forces_kN"])
+    return sorted({round(1000 * force) for force in asked})
+
+
+def code(script):
+    """Hash of a stage's code: its script and all that it imports of the library."""
+    return code_hash(SCRIPTS / f"{script}.py")
+
+
+def settings(section):
+    """The settings of one stage as text; what a stage does not read cannot rerun it."""
+    return canonical_json(config[section])
+
+
+wildcard_constraints:
+    campaign="[A-Za-z0-9][A-Za-z0-9_-]*",
+    record="[A-Za-z0-9][A-Za-z0-9_-]*",
+    structure="[A-Za-z0-9][A-Za-z0-9_-]*",
+    force="[0-9]+",

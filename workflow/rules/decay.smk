@@ -1,0 +1,20 @@
+# Frequency and damping against amplitude (FREEVIB) of each free decay.
+
+
+rule decay:
+    input:
+        record=rules.record.output.record,
+    output:
+        decay="results/{campaign}/decay/{record}.nc",
+    log:
+        "results/logs/decay/{campaign}/{record}.log",
+    benchmark:
+        "results/benchmarks/decay/{campaign}/{record}.tsv"
+    threads: 1
+    params:
+        code=code("decay"),
+    message:
+        "frequency and damping against amplitude, record {wildcards.record} of {wildcards.campaign}"
+    shell:
+        "{PYTHON} {SCRIPTS}/decay.py --record {input.record}"
+        " --output {output.decay} > {log} 2>&1"

@@ -1,0 +1,35 @@
+# Stick frequencies interpolated to the forces of the simulation (5.13, 5.14).
+
+
+def force_facts(wildcards):
+    """The simulation's forces and the gauge's accuracy, in newtons."""
+    campaign = CAMPAIGNS[wildcards.campaign]
+    gauge = campaign.description["force"]
+    return canonical_json(
+        {
+            "forces": [float(force) for force in forces_of(campaign)],
+            "full_scale": campaign.force_full_scale,
+            "accuracy": gauge["accuracy_percent"] / 100,
+            "primary": gauge["accuracy_of"],
+        }
+    )
+
+
+rule fe_forces:
+    input:
+        stick=rules.stick.output.stick,
+    output:
+        fe_forces="results/{campaign}/fe_forces.nc",
+    log:
+        "results/logs/fe_forces/{campaign}.log",
+    benchmark:
+        "results/benchmarks/fe_forces/{campaign}.tsv"
+    threads: 1
+    params:
+        settings=force_facts,
+        code=code("fe_forces"),
+    message:
+        "stick frequencies of {wildcards.campaign} at the simulation's forces"
+    shell:
+        "{PYTHON} {SCRIPTS}/fe_forces.py --stick {input.stick} --settings {params.settings:q}"
+        " --output {output.fe_forces} > {log} 2>&1"

@@ -1,0 +1,186 @@
+# Figures, the score of simulated records against the bench's truth, and the report.
+
+
+def truths(wildcards):
+    return expand(
+        rules.bench.output.truth,
+        campaign=wildcards.campaign,
+        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
+    )
+
+
+rule score:
+    input:
+        stick=rules.stick.output.stick,
+        truths=truths,
+    output:
+        score="results/{campaign}/score.nc",
+    log:
+        "results/logs/score/{campaign}.log",
+    benchmark:
+        "results/benchmarks/score/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("score"),
+    message:
+        "stick frequencies of {wildcards.campaign} against the bench's truth"
+    shell:
+        "{PYTHON} {SCRIPTS}/score.py --stick {input.stick} --truths {input.truths}"
+        " --output {output.score} > {log} 2>&1"
+
+
+rule figures_records:
+    input:
+        records=lambda w: of_records(rules.record.output.record, w),
+        decays=lambda w: of_records(rules.decay.output.decay, w),
+    output:
+        cuts=report(
+            "results/{campaign}/figures/cuts.svg",
+            caption="../report/cuts.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+        backbones=report(
+            "results/{campaign}/figures/backbones.svg",
+            caption="../report/backbones.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+    log:
+        "results/logs/figures_records/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures_records/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("figures_records"),
+    message:
+        "figures of the records of {wildcards.campaign}"
+    shell:
+        "{PYTHON} {SCRIPTS}/figures_records.py --records {input.records} --decays {input.decays}"
+        " --cuts {output.cuts} --backbones {output.backbones} > {log} 2>&1"
+
+
+def of_records(pattern, wildcards):
+    """One artifact for each record of a campaign."""
+    return expand(
+        pattern,
+        campaign=wildcards.campaign,
+        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
+    )
+
+
+rule figures:
+    input:
+        stick=rules.stick.output.stick,
+        fe_forces=rules.fe_forces.output.fe_forces,
+        searches=searches,
+        stiffness=rules.stiffness.output.stiffness,
+        theory=rules.theory.output.theory,
+        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        mesh=lambda w: expand(
+            rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
+        ),
+    output:
+        stick=report(
+            "results/{campaign}/figures/stick.svg",
+            caption="../report/stick.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+        structure=report(
+            "results/{campaign}/figures/structure.svg",
+            caption="../report/structure.rst",
+            category="{campaign}",
+            subcategory="simulation",
+        ),
+        maps=report(
+            "results/{campaign}/figures/maps.svg",
+            caption="../report/maps.rst",
+            category="{campaign}",
+            subcategory="contact stiffness",
+        ),
+        tractions=report(
+            "results/{campaign}/figures/tractions.svg",
+            caption="../report/tractions.rst",
+            category="{campaign}",
+            subcategory="contact theory",
+        ),
+        compared=report(
+            "results/{campaign}/figures/compared.svg",
+            caption="../report/compared.rst",
+            category="{campaign}",
+            subcategory="contact theory",
+        ),
+    log:
+        "results/logs/figures/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures/{campaign}.tsv"
+    threads: 1
+    params:
+        simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
+        code=code("figures"),
+    message:
+        "figures of {wildcards.campaign}"
+    shell:
+        "{PYTHON} {SCRIPTS}/figures.py --stick {input.stick} --fe_forces {input.fe_forces}"
+        " --searches {input.searches} --stiffness {input.stiffness} --theory {input.theory}"
+        " --published {input.published} --mesh {input.mesh} --simulated {params.simulated}"
+        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+
+
+def report_facts(wildcards):
+    """What the report says of the campaign besides its artifacts."""
+    campaign = CAMPAIGNS[wildcards.campaign]
+    return canonical_json(
+        {
+            "campaign": campaign.name,
+            "description": campaign.description,
+            "simulated": campaign.simulated,
+            "excluded": campaign.excluded,
+            "entry": "records" if campaign.records else "stick frequencies",
+        }
+    )
+
+
+rule report:
+    input:
+        stick=rules.stick.output.stick,
+        fe_forces=rules.fe_forces.output.fe_forces,
+        stiffness=rules.stiffness.output.stiffness,
+        theory=rules.theory.output.theory,
+        checks=lambda w: expand(
+            rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
+        ),
+        figures=rules.figures.output,
+        drawn=lambda w: rules.figures_records.output if CAMPAIGNS[w.campaign].records else [],
+        score=lambda w: rules.score.output.score if CAMPAIGNS[w.campaign].simulated else [],
+        thesis=expand(
+            ROOT / "resources" / "thesis" / "{name}",
+            name=["table_5_1.csv", "errata.yaml"],
+        ),
+        page=expand(
+            ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
+            ending=["html.j2", "css"],
+        ),
+    output:
+        report=report(
+            "results/{campaign}/report.html",
+            caption="../report/report.rst",
+            category="{campaign}",
+            subcategory="report",
+        ),
+    log:
+        "results/logs/report/{campaign}.log",
+    benchmark:
+        "results/benchmarks/report/{campaign}.tsv"
+    threads: 1
+    params:
+        facts=report_facts,
+        code=code("report"),
+    message:
+        "report of {wildcards.campaign}"
+    shell:
+        "{PYTHON} {SCRIPTS}/report.py --results results/{wildcards.campaign}"
+        " --checks {input.checks} --figures {input.figures} {input.drawn} --thesis {input.thesis}"
+        " --facts {params.facts:q}"
+        " --output {output.report} > {log} 2>&1"

@@ -1,0 +1,31 @@
+# Stick frequencies: of each record and pooled for each force, or as the campaign's table gives them.
+
+
+def stick_sources(wildcards):
+    campaign = CAMPAIGNS[wildcards.campaign]
+    if campaign.stick:
+        return [campaign.folder / "stick.csv"]
+    return expand(
+        rules.decay.output.decay,
+        campaign=campaign.name,
+        record=[row["record"] for row in campaign.records],
+    )
+
+
+rule stick:
+    input:
+        sources=stick_sources,
+    output:
+        stick="results/{campaign}/stick.nc",
+    log:
+        "results/logs/stick/{campaign}.log",
+    benchmark:
+        "results/benchmarks/stick/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("stick"),
+    message:
+        "stick frequencies of {wildcards.campaign}"
+    shell:
+        "{PYTHON} {SCRIPTS}/stick.py --sources {input.sources:q} --campaign {wildcards.campaign}"
+        " --output {output.stick} > {log} 2>&1"

@@ -1,0 +1,89 @@
+# The finite-element structure, once for all forces and campaigns: mesh, prestress, reduction, checks.
+
+
+def structure_file(wildcards):
+    return STRUCTURES[wildcards.structure]
+
+
+rule mesh:
+    input:
+        structure=structure_file,
+    output:
+        mesh="results/structures/{structure}/mesh.nc",
+    log:
+        "results/logs/mesh/{structure}.log",
+    benchmark:
+        "results/benchmarks/mesh/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("mesh"),
+    message:
+        "mesh of {wildcards.structure}"
+    shell:
+        "{PYTHON} {SCRIPTS}/mesh.py --structure {input.structure} --output {output.mesh}"
+        " > {log} 2>&1"
+
+
+rule prestress:
+    input:
+        structure=structure_file,
+        mesh=rules.mesh.output.mesh,
+    output:
+        prestress="results/structures/{structure}/prestress.nc",
+    log:
+        "results/logs/prestress/{structure}.log",
+    benchmark:
+        "results/benchmarks/prestress/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("prestress"),
+    message:
+        "static stress of {wildcards.structure} under axial force (4.2)"
+    shell:
+        "{PYTHON} {SCRIPTS}/prestress.py --structure {input.structure} --mesh {input.mesh}"
+        " --output {output.prestress}"
+        " > {log} 2>&1"
+
+
+rule reduced:
+    input:
+        structure=structure_file,
+        mesh=rules.mesh.output.mesh,
+        prestress=rules.prestress.output.prestress,
+    output:
+        reduced="results/structures/{structure}/reduced.nc",
+    log:
+        "results/logs/reduced/{structure}.log",
+    benchmark:
+        "results/benchmarks/reduced/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("reduced"),
+    message:
+        "Craig-Bampton reduction of {wildcards.structure} (4.3-4.12)"
+    shell:
+        "{PYTHON} {SCRIPTS}/reduced.py --structure {input.structure} --mesh {input.mesh}"
+        " --prestress {input.prestress} --output {output.reduced} > {log} 2>&1"
+
+
+rule checks:
+    input:
+        structure=structure_file,
+        tables=expand(
+            ROOT / "resources" / "thesis" / "table_{table}.csv",
+            table=["2_2", "4_1", "4_2", "4_4"],
+        ),
+    output:
+        checks="results/structures/{structure}/checks.nc",
+    log:
+        "results/logs/checks/{structure}.log",
+    benchmark:
+        "results/benchmarks/checks/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("checks"),
+    message:
+        "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"
+    shell:
+        "{PYTHON} {SCRIPTS}/checks.py --structure {input.structure} --tables {input.tables}"
+        " --output {output.checks} > {log} 2>&1"

@@ -1,0 +1,59 @@
+# What a person is told when a run ends.
+import csv
+import re
+
+
+def tell_results():
+    """Where the reports are, and the time of every rule (from Snakemake's benchmark files)."""
+    write_timings("results/timings.csv")
+    for name in CAMPAIGNS:
+        page = Path("results", name, "report.html").resolve()
+        if page.is_file():
+            print(f"report of {name}: {page}")
+    print("time of every rule: results/timings.csv")
+
+
+def write_timings(path):
+    """One row a rule: jobs, total and longest wall time in seconds, largest memory in MB."""
+    stages = {}
+    for file in sorted(Path("results/benchmarks").glob("*/**/*.tsv")):
+        with file.open(newline="") as sheet:
+            rows = list(csv.DictReader(sheet, delimiter="\t"))
+        stages.setdefault(file.relative_to("results/benchmarks").parts[0], []).extend(
+            rows
+        )
+    lines = [("rule", "jobs", "total_s", "longest_s", "memory_MB")]
+    for name, rows in stages.items():
+        seconds = [float(row["s"]) for row in rows]
+        memory = [
+            float(row["max_rss"]) for row in rows if row["max_rss"] not in ("-", "NA")
+        ]
+        lines.append(
+            (
+                name,
+                len(rows),
+                round(sum(seconds), 1),
+                round(max(seconds), 1),
+                round(max(memory, default=0.0)),
+            )
+        )
+    with open(path, "w", newline="") as sheet:
+        csv.writer(sheet, lineterminator="\n").writerows(lines)
+
+
+def tell_failures(log):
+    """Each failed job with the last line of its log, and the command that continues."""
+    text = Path(log).read_text(errors="replace") if log and Path(log).is_file() else ""
+    for name, block in re.findall(r"Error in rule (\S+):\n((?:    .*\n)+)", text):
+        output = re.search(r"output: (.*)", block)
+        job_log = re.search(r"log: (\S+)", block)
+        print(
+            f"failed: {name} ({output.group(1) if output else 'no output'})",
+            file=sys.stderr,
+        )
+        if job_log and Path(job_log.group(1)).is_file():
+            lines = (
+                Path(job_log.group(1)).read_text(errors="replace").strip().splitlines()
+            )
+            print(f"    {lines[-1] if lines else 'its log is empty'}", file=sys.stderr)
+    print("finished stages are kept; the same command continues", file=sys.stderr)

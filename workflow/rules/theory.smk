@@ -1,0 +1,23 @@
+# Contact theory of chapter 6, and what it says beside the identified stiffness.
+
+
+rule theory:
+    input:
+        stiffness=rules.stiffness.output.stiffness,
+        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+    output:
+        theory="results/{campaign}/theory.nc",
+    log:
+        "results/logs/theory/{campaign}.log",
+    benchmark:
+        "results/benchmarks/theory/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("theory"),
+    message:
+        "contact theory beside the kn, kt of {wildcards.campaign} (6.3-6.16)"
+    shell:
+        "{PYTHON} {SCRIPTS}/theory.py --stiffness {input.stiffness}"
+        " --parameters {input.parameters} --published {input.published}"
+        " --output {output.theory} > {log} 2>&1"

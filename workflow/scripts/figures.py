@@ -1,0 +1,43 @@
+"""Figures that every campaign has, from stick frequencies to contact theory."""
+
+import pandas as pd
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.contact.published import published_stiffness
+from bladeroot.figures import stick as stick_figures
+from bladeroot.figures import stiffness as stiffness_figures
+from bladeroot.figures import structure as structure_figures
+from bladeroot.figures import theory as theory_figures
+from bladeroot.figures.style import svg
+
+
+def main(stick, fe_forces, searches, stiffness, theory, published, mesh, simulated, folder):
+    marked = simulated == "1"
+    table_5_2 = published_stiffness(pd.read_csv(published).to_dict("list"))
+    identified, predicted = artifacts.load(stiffness), artifacts.load(theory)
+    measured, interpolated = artifacts.load(stick), artifacts.load(fe_forces)
+    found = [artifacts.load(search) for search in searches]
+    drawn = {
+        "stick": stick_figures.over_force(measured, interpolated, marked),
+        "structure": structure_figures.side_view(artifacts.load(mesh)),
+        "maps": stiffness_figures.maps(found, table_5_2, marked),
+        "tractions": theory_figures.tractions(predicted),
+        "compared": theory_figures.compared(predicted, identified, marked),
+    }
+    for name, figure in drawn.items():
+        artifacts.save_text(svg(figure), f"{folder}/{name}.svg")
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        stick="stick.nc",
+        fe_forces="fe_forces.nc",
+        searches="many: searches of every structure and force",
+        stiffness="stiffness.nc",
+        theory="theory.nc",
+        published="Table 5.2 as printed (CSV)",
+        mesh="mesh.nc of the main structure",
+        simulated="1 when the records are simulated, else 0",
+        folder="where the figures go",
+    )

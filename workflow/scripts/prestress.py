@@ -1,0 +1,14 @@
+"""The static stress of the beam under axial force -> prestress.nc."""
+
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.structure.file import load_structure
+from bladeroot.structure.prestress import prestress
+
+
+def main(structure, mesh, output):
+    artifacts.save(prestress(load_structure(structure), artifacts.load(mesh)), output)
+
+
+if __name__ == "__main__":
+    run(main, structure="structure file (YAML)", mesh="mesh.nc", output="prestress.nc")

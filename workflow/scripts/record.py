@@ -1,0 +1,45 @@
+"""The free decay of one raw record -> records/<record>.nc."""
+
+import json
+
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.records.cut import cut, rejected
+from bladeroot.records.read import read
+from bladeroot.records.recording import velocity
+
+# Below this part of the mode's frequency nothing of it is left; integration may drop it.
+LOWEST = 0.2
+
+
+def main(raw, facts, campaign, settings, output):
+    known = json.loads(facts)
+    expected = known["expected_Hz"]
+    try:
+        recording = read(raw, known["quantity"], known["unit"], known["channel"])
+    except ValueError as error:
+        decay = rejected(str(error))
+    else:
+        motion = velocity(recording, LOWEST * expected)
+        decay = cut(motion, recording.sampling_Hz, expected, **json.loads(settings))
+    decay.attrs |= {
+        "record": known["record"],
+        "mode": known["mode"],
+        "expected_Hz": expected,
+        "force_N": known["force_N"],
+        "hold": known["hold"],
+        "direction": known["direction"],
+        "simulated": int(known["simulated"]),
+    }
+    artifacts.save(decay, output, campaign=campaign, settings=settings)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        raw="raw file",
+        facts="what is known of the record besides its samples (JSON)",
+        campaign="the campaign's name",
+        settings="section `record` of the configuration (JSON)",
+        output="free decay to write",
+    )

@@ -1,0 +1,28 @@
+"""kn and kt at one axial force with one structure -> stiffness/<structure>/<force>.nc."""
+
+import json
+
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.stiffness.search import search
+
+
+def main(map, fe_forces, settings, output):
+    measured = artifacts.load(fe_forces)
+    bias = {mode: p / 100 for mode, p in json.loads(settings)["fe_bias_percent"].items()}
+    artifacts.save(
+        search(artifacts.load(map), measured, bias),
+        output,
+        campaign=measured.attrs["campaign"],
+        settings=settings,
+    )
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        map="map file of the structure at the force",
+        fe_forces="fe_forces.nc",
+        settings="section `search` of the configuration (JSON)",
+        output="stiffness file",
+    )

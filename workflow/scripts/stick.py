@@ -1,0 +1,25 @@
+"""Stick frequencies, from the decays of all records or from a table -> stick.nc."""
+
+from pathlib import Path
+
+import pandas as pd
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.decay.stick import stick_from_records, stick_from_table
+
+
+def main(sources, campaign, output):
+    if Path(sources[0]).suffix == ".csv":
+        stick = stick_from_table(pd.read_csv(sources[0]))
+    else:
+        stick = stick_from_records([artifacts.load(decay) for decay in sources])
+    artifacts.save(stick, output, campaign=campaign)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        sources="many: curves over amplitude of every record, or one stick.csv",
+        campaign="the campaign's name",
+        output="stick.nc",
+    )
