@@ -8,7 +8,7 @@ import psutil
 import pytest
 import xarray as xr
 
-from .conftest import copy_house
+from conftest import copy_house
 
 
 def kill_tree(process):

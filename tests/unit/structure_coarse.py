@@ -7,7 +7,6 @@ import yaml
 from bladeroot.structure.geometry import Structure, structure_from_mapping
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/structure.schema.yaml").read_text())
 DOVETAIL = yaml.safe_load((ROOT / "resources/structures/dovetail-H.yaml").read_text())
 COARSE = {
     "width_elements": 1,
@@ -28,4 +27,4 @@ def coarse_data(**changes: object) -> dict:
 
 
 def coarse_structure(**changes: object) -> Structure:
-    return structure_from_mapping(coarse_data(**changes), SCHEMA)
+    return structure_from_mapping(coarse_data(**changes))

@@ -66,7 +66,7 @@ def test_every_published_force_is_a_whole_number_of_bars():
     ("row", "told"),
     [
         ("r1,r9.nc,1B,20,h1,up,0,velocity,mm/s,", "file not found: r9.nc"),
-        ("r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,", "file must end in .nc, .csv, got 'r1.xyz'"),
+        ("r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,", "file must end in .cdf, .csv, .nc, .nc4, .tsv, .txt, got 'r1.xyz'"),
         ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
         ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "unit of velocity must be m/s, mm/s, um/s"),
         ("r1,r1.nc,1B,20,h1,up,0,speed,m/s,", "quantity must be velocity or"),
@@ -87,6 +87,12 @@ def test_a_bad_record_is_one_line_with_file_and_row(folder, row, told):
     (line,) = faults(folder, "records.csv", HEADER + "r0,r1.nc,1B,20,h1,up,0,velocity,m/s,\n" + row)
     assert told in line
     assert line.endswith(f"({folder / 'records.csv'}, row 3)")
+
+
+def test_a_simulated_record_lies_where_the_bench_puts_it(folder):
+    (folder / "campaign.yaml").write_text(DESCRIPTION + "bench: bench.yaml\n")
+    (line,) = faults(folder, "records.csv", HEADER + GOOD.replace("r1.nc", "other.nc"))
+    assert "file of a simulated record must be r1.nc, got 'other.nc'" in line
 
 
 def test_two_rows_of_one_id(folder):

@@ -1,11 +1,12 @@
 import pytest
 import yaml
+from bladeroot.structure.file import load_structure
 from bladeroot.structure.geometry import jaw_inner_face, structure_from_mapping
-from structure_coarse import DOVETAIL, ROOT, SCHEMA, coarse_data
+from structure_coarse import DOVETAIL, ROOT, coarse_data
 
 
 def test_lengths_and_moduli_arrive_in_si_units():
-    structure = structure_from_mapping(DOVETAIL, SCHEMA)
+    structure = structure_from_mapping(DOVETAIL)
     assert structure.width == pytest.approx(0.026)
     assert structure.profile[0] == (0.0, pytest.approx(0.005))
     assert structure.material.young == pytest.approx(200.3e9)
@@ -14,34 +15,39 @@ def test_lengths_and_moduli_arrive_in_si_units():
 
 @pytest.mark.parametrize("name", ["dovetail-H", "dovetail-HB"])
 def test_shipped_structures_are_valid_and_carry_their_own_name(name):
-    data = yaml.safe_load((ROOT / f"resources/structures/{name}.yaml").read_text())
-    assert structure_from_mapping(data, SCHEMA).name == name
+    assert load_structure(ROOT / f"resources/structures/{name}.yaml").name == name
 
 
-def test_wrong_type_names_file_and_key():
+def _written(folder, data):
+    path = folder / "mine.yaml"
+    path.write_text(yaml.safe_dump(data))
+    return path
+
+
+def test_wrong_type_names_file_and_key(tmp_path):
     data = coarse_data()
     data["beam"] = data["beam"] | {"width_mm": "26 mm"}
-    with pytest.raises(ValueError, match=r"mine\.yaml, beam/width_mm: '26 mm' is not of type"):
-        structure_from_mapping(data, SCHEMA, "mine.yaml")
+    with pytest.raises(ValueError, match=r"beam\.width_mm: '26 mm' is not of type.*mine\.yaml"):
+        load_structure(_written(tmp_path, data))
 
 
-def test_unknown_key_is_refused():
+def test_unknown_key_is_refused(tmp_path):
     with pytest.raises(ValueError, match="colour"):
-        structure_from_mapping(coarse_data(colour="red"), SCHEMA)
+        load_structure(_written(tmp_path, coarse_data(colour="red")))
 
 
-def test_missing_section_is_named():
+def test_missing_section_is_named(tmp_path):
     data = coarse_data()
     del data["slot"]
     with pytest.raises(ValueError, match="'slot' is a required property"):
-        structure_from_mapping(data, SCHEMA)
+        load_structure(_written(tmp_path, data))
 
 
 def test_loaded_case_without_a_pad_is_refused():
     data = coarse_data()
     del data["pad"]
     with pytest.raises(ValueError, match="no pad"):
-        structure_from_mapping(data, SCHEMA)
+        structure_from_mapping(data)
 
 
 def _beam(**changes):
@@ -62,11 +68,11 @@ def _beam(**changes):
 def test_impossible_shapes_are_refused(changes, message):
     data = coarse_data(**changes)
     with pytest.raises(ValueError, match=message):
-        structure_from_mapping(data, SCHEMA)
+        structure_from_mapping(data)
 
 
 def test_jaw_follows_the_beam_up_to_the_flank_and_then_leaves_it():
-    structure = structure_from_mapping(DOVETAIL, SCHEMA)
+    structure = structure_from_mapping(DOVETAIL)
     face = jaw_inner_face(structure)
     first, last = structure.flank
     assert structure.profile[first] in face

@@ -8,16 +8,16 @@ from bladeroot.decay.freevib import freevib, no_decay
 def main(record, output):
     cut = artifacts.load(record)
     facts = cut.attrs
-    if facts["verdict"] == "rejected":
-        curves = no_decay()
-    else:
-        curves = freevib(
-            cut["velocity"].values.astype(float),
-            facts["sampling_Hz"],
-            facts["expected_Hz"],
-            facts["noise_velocity"],
-        )
-    curves.attrs = {**facts, **curves.attrs}
+    curves = no_decay()
+    if facts["verdict"] == "usable":
+        velocity = cut["velocity"].values.astype(float)
+        try:
+            curves = freevib(
+                velocity, facts["sampling_Hz"], facts["expected_Hz"], facts["noise_velocity"]
+            )
+        except ValueError as error:
+            facts |= {"verdict": "rejected", "findings": str(error)}
+    curves.attrs = {**curves.attrs, **facts}
     artifacts.save(curves, output)
 
 

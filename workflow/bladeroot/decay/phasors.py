@@ -104,5 +104,12 @@ def block_phasors(
     return Phasors(
         time=centre / sampling_Hz,
         log=log_at - level + log_z,
-        std=std / np.maximum(np.abs(z), 1e-300),
+        std=std / np.maximum(_calm(np.abs(z)), 1e-300),
     )
+
+
+def _calm(size: Float[ndarray, " block"], reach: int = 7) -> Float[ndarray, " block"]:
+    """Running median: a block that noise makes large must not count as more certain for it."""
+    padded = np.pad(size, min(reach, size.size - 1), mode="reflect")
+    width = padded.size - size.size + 1
+    return np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1)

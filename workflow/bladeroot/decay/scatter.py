@@ -8,7 +8,7 @@ from bladeroot.decay.phasors import Phasors
 
 
 def noise_ratio(
-    blocks: Phasors, window: int = 7, reach: int = 20
+    blocks: Phasors, window: int = 7, reach: int = 30
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 

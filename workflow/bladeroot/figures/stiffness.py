@@ -14,15 +14,12 @@ _MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#2a7f62"}
 def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool) -> Figure:
     """Lines of constant frequency through the measured ones, and the root where they cross.
 
-    One panel a search. Bands: plus and minus one standard deviation of measurement and model
-    bias. `published` is Table 5.2 with totals of a flank, shown where it has the force.
+    A row a structure, its lowest and its highest force. Bands: plus and minus one standard
+    deviation of measurement and model bias. `published` is Table 5.2 with totals of a flank.
     """
-    columns = min(3, len(searches))
-    rows = -(-len(searches) // columns)
-    drawn, axes = panels(rows, columns, 3.3 * columns, 3.2 * rows, sharex=True, sharey=True)
-    for axis in axes.flat[len(searches) :]:
-        axis.set_axis_off()
-    for axis, found in zip(axes.flat, searches, strict=False):
+    shown = _ends(searches)
+    drawn, axes = panels(len(shown), 2, 7.6, 3.6 * len(shown), sharex=True, sharey=True)
+    for axis, found in zip(axes.flat, [found for pair in shown for found in pair], strict=True):
         _map(axis, found, published)
         axis.set_title(
             f"{found.attrs['structure']}, {found.attrs['axial_force'] / 1e3:g} kN: "
@@ -36,6 +33,15 @@ def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool)
         axis.set_ylabel("kt of a flank / GN/m")
     axes[0, 0].legend(loc="lower left", fontsize=7)
     return note_simulated(drawn, simulated)
+
+
+def _ends(searches: Sequence[xr.Dataset]) -> list[tuple[xr.Dataset, xr.Dataset]]:
+    """The searches at the lowest and the highest force of each structure."""
+    of_structure: dict[str, list[xr.Dataset]] = {}
+    for found in searches:
+        of_structure.setdefault(found.attrs["structure"], []).append(found)
+    ordered = [sorted(line, key=lambda s: s.attrs["axial_force"]) for line in of_structure.values()]
+    return [(line[0], line[-1]) for line in ordered]
 
 
 def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:

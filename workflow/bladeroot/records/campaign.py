@@ -10,6 +10,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from bladeroot.records.read import formats
+from bladeroot.records.recording import SI, UNITS, normal_unit
 from bladeroot.schema import read_yaml
 
 RECORD_COLUMNS = (
@@ -19,12 +21,6 @@ RECORD_COLUMNS = (
 STICK_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
-UNITS = {
-    "velocity": ("m/s", "mm/s", "um/s"),
-    "displacement": ("m", "mm", "um"),
-    "acceleration": ("m/s^2", "g"),
-}
-SUFFIXES = (".nc", ".csv")
 # A stick frequency further than this from the mode's expected one belongs to another mode.
 MODE_BAND = 0.25
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -237,7 +233,7 @@ class _Sheet:
             checked.append(
                 {
                     "record": record,
-                    "file": self.raw_file(row, values["file"]),
+                    "file": self.raw_file(row, record, values["file"]),
                     "mode": self.mode(row, values),
                     "force_N": self.force(row, values),
                     "hold": values.get("hold") or record,
@@ -245,7 +241,7 @@ class _Sheet:
                     "time_s": self.optional_number(row, values, "time_s"),
                     "drive_A": self.optional_number(row, values, "drive_A"),
                     **self.quantity(row, values),
-                    "channel": values.get("channel", ""),
+                    "channel": values.get("channel") or None,
                     "exclude": self.exclude(row, values),
                 }
             )
@@ -271,12 +267,15 @@ class _Sheet:
             checked.append(line)
         return tuple(checked)
 
-    def raw_file(self, row: int, name: str) -> str:
+    def raw_file(self, row: int, record: str, name: str) -> str:
         if not name:
             self.fault("file is missing", row)
-        elif Path(name).suffix.lower() not in SUFFIXES:
-            self.fault(f"file must end in {', '.join(SUFFIXES)}, got {name!r}", row)
-        elif "bench" not in self.description and not (self.folder / name).is_file():
+        elif "bench" in self.description:
+            if name != f"{record}.nc":
+                self.fault(f"file of a simulated record must be {record}.nc, got {name!r}", row)
+        elif Path(name).suffix.lower() not in formats():
+            self.fault(f"file must end in {', '.join(sorted(formats()))}, got {name!r}", row)
+        elif not (self.folder / name).is_file():
             self.fault(f"file not found: {name}", row)
         return name
 
@@ -290,12 +289,14 @@ class _Sheet:
         return self.number(row, values, name) if values.get(name, "") != "" else None
 
     def quantity(self, row: int, values: dict) -> dict:
-        quantity = self.choice(row, values, "quantity", tuple(UNITS), "velocity")
-        units = UNITS.get(quantity, ())
-        unit = values.get("unit") or (units[0] if units else "")
-        if units and unit not in units:
-            self.fault(f"unit of {quantity} must be {', '.join(units)}, got {unit!r}", row)
-        return {"quantity": quantity, "unit": unit}
+        """Quantity and unit as far as the sheet gives them; the rest is the file's to say."""
+        quantity = self.choice(row, values, "quantity", tuple(SI), "")
+        unit = normal_unit(values.get("unit", ""))
+        fitting = [name for name, (of, _) in UNITS.items() if quantity in ("", of)]
+        if unit and quantity in ("", *SI) and unit not in fitting:
+            what = f"unit of {quantity}" if quantity else "unit"
+            self.fault(f"{what} must be {', '.join(fitting)}, got {unit!r}", row)
+        return {"quantity": quantity or None, "unit": unit or None}
 
     def exclude(self, row: int, values: dict) -> bool:
         text = values.get("exclude", "").lower()

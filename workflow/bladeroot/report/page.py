@@ -6,6 +6,8 @@ from importlib import resources
 
 import jinja2
 
+from bladeroot.report.numbers import NONE
+
 
 @dataclass(frozen=True)
 class Table:
@@ -14,6 +16,12 @@ class Table:
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
+
+    def __post_init__(self) -> None:
+        """Drop the columns that hold nothing but dashes."""
+        full = [i for i in range(len(self.header)) if any(row[i] != NONE for row in self.rows)]
+        object.__setattr__(self, "header", [self.header[i] for i in full])
+        object.__setattr__(self, "rows", [[row[i] for i in full] for row in self.rows])
 
 
 @dataclass(frozen=True)

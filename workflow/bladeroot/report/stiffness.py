@@ -11,7 +11,7 @@ _HEADER = (
     "of it measured", "correlation", "thesis kn", "thesis kt",
 )  # fmt: skip
 _MISS_HEADER = (
-    "structure", "force / kN", "model must move, 1B", "model must move, 2B", "in its stds",
+    "structure", "force / kN", "model must move, 1B", "model must move, 2B", "in its stds", "draws with a root",
     "bonded 1B / Hz", "bonded 2B / Hz", "measured 1B / Hz", "measured 2B / Hz",
 )  # fmt: skip
 
@@ -49,8 +49,8 @@ def stiffness_section(stiffness: xr.Dataset, maps: str) -> Section:
         parts.append(
             Table(
                 "No root: the smallest relative change of the model's frequencies (weighted by "
-                "their standard deviations) that would give one, and the frequencies of bonded "
-                "contact, which no stiffness can exceed.",
+                "their standard deviations) that would give one, the share of draws of all errors "
+                "that have one, and the frequencies of bonded contact, which no stiffness exceeds.",
                 _MISS_HEADER,
                 misses,
             )
@@ -96,6 +96,7 @@ def _miss_row(found: xr.Dataset, structure: str, force: float) -> tuple[str, ...
         f"{force / 1e3:g}",
         *(f"{100 * float(needed.sel(mode=m)):+.2f} %" for m in ("1B", "2B")),
         significant(float(np.sqrt(((needed / spread) ** 2).sum())), 2),
+        percent(float(found["root_share"]), 0),
         *(fixed(float(found["bonded_frequency"].sel(mode=m)), 1) for m in ("1B", "2B")),
         *(fixed(float(found["target_frequency"].sel(mode=m)), 2) for m in ("1B", "2B")),
     )

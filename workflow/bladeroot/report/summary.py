@@ -84,7 +84,7 @@ def _found(line: xr.Dataset, structure: str) -> str:
     roots, tried = status.count("root"), len(status) - status.count("no measurement")
     if not tried:
         return f"{structure}: no force of the simulation lies inside the measured range."
-    text = f"{structure}: {roots} of {tried} forces have a contact stiffness (kn, kt)"
+    text = f"{structure}: {roots or 'none'} of {tried} forces has a contact stiffness (kn, kt)"
     if roots:
         good = line.isel(force=np.flatnonzero(line["status"].values == "root"))
         text += (
@@ -98,7 +98,8 @@ def _found(line: xr.Dataset, structure: str) -> str:
             f"{mode} by {_signed_range(bad['needed_bias'].sel(mode=mode))} %"
             for mode in ("1B", "2B")
         ]
-        text += f"; elsewhere none exists: the model's frequencies would have to move, {listed(moves)}"
+        place = "elsewhere" if roots else "for one to exist"
+        text += f"; {place} the model's frequencies would have to move, {listed(moves)}"
     return text + "."
 
 

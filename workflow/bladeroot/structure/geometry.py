@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import jsonschema
 import numpy as np
 
 MM = 1.0e-3
@@ -85,15 +84,12 @@ class Structure:
     with_pad: bool
 
 
-def structure_from_mapping(
-    data: Mapping[str, Any], schema: Mapping[str, Any], where: str = "structure file"
-) -> Structure:
-    """Validate a structure file's content and convert it to SI units.
+def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file") -> Structure:
+    """Convert a structure file's content, checked against its schema, to SI units.
 
-    `data` is the parsed file, `schema` the parsed `structure.schema.yaml`, `where` the file's name
-    for the messages. Raises ValueError, one line, naming the key, what was expected and what came.
+    `where` is the file's name for the messages. Raises ValueError, one line, naming the key, what
+    was expected and what came, for a shape that cannot be.
     """
-    _validate(data, schema, where)
     profile = tuple((x * MM, h * MM) for x, h in data["beam"]["profile_mm"])
     flank = tuple(data["beam"]["flank_points"])
     _check_profile(data["beam"], where)
@@ -141,14 +137,6 @@ def _material(data: Mapping[str, Any]) -> Material:
         float(data["density_kg_m3"]),
         float(data["poisson_ratio"]),
     )
-
-
-def _validate(data: Any, schema: Mapping[str, Any], where: str) -> None:
-    errors = jsonschema.Draft202012Validator(schema).iter_errors(data)
-    error = jsonschema.exceptions.best_match(errors)
-    if error is not None:
-        key = "/".join(str(part) for part in error.absolute_path) or "top level"
-        raise ValueError(f"{where}, {key}: {error.message}")
 
 
 def _check_profile(beam: Mapping[str, Any], where: str) -> None:
