@@ -53,8 +53,11 @@ def ring_down(
     turn = np.interp(time, knots, states[:, 1])
     velocity = ((alpha(a) + 1j * omega(a)) * a * np.exp(1j * turn)).real
     other = 6.27 * frequency_Hz
-    velocity += second * START * np.exp(-np.pi * 0.003 * other * time) * np.cos(
-        2 * np.pi * other * time + rng.uniform(0, 2 * np.pi)
+    velocity += (
+        second
+        * START
+        * np.exp(-np.pi * 0.003 * other * time)
+        * np.cos(2 * np.pi * other * time + rng.uniform(0, 2 * np.pi))
     )
     noise = START / np.sqrt(2) * 10 ** (-noise_db / 20)
     velocity += noise * rng.standard_normal(count)

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from decay_bench import START, ring_down, slider
-
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.plateau import plateau
+from decay_bench import START, ring_down, slider
 
 
 def errors(noise_db, seed, **changes):

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from decay_bench import ring_down
-
 from bladeroot.decay.freevib import freevib
 from bladeroot.decay.plateau import fit_hinge, plateau
+from decay_bench import ring_down
 
 
 def blocks(seed, law, count=500):

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-
 from bladeroot.decay import stick
 from bladeroot.decay.stick import stick_from_records, stick_from_table
 

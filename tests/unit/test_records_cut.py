@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from decay_bench import START, ring_down, shaken
-
 from bladeroot.records.cut import cut
+from decay_bench import START, ring_down, shaken
 
 
 @pytest.mark.parametrize("noise_db", [60, 40])
@@ -22,7 +21,7 @@ def test_release_and_tip_return(noise_db, eta):
 
 
 def test_end_is_a_thousandth():
-    velocity, _, _, _ = ring_down(0, noise_db=80, second=0.0, onset=0.9, softening=0.0)
+    velocity, _, _, _ = ring_down(0, noise_db=80, second=0.0, eta=(0.008, 0.008))
     found = cut(velocity, 25600.0, 250.0)
     assert found.attrs["end_reason"] == "0.001 of the first envelope"
     last = np.abs(found["velocity"].values[-100:]).max()
@@ -31,7 +30,9 @@ def test_end_is_a_thousandth():
 
 def test_end_is_the_noise():
     velocity, _, _, _ = ring_down(0, noise_db=30, second=0.0)
-    assert cut(velocity, 25600.0, 250.0).attrs["end_reason"] == "the noise"
+    found = cut(velocity, 25600.0, 250.0)
+    assert found.attrs["end_reason"] == "the noise"
+    assert 0.6 < found.attrs["end_s"] < 1.8
 
 
 def test_record_that_starts_in_the_decay_keeps_its_start():

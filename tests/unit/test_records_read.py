@@ -3,7 +3,6 @@
 import netCDF4
 import numpy as np
 import pytest
-
 from bladeroot.records.read import formats, read
 from bladeroot.records.recording import recording, velocity
 
@@ -92,7 +91,7 @@ def test_netcdf(tmp_path, packed):
 
 
 def test_netcdf_faults(tmp_path):
-    with pytest.raises(ValueError, match="expected a variable velocity or .*, got time, speed"):
+    with pytest.raises(ValueError, match=r"expected a variable velocity or .*, got time, speed"):
         read(netcdf(tmp_path / "a.nc", name="speed"))
     (tmp_path / "b.nc").write_text("no")
     with pytest.raises(ValueError, match="expected a NetCDF file"):

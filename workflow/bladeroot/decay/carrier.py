@@ -37,6 +37,7 @@ def rough_log_phasor(
     stretch = max(span, (last - first) // 5)
     tail = slice(max(last - stretch, 0), last)
     slope = _slope(sample[tail], log_phasor[tail])
+    slope = complex(min(slope.real, 0.0), slope.imag)  # nothing grows in a free decay
     middle = 0.5 * (tail.start + tail.stop - 1)
     log_phasor[last:] = log_phasor[tail].mean() + slope * (sample[last:] - middle)
     return log_phasor

@@ -62,7 +62,8 @@ def freevib(
         ValueError: no line in the band, or fewer than eight cycles of it.
     """
     band = main_band(velocity, sampling_Hz, expected_Hz, tolerance)
-    noise = max(float(noise), 1e-6 * float(np.abs(velocity).max()))
+    # no digitiser is better than this, and errors without a floor mean nothing
+    noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
     alone, others, carriers = separate(velocity, sampling_Hz, band, noise)
     apart = [
         carrier
@@ -71,7 +72,7 @@ def freevib(
     ]
     blocks, _ = follow(alone, sampling_Hz, band, noise, corrections=3, others=apart)
     # a clock and a digitiser are never better than a millionth of a radian
-    std = np.hypot(blocks.std * np.maximum(noise_ratio(blocks), 0.2), 1e-6)
+    std = np.hypot(blocks.std * np.maximum(noise_ratio(blocks), 0.5), 1e-6)
     blocks = Phasors(blocks.time, blocks.log, std)
     count = min(points, max(8, blocks.time.size))
     centre = np.interp(
@@ -137,10 +138,8 @@ def _before_noise(good: ndarray, reach: int = 10) -> ndarray:
     return keep
 
 
-def _doubt_outliers(
-    blocks: Phasors, knots: Float[ndarray, " site"], limit: float = 2.5
-) -> Phasors:
-    """Larger standard errors for blocks that lie off the smooth curve (edges of a filter, knocks)."""
+def _doubt_outliers(blocks: Phasors, knots: Float[ndarray, " site"], limit: float = 2.5) -> Phasors:
+    """Larger standard errors for blocks off the smooth curve (a filter's edges, knocks)."""
     level = smooth(blocks.time, blocks.log.real, blocks.std, knots, blocks.time, iterations=20)
     phase = smooth(blocks.time, blocks.log.imag, blocks.std, knots, blocks.time, iterations=20)
     miss = np.abs(blocks.log - level.value[0] - 1j * phase.value[0]) / np.sqrt(2.0) / blocks.std

@@ -45,9 +45,9 @@ def block_edges(
     at = starts[:-1]
     samples_a_cycle = np.diff(starts)
     envelope = np.exp(log_carrier.real[at])
-    noise = np.minimum(noise, envelope)
     rate = np.abs(np.gradient(log_carrier.real[starts]))[:-1] + 1e-12
-    wanted = 2.0 * (noise / (target * envelope)) ** 2 / samples_a_cycle
+    share = noise / np.maximum(noise, envelope)  # 1 where the mode has drowned
+    wanted = 2.0 * (share / target) ** 2 / samples_a_cycle
     length = np.minimum(wanted, np.maximum(largest_drop / rate, 1.0))
     length = np.maximum(np.ceil(length), np.ceil(starts.size / most)).astype(int)
     edges = [0]

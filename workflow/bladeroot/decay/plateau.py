@@ -3,10 +3,13 @@
 On the plateau the log-phasor of the displacement is a straight line in time: its phase rises by
 omega, its log-amplitude by A'/A. Above the onset amplitude A0 its rate leaves the constant as
 
-    rate = rate0 + c1 e^p + c2 e^(p+1),   e = max(0, A / A0 - 1),
+    rate = rate0 + c e^p,   e = max(0, A / A0 - 1),
 
 with p = 1, 3/2 or 2 and c of either sign: slip in a Coulomb contact softens with p = 3/2 and damps
 with p = 1 (expand 3.19 near x0 = x_cr), and a rising frequency is as welcome as a falling one.
+Beside the hinge stand two laws without a plateau, a rate that bends like A^2 (its limit at A = 0
+is as good as a plateau) and one like A (it goes on bending: the plateau is not reached); all are
+weighted by their likelihood, and the spread of their limits is part of the standard error.
 The line and the hinge are fitted to the independent blocks of cycles themselves, where least
 squares is efficient and its standard errors hold, not to the correlated points of the curves.
 """
@@ -26,13 +29,16 @@ DETECTION = 25.0
 
 @dataclass(frozen=True)
 class Hinge:
-    """The constant rate of the plateau, and the amplitude where the rate leaves it."""
+    """The constant rate of the plateau, and the amplitude where the rate leaves it.
+
+    `bending` is the weight of the law that goes on bending to amplitude zero.
+    """
 
     rate: float
     rate_std: float
     onset: float
     onset_std: float
-    bend: float
+    bending: float
     lowest: float
     highest: float
 
@@ -43,17 +49,8 @@ class Hinge:
 
     @property
     def reached(self) -> bool:
-        """Whether the constant shows, or what is left to bend is below its standard error.
-
-        The constant must span a factor of 1.5 below the onset. Where it does not, and the best
-        description is one that is straight in amplitude, the rate would go on bending towards
-        amplitude zero by `bend`.
-        """
-        if not self.left:
-            return True
-        clear = self.onset * np.exp(-self.onset_std / self.onset) > self.lowest
-        spans = bool(clear and self.onset > 1.5 * self.lowest)
-        return spans or bool(self.bend < 2.0 * self.rate_std)
+        """Whether the constant shows: the odds are for a law that is flat towards A = 0."""
+        return not self.left or self.bending < 0.5
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -143,19 +140,22 @@ def fit_hinge(
         line = _regress(np.stack([np.ones_like(time), time - time.mean()], axis=1), y, std)
         rate_std = float(np.sqrt(line[1][1, 1]))
         return Hinge(float(line[0][1]), rate_std, np.nan, np.nan, 0.0, lowest, highest)
-    best = None
+    described = []
     for reach in (1.0, 1.2, 1.5, 2.0, 3.0, 5.0):
         fit = _averaged_hinge(time, y, std, amplitude, min(top * reach, highest))
         if fit is None:
             continue
         found, misfit = fit
-        if best is None or (misfit < 1.0 and found[3] < best[3]):
-            best = found
+        if misfit < 1.0 or not described:
+            described.append(found)
         if misfit >= 1.0 or top * reach >= highest:
             break
-    if best is None:
-        return Hinge(np.nan, np.nan, lowest, lowest, np.inf, lowest, highest)
-    return Hinge(*best, lowest, highest)
+    if not described:
+        return Hinge(np.nan, np.nan, lowest, lowest, 1.0, lowest, highest)
+    rate, rate_std, *rest = min(described, key=lambda found: found[3])
+    # a rate that drifts with the window is not known better than that
+    drift = max(abs(other[0] - rate) for other in described)
+    return Hinge(rate, float(np.hypot(rate_std, drift)), *rest, lowest, highest)
 
 
 def _first_departure(
@@ -186,7 +186,7 @@ def _first_departure(
 def _averaged_hinge(
     time: ndarray, y: ndarray, std: ndarray, amplitude: ndarray, top: float
 ) -> tuple[tuple[float, float, float, float, float], float] | None:
-    """(rate, std, onset, std, bend) over the powers, and the misfit (above 1: not described)."""
+    """(rate, std, onset, std, weight of a rate straight in A), and the misfit (above 1: bad)."""
     keep = amplitude <= top * (1.0 + 1e-9)
     if keep.sum() < 12:
         return None
@@ -195,42 +195,54 @@ def _averaged_hinge(
     for power in POWERS:
         onset = _best_onset(time, y, std, amplitude, top, power)
         columns = _hinge_columns(time, amplitude, onset, power)
-        value, covariance = _regress(columns, y, std)
+        value, _ = _regress(columns, y, std)
         step = 1e-4 * onset
         ahead = _hinge_columns(time, amplitude, onset + step, power) @ value
         behind = _hinge_columns(time, amplitude, onset - step, power) @ value
         # the onset's own error moves the rate, too
         _, covariance = _regress(np.column_stack([columns, (ahead - behind) / (2 * step)]), y, std)
-        miss = (y - columns @ value) / std
-        onset_std = min(np.sqrt(covariance[4, 4]), onset)
-        bend = abs(value[2]) if power == 1.0 else 0.0
-        fits.append(((miss**2).sum(), value[1], covariance[1, 1], onset, onset_std, bend))
-        left.append(miss)
-    chi2, rate, variance, onset, onset_std, bend = np.array(fits).T
-    weight = np.exp(-0.5 * (chi2 - chi2.min()))
+        onset_std = min(np.sqrt(covariance[3, 3]), onset)
+        left.append((y - columns @ value) / std)
+        score = (left[-1] ** 2).sum() + 2.0
+        fits.append((score, value[1], covariance[1, 1], onset, onset_std))
+    for power in (2.0, 1.0):
+        bend = _integral(time, (amplitude / top) ** power)
+        columns = np.stack([np.ones_like(time), time - time.mean(), bend], axis=1)
+        value, covariance = _regress(columns, y, std)
+        left.append((y - columns @ value) / std)
+        fits.append(((left[-1] ** 2).sum(), value[1], covariance[1, 1], np.nan, np.nan))
+    score, rate, variance, onset, onset_std = np.array(fits).T
+    weight = np.exp(-0.5 * (score - score.min()))
     weight /= weight.sum()
-    mean, mean_onset = weight @ rate, weight @ onset
-    freedom = max(y.size - 5, 1)
-    excess = max(1.0, chi2.min() / freedom)
+    mean = weight @ rate
+    hinges = np.exp(-0.5 * (score[:3] - score[:3].min()))
+    hinges /= hinges.sum()
+    mean_onset = hinges @ onset[:3]
+    freedom = max(y.size - 4, 1)
+    miss = left[int(np.argmin(score))]
+    excess = max(1.0, (miss**2).sum() / freedom)
     rate_std = np.sqrt(weight @ (variance * excess + (rate - mean) ** 2))
-    spread = np.sqrt(weight @ (onset_std**2 * excess + (onset - mean_onset) ** 2))
+    spread = np.sqrt(hinges @ (onset_std[:3] ** 2 * excess + (onset[:3] - mean_onset) ** 2))
     above = amplitude > 0.7 * mean_onset
-    count = max(int(above.sum()) - 3, 1)
-    misfit = (left[int(np.argmin(chi2))][above] ** 2).sum() / count - 1.0
-    misfit *= np.sqrt(count / 2.0) / 4.0
-    found = (mean, rate_std, mean_onset, spread, weight @ bend)
+    count = max(int(above.sum()) - 2, 1)
+    misfit = ((miss[above] ** 2).sum() / count - 1.0) * np.sqrt(count / 2.0) / 4.0
+    found = (mean, rate_std, mean_onset, spread, weight[4])
     return tuple(float(value) for value in found), float(misfit)
+
+
+def _integral(time: ndarray, rate: ndarray) -> ndarray:
+    """Trapezoidal integral over time along the first axis, zero at the record's end."""
+    steps = 0.5 * ((rate[1:] + rate[:-1]).T * np.diff(time)).T
+    total = np.zeros_like(rate)
+    total[:-1] = -np.cumsum(steps[::-1], axis=0)[::-1]
+    return total
 
 
 def _hinge_integrals(
     time: ndarray, amplitude: ndarray, onsets: ndarray, power: float
 ) -> Float[ndarray, "block onset"]:
     """Integral of max(0, A / A0 - 1)^p over time, from the record's end backwards."""
-    rate = np.maximum(0.0, amplitude[:, None] / onsets - 1.0) ** power
-    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)[:, None]
-    total = np.zeros_like(rate)
-    total[:-1] = -np.cumsum(steps[::-1], axis=0)[::-1]
-    return total
+    return _integral(time, np.maximum(0.0, amplitude[:, None] / onsets - 1.0) ** power)
 
 
 def _best_onset(
@@ -252,13 +264,11 @@ def _best_onset(
 
 def _hinge_columns(
     time: ndarray, amplitude: ndarray, onset: float, power: float
-) -> Float[ndarray, "block 4"]:
-    """Constant, line, and the integrals of the hinge's two powers."""
-    at = np.array([onset])
-    first = _hinge_integrals(time, amplitude, at, power)
-    second = _hinge_integrals(time, amplitude, at, power + 1.0)
+) -> Float[ndarray, "block 3"]:
+    """Constant, line, and the integral of the hinge."""
+    hinge = _hinge_integrals(time, amplitude, np.array([onset]), power)
     line = np.stack([np.ones_like(time), time - time.mean()], axis=1)
-    return np.concatenate([line, first, second], axis=1)
+    return np.concatenate([line, hinge], axis=1)
 
 
 def _regress(columns: ndarray, y: ndarray, std: ndarray) -> tuple[ndarray, ndarray]:

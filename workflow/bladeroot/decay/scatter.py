@@ -7,9 +7,7 @@ from numpy import ndarray
 from bladeroot.decay.phasors import Phasors
 
 
-def noise_ratio(
-    blocks: Phasors, window: int = 7, reach: int = 30
-) -> Float[ndarray, " block"]:
+def noise_ratio(blocks: Phasors, window: int = 7, reach: int = 30) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
     From the scatter of either part about a local cubic: coloured noise, remains of other modes
@@ -22,8 +20,9 @@ def noise_ratio(
     reach = min(reach, (blocks.time.size - 1) // 2)
     padded = np.pad(square, ((0, 0), (reach, reach)), mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1)
-    return np.sqrt(np.median(around.transpose(1, 0, 2).reshape(square.shape[1], -1), axis=1)
-                   / 0.4549)
+    return np.sqrt(
+        np.median(around.transpose(1, 0, 2).reshape(square.shape[1], -1), axis=1) / 0.4549
+    )
 
 
 def local_cubic(

@@ -106,7 +106,7 @@ def stick_from_table(table: pd.DataFrame) -> xr.Dataset:
         bad = np.flatnonzero(~(frame[name] > 0.0))
         if bad.size:
             raise ValueError(
-                f"{name} must be a positive number, got {table[name].iloc[bad[0]]!r} "
+                f"{name} must be a positive number, got {table[name].iloc[bad[0]]} "
                 f"(row {bad[0] + 2})"
             )
     twice = frame[frame.duplicated(["mode", "force_N"])]

@@ -153,7 +153,9 @@ def strongest_other(
         level = np.abs(fft.rfft(residual[:count] * window, padded))
         frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
         width = 4.0 * sampling_Hz / count
-        open_ = (frequency > max(low_Hz, width, 16.0 * sampling_Hz / residual.size)) & (frequency < 0.48 * sampling_Hz)
+        open_ = (frequency > max(low_Hz, width, 16.0 * sampling_Hz / residual.size)) & (
+            frequency < 0.48 * sampling_Hz
+        )
         for band in taken:
             half = max(width, 0.02 * band.centre_Hz)
             open_ &= np.abs(frequency - band.centre_Hz) > half
@@ -180,9 +182,7 @@ def separate(
     noise: float,
     most: int = 4,
     rounds: int = 2,
-) -> tuple[
-    Float[ndarray, " sample"], list[Band], list[Complex[ndarray, " sample"]]
-]:
+) -> tuple[Float[ndarray, " sample"], list[Band], list[Complex[ndarray, " sample"]]]:
     """The record without the other modes, where they lie, and their carriers.
 
     Each is followed in what the rest leave over and taken off, `rounds` times round, so that no
@@ -198,11 +198,14 @@ def separate(
             break
         tried, rest = [*waves, np.zeros_like(velocity)], residual
         found = [*carriers, carrier]
-        for _ in range(rounds):
-            for k in reversed(range(len(tried))):
-                rest = rest + tried[k]
-                tried[k], found[k] = _part(rest, sampling_Hz, [*bands, other][k], noise)
-                rest = rest - tried[k]
+        try:
+            for _ in range(rounds):
+                for k in reversed(range(len(tried))):
+                    rest = rest + tried[k]
+                    tried[k], found[k] = _part(rest, sampling_Hz, [*bands, other][k], noise)
+                    rest = rest - tried[k]
+        except ValueError:  # a line that cannot be followed is no mode
+            break
         if rest @ rest >= residual @ residual:
             break
         bands, waves, carriers, residual = [*bands, other], tried, found, rest

@@ -95,32 +95,39 @@ def _span(
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the decay, or what is amiss."""
     floor = 1.5 * seen.noise(noise, sampling_Hz)
-    level = np.log(np.maximum(seen.amplitude, max(floor, 1e-12 * seen.amplitude.max())))
+    # noise makes an envelope this weak rise now and then: such a rise is not the tip's
+    weak = max(4.0 * floor, 1e-12 * seen.amplitude.max())
+    level = np.log(np.maximum(seen.amplitude, weak))
     peak, trough = largest_fall(level, rise=np.log(1.5))
     fall = level[peak] - level[trough]
-    if fall < np.log(2.0):
+    if fall < np.log(4.0):
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
-            f"factor of {np.exp(fall):.3g}, at least 2 is needed"
+            f"factor of {np.exp(fall):.3g}, at least 4 is needed"
         )
     release, margin = _release(seen, level, peak, trough, expected_Hz, margin_cycles)
     start_s = release + margin
-    begin = int(np.searchsorted(seen.time, start_s))
-    begin = min(begin, trough)
-    top = level[begin]
-    below = np.flatnonzero(level[begin : trough + 1] < top + np.log(end_ratio))
-    lost = np.flatnonzero(seen.amplitude[begin : trough + 1] <= floor)
-    back = _tip_return(seen, begin, trough, noise)
-    half = 0.5 * seen.frame_s
+    begin = min(int(np.searchsorted(seen.time, start_s)), trough)
+    amplitude, half = seen.amplitude, 0.5 * seen.frame_s
     ends = [(velocity.size / sampling_Hz, "end of the record")]
+    last = trough
+    if level[trough] <= np.log(weak):
+        # weak frames: what a median over them shows, up to the noise or something loud
+        lost = np.flatnonzero(_calm(amplitude[begin:]) <= floor)
+        last = begin + int(lost[0]) if lost.size else amplitude.size - 1
+        loud = np.flatnonzero(amplitude[trough : last + 1] > 2.0 * weak)
+        if loud.size:
+            ends.append((seen.time[trough + loud[0]] - 2.0 * half, "the tip's return"))
+        elif lost.size:
+            ends.append((seen.time[last], "the noise"))
+    elif trough < level.size - 3:
+        ends.append((seen.time[trough] - half, "the tip's return"))
+    below = np.flatnonzero(_calm(amplitude[begin : last + 1]) < end_ratio * amplitude[begin])
     if below.size:
         ends.append((seen.time[begin + below[0]], f"{end_ratio:g} of the first envelope"))
-    if lost.size:
-        ends.append((seen.time[begin + lost[0]], "the noise"))
+    back = _tip_return(seen, begin, last, noise)
     if back is not None:
         ends.append((seen.time[back] - half - 1.0 / expected_Hz, "the tip's return"))
-    if trough < level.size - 3 and not (below.size or lost.size):
-        ends.append((seen.time[trough] - half, "the tip's return"))
     end_s, reason = min(ends)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -176,10 +183,16 @@ def _release(
     return float(seen.time[peak]), 0.5 * seen.frame_s + margin_cycles / expected_Hz
 
 
-def _tip_return(seen: Envelope, begin: int, trough: int, noise: float) -> int | None:
+def _calm(amplitude: ndarray, reach: int = 7) -> ndarray:
+    """Running median over some cycles."""
+    padded = np.pad(amplitude, reach, mode="edge")
+    return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1), axis=1)
+
+
+def _tip_return(seen: Envelope, begin: int, last: int, noise: float) -> int | None:
     """First frame in which something strikes: the rest jumps far above what it was before."""
     reach = 20
-    rest = seen.rest[begin : trough + 1]
+    rest = seen.rest[begin : last + 1]
     if rest.size < 3 * reach:
         return None
     before = np.lib.stride_tricks.sliding_window_view(rest, reach)

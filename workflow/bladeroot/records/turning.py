@@ -10,9 +10,7 @@ def largest_fall(level: Float[ndarray, " frame"], rise: float) -> tuple[int, int
     best, found = 0.0, (0, 0)
     peak = trough = 0
     for k in range(1, level.size):
-        if level[k] > level[trough] + rise:
-            peak = trough = k
-        elif level[k] > level[peak]:
+        if level[k] > level[trough] + rise or level[k] > level[peak]:
             peak = trough = k
         elif level[k] < level[trough]:
             trough = k

@@ -92,9 +92,7 @@ def _numbers(
 ) -> np.ndarray:
     """The wanted columns as floats; a bad field is named by its row in the file."""
     try:
-        values = np.loadtxt(
-            [lines[k] for k in rows], delimiter=separator, usecols=columns, ndmin=2
-        )
+        values = np.loadtxt([lines[k] for k in rows], delimiter=separator, usecols=columns, ndmin=2)
         if np.isfinite(values).all():
             return values
     except (ValueError, IndexError):
