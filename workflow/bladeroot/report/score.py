@@ -5,6 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+_TEXTS = {
+    "frequency": ("Hz", "stuck eigenfrequency of the bench"),
+    "loss_factor": ("1", "loss factor of the bench, all stuck"),
+    "onset_amplitude": ("m", "amplitude at the sensor at which the bench's first pair slips"),
+    "kn": ("N/m", "normal stiffness of a flank in the bench"),
+    "kt": ("N/m", "tangential stiffness of a flank in the bench"),
+}
+
 
 def score(stick: xr.Dataset, truths: Mapping[str, xr.Dataset]) -> xr.Dataset:
     """Each record's stick frequency beside the stuck eigenfrequency, in standard errors.
@@ -19,7 +27,7 @@ def score(stick: xr.Dataset, truths: Mapping[str, xr.Dataset]) -> xr.Dataset:
         raise ValueError(f"no truth for record {', '.join(missing)}")
     truth = {
         name: np.array([float(truths[record][name]) for record in records])
-        for name in ("frequency", "loss_factor", "onset_amplitude")
+        for name in _TEXTS
     }
     reached = stick["plateau_reached"].values.astype(bool)
     deviation = np.where(
@@ -27,20 +35,18 @@ def score(stick: xr.Dataset, truths: Mapping[str, xr.Dataset]) -> xr.Dataset:
         (stick["stick_frequency"].values - truth["frequency"]) / stick["stick_frequency_std"].values,
         np.nan,
     )
-    texts = {
-        "frequency": ("Hz", "stuck eigenfrequency of the bench"),
-        "loss_factor": ("1", "loss factor of the bench, all stuck"),
-        "onset_amplitude": ("m", "amplitude at the sensor at which the bench's first pair slips"),
-    }
     made = {
         f"true_{name}": ("record", truth[name], {"units": unit, "long_name": text})
-        for name, (unit, text) in texts.items()
+        for name, (unit, text) in _TEXTS.items()
     }
     made["deviation"] = (
         "record",
         deviation,
         {"units": "1", "long_name": "stick frequency less truth, in its standard errors"},
     )
+    made["force"] = (
+        "record", stick["record_force"].values, {"units": "N", "long_name": "axial force as read"}
+    )  # fmt: skip
     return xr.Dataset(made, {"record": records}).assign_attrs(
         reached=int(reached.sum()), within_3=int((np.abs(deviation[reached]) <= 3).sum())
     )

@@ -16,8 +16,8 @@ _MISS_HEADER = (
 )  # fmt: skip
 
 
-def stiffness_section(stiffness: xr.Dataset, maps: str) -> Section:
-    """Tables of roots and of missing roots, the maps, and the laws over force."""
+def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None) -> Section:
+    """Tables of roots and of missing roots, the maps, the laws over force, the bench's truth."""
     roots, misses = [], []
     for structure in stiffness["structure"].values:
         for force in stiffness["force"].values:
@@ -55,7 +55,35 @@ def stiffness_section(stiffness: xr.Dataset, maps: str) -> Section:
                 misses,
             )
         )
+    if score is not None and roots:
+        parts += _truth(stiffness, score)
     return Section("Contact stiffness", parts)
+
+
+def _truth(stiffness: xr.Dataset, score: xr.Dataset) -> list:
+    """What was found beside what the bench put in, where a force was measured."""
+    rows = []
+    for structure in stiffness["structure"].values:
+        for force in stiffness["force"].values:
+            found = stiffness.sel(structure=structure, force=force)
+            same = np.isclose(score["force"].values, force, rtol=1e-6)
+            if found["status"].item() != "root" or not same.any():
+                continue
+            cells = [structure, f"{force / 1e3:g}"]
+            for name in ("kn", "kt"):
+                true = float(np.exp(np.log(score[f"true_{name}"].values[same]).mean()))
+                miss = float(np.log(found[name] / true))
+                spread = float(found[f"ln_{name}_std"])
+                cells += [
+                    fixed(float(found[name]) / 1e6, 0),
+                    fixed(true / 1e6, 0),
+                    f"{miss / spread:+.2f}",
+                ]
+            rows.append(tuple(cells))
+    header = ["structure", "force / kN"]
+    for name in ("kn", "kt"):
+        header += [f"{name} found / N/µm", f"{name} of the bench", "miss in its stds"]
+    return [Table("Found and true stiffness of a flank (simulated campaign)", header, rows)]
 
 
 def _bias(stiffness: xr.Dataset) -> str:

@@ -1,0 +1,67 @@
+"""Bad input: told in one line a fault before any job, or by name when it shows only later."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from conftest import SMALL, copy_house
+
+SHEET = "resources/campaigns/small/records.csv"
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new", "told"),
+    [
+        (SHEET, "r002,r002.nc", "r001,r001.nc", "record 'r001' stands in row 2 already"),
+        (SHEET, "1B,60", "1B,900", "pressure_bar 900 lies outside the gauge's range"),
+        (SHEET, "1B,60", "1B,nan", "pressure_bar must be a finite number, got 'nan'"),
+        (SHEET, "1B,60", "7B,60", "mode must be one of 1B, 2B"),
+        ("config/config.yaml", "end_ratio: 0.001", "end_ratio: 2", "record.end_ratio"),
+        ("config/config.yaml", "[small]", "[smal]", "campaign folder not found"),
+        ("resources/campaigns/small/tiny.yaml", "width_mm: 26", "width_mm: wide", "beam.width_mm"),
+        ("resources/campaigns/small/bench.yaml", "seed: 7", "seed: -7", "seed"),
+    ],
+)
+def test_one_line_and_no_job(tmp_path, path, old, new, told):
+    house = copy_house(tmp_path / "house")
+    house.edit(path, old, new)
+    done = house.run(check=False)
+    assert done.returncode != 0
+    lines = [line for line in done.stderr.splitlines() if line.startswith("bad input: ")]
+    assert len(lines) == 1
+    assert told in lines[0]
+    assert "Traceback" not in done.stderr
+    assert not (house.folder / "results").exists()
+
+
+def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
+    """Real raw files, two of them spoilt: a campaign folder outside the house."""
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    shutil.copy(SMALL / "tiny.yaml", folder)
+    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    (folder / "campaign.yaml").write_text(description.replace("SIMULATED, ", ""))
+    sheet = (SMALL / "records.csv").read_text()
+    for raw in (house.folder / "results" / "bench" / "small").glob("*.nc"):
+        shutil.copy(raw, folder)
+    (folder / "r007.nc").write_bytes((folder / "r001.nc").read_bytes()[:5000])
+    spoilt = xr.load_dataset(folder / "r001.nc").drop_encoding()
+    spoilt["velocity"][5000:5005] = np.nan
+    spoilt.to_netcdf(folder / "r008.nc")
+    for record in ("r007", "r008"):
+        sheet += f"{record},{record}.nc,1B,60,h1,up,1000,1.4\n"
+    (folder / "records.csv").write_text(sheet)
+
+    house.run("--config", f"campaigns={folder}")
+    stick = xr.load_dataset(house.folder / "results" / "lab" / "stick.nc")
+    verdicts = dict(zip(stick["record"].values, stick["verdict"].values, strict=True))
+    bad = {record for record, verdict in verdicts.items() if verdict.startswith("rejected")}
+    assert bad == {"r007", "r008"}
+    assert "r008.nc" in verdicts["r008"]
+    assert "finite" in verdicts["r008"]
+    page = (house.folder / "results" / "lab" / "report.html").read_text()
+    assert "Left out: r007" in page
+    assert "Left out: r008" in page
+    assert "Simulated records" not in page

@@ -1,0 +1,86 @@
+"""What a finished run leaves behind: artifacts by the contract, a report, timings, honest labels."""
+
+import csv
+
+import numpy as np
+import xarray as xr
+
+
+def load(house, name):
+    return xr.load_dataset(house.folder / "results" / name)
+
+
+def test_every_stage_left_its_artifact(house):
+    folder = house.folder / "results" / "small"
+    for name in ("stick.nc", "fe_forces.nc", "stiffness.nc", "theory.nc", "report.html"):
+        assert (folder / name).is_file()
+    assert len(list((folder / "records").glob("*.nc"))) == 6
+    assert len(list((folder / "decay").glob("*.nc"))) == 6
+
+
+def test_every_artifact_says_what_made_it_and_what_its_numbers_are(house):
+    for path in (house.folder / "results").rglob("*.nc"):
+        with xr.open_dataset(path) as artifact:
+            assert artifact.attrs["bladeroot_version"], path
+            assert "settings" in artifact.attrs, path
+            for name, variable in artifact.data_vars.items():
+                assert "units" in variable.attrs, f"{path}: {name}"
+                assert "long_name" in variable.attrs, f"{path}: {name}"
+
+
+def test_stick_frequencies_hit_the_bench(house):
+    score = load(house, "small/score.nc")
+    assert score.attrs["reached"] >= 5
+    assert score.attrs["within_3"] >= score.attrs["reached"] - 1
+
+
+def test_a_search_ends_in_a_root_or_says_by_how_much_the_model_must_move(house):
+    stiffness = load(house, "small/stiffness.nc")
+    for status, kn, needed in zip(
+        stiffness["status"].values.ravel(),
+        stiffness["kn"].values.ravel(),
+        stiffness["needed_bias"].transpose(..., "mode").values.reshape(-1, 2),
+        strict=True,
+    ):
+        assert status in ("root", "no root")
+        assert np.isfinite(kn) == (status == "root")
+        assert np.any(needed != 0) == (status == "no root")
+
+
+def test_simulated_records_are_labelled_everywhere(house):
+    folder = house.folder / "results"
+    assert "Simulated records" in (folder / "small" / "report.html").read_text()
+    for raw in (folder / "bench" / "small").glob("*.nc"):
+        with xr.open_dataset(raw) as record:
+            assert "SIMULATED" in record.attrs["title"]
+    for path in (folder / "small" / "records").glob("*.nc"):
+        with xr.open_dataset(path) as record:
+            assert record.attrs["simulated"] == 1
+
+
+def test_time_of_every_rule_is_gathered(house):
+    with (house.folder / "results" / "timings.csv").open() as sheet:
+        rows = {row["rule"]: row for row in csv.DictReader(sheet)}
+    assert int(rows["decay"]["jobs"]) == 6
+    assert all(float(row["total_s"]) > 0 for row in rows.values())
+
+
+def test_snakemakes_own_report_has_captions_and_categories(house):
+    house.run("--report", "archive.zip")
+    assert (house.folder / "archive.zip").stat().st_size > 10_000
+
+
+def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
+    import subprocess
+    import sys
+
+    script = house.folder / "workflow" / "scripts" / "decay.py"
+    record = house.folder / "results" / "small" / "records" / "r001.nc"
+    output = tmp_path / "decay.nc"
+    subprocess.run(
+        [sys.executable, script, "--record", record, "--output", output],
+        check=True,
+        env=house.environment,
+    )
+    left = xr.load_dataset(output)
+    xr.testing.assert_equal(left, load(house, "small/decay/r001.nc"))
