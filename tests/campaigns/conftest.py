@@ -39,8 +39,10 @@ class House:
 
     @property
     def environment(self) -> dict:
-        # The copy's library, not the installed one: its code is what the tests edit.
-        return {**os.environ, "PYTHONPATH": str(self.folder / "workflow")}
+        # The copy's library, not the installed one: its code is what the tests edit. One BLAS
+        # thread, as in the workflow's jobs: another number rounds differently.
+        library = str(self.folder / "workflow")
+        return {**os.environ, "PYTHONPATH": library, "OMP_NUM_THREADS": "1"}
 
     def planned(self, *options: str) -> Counter:
         """The rules (with how many jobs each) that the next run would do: Snakemake's job table."""
@@ -61,6 +63,7 @@ class House:
 
 def copy_house(folder: Path) -> House:
     """The workflow with the small campaign as its only one."""
+    folder.mkdir(parents=True, exist_ok=True)
     for name in ("Snakefile", "workflow", "profiles", "config", "resources"):
         source = ROOT / name
         if source.is_dir():

@@ -5,7 +5,6 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-
 from conftest import SMALL, copy_house
 
 SHEET = "resources/campaigns/small/records.csv"
@@ -21,6 +20,7 @@ SHEET = "resources/campaigns/small/records.csv"
         ("config/config.yaml", "end_ratio: 0.001", "end_ratio: 2", "record.end_ratio"),
         ("config/config.yaml", "[small]", "[smal]", "campaign folder not found"),
         ("resources/campaigns/small/tiny.yaml", "width_mm: 26", "width_mm: wide", "beam.width_mm"),
+        ("resources/campaigns/small/tiny.yaml", "name: tiny", "name: huge", "name must be 'tiny'"),
         ("resources/campaigns/small/bench.yaml", "seed: 7", "seed: -7", "seed"),
     ],
 )
@@ -40,9 +40,12 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
     """Real raw files, two of them spoilt: a campaign folder outside the house."""
     folder = tmp_path / "lab"
     folder.mkdir()
-    shutil.copy(SMALL / "tiny.yaml", folder)
+    # A structure of its own, beside the records; the house's stays as it is.
+    structure = (SMALL / "tiny.yaml").read_text().replace("name: tiny", "name: own")
+    (folder / "own.yaml").write_text(structure)
     description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
-    (folder / "campaign.yaml").write_text(description.replace("SIMULATED, ", ""))
+    description = description.replace("[tiny]", "[own]").replace("SIMULATED, ", "")
+    (folder / "campaign.yaml").write_text(description)
     sheet = (SMALL / "records.csv").read_text()
     for raw in (house.folder / "results" / "bench" / "small").glob("*.nc"):
         shutil.copy(raw, folder)

@@ -7,7 +7,6 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
-
 from conftest import copy_house
 
 

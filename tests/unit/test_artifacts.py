@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import xarray as xr
-
 from bladeroot import __version__, artifacts
 
 SAMPLE = xr.Dataset({"x": ("n", np.arange(5.0), {"units": "m"})}, attrs={"mode": "1B"})

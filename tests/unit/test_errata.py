@@ -30,7 +30,7 @@ def piston_area():
     for name in ("3_1", "3_2"):
         bars = table(name)["force_N"] / 179
         assert np.allclose(bars, bars.round(), atol=1e-9)
-    assert 17.9e-4 * 1e5 == pytest.approx(179)
+    assert pytest.approx(179) == 17.9e-4 * 1e5
     assert table("3_2")["force_N"].min() / (17.9e-6 * 1e5) > 700
 
 

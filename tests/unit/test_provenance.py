@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from bladeroot.provenance import canonical_json
 
 LIBRARY = Path(__file__).resolve().parents[2] / "workflow" / "bladeroot"
@@ -20,7 +19,9 @@ def copy(tmp_path):
     shutil.copy(LIBRARY / "provenance.py", package)
     (package / "__init__.py").write_text('"""Package."""\n')
     (package / "room" / "__init__.py").write_text('"""Room."""\n')
-    (package / "room" / "used.py").write_text('"""Used."""\n\nfrom .deep import g\n\n\ndef f():\n    return g()\n')
+    (package / "room" / "used.py").write_text(
+        '"""Used."""\n\nfrom .deep import g\n\n\ndef f():\n    return g()\n'
+    )
     (package / "room" / "deep.py").write_text("def g():\n    return 1\n")
     (package / "room" / "late.py").write_text("value = 3\n")
     (package / "room" / "unused.py").write_text("value = 4\n")

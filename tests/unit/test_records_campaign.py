@@ -4,7 +4,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-
 from bladeroot.records.campaign import CampaignError, force_scale, load_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -66,14 +65,23 @@ def test_every_published_force_is_a_whole_number_of_bars():
     ("row", "told"),
     [
         ("r1,r9.nc,1B,20,h1,up,0,velocity,mm/s,", "file not found: r9.nc"),
-        ("r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,", "file must end in .cdf, .csv, .nc, .nc4, .tsv, .txt, got 'r1.xyz'"),
+        (
+            "r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,",
+            "file must end in .cdf, .csv, .nc, .nc4, .tsv, .txt, got 'r1.xyz'",
+        ),
         ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
         ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "unit of velocity must be m/s, mm/s, um/s"),
         ("r1,r1.nc,1B,20,h1,up,0,speed,m/s,", "quantity must be velocity or"),
-        ("r1,r1.nc,1B,nan,h1,up,0,velocity,m/s,", "pressure_bar must be a finite number, got 'nan'"),
+        (
+            "r1,r1.nc,1B,nan,h1,up,0,velocity,m/s,",
+            "pressure_bar must be a finite number, got 'nan'",
+        ),
         ("r1,r1.nc,1B,twenty,h1,up,0,velocity,m/s,", "must be a finite number, got 'twenty'"),
         ("r1,r1.nc,1B,-3,h1,up,0,velocity,m/s,", "pressure_bar must be positive, got -3"),
-        ("r1,r1.nc,1B,701,h1,up,0,velocity,m/s,", "pressure_bar 701 lies outside the gauge's range"),
+        (
+            "r1,r1.nc,1B,701,h1,up,0,velocity,m/s,",
+            "pressure_bar 701 lies outside the gauge's range",
+        ),
         ("r1,r1.nc,1B,,h1,up,0,velocity,m/s,", "expected force_N or pressure_bar, got neither"),
         ("r1,r1.nc,3B,20,h1,up,0,velocity,m/s,", "mode must be one of 1B, 2B (campaign.yaml)"),
         ("r1,r1.nc,1B,20,h1,left,0,velocity,m/s,", "direction must be up or down, got 'left'"),
@@ -145,7 +153,7 @@ def test_a_sheet_that_is_not_text(folder):
 
 
 def test_both_sheets_or_none(folder):
-    with pytest.raises(CampaignError, match="expected records.csv or stick.csv"):
+    with pytest.raises(CampaignError, match=r"expected records\.csv or stick\.csv"):
         load_campaign(folder)
     (folder / "records.csv").write_text(HEADER + GOOD)
     (folder / "stick.csv").write_text(STICK)

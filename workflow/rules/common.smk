@@ -31,7 +31,11 @@ def add_structure(name, campaign, structures):
         ROOT / "resources" / "structures" / f"{name}.yaml",
     )
     path = own if own.is_file() else shared
-    read_yaml(path, "structure")
+    written = read_yaml(path, "structure")["name"]
+    if written != name:
+        raise ValueError(
+            f"name must be {name!r} as the file's, got {written!r} ({path})"
+        )
     if structures.setdefault(name, path) != path:
         raise ValueError(
             f"two structures are named {name!r}: {structures[name]} and {path}"

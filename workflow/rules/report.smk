@@ -152,8 +152,12 @@ rule report:
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
         figures=rules.figures.output,
-        drawn=lambda w: rules.figures_records.output if CAMPAIGNS[w.campaign].records else [],
-        score=lambda w: rules.score.output.score if CAMPAIGNS[w.campaign].simulated else [],
+        drawn=lambda w: (
+            rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
+        ),
+        score=lambda w: (
+            rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
+        ),
         thesis=expand(
             ROOT / "resources" / "thesis" / "{name}",
             name=["table_5_1.csv", "errata.yaml"],

@@ -44,7 +44,9 @@ def write_timings(path):
 def tell_failures(logs):
     """Each failed job with the last line of its log, and the command that continues."""
     logs = [logs] if isinstance(logs, str) else logs
-    text = "".join(Path(log).read_text(errors="replace") for log in logs if Path(log).is_file())
+    text = "".join(
+        Path(log).read_text(errors="replace") for log in logs if Path(log).is_file()
+    )
     for name, block in re.findall(r"Error in rule (\S+):\n((?:    .*\n)+)", text):
         output = re.search(r"output: (.*)", block)
         job_log = re.search(r"log: (\S+)", block)

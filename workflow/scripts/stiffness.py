@@ -13,7 +13,9 @@ def main(searches, fe_forces, published, output):
         by_structure.setdefault(found.attrs["structure"], []).append(found)
     measured = artifacts.load(fe_forces)
     artifacts.save(
-        summarise(by_structure, measured, published_stiffness(pd.read_csv(published).to_dict("list"))),
+        summarise(
+            by_structure, measured, published_stiffness(pd.read_csv(published).to_dict("list"))
+        ),
         output,
         campaign=measured.attrs["campaign"],
     )

@@ -174,9 +174,9 @@ def _pooled(
 
 
 def _mean_onset(records: pd.DataFrame) -> tuple[float, float]:
-    """Mean onset of the records that have one, and its error."""
+    """Mean onset of the records, and its error, where at least half of them have one."""
     seen = records[records["onset_amplitude"].notna()]
-    if not len(seen):
+    if 2 * len(seen) < len(records) or not len(seen):
         return np.nan, np.nan
     onset = seen["onset_amplitude"].to_numpy(float)
     own = float((seen["onset_amplitude_std"].to_numpy(float) ** 2).mean())

@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 
 from bladeroot.figures.style import PUBLISHED, note_simulated, panels
 
+# Beyond a factor of two the map bends and the linear covariance is no picture of the doubt.
+_LARGEST_ELLIPSE = 0.7
 _MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#2a7f62"}
 
 
@@ -62,11 +64,11 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
         )
         axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.6)
         axis.plot([], [], color=colour, label=f"{mode} measured, ±1 std with model bias")
-    axis.plot(
-        1e-9 * found["root_kn"], 1e-9 * found["root_kt"], "o", color="black", markersize=4
-    )
+    axis.plot(1e-9 * found["root_kn"], 1e-9 * found["root_kt"], "o", color="black", markersize=4)
     if found["status"].item() == "root":
         _ellipse(axis, found)
+    axis.set_xlim(kn[0], kn[-1])
+    axis.set_ylim(kt[0], kt[-1])
     force = found.attrs["axial_force"]
     if force in published["force"].values:
         printed = published.sel(force=force)
@@ -84,8 +86,10 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
 
 
 def _ellipse(axis, found: xr.Dataset) -> None:
-    """One standard deviation of (ln kn, ln kt), drawn as the polygon it is on log axes."""
+    """One standard deviation of (ln kn, ln kt), while it is small enough to be an ellipse."""
     covariance = found["ln_covariance"].sum("source").values
+    if np.sqrt(np.diag(covariance)).max() > _LARGEST_ELLIPSE:
+        return
     values, vectors = np.linalg.eigh(covariance)
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     circle = np.stack([np.cos(angle), np.sin(angle)])

@@ -61,7 +61,5 @@ def force_colours(forces: Sequence[float]) -> ScalarMappable:
 def note_simulated(drawn: Figure, simulated: bool) -> Figure:
     """Say on the figure itself when its records are simulated."""
     if simulated:
-        drawn.text(
-            0.995, 0.997, SIMULATED_NOTE, ha="right", va="top", fontsize=7, color=PUBLISHED
-        )
+        drawn.suptitle(SIMULATED_NOTE, x=0.995, ha="right", fontsize=7, color=PUBLISHED)
     return drawn

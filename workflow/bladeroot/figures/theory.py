@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from bladeroot.figures.style import PUBLISHED, STRUCTURE_COLOURS, note_simulated, panels
 
@@ -17,7 +17,8 @@ def tractions(theory: xr.Dataset) -> Figure:
     drawn, axes = panels(1, 2, 8.0, 3.1, sharex=True)
     ratios = theory["load_ratio"].values
     position = 1e3 * theory["position"].values
-    for ratio, colour in zip(ratios, colormaps["viridis"](np.linspace(0, 0.9, len(ratios)))):
+    colours = colormaps["viridis"](np.linspace(0, 0.9, len(ratios)))
+    for ratio, colour in zip(ratios, colours, strict=True):
         for axis, name in ((axes[0, 0], "pressure"), (axes[0, 1], "shear")):
             value = 1e-6 * theory[name].sel(load_ratio=ratio).values
             axis.plot(position, value, color=colour, label=f"{ratio:.2g}")
@@ -43,17 +44,18 @@ def compared(theory: xr.Dataset, stiffness: xr.Dataset, simulated: bool) -> Figu
                 label=f"theory, {state.replace('mu', 'µ')}",
             )
         published = 1e-9 * theory[f"{name}_published"].values
-        axis.errorbar(
-            1e-3 * theory["force"].values,
-            published,
-            published * theory[f"{name}_published_relative_std"].values,
-            fmt="D",
-            markersize=4,
-            markerfacecolor="white",
-            color=PUBLISHED,
-            capsize=2,
-            label="thesis, Table 5.2 × 33",
-        )
+        if np.isfinite(published).any():
+            axis.errorbar(
+                1e-3 * theory["force"].values,
+                published,
+                published * theory[f"{name}_published_relative_std"].values,
+                fmt="D",
+                markersize=4,
+                markerfacecolor="white",
+                color=PUBLISHED,
+                capsize=2,
+                label="thesis, Table 5.2 × 33",
+            )
         for index, structure in enumerate(stiffness["structure"].values):
             found = stiffness.sel(structure=structure)
             if not np.isfinite(found[name]).any():
@@ -71,10 +73,18 @@ def compared(theory: xr.Dataset, stiffness: xr.Dataset, simulated: bool) -> Figu
                 capsize=2,
                 label=f"identified with {structure}",
             )
-        axis.set_yscale("log")
-        for ticks in (axis.yaxis.set_major_formatter, axis.yaxis.set_minor_formatter):
-            ticks(FuncFormatter(lambda value, _: f"{value:g}"))
+        _plain_log_scale(axis)
         axis.set_xlabel("axial force / kN")
         axis.set_ylabel(f"{_LABELS[name]} / GN/m")
     axes[0, 0].legend(loc="upper left", fontsize=7)
     return note_simulated(drawn, simulated)
+
+
+def _plain_log_scale(axis) -> None:
+    """A logarithmic axis with plain numbers, as many as the range can bear."""
+    axis.set_yscale("log")
+    low, high = axis.get_ylim()
+    steps = (1.0,) if high / low > 50 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0)
+    axis.yaxis.set_major_locator(LogLocator(subs=steps, numticks=30))
+    axis.yaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -136,7 +136,9 @@ def _levels(stick: xr.Dataset) -> str:
     texts = []
     for mode in dict.fromkeys(stick["mode"].values):
         force = stick["force"].values[stick["mode"].values == mode] / 1e3
-        texts.append(f"{len(force)} forces in mode {mode} ({force.min():.1f} to {force.max():.1f} kN)")
+        texts.append(
+            f"{len(force)} forces in mode {mode} ({force.min():.1f} to {force.max():.1f} kN)"
+        )
     return listed(texts)
 
 

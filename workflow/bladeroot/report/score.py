@@ -25,14 +25,12 @@ def score(stick: xr.Dataset, truths: Mapping[str, xr.Dataset]) -> xr.Dataset:
     missing = [record for record in records if record not in truths]
     if missing:
         raise ValueError(f"no truth for record {', '.join(missing)}")
-    truth = {
-        name: np.array([float(truths[record][name]) for record in records])
-        for name in _TEXTS
-    }
+    truth = {name: np.array([float(truths[record][name]) for record in records]) for name in _TEXTS}
     reached = stick["plateau_reached"].values.astype(bool)
     deviation = np.where(
         reached,
-        (stick["stick_frequency"].values - truth["frequency"]) / stick["stick_frequency_std"].values,
+        (stick["stick_frequency"].values - truth["frequency"])
+        / stick["stick_frequency_std"].values,
         np.nan,
     )
     made = {

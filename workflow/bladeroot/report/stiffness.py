@@ -1,4 +1,4 @@
-"""The section on kn and kt: what was found with each structure, how certain, and where nothing is."""
+"""The section on kn and kt: what was found with each structure, and how certain it is."""
 
 import numpy as np
 import xarray as xr
@@ -11,13 +11,14 @@ _HEADER = (
     "of it measured", "correlation", "thesis kn", "thesis kt",
 )  # fmt: skip
 _MISS_HEADER = (
-    "structure", "force / kN", "model must move, 1B", "model must move, 2B", "in its stds", "draws with a root",
+    "structure", "force / kN", "model must move, 1B", "model must move, 2B", "in its stds",
+    "draws with a root",
     "bonded 1B / Hz", "bonded 2B / Hz", "measured 1B / Hz", "measured 2B / Hz",
 )  # fmt: skip
 
 
 def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None) -> Section:
-    """Tables of roots and of missing roots, the maps, the laws over force, the bench's truth."""
+    """Roots and missing roots, the maps, the laws over force, the bench's truth."""
     roots, misses = [], []
     for structure in stiffness["structure"].values:
         for force in stiffness["force"].values:
@@ -38,7 +39,7 @@ def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None
             maps,
             "Lines of constant frequency over (kn, kt). Thick: the measured stick frequency of "
             "each mode, the band one standard deviation with the model's bias. Where the two "
-            "thick lines cross, the pair of frequencies has a root; where they do not, none exists.",
+            "thick lines cross, the pair of frequencies has a root; else none exists.",
         ),
     ]
     if roots:

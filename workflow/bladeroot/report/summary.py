@@ -57,8 +57,8 @@ def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) 
         unreached = int((stick["plateau_reached"].values == 0).sum())
         if unreached:
             parts.append(
-                f"{unreached} records give no stick frequency; smaller amplitudes (a longer decay "
-                "above the noise) would."
+                f"Records that give no stick frequency: {unreached}. Smaller amplitudes (a longer "
+                "decay above the noise) would give one."
             )
     parts.append(
         "Frequency and damping above the onset of slip are shown but not yet explained by a model."

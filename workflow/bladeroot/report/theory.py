@@ -45,7 +45,11 @@ def theory_section(
             "and at the limit of friction (T = µN), Table 5.2 times 33 (6.16), and ours with one "
             "standard deviation (measurement and model bias).",
         ),
-        Table("Theory of a flank, and the thesis's identified stiffness over it", _HEADER, rows),
+        Table(
+            "Theory of a flank; where the thesis has the force, its stiffness over theory",
+            _HEADER,
+            rows,
+        ),
         *_own_ratios(theory, stiffness),
         "Equation (6.5) is used with 2PR, which alone tends to Hertz's line contact; the printed "
         f"4PR would change kn by {_printed_effect(theory)}.",
@@ -62,7 +66,9 @@ def _own_ratios(theory: xr.Dataset, stiffness: xr.Dataset) -> list[str]:
             for name in ("kn", "kt")
         ]
         if np.isfinite(ratios).all():
-            texts = [f"{n} {significant(r, 2)} times" for n, r in zip(("kn", "kt"), ratios)]
+            texts = [
+                f"{n} {significant(r, 2)} times" for n, r in zip(("kn", "kt"), ratios, strict=True)
+            ]
             sentences.append(
                 f"With {structure} the identified stiffness is {listed(texts)} the theoretical one "
                 "at T = 0 (median over the forces that have a root)."
