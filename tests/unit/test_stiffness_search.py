@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.stiffness.grid_search import grid_search
-from bladeroot.stiffness.interpolation import fe_forces, pressure_gauge
+from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.map import Basis, all_frequencies, bases_of, frequency_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 from bladeroot.stiffness.search import ln_covariance, search
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from stiffness_beam import beam_assembly
 
 FORCE = 12e3
-NO_FORCE_ERROR = pressure_gauge(1e-9, 700e5, 17.9e-4)
+NO_FORCE_ERROR = ForceGauge(1.253e-4, 1e-9, "full-scale")
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.contact.published import published_stiffness
-from bladeroot.stiffness.interpolation import fe_forces, pressure_gauge
+from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.map import all_frequencies, bases_of, frequency_map
 from bladeroot.stiffness.search import search
 from bladeroot.stiffness.summary import power_law, summarise
@@ -34,7 +34,7 @@ def campaign(maps, kn, kt, raised=1.0):
             "loss_factor_std": ("level", np.full(2 * len(FORCES), 1e-4)),
         }
     )
-    return fe_forces(stick, FORCES, pressure_gauge(1e-6, 700e5, 17.9e-4))
+    return fe_forces(stick, FORCES, ForceGauge(0.1253, 1e-6, "full-scale"))
 
 
 @pytest.fixture(scope="module")

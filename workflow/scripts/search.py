@@ -9,9 +9,12 @@ from bladeroot.stiffness.search import search
 
 def main(map, fe_forces, settings, output):
     measured = artifacts.load(fe_forces)
-    bias = {mode: p / 100 for mode, p in json.loads(settings)["fe_bias_percent"].items()}
+    bias, offset = (
+        {mode: percent / 100 for mode, percent in json.loads(settings)[name].items()}
+        for name in ("fe_bias_percent", "fe_offset_percent")
+    )
     artifacts.save(
-        search(artifacts.load(map), measured, bias),
+        search(artifacts.load(map), measured, bias, offset),
         output,
         campaign=measured.attrs["campaign"],
         settings=settings,
