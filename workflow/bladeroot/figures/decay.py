@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import force_colours, note_simulated, panels
+from bladeroot.figures.style import force_colours, note_simulated, panels, plain_log_scale
 
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
@@ -30,9 +30,9 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
                 )
         above.set_title(f"mode {mode}", loc="left")
         above.set_xscale("log")
-        below.set_yscale("log")
         for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
             axis.set_ylim(*_limits([d for d in decays if d.attrs["mode"] == mode], name, scale))
+        plain_log_scale(below)
         below.set_xlabel("displacement amplitude at the sensor / µm")
     axes[0, 0].set_ylabel("natural frequency / Hz")
     axes[1, 0].set_ylabel("loss factor / %")
@@ -43,7 +43,7 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
 def _limits(decays: Sequence[xr.Dataset], name: str, scale: float) -> tuple[float, float]:
     """Axis limits that the last, lost points of a few curves cannot stretch."""
     values = scale * np.concatenate([decay[name].values for decay in decays])
-    low, high = np.percentile(values, [0.5, 99.5]) if values.size else (1.0, 2.0)
+    low, high = np.percentile(values, [0.1, 99.9]) if values.size else (1.0, 2.0)
     if name == "loss_factor":
         return 0.6 * low, 1.6 * high
     margin = 0.08 * (high - low) + 1e-3 * high

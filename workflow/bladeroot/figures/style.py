@@ -8,6 +8,7 @@ from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
@@ -63,3 +64,13 @@ def note_simulated(drawn: Figure, simulated: bool) -> Figure:
     if simulated:
         drawn.suptitle(SIMULATED_NOTE, x=0.995, ha="right", fontsize=7, color=PUBLISHED)
     return drawn
+
+
+def plain_log_scale(axis) -> None:
+    """A logarithmic axis with plain numbers, as many as the range can bear."""
+    axis.set_yscale("log")
+    low, high = axis.get_ylim()
+    steps = (1.0,) if high / low > 50 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0)
+    axis.yaxis.set_major_locator(LogLocator(subs=steps, numticks=30))
+    axis.yaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -4,9 +4,14 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from bladeroot.figures.style import PUBLISHED, STRUCTURE_COLOURS, note_simulated, panels
+from bladeroot.figures.style import (
+    PUBLISHED,
+    STRUCTURE_COLOURS,
+    note_simulated,
+    panels,
+    plain_log_scale,
+)
 
 _STATE_LINES = ("-", "--")
 _LABELS = {"kn": "normal stiffness of a flank", "kt": "tangential stiffness of a flank"}
@@ -73,18 +78,8 @@ def compared(theory: xr.Dataset, stiffness: xr.Dataset, simulated: bool) -> Figu
                 capsize=2,
                 label=f"identified with {structure}",
             )
-        _plain_log_scale(axis)
+        plain_log_scale(axis)
         axis.set_xlabel("axial force / kN")
         axis.set_ylabel(f"{_LABELS[name]} / GN/m")
     axes[0, 0].legend(loc="upper left", fontsize=7)
     return note_simulated(drawn, simulated)
-
-
-def _plain_log_scale(axis) -> None:
-    """A logarithmic axis with plain numbers, as many as the range can bear."""
-    axis.set_yscale("log")
-    low, high = axis.get_ylim()
-    steps = (1.0,) if high / low > 50 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0)
-    axis.yaxis.set_major_locator(LogLocator(subs=steps, numticks=30))
-    axis.yaxis.set_minor_locator(NullLocator())
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -23,7 +23,7 @@ def cut(
     expected_Hz: float,
     tolerance: float = 0.3,
     end_ratio: float = 1e-3,
-    margin_cycles: float = 2.0,
+    margin_cycles: float = 4.0,
     bins: int = 1000,
 ) -> xr.Dataset:
     """The free decay of one mode, from just after the release to its end.

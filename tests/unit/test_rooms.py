@@ -1,0 +1,65 @@
+"""Imports run one way, and the virtual bench shares no code with what infers."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+LIBRARY = Path(__file__).resolve().parents[2] / "workflow" / "bladeroot"
+# What each room may import besides itself and the plain files at the library's top.
+ALLOWED = {
+    "records": set(),
+    "decay": {"records"},
+    "structure": set(),
+    "contact": set(),
+    "stiffness": {"decay", "structure"},
+    "rig": set(),
+    "figures": set(),
+    "report": set(),
+}
+# Plain files that a room may use: the bench stands alone, the others share the schema check.
+SHARED = {"schema"}
+
+
+def imported_rooms(room):
+    """First part below `bladeroot` of everything that a room's files import."""
+    found = set()
+    for path in (LIBRARY / room).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0, f"{path}: write the whole name of an import"
+                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            elif isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            else:
+                continue
+            for name in names:
+                parts = name.split(".")
+                if parts[0] == "bladeroot" and len(parts) > 1:
+                    found.add(parts[1])
+    return found - {room}
+
+
+def test_every_room_is_listed():
+    rooms = {path.parent.name for path in LIBRARY.glob("*/__init__.py")}
+    assert rooms == set(ALLOWED)
+
+
+@pytest.mark.parametrize("room", ALLOWED)
+def test_a_room_imports_only_what_it_may(room):
+    shared = set() if room == "rig" else SHARED
+    assert imported_rooms(room) <= ALLOWED[room] | shared
+
+
+def test_nothing_but_its_own_script_uses_the_bench():
+    users = {room for room in ALLOWED if "rig" in imported_rooms(room)}
+    assert users == set()
+    scripts = LIBRARY.parents[0] / "scripts"
+    using = {path.name for path in scripts.glob("*.py") if "bladeroot.rig" in path.read_text()}
+    assert using == {"bench.py"}
+
+
+def test_no_inference_reads_the_truth():
+    rules = LIBRARY.parents[0] / "rules"
+    reading = {path.name for path in rules.glob("*.smk") if "truth" in path.read_text()}
+    assert reading == {"bench.smk", "report.smk"}  # made by the bench, read by its score alone

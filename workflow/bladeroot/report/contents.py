@@ -1,0 +1,58 @@
+"""The report as a whole: which sections, in which order."""
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+import xarray as xr
+
+from bladeroot.report.errata import errata_section
+from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
+from bladeroot.report.page import Section, render
+from bladeroot.report.stiffness import stiffness_section
+from bladeroot.report.structure import structure_section
+from bladeroot.report.summary import summary_section, undecided_section
+from bladeroot.report.theory import theory_section
+
+
+def report(
+    facts: Mapping,
+    stages: Mapping[str, xr.Dataset],
+    checks: Sequence[xr.Dataset],
+    figures: Mapping[str, str],
+    published_5_1: pd.DataFrame,
+    errata: Sequence[dict],
+    version: str,
+) -> str:
+    """A campaign's report as one HTML page.
+
+    facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
+    fe_forces, stiffness, theory and, for simulated records, score. checks: of each structure.
+    figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    """
+    score = stages.get("score")
+    sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
+    of_the_thesis = facts["description"].get("published") == "thesis"
+    if of_the_thesis:
+        comparison = table_5_1(stages["fe_forces"], published_5_1)
+        sticks = Section(sticks.title, [*sticks.parts, *comparison])
+    held = {check.attrs["structure"]: check for check in checks}
+    sections = [
+        summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
+        measurement_section(facts, stages["stick"], figures),
+        sticks,
+        structure_section(held, figures["structure"]),
+        stiffness_section(stages["stiffness"], figures["maps"], score),
+        theory_section(
+            stages["theory"], stages["stiffness"], figures["tractions"], figures["compared"]
+        ),
+        undecided_section(facts, stages["stick"], stages["stiffness"]),
+    ]
+    if of_the_thesis:
+        sections.append(errata_section(errata))
+    return render(
+        facts["description"]["title"],
+        f"Campaign {facts['campaign']}: from ring-downs to contact stiffness",
+        facts["simulated"],
+        sections,
+        f"bladeroot {version}",
+    )
