@@ -75,10 +75,21 @@ def test_snakemakes_own_report_has_captions_and_categories(house):
 def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
     script = house.folder / "workflow" / "scripts" / "decay.py"
     record = house.folder / "results" / "small" / "records" / "r001.nc"
-    output = tmp_path / "decay.nc"
+    outputs = [tmp_path / "decay.nc", tmp_path / "plateau.nc"]
     subprocess.run(
-        [sys.executable, script, "--record", record, "--output", output],
+        [
+            sys.executable,
+            script,
+            "--record",
+            record,
+            "--decay",
+            outputs[0],
+            "--plateau",
+            outputs[1],
+        ],
         check=True,
         env=house.environment,
     )
-    xr.testing.assert_equal(xr.load_dataset(output), load(house, "small/decay/r001.nc"))
+    for output in outputs:
+        made = load(house, f"small/{output.stem}/r001.nc")
+        xr.testing.assert_equal(xr.load_dataset(output), made)

@@ -4,55 +4,44 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.decay import stick
+from bladeroot.decay.record import RECORD
 from bladeroot.decay.stick import stick_from_records, stick_from_table
 
 
-@pytest.fixture
-def pooled(monkeypatch):
-    """Pool rows of (mode, force, hold, frequency, std) as if they were fitted records."""
-
-    def pool(rows):
-        def fitted(decay):
-            value = decay.attrs["value"]
-            reached = bool(np.isfinite(value))
-            names = [*stick.RECORD]
-            result = dict.fromkeys(names, np.nan)
-            return result | {
-                "stick_frequency": value, "stick_frequency_std": decay.attrs["std"],
-                "loss_factor": 0.01, "loss_factor_std": 0.001, "plateau_reached": int(reached),
-                "verdict": "plateau" if reached else "plateau not reached",
-            }  # fmt: skip
-
-        monkeypatch.setattr(stick, "plateau", fitted)
-        names = ("mode", "force_N", "hold", "value", "std")
-        return stick_from_records(
-            [
-                xr.Dataset(attrs=dict(zip(names, row, strict=True)) | {"record": f"r{k}"})
-                for k, row in enumerate(rows)
-            ]
-        )
-
-    return pool
+def fitted(name, mode, force, hold, value, std):
+    """One record's plateau; not reached where the value is NaN."""
+    reached = bool(np.isfinite(value))
+    numbers = dict.fromkeys(RECORD, np.nan) | {
+        "stick_frequency": value, "stick_frequency_std": std,
+        "loss_factor": 0.01, "loss_factor_std": 0.001, "plateau_reached": int(reached),
+    }  # fmt: skip
+    verdict = "plateau" if reached else "plateau not reached"
+    attrs = {"record": name, "mode": mode, "force_N": force, "hold": hold}
+    return xr.Dataset(numbers | {"verdict": verdict}, attrs=attrs)
 
 
-def test_single_record_keeps_its_error(pooled):
+def pooled(rows):
+    """Pool rows of (mode, force, hold, frequency, std)."""
+    return stick_from_records([fitted(f"r{k}", *row) for k, row in enumerate(rows)])
+
+
+def test_single_record_keeps_its_error():
     result = pooled([("1B", 4000.0, "a", 500.0, 0.02)])
     assert result["frequency_std"].item() == pytest.approx(0.02)
     assert np.isnan(result["between_std"].item())
 
 
-def test_forces_are_grouped_exactly(pooled):
+def test_forces_are_grouped_exactly():
     result = pooled([("1B", 4000.0, "a", 500.0, 0.02), ("1B", 4000.5, "a", 501.0, 0.02)])
     assert result.sizes["level"] == 2
 
 
-def test_within_record_error_is_3_21(pooled):
+def test_within_record_error_is_3_21():
     result = pooled([("1B", 1e3, "a", 500.0, 0.03), ("1B", 1e3, "a", 500.0, 0.04)])
     assert result["within_std"].item() == pytest.approx(0.025)
 
 
-def test_hold_scatter_covers_the_truth(pooled):
+def test_hold_scatter_covers_the_truth():
     rng = np.random.default_rng(0)
     z = []
     for _ in range(40):
@@ -72,7 +61,7 @@ def test_hold_scatter_covers_the_truth(pooled):
     assert 0.6 < np.sqrt(np.mean(z[:, 3] ** 2)) < 1.7  # one hold: the other forces' scatter
 
 
-def test_records_of_one_hold_are_not_replicates(pooled):
+def test_records_of_one_hold_are_not_replicates():
     rows = [("1B", 1e3, "a", 500.0, 0.01)] * 20 + [("1B", 1e3, "b", 501.0, 0.01)]
     result = pooled(rows)
     assert result["frequency"].item() == pytest.approx(500.5)
@@ -80,7 +69,7 @@ def test_records_of_one_hold_are_not_replicates(pooled):
     assert result["holds"].item() == 2
 
 
-def test_not_reached_is_listed_and_not_pooled(pooled):
+def test_not_reached_is_listed_and_not_pooled():
     result = pooled([("1B", 1e3, "a", np.nan, np.nan), ("1B", 1e3, "b", 500.0, 0.01)])
     assert result.sizes["record"] == 2
     assert result["records"].item() == 1

@@ -1,4 +1,4 @@
-# Frequency and damping against amplitude (FREEVIB) of each free decay.
+# Frequency and damping against amplitude (FREEVIB) of each free decay, and its stick plateau.
 
 
 rule decay:
@@ -6,6 +6,7 @@ rule decay:
         record=rules.record.output.record,
     output:
         decay="results/{campaign}/decay/{record}.nc",
+        plateau="results/{campaign}/plateau/{record}.nc",
     log:
         "results/logs/decay/{campaign}/{record}.log",
     benchmark:
@@ -17,4 +18,4 @@ rule decay:
         "frequency and damping against amplitude, record {wildcards.record} of {wildcards.campaign}"
     shell:
         "{PYTHON} {SCRIPTS}/decay.py --record {input.record}"
-        " --output {output.decay} > {log} 2>&1"
+        " --decay {output.decay} --plateau {output.plateau} > {log} 2>&1"

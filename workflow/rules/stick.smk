@@ -6,7 +6,7 @@ def stick_sources(wildcards):
     if campaign.stick:
         return [campaign.folder / "stick.csv"]
     return expand(
-        rules.decay.output.decay,
+        rules.decay.output.plateau,
         campaign=campaign.name,
         record=[row["record"] for row in campaign.records],
     )

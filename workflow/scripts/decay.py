@@ -1,11 +1,12 @@
-"""Frequency and damping against amplitude of one free decay (FREEVIB) -> decay/<record>.nc."""
+"""FREEVIB curves of one free decay, and its plateau -> decay/<record>.nc, plateau/<record>.nc."""
 
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.record import record_plateau
 
 
-def main(record, output):
+def main(record, decay, plateau):
     cut = artifacts.load(record)
     facts = cut.attrs
     curves = no_decay()
@@ -18,8 +19,9 @@ def main(record, output):
         except ValueError as error:
             facts |= {"verdict": "rejected", "findings": str(error)}
     curves.attrs = {**curves.attrs, **facts}
-    artifacts.save(curves, output)
+    artifacts.save(record_plateau(curves), plateau)
+    artifacts.save(curves, decay)
 
 
 if __name__ == "__main__":
-    run(main, record="free decay", output="curves to write")
+    run(main, record="free decay", decay="curves to write", plateau="plateau to write")

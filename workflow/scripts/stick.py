@@ -1,4 +1,4 @@
-"""Stick frequencies, from the decays of all records or from a table -> stick.nc."""
+"""Stick frequencies, from the plateaus of all records or from a table -> stick.nc."""
 
 from pathlib import Path
 
@@ -12,14 +12,14 @@ def main(sources, campaign, output):
     if Path(sources[0]).suffix == ".csv":
         stick = stick_from_table(pd.read_csv(sources[0]))
     else:
-        stick = stick_from_records([artifacts.load(decay) for decay in sources])
+        stick = stick_from_records([artifacts.load(plateau) for plateau in sources])
     artifacts.save(stick, output, campaign=campaign)
 
 
 if __name__ == "__main__":
     run(
         main,
-        sources="many: curves over amplitude of every record, or one stick.csv",
+        sources="many: the plateau of every record, or one stick.csv",
         campaign="the campaign's name",
         output="stick.nc",
     )

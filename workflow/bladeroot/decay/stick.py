@@ -7,19 +7,8 @@ import pandas as pd
 import xarray as xr
 from numpy import ndarray
 
-from bladeroot.decay.plateau import plateau
+from bladeroot.decay.record import RECORD
 
-RECORD = {
-    "stick_frequency": ("Hz", "frequency of the stick plateau", "eqs 3.11, 3.20"),
-    "stick_frequency_std": ("Hz", "standard error of stick_frequency within the record", "App. F"),
-    "loss_factor": ("1", "hysteretic loss factor of the stick plateau", "eqs 3.11, 3.20"),
-    "loss_factor_std": ("1", "standard error of loss_factor within the record", "App. F"),
-    "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
-    "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
-    "onset_bound": ("m", "largest amplitude seen, where the record never leaves the plateau", ""),
-    "frequency_bound": ("Hz", "frequency at the smallest amplitude, plateau not reached", ""),
-    "plateau_reached": ("1", "1 where the record reaches its stick plateau", ""),
-}
 LEVEL = {
     "frequency": ("Hz", "stick frequency of a mode at a force", "eq. 3.21"),
     "frequency_std": ("Hz", "standard error of frequency: within, records and holds", ""),
@@ -38,19 +27,20 @@ TABLE_COLUMNS = (
 )  # fmt: skip
 
 
-def stick_from_records(decays: Sequence[xr.Dataset]) -> xr.Dataset:
+def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stick frequency and damping of every record, and of every mode at every force.
 
-    Each decay carries `mode`, `force_N` and optionally `record`, `hold` and `direction` in its
-    attributes. Records at exactly one force are pooled. The unit of replication is the hold (one
-    clamping); records without one count as holds of their own. A mode's scatter between holds is
-    pooled over its forces and, where any force has two holds, is part of every `frequency_std` of
-    that mode; without replicates `frequency_std` is the propagated within-record error (3.21).
-    Records whose plateau is not reached, and rejected ones, are listed and not pooled.
+    Each plateau (`bladeroot.decay.record`) carries `mode`, `force_N` and optionally `record`,
+    `hold` and `direction` in its attributes. Records at exactly one force are pooled. The unit of
+    replication is the hold (one clamping); records without one count as holds of their own. A
+    mode's scatter between holds is pooled over its forces and, where any force has two holds, is
+    part of every `frequency_std` of that mode; without replicates `frequency_std` is the
+    propagated within-record error (3.21). Records whose plateau is not reached, and rejected
+    ones, are listed and not pooled.
     """
     rows = []
-    for decay in decays:
-        attrs = decay.attrs
+    for found in plateaus:
+        attrs = found.attrs
         rows.append(
             {
                 "record": str(attrs.get("record", len(rows) + 1)),
@@ -58,7 +48,8 @@ def stick_from_records(decays: Sequence[xr.Dataset]) -> xr.Dataset:
                 "force": float(attrs["force_N"]),
                 "hold": _text(attrs.get("hold", "")),
                 "direction": _text(attrs.get("direction", "")),
-                **plateau(decay),
+                "verdict": str(found["verdict"].item()),
+                **{name: float(found[name]) for name in RECORD},
             }
         )
     frame = pd.DataFrame(
