@@ -87,7 +87,8 @@ def freevib(
     change = level.value[2] + 1j * phase.value[2]
     lam = rate - change / rate
     alpha, omega = lam.real, lam.imag
-    omega_n = np.sqrt(omega**2 - level.value[2] - alpha**2)
+    square = omega**2 - level.value[2] - alpha**2
+    omega_n = np.sqrt(np.where(square > 0.0, square, np.nan))  # negative: the mode is lost
     loss = -(2.0 * omega * alpha + phase.value[2]) / omega_n**2
     amplitude = np.exp(level.value[0]) / np.abs(lam)
     frequency_std = np.hypot(phase.std[1], 0.5 * level.std[2] / omega) / (2.0 * np.pi)

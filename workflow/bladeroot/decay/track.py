@@ -99,7 +99,8 @@ def sites(blocks: Phasors, most: int) -> Float[ndarray, " site"]:
     fall = (lowest[0] - lowest) / max(lowest[0] - lowest[-1], 1e-9)
     clock = 0.5 * fall + 0.5 * np.linspace(0.0, 1.0, blocks.time.size)
     count = max(min(most, blocks.time.size // 2), 4)
-    return np.interp(np.linspace(0.0, 1.0, count), clock, blocks.time)
+    # a stretch that grows has no fall, and its clock would end early
+    return np.interp(np.linspace(0.0, clock[-1], count), clock, blocks.time)
 
 
 def _clear(blocks: Phasors, worst: float = 0.3) -> int:
