@@ -152,10 +152,13 @@ def fit_hinge(
             break
     if not described:
         return Hinge(np.nan, np.nan, lowest, lowest, 1.0, lowest, highest)
-    rate, rate_std, *rest = min(described, key=lambda found: found[3])
-    # a rate that drifts with the window is not known better than that
-    drift = max(abs(other[0] - rate) for other in described)
-    return Hinge(rate, float(np.hypot(rate_std, drift)), *rest, lowest, highest)
+    rate, rate_std, onset, onset_std, bending, shape = min(described, key=lambda fit: fit[3])
+    # what drifts with the window is not known better than that, nor is an onset better than what
+    # the assumed power makes of it: no law of slip is known well enough to choose one
+    rate_std = float(np.hypot(rate_std, max(abs(other[0] - rate) for other in described)))
+    drift = max(abs(other[2] - onset) for other in described)
+    onset_std = float(np.sqrt(onset_std**2 + drift**2 + shape**2))
+    return Hinge(rate, rate_std, onset, onset_std, bending, lowest, highest)
 
 
 def _first_departure(
@@ -185,8 +188,12 @@ def _first_departure(
 
 def _averaged_hinge(
     time: ndarray, y: ndarray, std: ndarray, amplitude: ndarray, top: float
-) -> tuple[tuple[float, float, float, float, float], float] | None:
-    """(rate, std, onset, std, weight of a rate straight in A), and the misfit (above 1: bad)."""
+) -> tuple[tuple[float, ...], float] | None:
+    """What a window of amplitude says, and its misfit (above 1: bad).
+
+    First: rate, its std, onset, its std, weight of a rate straight in A, and half the range of
+    the onset over the powers.
+    """
     keep = amplitude <= top * (1.0 + 1e-9)
     if keep.sum() < 12:
         return None
@@ -226,7 +233,8 @@ def _averaged_hinge(
     above = amplitude > 0.7 * mean_onset
     count = max(int(above.sum()) - 2, 1)
     misfit = ((miss[above] ** 2).sum() / count - 1.0) * np.sqrt(count / 2.0) / 4.0
-    found = (mean, rate_std, mean_onset, spread, weight[4])
+    shape = 0.5 * np.ptp(onset[:3])
+    found = (mean, rate_std, mean_onset, spread, weight[4], shape)
     return tuple(float(value) for value in found), float(misfit)
 
 
@@ -296,4 +304,4 @@ def _joint_onset(phase: Hinge, decline: Hinge) -> tuple[float, float]:
         onset = weight @ [hinge.onset for hinge in found] / weight.sum()
         return float(onset), float(weight.sum() ** -0.5)
     first = min(found, key=lambda hinge: hinge.onset)
-    return first.onset, first.onset_std
+    return first.onset, float(np.hypot(first.onset_std, 0.5 * gap))
