@@ -29,13 +29,15 @@ include: "workflow/rules/theory.smk"
 include: "workflow/rules/report.smk"
 
 
+onstart:
+    sign_in()
+
+
 onsuccess:
+    sign_out()
     tell_results()
 
 
-onstart:
-    claim()
-
-
 onerror:
+    sign_out()
     tell_failures(log)

@@ -36,6 +36,24 @@ def test_one_line_and_no_job(tmp_path, path, old, new, told):
     assert not (house.folder / "results").exists()
 
 
+def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
+    """One mode, one force, every raw file spoilt: nothing to infer, and the report says so."""
+    folder = tmp_path / "poor"
+    folder.mkdir()
+    (folder / "own.yaml").write_text(
+        (SMALL / "tiny.yaml").read_text().replace("name: tiny", "name: own")
+    )
+    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    (folder / "campaign.yaml").write_text(description.replace("[tiny]", "[own]"))
+    (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
+    (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
+    house.run("--config", f"campaigns={folder}")
+    page = (house.folder / "results" / "poor" / "report.html").read_text()
+    assert "No record reached its stick plateau" in page
+    assert "at least 64 samples" in page
+    assert "Mode 1B and 2B has no stick frequency" in page
+
+
 def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
     """Real raw files, two of them spoilt: a campaign folder outside the house."""
     folder = tmp_path / "lab"
@@ -49,11 +67,14 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
     sheet = (SMALL / "records.csv").read_text()
     for raw in (house.folder / "results" / "bench" / "small").glob("*.nc"):
         shutil.copy(raw, folder)
-    (folder / "r007.nc").write_bytes((folder / "r001.nc").read_bytes()[:5000])
+    whole = (folder / "r001.nc").read_bytes()
+    (folder / "r007.nc").write_bytes(whole[:5000])
+    middle = len(whole) // 2
+    (folder / "r009.nc").write_bytes(whole[:middle] + b"\xaa" * 4096 + whole[middle + 4096 :])
     spoilt = xr.load_dataset(folder / "r001.nc").drop_encoding()
     spoilt["velocity"][5000:5005] = np.nan
     spoilt.to_netcdf(folder / "r008.nc")
-    for record in ("r007", "r008"):
+    for record in ("r007", "r008", "r009"):
         sheet += f"{record},{record}.nc,1B,60,h1,up,1000,1.4\n"
     (folder / "records.csv").write_text(sheet)
 
@@ -61,10 +82,10 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
     stick = xr.load_dataset(house.folder / "results" / "lab" / "stick.nc")
     verdicts = dict(zip(stick["record"].values, stick["verdict"].values, strict=True))
     bad = {record for record, verdict in verdicts.items() if verdict.startswith("rejected")}
-    assert bad == {"r007", "r008"}
+    assert bad == {"r007", "r008", "r009"}
     assert "r008.nc" in verdicts["r008"]
     assert "finite" in verdicts["r008"]
     page = (house.folder / "results" / "lab" / "report.html").read_text()
-    assert "Left out: r007" in page
-    assert "Left out: r008" in page
+    assert "Left out" in page
+    assert "r008.nc" in page
     assert "Simulated records" not in page

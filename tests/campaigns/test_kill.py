@@ -57,19 +57,17 @@ def test_a_lock_whose_run_lives_is_respected(house):
     """Only the lock of a dead run is removed: two runs at once would spoil each other."""
     locks = house.folder / ".snakemake" / "locks"
     locks.mkdir(parents=True, exist_ok=True)
-    owner = house.folder / ".snakemake" / "bladeroot_owner"
-    before = owner.read_text()
+    runs = house.folder / ".snakemake" / "bladeroot_runs"
+    runs.mkdir(exist_ok=True)
     living = psutil.Process()
     outputs = "\n".join(str(path) for path in artifacts(house.folder))
-    try:
-        owner.write_text(f"{living.pid} {living.create_time()}")
-        (locks / "0.output.lock").write_text(outputs)
-        refused = house.run("--forceall", check=False)
-        assert refused.returncode != 0
-        assert "lock" in (refused.stdout + refused.stderr).lower()
-        owner.write_text(f"{living.pid} {living.create_time() - 1e6}")
-        assert house.run("--dry-run").returncode == 0
-        assert not (locks / "0.output.lock").exists()
-    finally:
-        owner.write_text(before)
-        (locks / "0.output.lock").unlink(missing_ok=True)
+    (locks / "0.output.lock").write_text(outputs)
+    (runs / "999999999").write_text("1.0")  # a dead run beside a living one
+    (runs / str(living.pid)).write_text(str(living.create_time()))
+    refused = house.run("--forceall", check=False)
+    assert refused.returncode != 0
+    assert "lock" in (refused.stdout + refused.stderr).lower()
+    (runs / str(living.pid)).write_text(str(living.create_time() - 1e6))
+    assert house.run("--dry-run").returncode == 0
+    assert not (locks / "0.output.lock").exists()
+    assert not list(runs.iterdir())

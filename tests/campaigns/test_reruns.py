@@ -85,6 +85,7 @@ def test_a_new_force_redoes_only_itself_before_the_aggregates(restored):
         ("stiffness/interpolation.py", "fe_forces", ["stick", "assembly"]),
         ("structure/reduction.py", "reduced", ["mesh", "prestress"]),
         ("records/cut.py", "record", ["bench", "reduced"]),
+        ("records/readers/netcdf.py", "record", ["bench", "reduced"]),
     ],
 )
 def test_changed_library_code_redoes_its_stage(restored, module, first, never):

@@ -55,9 +55,10 @@ def test_simulated_records_are_labelled_everywhere(house):
     for raw in (folder / "bench" / "small").glob("*.nc"):
         with xr.open_dataset(raw) as record:
             assert "SIMULATED" in record.attrs["title"]
-    for path in (folder / "small" / "records").glob("*.nc"):
-        with xr.open_dataset(path) as record:
-            assert record.attrs["simulated"] == 1
+    for path in (folder / "small").rglob("*.nc"):
+        with xr.open_dataset(path) as artifact:
+            assert artifact.attrs["simulated"] == 1, path
+            assert artifact.attrs["campaign"] == "small", path
 
 
 def test_time_of_every_rule_is_gathered(house):

@@ -10,11 +10,13 @@ SAMPLE = xr.Dataset({"x": ("n", np.arange(5.0), {"units": "m"})}, attrs={"mode":
 
 def test_what_is_saved_is_loaded_with_its_provenance(tmp_path):
     path = tmp_path / "deep" / "sample.nc"
-    artifacts.save(SAMPLE, path, campaign="rig", settings='{"a":1}')
+    origin = SAMPLE.assign_attrs(campaign="rig", simulated=1, other="left behind")
+    artifacts.save(SAMPLE, path, origin=origin, settings='{"a":1}')
     loaded = artifacts.load(path)
     xr.testing.assert_equal(loaded, SAMPLE)
     assert loaded.attrs == {
-        "mode": "1B", "bladeroot_version": __version__, "campaign": "rig", "settings": '{"a":1}',
+        "mode": "1B", "bladeroot_version": __version__, "campaign": "rig", "simulated": 1,
+        "settings": '{"a":1}',
     }  # fmt: skip
     assert loaded["x"].attrs["units"] == "m"
 

@@ -25,7 +25,12 @@ def copy(tmp_path):
     (package / "room" / "deep.py").write_text("def g():\n    return 1\n")
     (package / "room" / "late.py").write_text("value = 3\n")
     (package / "room" / "unused.py").write_text("value = 4\n")
+    (package / "registry").mkdir()
+    (package / "registry" / "__init__.py").write_text('"""Found by themselves."""\n')
+    (package / "registry" / "found.py").write_text("value = 5\n")
+    (tmp_path / "_beside.py").write_text("value = 6\n")
     (tmp_path / "stage.py").write_text(
+        "from _beside import value\nfrom bladeroot import registry\n"
         "from bladeroot.room import used\n\n\ndef main():\n    import bladeroot.room.late\n"
     )
     return tmp_path
@@ -52,6 +57,13 @@ def edit(path, text):
 def test_a_change_of_any_imported_module_changes_the_hash(copy, module):
     before = code_hash(copy)
     edit(copy / "bladeroot" / "room" / f"{module}.py", "\nconstant = 5\n")
+    assert code_hash(copy) != before
+
+
+@pytest.mark.parametrize("path", ["bladeroot/registry/found.py", "_beside.py"])
+def test_so_does_a_change_of_what_is_found_by_itself_or_lies_beside(copy, path):
+    before = code_hash(copy)
+    edit(copy / path, "\nconstant = 5\n")
     assert code_hash(copy) != before
 
 

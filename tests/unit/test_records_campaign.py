@@ -27,7 +27,8 @@ def folder(tmp_path):
     folder = tmp_path / "camp"
     folder.mkdir()
     (folder / "campaign.yaml").write_text(DESCRIPTION)
-    (folder / "r1.nc").touch()
+    (folder / "r1.nc").write_bytes(b"raw")
+    (folder / "empty.nc").touch()
     return folder
 
 
@@ -69,6 +70,8 @@ def test_every_published_force_is_a_whole_number_of_bars():
             "r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,",
             "file must end in .cdf, .csv, .nc, .nc4, .tsv, .txt, got 'r1.xyz'",
         ),
+        ("r1,empty.nc,1B,20,h1,up,0,velocity,mm/s,", "file is empty: empty.nc"),
+        ("r1,r1.nc,1B,2_0,h1,up,0,velocity,mm/s,", "must be a finite number, got '2_0'"),
         ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
         ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "unit of velocity must be m/s, mm/s, um/s"),
         ("r1,r1.nc,1B,20,h1,up,0,speed,m/s,", "quantity must be velocity or"),
@@ -107,6 +110,26 @@ def test_two_rows_of_one_id(folder):
     (line,) = faults(folder, "records.csv", HEADER + GOOD + GOOD)
     assert "record 'r1' stands in row 2 already" in line
     assert "row 3" in line
+
+
+def test_two_stick_frequencies_of_one_force(folder):
+    row = "1B,3580,540,0.1,0.004,0.0002\n"
+    (line,) = faults(folder, "stick.csv", STICK + row + row.replace("3580", " 3580.0"))
+    assert "mode 1B at 3580 N stands in row 2 already" in line
+
+
+def test_names_that_results_uses_are_refused(folder):
+    with pytest.raises(CampaignError, match="must not be named bench"):
+        load_campaign(folder.rename(folder.parent / "bench"))
+
+
+def test_numbers_that_are_none(folder):
+    text = DESCRIPTION.replace("expected_Hz: 540", "expected_Hz: .nan")
+    (folder / "campaign.yaml").write_text(text)
+    assert (
+        "modes.1B.expected_Hz must be a finite number"
+        in faults(folder, "records.csv", HEADER + GOOD)[0]
+    )
 
 
 def test_all_faults_are_told_at_once(folder):

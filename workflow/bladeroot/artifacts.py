@@ -22,26 +22,27 @@ def save(
     dataset: xr.Dataset,
     path: str | Path,
     *,
-    campaign: str = "",
+    origin: xr.Dataset | None = None,
     settings: str = "{}",
-    encoding: dict | None = None,
 ) -> None:
     """Write a Dataset with its provenance in the global attributes.
 
-    `settings` is the canonical JSON text (see `bladeroot.provenance`) of the settings that made
-    it. Attributes that the dataset already has stay.
+    `origin` is the artifact that it was made from: its campaign, and whether that is simulated,
+    carry over; without one the dataset's own attributes say so. `settings` is the canonical JSON
+    text (see `bladeroot.provenance`) of the settings that made it.
     """
+    source = {"campaign": "", "simulated": 0} | (dataset if origin is None else origin).attrs
     stamped = dataset.assign_attrs(
-        dataset.attrs,
+        campaign=source["campaign"],
+        simulated=source["simulated"],
         bladeroot_version=__version__,
-        campaign=campaign or dataset.attrs.get("campaign", ""),
         settings=settings,
     )
     whole = Path(path)
     whole.parent.mkdir(parents=True, exist_ok=True)
     part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
     try:
-        stamped.to_netcdf(part, engine="netcdf4", encoding=encoding)
+        stamped.to_netcdf(part, engine="netcdf4")
         os.replace(part, whole)
     finally:
         part.unlink(missing_ok=True)

@@ -67,19 +67,38 @@ def _bare_tree(path: Path) -> str:
 
 @cache
 def _library_imports(path: Path) -> frozenset[Path]:
-    """Files of the library that a file imports, anywhere in it (late imports, too)."""
+    """Files of the library that a file imports, anywhere in it (late imports, too).
+
+    A sub-package that is imported as a whole counts with all its modules: it may be a registry
+    that finds them by itself. So do files beside a script.
+    """
     found = set()
     for node in ast.walk(_parse(path)):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
+            names = whole = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = _absolute(node, path)
-            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
+            whole = [f"{base}.{alias.name}" for alias in node.names]
+            names = [base, *whole]
         else:
             continue
         for name in names:
             found |= _files(name)
+            beside = path.parent / f"{name}.py"
+            if beside.is_file():
+                found.add(beside)
+        for name in whole:
+            found |= _modules_of(name)
     return frozenset(found)
+
+
+def _modules_of(name: str) -> set[Path]:
+    """All modules of a sub-package of the library; none for a plain module."""
+    parts = name.split(".")
+    folder = _LIBRARY.joinpath(*parts[1:])
+    if parts[0] != _PACKAGE or len(parts) < 2 or not (folder / "__init__.py").is_file():
+        return set()
+    return set(folder.glob("*.py"))
 
 
 def _absolute(node: ast.ImportFrom, path: Path) -> str:

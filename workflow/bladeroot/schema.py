@@ -1,5 +1,6 @@
 """Checking a YAML document against one of the project's JSON schemas (workflow/schemas/)."""
 
+import math
 from pathlib import Path
 
 import jsonschema
@@ -29,8 +30,23 @@ def check(document: object, schema: str, where: str) -> None:
     text = (_SCHEMAS / f"{schema}.schema.yaml").read_text(encoding="utf-8")
     validator = jsonschema.Draft202012Validator(yaml.safe_load(text))
     faults = sorted(validator.iter_errors(document), key=lambda fault: list(map(str, fault.path)))
-    if faults:
-        raise ValueError("\n".join(_line(fault, where) for fault in faults))
+    lines = [_line(fault, where) for fault in faults]
+    lines += [f"{place} must be a finite number ({where})" for place in _not_finite(document)]
+    if lines:
+        raise ValueError("\n".join(lines))
+
+
+def _not_finite(node: object, place: str = "") -> list[str]:
+    """Places of NaN and infinity, which YAML can write and a schema cannot refuse."""
+    if isinstance(node, float) and not math.isfinite(node):
+        return [place]
+    if isinstance(node, dict):
+        parts = node.items()
+    elif isinstance(node, list):
+        parts = enumerate(node)
+    else:
+        return []
+    return [bad for key, part in parts for bad in _not_finite(part, f"{place}.{key}".lstrip("."))]
 
 
 def _line(fault: jsonschema.ValidationError, where: str) -> str:

@@ -16,7 +16,7 @@ rule assembly:
     message:
         "assembly of {wildcards.structure} at {wildcards.force} N (5.1)"
     shell:
-        "{PYTHON} {SCRIPTS}/assembly.py --reduced {input.reduced} --force {wildcards.force}"
+        "{PYTHON:q} {SCRIPTS:q}/assembly.py --reduced {input.reduced:q} --force {wildcards.force}"
         " --output {output.assembly} > {log} 2>&1"
 
 
@@ -35,5 +35,5 @@ rule frequency_map:
     message:
         "frequencies of {wildcards.structure} over (kn, kt) at {wildcards.force} N (5.4-5.7)"
     shell:
-        "{PYTHON} {SCRIPTS}/frequency_map.py --assembly {input.assembly}"
+        "{PYTHON:q} {SCRIPTS:q}/frequency_map.py --assembly {input.assembly:q}"
         " --output {output.map} > {log} 2>&1"

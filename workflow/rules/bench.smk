@@ -30,5 +30,5 @@ rule bench:
     message:
         "virtual bench: record {wildcards.record} of {wildcards.campaign} (simulated)"
     shell:
-        "{PYTHON} {SCRIPTS}/bench.py --bench {input.bench} --reduced {input.reduced}"
+        "{PYTHON:q} {SCRIPTS:q}/bench.py --bench {input.bench:q} --reduced {input.reduced:q}"
         " --row {params.row:q} --raw {output.raw} --truth {output.truth} > {log} 2>&1"

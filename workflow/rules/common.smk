@@ -47,18 +47,31 @@ def bench_of(campaign):
     return (campaign.folder / campaign.description["bench"]).resolve()
 
 
+def with_numbers(node):
+    """The configuration with the numbers that a command line could only give as text."""
+    if isinstance(node, dict):
+        return {key: with_numbers(part) for key, part in node.items()}
+    if isinstance(node, list):
+        return [with_numbers(part) for part in node]
+    try:
+        return float(node) if isinstance(node, str) else node
+    except ValueError:
+        return node
+
+
 def checked_campaigns():
     """The campaigns by name and the structure files by name, with all their files checked."""
     asked = config["campaigns"]
     names = (
         [name.strip() for name in asked.split(",")] if isinstance(asked, str) else asked
     )
+    for key in config.keys() - {"campaigns"}:
+        config[key] = with_numbers(config[key])
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
     campaigns, structures, faults = {}, {}, []
     for name in names:
-        folder = (
-            Path(name) if os.sep in name else ROOT / "resources" / "campaigns" / name
-        )
+        shipped = ROOT / "resources" / "campaigns" / name.strip(os.sep)
+        folder = Path(name).resolve() if Path(name).is_dir() else shipped
         try:
             campaign = load_campaign(folder)
             wanted = list(campaign.description["structure"])

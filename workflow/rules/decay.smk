@@ -17,5 +17,5 @@ rule decay:
     message:
         "frequency and damping against amplitude, record {wildcards.record} of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/decay.py --record {input.record}"
+        "{PYTHON:q} {SCRIPTS:q}/decay.py --record {input.record:q}"
         " --decay {output.decay} --plateau {output.plateau} > {log} 2>&1"

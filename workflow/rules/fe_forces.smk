@@ -31,5 +31,5 @@ rule fe_forces:
     message:
         "stick frequencies of {wildcards.campaign} at the simulation's forces"
     shell:
-        "{PYTHON} {SCRIPTS}/fe_forces.py --stick {input.stick} --settings {params.settings:q}"
+        "{PYTHON:q} {SCRIPTS:q}/fe_forces.py --stick {input.stick:q} --settings {params.settings:q}"
         " --output {output.fe_forces} > {log} 2>&1"

@@ -1,27 +1,42 @@
 # A run killed with kill -9 leaves Snakemake's lock behind, and the same command would then refuse
-# to go on. The run's process is written beside the lock; what a dead run left is removed.
+# to go on. Each run signs in with its process; when none of them lives, what they left is removed.
 import psutil
 
-OWNER = Path(".snakemake") / "bladeroot_owner"
+RUNS = Path(".snakemake") / "bladeroot_runs"
 
 
-def claim():
-    """Write this process down as the owner of the working directory's run."""
-    OWNER.parent.mkdir(exist_ok=True)
-    OWNER.write_text(f"{os.getpid()} {psutil.Process().create_time()}")
+def sign_in():
+    """Write this process down as a run of the working directory, once its jobs begin."""
+    RUNS.mkdir(parents=True, exist_ok=True)
+    (RUNS / str(os.getpid())).write_text(str(psutil.Process().create_time()))
 
 
-def owner_lives():
+def sign_out():
+    (RUNS / str(os.getpid())).unlink(missing_ok=True)
+
+
+def lives(run):
     try:
-        pid, born = OWNER.read_text().split()
-        return abs(psutil.Process(int(pid)).create_time() - float(born)) < 1
+        return (
+            abs(psutil.Process(int(run.name)).create_time() - float(run.read_text()))
+            < 1
+        )
     except (OSError, ValueError, psutil.Error):
         return False
 
 
-if workflow.is_main_process and not owner_lives():
-    for lock in (Path(".snakemake") / "locks").glob("*.lock"):
-        lock.unlink()
-    for part in Path("results").glob("**/.*.part"):
-        part.unlink()
-    claim()
+def remove_what_dead_runs_left():
+    """Remove locks and half-written files, if there was a run and none is left alive."""
+    runs = list(RUNS.glob("*"))
+    if not runs or any(lives(run) for run in runs):
+        return
+    for left in [
+        *(Path(".snakemake") / "locks").glob("*.lock"),
+        *Path("results").glob("**/.*.part"),
+        *runs,
+    ]:
+        left.unlink()
+
+
+if workflow.is_main_process:
+    remove_what_dead_runs_left()

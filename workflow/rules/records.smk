@@ -34,6 +34,6 @@ rule record:
     message:
         "free decay of record {wildcards.record} of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/record.py --raw {input.raw:q} --facts {params.facts:q}"
+        "{PYTHON:q} {SCRIPTS:q}/record.py --raw {input.raw:q} --facts {params.facts:q}"
         " --campaign {wildcards.campaign} --settings {params.settings:q}"
         " --output {output.record} > {log} 2>&1"

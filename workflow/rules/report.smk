@@ -25,7 +25,7 @@ rule score:
     message:
         "stick frequencies of {wildcards.campaign} against the bench's truth"
     shell:
-        "{PYTHON} {SCRIPTS}/score.py --stick {input.stick} --truths {input.truths}"
+        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths {input.truths:q}"
         " --output {output.score} > {log} 2>&1"
 
 
@@ -56,7 +56,7 @@ rule figures_records:
     message:
         "figures of the records of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/figures_records.py --records {input.records} --decays {input.decays}"
+        "{PYTHON:q} {SCRIPTS:q}/figures_records.py --records {input.records:q} --decays {input.decays:q}"
         " --cuts {output.cuts} --backbones {output.backbones} > {log} 2>&1"
 
 
@@ -122,9 +122,9 @@ rule figures:
     message:
         "figures of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/figures.py --stick {input.stick} --fe_forces {input.fe_forces}"
-        " --searches {input.searches} --stiffness {input.stiffness} --theory {input.theory}"
-        " --published {input.published} --mesh {input.mesh} --simulated {params.simulated}"
+        "{PYTHON:q} {SCRIPTS:q}/figures.py --stick {input.stick:q} --fe_forces {input.fe_forces:q}"
+        " --searches {input.searches:q} --stiffness {input.stiffness:q} --theory {input.theory:q}"
+        " --published {input.published:q} --mesh {input.mesh:q} --simulated {params.simulated}"
         " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 
@@ -184,7 +184,7 @@ rule report:
     message:
         "report of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/report.py --results results/{wildcards.campaign}"
-        " --checks {input.checks} --figures {input.figures} {input.drawn} --thesis {input.thesis}"
+        "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
+        " --checks {input.checks:q} --figures {input.figures:q} {input.drawn:q} --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

@@ -27,5 +27,5 @@ rule stick:
     message:
         "stick frequencies of {wildcards.campaign}"
     shell:
-        "{PYTHON} {SCRIPTS}/stick.py --sources {input.sources:q} --campaign {wildcards.campaign}"
+        "{PYTHON:q} {SCRIPTS:q}/stick.py --sources {input.sources:q} --campaign {wildcards.campaign}"
         " --output {output.stick} > {log} 2>&1"

@@ -18,7 +18,7 @@ rule search:
     message:
         "kn, kt of {wildcards.campaign} with {wildcards.structure} at {wildcards.force} N (5.8-5.24)"
     shell:
-        "{PYTHON} {SCRIPTS}/search.py --map {input.map} --fe_forces {input.fe_forces}"
+        "{PYTHON:q} {SCRIPTS:q}/search.py --map {input.map:q} --fe_forces {input.fe_forces:q}"
         " --settings {params.settings:q} --output {output.stiffness} > {log} 2>&1"
 
 
@@ -49,6 +49,6 @@ rule stiffness:
     message:
         "kn, kt of {wildcards.campaign} over all forces"
     shell:
-        "{PYTHON} {SCRIPTS}/stiffness.py --searches {input.searches}"
-        " --fe_forces {input.fe_forces} --published {input.published}"
+        "{PYTHON:q} {SCRIPTS:q}/stiffness.py --searches {input.searches:q}"
+        " --fe_forces {input.fe_forces:q} --published {input.published:q}"
         " --output {output.stiffness} > {log} 2>&1"

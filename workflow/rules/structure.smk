@@ -20,7 +20,7 @@ rule mesh:
     message:
         "mesh of {wildcards.structure}"
     shell:
-        "{PYTHON} {SCRIPTS}/mesh.py --structure {input.structure} --output {output.mesh}"
+        "{PYTHON:q} {SCRIPTS:q}/mesh.py --structure {input.structure:q} --output {output.mesh}"
         " > {log} 2>&1"
 
 
@@ -40,7 +40,7 @@ rule prestress:
     message:
         "static stress of {wildcards.structure} under axial force (4.2)"
     shell:
-        "{PYTHON} {SCRIPTS}/prestress.py --structure {input.structure} --mesh {input.mesh}"
+        "{PYTHON:q} {SCRIPTS:q}/prestress.py --structure {input.structure:q} --mesh {input.mesh:q}"
         " --output {output.prestress}"
         " > {log} 2>&1"
 
@@ -62,8 +62,8 @@ rule reduced:
     message:
         "Craig-Bampton reduction of {wildcards.structure} (4.3-4.12)"
     shell:
-        "{PYTHON} {SCRIPTS}/reduced.py --structure {input.structure} --mesh {input.mesh}"
-        " --prestress {input.prestress} --output {output.reduced} > {log} 2>&1"
+        "{PYTHON:q} {SCRIPTS:q}/reduced.py --structure {input.structure:q} --mesh {input.mesh:q}"
+        " --prestress {input.prestress:q} --output {output.reduced} > {log} 2>&1"
 
 
 rule checks:
@@ -85,5 +85,5 @@ rule checks:
     message:
         "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"
     shell:
-        "{PYTHON} {SCRIPTS}/checks.py --structure {input.structure} --tables {input.tables}"
+        "{PYTHON:q} {SCRIPTS:q}/checks.py --structure {input.structure:q} --tables {input.tables:q}"
         " --output {output.checks} > {log} 2>&1"

@@ -18,6 +18,6 @@ rule theory:
     message:
         "contact theory beside the kn, kt of {wildcards.campaign} (6.3-6.16)"
     shell:
-        "{PYTHON} {SCRIPTS}/theory.py --stiffness {input.stiffness}"
-        " --parameters {input.parameters} --published {input.published}"
+        "{PYTHON:q} {SCRIPTS:q}/theory.py --stiffness {input.stiffness:q}"
+        " --parameters {input.parameters:q} --published {input.published:q}"
         " --output {output.theory} > {log} 2>&1"

@@ -15,7 +15,7 @@ def main(stick, settings, output):
     artifacts.save(
         fe_forces(measured, np.array(facts["forces"]), gauge),
         output,
-        campaign=measured.attrs["campaign"],
+        origin=measured,
         settings=settings,
     )
 

@@ -30,8 +30,9 @@ def main(raw, facts, campaign, settings, output):
         "hold": known["hold"],
         "direction": known["direction"],
         "simulated": int(known["simulated"]),
+        "campaign": campaign,
     }
-    artifacts.save(decay, output, campaign=campaign, settings=settings)
+    artifacts.save(decay, output, settings=settings)
 
 
 if __name__ == "__main__":

@@ -7,10 +7,9 @@ from bladeroot.report.score import score
 
 def main(stick, truths, output):
     answers = [artifacts.load(truth) for truth in truths]
-    artifacts.save(
-        score(artifacts.load(stick), {str(answer["record"].item()): answer for answer in answers}),
-        output,
-    )
+    found = artifacts.load(stick)
+    compared = score(found, {str(answer["record"].item()): answer for answer in answers})
+    artifacts.save(compared, output, origin=found)
 
 
 if __name__ == "__main__":

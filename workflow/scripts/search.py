@@ -16,7 +16,7 @@ def main(map, fe_forces, settings, output):
     artifacts.save(
         search(artifacts.load(map), measured, bias, offset),
         output,
-        campaign=measured.attrs["campaign"],
+        origin=measured,
         settings=settings,
     )
 

@@ -10,10 +10,13 @@ from bladeroot.decay.stick import stick_from_records, stick_from_table
 
 def main(sources, campaign, output):
     if Path(sources[0]).suffix == ".csv":
-        stick = stick_from_table(pd.read_csv(sources[0]))
+        stick = stick_from_table(pd.read_csv(sources[0], skipinitialspace=True))
     else:
-        stick = stick_from_records([artifacts.load(plateau) for plateau in sources])
-    artifacts.save(stick, output, campaign=campaign)
+        plateaus = [artifacts.load(plateau) for plateau in sources]
+        stick = stick_from_records(plateaus)
+        stick.attrs["simulated"] = max(plateau.attrs["simulated"] for plateau in plateaus)
+    stick.attrs["campaign"] = campaign
+    artifacts.save(stick, output)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ def main(searches, fe_forces, published, output):
             by_structure, measured, published_stiffness(pd.read_csv(published).to_dict("list"))
         ),
         output,
-        campaign=measured.attrs["campaign"],
+        origin=measured,
     )
 
 

@@ -16,7 +16,7 @@ def main(stiffness, parameters, published, output):
         stiffness=identified,
         published=published_stiffness(pd.read_csv(published).to_dict("list")),
     )
-    artifacts.save(compared, output, campaign=identified.attrs["campaign"])
+    artifacts.save(compared, output, origin=identified)
 
 
 if __name__ == "__main__":

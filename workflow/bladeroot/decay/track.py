@@ -68,9 +68,13 @@ def follow(
         carrier.real = np.minimum(carrier.real, level.value[0].max() + 0.5)
     for _ in range(corrections):
         edges = block_edges(carrier, sampling_Hz, noise)
-        blocks = block_phasors(velocity, sampling_Hz, carrier, edges, noise, others)
-        usable = _clear(blocks)
-        blocks = Phasors(blocks.time[:usable], blocks.log[:usable], blocks.std[:usable])
+        if edges.size < 9:
+            break
+        corrected = block_phasors(velocity, sampling_Hz, carrier, edges, noise, others)
+        usable = _clear(corrected)
+        if usable < 8:  # worse than before: keep what there was
+            break
+        blocks = Phasors(corrected.time[:usable], corrected.log[:usable], corrected.std[:usable])
         carrier = carrier + _correction(blocks, carrier, sampling_Hz, sample_time)
     return blocks, carrier
 

@@ -6,18 +6,21 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import force_colours, note_simulated, panels, plain_log_scale
+from bladeroot.figures.style import force_colours, note_simulated, nothing, panels, plain_log_scale
 
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
     """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force."""
+    decays = [decay for decay in decays if decay.sizes["point"]]
+    if not decays:
+        return nothing("no usable record")
     modes = sorted({decay.attrs["mode"] for decay in decays})
     colours = force_colours([decay.attrs["force_N"] for decay in decays])
     drawn, axes = panels(2, len(modes), 4.4 * len(modes) + 0.6, 6.2, sharex="col")
     for column, mode in enumerate(modes):
         above, below = axes[:, column]
         for decay in decays:
-            if decay.attrs["mode"] != mode or decay.sizes["point"] == 0:
+            if decay.attrs["mode"] != mode:
                 continue
             colour = colours.to_rgba(decay.attrs["force_N"] / 1e3)
             amplitude = 1e6 * decay["amplitude"].values

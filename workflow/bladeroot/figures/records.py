@@ -6,11 +6,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, panels
+from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
 
 
 def cuts(records: Sequence[xr.Dataset]) -> Figure:
     """Raw records with their cut: velocity over time, the free decay in colour."""
+    if not records:
+        return nothing("no usable record")
     drawn, axes = panels(len(records), 1, 7.2, 1.7 * len(records) + 0.4)
     for axis, record in zip(axes[:, 0], records, strict=True):
         time = record["overview_time"].values

@@ -4,12 +4,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, panels
+from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
 
 
 def over_force(stick: xr.Dataset, fe_forces: xr.Dataset, simulated: bool) -> Figure:
     """Stick frequency and loss factor of each mode, with the interpolation to the FE forces."""
     modes = list(fe_forces["mode"].values)
+    if not modes:
+        return note_simulated(nothing("no record reached its stick plateau"), simulated)
     drawn, axes = panels(2, len(modes), 4.2 * len(modes), 5.6, sharex=True)
     for column, mode in enumerate(modes):
         levels = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
@@ -43,7 +45,7 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset, simulated: bool) -> Fig
             )
         axes[0, column].set_title(f"mode {mode}", loc="left")
         axes[1, column].set_xlabel("axial force / kN")
-        axes[1, column].set_ylim(bottom=0)
+        axes[1, column].set_ylim(0, 1.12 * axes[1, column].get_ylim()[1])
     axes[0, 0].set_ylabel("stick frequency / Hz")
     axes[1, 0].set_ylabel("loss factor / %")
     axes[0, 0].legend(loc="lower right")

@@ -44,6 +44,13 @@ def panels(rows: int, columns: int, width: float, height: float, **kwargs):
     return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
 
 
+def nothing(reason: str) -> Figure:
+    """A figure that says why there is nothing to draw."""
+    drawn = Figure(figsize=(7.2, 1.2))
+    drawn.text(0.5, 0.5, reason, ha="center", va="center", color="#5c6b7a")
+    return drawn
+
+
 def svg(drawn: Figure) -> str:
     """The figure as SVG text, the same bytes for the same data."""
     text = io.StringIO()

@@ -24,6 +24,8 @@ STICK_COLUMNS = (
 # A stick frequency further than this from the mode's expected one belongs to another mode.
 MODE_BAND = 0.25
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+# Folders of results/ that are no campaign's.
+_RESERVED = ("structures", "bench", "logs", "benchmarks")
 
 
 class CampaignError(ValueError):
@@ -78,6 +80,10 @@ def load_campaign(folder: str | Path) -> Campaign:
     if not _ID.fullmatch(folder.name):
         raise CampaignError(
             f"a campaign folder's name must be letters, digits, - and _, got {folder.name!r}"
+        )
+    if folder.name in _RESERVED:
+        raise CampaignError(
+            f"a campaign must not be named {folder.name}: results/ has such a folder"
         )
     try:
         description = read_yaml(folder / "campaign.yaml", "campaign")
@@ -170,7 +176,7 @@ class _Sheet:
     def number(self, row: int, values: dict, name: str, *, positive: bool = False) -> float | None:
         text = values.get(name, "")
         try:
-            value = float(text)
+            value = float(text) if "_" not in text else math.nan
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
@@ -210,10 +216,9 @@ class _Sheet:
         key = "full_scale_bar" if gauge["gauge"] == "pressure" else "full_scale_microstrain"
         full_scale = gauge[key] * scale
         if value > full_scale:
+            top = f"{gauge[key]:g} bar" if given == ["pressure_bar"] else f"{full_scale:.0f} N"
             self.fault(
-                f"{given[0]} {values[given[0]]} lies outside the gauge's range "
-                f"(0 to {full_scale:.0f} N)",
-                row,
+                f"{given[0]} {values[given[0]]} lies outside the gauge's range (0 to {top})", row
             )
             return None
         return round(value, 6)
@@ -249,6 +254,7 @@ class _Sheet:
 
     def stick(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
         checked = []
+        first_row: dict[tuple, int] = {}
         if not self.required(rows, STICK_COLUMNS):
             return ()
         for row, values in rows:
@@ -264,6 +270,11 @@ class _Sheet:
                         f"({expected} Hz +- {MODE_BAND:.0%})",
                         row,
                     )
+            place = (line["mode"], line["force_N"])
+            if None not in place and place in first_row:
+                where = f"row {first_row[place]} already"
+                self.fault(f"mode {mode} at {line['force_N']:g} N stands in {where}", row)
+            first_row.setdefault(place, row)
             checked.append(line)
         return tuple(checked)
 
@@ -277,6 +288,8 @@ class _Sheet:
             self.fault(f"file must end in {', '.join(sorted(formats()))}, got {name!r}", row)
         elif not (self.folder / name).is_file():
             self.fault(f"file not found: {name}", row)
+        elif (self.folder / name).stat().st_size == 0:
+            self.fault(f"file is empty: {name}", row)
         return name
 
     def choice(self, row: int, values: dict, name: str, choices: tuple[str, ...], default: str):

@@ -27,10 +27,16 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
     parts.append(f"{stick.sizes['record']} records: {listed(counts)}.")
     parts.append(_record_table(stick))
     bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
-    for record in stick["record"].values[bad]:
-        parts.append(f"Left out: {record}, {stick['verdict'].sel(record=record).item()}.")
+    if bad.any():
+        rows = [(str(record), stick["verdict"].sel(record=record).item())
+                for record in stick["record"].values[bad]]  # fmt: skip
+        parts.append(Table("Left out", ("record", "why"), rows))
+    if (stick["verdict"].values == "plateau not reached").any():
+        parts.append(_bounds(stick))
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
+    if bad.all():
+        return Section("What was measured", parts)
     parts.append(
         Picture(
             figures["cuts"],
@@ -162,6 +168,27 @@ def _record_table(stick: xr.Dataset) -> Table:
         )
     header = ("mode", "force / kN", "records", "holds", "plateau reached")
     return Table("Records of each mode and force", header, rows)
+
+
+def _bounds(stick: xr.Dataset) -> Table:
+    """What the records that still bend at their smallest amplitude tell all the same."""
+    rows = []
+    for record in stick["record"].values[stick["verdict"].values == "plateau not reached"]:
+        here = stick.sel(record=record)
+        rows.append(
+            (
+                str(record),
+                str(here["record_mode"].item()),
+                fixed(float(here["record_force"]) / 1e3, 2),
+                fixed(float(here["frequency_bound"]), 2),
+            )
+        )
+    return Table(
+        "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
+        "still bends; the stick frequency lies beyond it",
+        ("record", "mode", "force / kN", "frequency / Hz"),
+        rows,
+    )
 
 
 def _score_parts(stick: xr.Dataset, score: xr.Dataset) -> list:

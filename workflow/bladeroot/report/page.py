@@ -23,6 +23,10 @@ class Table:
         object.__setattr__(self, "header", [self.header[i] for i in full])
         object.__setattr__(self, "rows", [[row[i] for i in full] for row in self.rows])
 
+    def is_text(self, column: int) -> bool:
+        """Whether a column holds words, which stand to the left; numbers stand to the right."""
+        return column == 0 or any(row[column][:1].isalpha() for row in self.rows)
+
 
 @dataclass(frozen=True)
 class Picture:

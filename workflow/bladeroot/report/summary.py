@@ -12,16 +12,27 @@ from bladeroot.report.page import Section
 def summary_section(stick: xr.Dataset, stiffness: xr.Dataset, theory: xr.Dataset) -> Section:
     """The campaign's results in a few sentences."""
     parts = [_measured(stick)]
+    if set(stick["mode"].values) != {"1B", "2B"}:
+        missing = [mode for mode in ("1B", "2B") if mode not in stick["mode"].values]
+        parts.append(
+            f"Mode {listed(missing)} has no stick frequency; without both modes there is no search "
+            "for (kn, kt)."
+        )
+        return Section("In short", parts)
     for structure in stiffness["structure"].values:
         parts.append(_found(stiffness.sel(structure=structure), structure))
     parts.append(
         "Contact theory gives a flank "
         f"{significant(float(theory['kn_theory'].mean()) / 1e9, 3)} GN/m normal and "
         f"{significant(float(theory['kt_theory'].mean()) / 1e9, 3)} GN/m tangential stiffness, "
-        "nearly the same at every force; Table 5.2 of the thesis has "
-        f"{_range(theory['kn_published_ratio'])} times the normal and "
-        f"{_range(theory['kt_published_ratio'])} times the tangential one, growing with the force."
+        "nearly the same at every force."
     )
+    if np.isfinite(theory["kn_published_ratio"]).any():
+        parts.append(
+            f"Table 5.2 of the thesis has {_range(theory['kn_published_ratio'])} times the normal "
+            f"and {_range(theory['kt_published_ratio'])} times the tangential stiffness of theory, "
+            "growing with the force."
+        )
     return Section("In short", parts)
 
 
@@ -48,17 +59,23 @@ def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) 
             "the root block are not published."
         )
     if facts["entry"] == "stick frequencies":
+        of_the_thesis = facts["description"].get("published") == "thesis"
         parts.append(
-            "The stated errors of the stick frequencies are the thesis's own, from within the "
-            "records. Neighbouring forces scatter by much more, so true errors are larger; without "
-            "the records, or repeats of a clamping, by how much cannot be said."
+            "The stated errors of the stick frequencies are "
+            + (
+                "the thesis's own, from within the records. Neighbouring forces scatter by much "
+                "more, so true errors are larger"
+                if of_the_thesis
+                else "those of stick.csv and are taken as they are"
+            )
+            + "; without the records, or repeats of a clamping, they cannot be checked."
         )
     elif stick.sizes["record"]:
-        unreached = int((stick["plateau_reached"].values == 0).sum())
+        unreached = int((stick["verdict"].values == "plateau not reached").sum())
         if unreached:
             parts.append(
-                f"Records that give no stick frequency: {unreached}. Smaller amplitudes (a longer "
-                "decay above the noise) would give one."
+                f"Records that do not reach their plateau: {unreached}. Smaller amplitudes (a "
+                "longer decay above the noise) would show it."
             )
     parts.append(
         "Frequency and damping above the onset of slip are shown but not yet explained by a model."
@@ -71,26 +88,27 @@ def _measured(stick: xr.Dataset) -> str:
     for mode in dict.fromkeys(stick["mode"].values):
         level = stick.isel(level=np.flatnonzero(stick["mode"].values == mode)).sortby("force")
         first, last = level.isel(level=0), level.isel(level=-1)
-        texts.append(
-            f"mode {mode} from {float(first['frequency']):.1f} Hz at "
-            f"{float(first['force']) / 1e3:.1f} kN to {float(last['frequency']):.1f} Hz at "
-            f"{float(last['force']) / 1e3:.1f} kN"
-        )
-    return f"The stick frequency rises with the axial force: {listed(texts)}."
+        ends = [
+            f"{float(end['frequency']):.1f} Hz at {float(end['force']) / 1e3:.1f} kN"
+            for end in (first, last)
+        ]
+        texts.append(f"mode {mode} {' to '.join(dict.fromkeys(ends))}")
+    if not texts:
+        return "No record reached its stick plateau: there is no stick frequency, only bounds."
+    return f"Stick frequencies (1B and 2B: first and second bending mode): {listed(texts)}."
 
 
 def _found(line: xr.Dataset, structure: str) -> str:
     status = list(line["status"].values)
     roots, tried = status.count("root"), len(status) - status.count("no measurement")
     if not tried:
-        return f"{structure}: no force of the simulation lies inside the measured range."
-    text = f"{structure}: {roots or 'none'} of {tried} forces has a contact stiffness (kn, kt)"
+        return f"{structure}: no force of the simulation lies inside the measured range of both."
+    text = f"{structure}: at {roots} of {tried} forces a contact stiffness (kn, kt) exists"
     if roots:
         good = line.isel(force=np.flatnonzero(line["status"].values == "root"))
         text += (
-            f"; kn {_range(good['kn'] / 1e9)} GN/m (relative std about "
-            f"{percent(float(good['ln_kn_std'].median()), 0)}) and kt {_range(good['kt'] / 1e9)} "
-            f"GN/m (about {percent(float(good['ln_kt_std'].median()), 0)})"
+            f"; kn {_range(good['kn'] / 1e9)} GN/m, known {_doubt(good['ln_kn_std'])}, and kt "
+            f"{_range(good['kt'] / 1e9)} GN/m, known {_doubt(good['ln_kt_std'])}"
         )
     if roots < tried:
         bad = line.isel(force=np.flatnonzero(line["status"].values == "no root"))
@@ -100,7 +118,21 @@ def _found(line: xr.Dataset, structure: str) -> str:
         ]
         place = "elsewhere" if roots else "for one to exist"
         text += f"; {place} the model's frequencies would have to move, {listed(moves)}"
+        text += f" (assumed error of the model: {_bias(line)})"
     return text + "."
+
+
+def _doubt(ln_std: xr.DataArray) -> str:
+    """One standard deviation of ln k in words: per cent while small, else a factor."""
+    spread = float(ln_std.median())
+    if spread < 0.5:
+        return f"to about {percent(spread, 0)}"
+    return f"only within a factor of about {significant(float(np.exp(spread)), 2)} either way"
+
+
+def _bias(line: xr.Dataset) -> str:
+    bias = line["fe_bias_std"].isel(force=0)
+    return listed([f"{percent(float(bias.sel(mode=mode)))} in {mode}" for mode in ("1B", "2B")])
 
 
 def _range(values: xr.DataArray) -> str:

@@ -23,8 +23,15 @@ def read(
     or `velocity (mm/s)`; with `unit` given the header needs none. `channel` is a column's full
     header or its name without the unit. Fields are split at commas, semicolons or tabs.
     """
-    with open(path, encoding="utf-8-sig") as file:
-        lines = file.read().splitlines()
+    try:
+        with open(path, encoding="utf-8-sig") as file:
+            lines = file.read().splitlines()
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"expected UTF-8 text, {error.reason} at byte {error.start} ({path})"
+        ) from (error)
+    except OSError as error:
+        raise ValueError(f"expected a readable file, got: {error.strerror} ({path})") from error
     rows = [k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")]
     if len(rows) < 2:
         raise ValueError(f"expected a header and rows of numbers, got {len(rows)} lines ({path})")
@@ -35,8 +42,7 @@ def read(
     times = [k for k, name in enumerate(names) if _plain(name) in TIMES]
     if not times and sampling_Hz is None:
         raise ValueError(
-            f"expected a time column ({', '.join(TIMES)}) or a sampling_Hz, got columns "
-            f"{', '.join(names)} ({path})"
+            f"expected a time column ({', '.join(TIMES)}), got columns {', '.join(names)} ({path})"
         )
     columns = [motion, *times[:1]]
     values = _numbers(lines, rows[1:], separator, columns, names, path)
@@ -76,8 +82,8 @@ def _column(names: list[str], quantity: str | None, channel: str | None, path: s
     if len(fits) != 1:
         problem = "none" if not fits else "several: " + ", ".join(names[k] for k in fits)
         raise ValueError(
-            f"expected one column {wanted}, got {problem} of the columns {', '.join(names)} "
-            f"({path})"
+            f"expected one column {wanted}, got {problem} of the columns {', '.join(names)}; "
+            f"channel in records.csv can name it ({path})"
         )
     return fits[0]
 
@@ -108,6 +114,10 @@ def _numbers(
             if not good:
                 raise ValueError(
                     f"expected a finite number, got {field!r} ({path}, row {k + 1}, column "
-                    f"{names[column]!r})"
+                    f"{names[column]!r}){_comma(field)}"
                 )
     raise ValueError(f"expected columns of numbers split by {separator!r} ({path})")
+
+
+def _comma(field: str) -> str:
+    return "; a decimal comma? write a point" if re.fullmatch(r"-?\d+,\d+", field) else ""

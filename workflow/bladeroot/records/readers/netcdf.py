@@ -5,6 +5,7 @@ import numpy as np
 from bladeroot.records.recording import SI, Recording, recording
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
+TIME_UNITS = {"s": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
 
 
 def read(
@@ -39,12 +40,11 @@ def read(
                 f"or quantity ({path})"
             )
         name = found[0]
-        variable = file.variables[name]
-        samples = np.ma.filled(np.ma.asarray(variable[:], dtype=float), np.nan)
-        own = getattr(variable, "units", None) or SI.get(name)
+        samples = _values(file.variables[name], path)
+        own = getattr(file.variables[name], "units", None) or SI.get(name)
         time = None
         if "time" in names:
-            time = np.ma.filled(np.ma.asarray(file.variables["time"][:], dtype=float), np.nan)
+            time = _values(file.variables["time"], path) * _seconds(file.variables["time"], path)
             if samples.ndim == 1 and time.shape != samples.shape and sampling_Hz is not None:
                 time = None
         if unit is None and own is None:
@@ -52,3 +52,20 @@ def read(
     return recording(
         samples.squeeze(), unit or own, f"{path}, variable {name}", time, sampling_Hz, quantity
     )
+
+
+def _values(variable, path: str) -> np.ndarray:
+    """All numbers of a variable, fill values as NaN."""
+    try:
+        return np.ma.filled(np.ma.asarray(variable[:], dtype=float), np.nan)
+    except (OSError, RuntimeError) as error:
+        raise ValueError(
+            f"expected whole data in {variable.name}, got: {error} ({path})"
+        ) from error
+
+
+def _seconds(variable, path: str) -> float:
+    unit = str(getattr(variable, "units", "s"))
+    if unit not in TIME_UNITS:
+        raise ValueError(f"units of time must be {', '.join(TIME_UNITS)}, got {unit!r} ({path})")
+    return TIME_UNITS[unit]
