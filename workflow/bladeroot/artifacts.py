@@ -5,6 +5,8 @@ its place and moved there whole, so that a killed run never leaves half a file u
 """
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import xarray as xr
@@ -38,23 +40,24 @@ def save(
         bladeroot_version=__version__,
         settings=settings,
     )
-    whole = Path(path)
-    whole.parent.mkdir(parents=True, exist_ok=True)
-    part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
-    try:
+    with _whole(path) as part:
         stamped.to_netcdf(part, engine="netcdf4")
-        os.replace(part, whole)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def save_text(text: str, path: str | Path) -> None:
     """Write a text file (report, table) whole or not at all."""
+    with _whole(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def _whole(path: str | Path) -> Iterator[Path]:
+    """A temporary name beside `path`, moved there when all has been written, else removed."""
     whole = Path(path)
     whole.parent.mkdir(parents=True, exist_ok=True)
     part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
     try:
-        part.write_text(text, encoding="utf-8")
+        yield part
         os.replace(part, whole)
     finally:
         part.unlink(missing_ok=True)

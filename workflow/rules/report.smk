@@ -1,9 +1,10 @@
 # Figures, the score of simulated records against the bench's truth, and the report.
 
 
-def truths(wildcards):
+def of_records(pattern, wildcards):
+    """One artifact for each record of a campaign."""
     return expand(
-        rules.bench.output.truth,
+        pattern,
         campaign=wildcards.campaign,
         record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
     )
@@ -12,7 +13,7 @@ def truths(wildcards):
 rule score:
     input:
         stick=rules.stick.output.stick,
-        truths=truths,
+        truths=lambda w: of_records(rules.bench.output.truth, w),
     output:
         score="results/{campaign}/score.nc",
     log:
@@ -58,15 +59,6 @@ rule figures_records:
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_records.py --records {input.records:q} --decays {input.decays:q}"
         " --cuts {output.cuts} --backbones {output.backbones} > {log} 2>&1"
-
-
-def of_records(pattern, wildcards):
-    """One artifact for each record of a campaign."""
-    return expand(
-        pattern,
-        campaign=wildcards.campaign,
-        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
-    )
 
 
 rule figures:
