@@ -107,6 +107,12 @@ rule figures:
             category="{campaign}",
             subcategory="contact theory",
         ),
+        against_normal_force=report(
+            "results/{campaign}/figures/against_normal_force.svg",
+            caption="../report/against_normal_force.rst",
+            category="{campaign}",
+            subcategory="contact theory",
+        ),
         compared=report(
             "results/{campaign}/figures/compared.svg",
             caption="../report/compared.rst",
