@@ -98,6 +98,16 @@ except ValueError as error:
     refuse(error)
 
 
+def tell_warnings():
+    """What looks wrong in the campaigns' sheets and is no fault."""
+    for campaign in CAMPAIGNS.values():
+        for line in campaign.warnings:
+            print(f"warning: {line}", file=sys.stderr)
+
+
+tell_warnings()
+
+
 def structures_of(campaign):
     return campaign.description["structure"]
 

@@ -11,12 +11,15 @@ from bladeroot.records.recording import velocity
 # Below this part of the mode's frequency nothing of it is left; integration may drop it.
 LOWEST = 0.2
 
+# What the sheet says of a raw file; the file may contradict it.
+SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
+
 
 def main(raw, facts, campaign, settings, output):
     known = json.loads(facts)
     expected = known["expected_Hz"]
     try:
-        recording = read(raw, known["quantity"], known["unit"], known["channel"])
+        recording = read(raw, **{name: known[name] for name in SAID})
     except ValueError as error:
         decay = rejected(str(error))
     else:
