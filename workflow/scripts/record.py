@@ -2,9 +2,11 @@
 
 import json
 
+import numpy as np
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.records.cut import cut, rejected
+from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
 
@@ -21,10 +23,13 @@ def main(raw, facts, campaign, settings, output):
     try:
         recording = read(raw, **{name: known[name] for name in SAID})
     except ValueError as error:
-        decay = rejected(str(error))
+        decay = judge(rejected(str(error)), np.zeros(0), expected)
     else:
         motion = velocity(recording, LOWEST * expected)
-        decay = cut(motion, recording.sampling_Hz, expected, **json.loads(settings))
+        clear = bridged(motion, recording.sampling_Hz, expected)
+        decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
+        others = tuple(known["other_modes_Hz"])
+        decay = judge(decay, motion, expected, others, recording.notes)
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],

@@ -12,7 +12,6 @@ from numpy import ndarray
 
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
-from bladeroot.records.integrity import clipped_runs, strongest_line
 from bladeroot.records.release import find_release
 from bladeroot.records.spectrum import white_noise
 from bladeroot.records.turning import clean_falls
@@ -32,7 +31,6 @@ def cut(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
     expected_Hz: float,
-    tolerance: float = 0.3,
     end: float | str = "noise",
     bins: int = 1000,
 ) -> xr.Dataset:
@@ -51,7 +49,6 @@ def cut(
         velocity: the raw record in m/s.
         sampling_Hz: sampling frequency.
         expected_Hz: the mode's expected frequency.
-        tolerance: relative distance from expected_Hz within which the mode must lie.
         end: "noise", or the part of its first value at which the envelope shall end, if it gets
             there before (the thesis's 1/1000, 3.1.1).
         bins: bins of the overview kept for figures.
@@ -61,7 +58,6 @@ def cut(
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
     span, finding = (0, 0), ""
-    low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
     duration = velocity.size / sampling_Hz
     if expected_Hz >= 0.45 * sampling_Hz:
         finding = (
@@ -76,8 +72,6 @@ def cut(
     else:
         seen = envelope(velocity, sampling_Hz, _own_frequency(velocity, sampling_Hz, expected_Hz))
         span, finding = _span(velocity, sampling_Hz, expected_Hz, seen, noise, end, attrs)
-        if not finding:
-            finding = _faults(velocity, sampling_Hz, expected_Hz, low, high, span)
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
@@ -154,31 +148,6 @@ def _span(
             f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
         )
     return (first, stop), ""
-
-
-def _faults(
-    velocity: ndarray,
-    sampling_Hz: float,
-    expected_Hz: float,
-    low: float,
-    high: float,
-    span: tuple[int, int],
-) -> str:
-    """One line on what makes a found decay unusable, or an empty text."""
-    piece = velocity[span[0] : span[1]]
-    early = piece[: max(piece.size // 4, min(piece.size, int(40 * sampling_Hz / expected_Hz)))]
-    strongest, own, ratio = strongest_line(early, sampling_Hz, low, high)
-    if ratio < 0.2:
-        return (
-            f"another mode dominates: the strongest line is at {strongest:.6g} Hz, what lies "
-            f"within {low:.6g} to {high:.6g} Hz has {100 * ratio:.2g} % of it"
-        )
-    count = clipped_runs(velocity, *span, own, sampling_Hz)
-    if count >= 2:
-        return (
-            f"clipped: {count} flat tops at {np.abs(velocity).max():.4g} m/s within the free decay"
-        )
-    return ""
 
 
 def _dataset(
