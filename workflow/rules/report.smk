@@ -163,6 +163,9 @@ rule report:
         drawn=lambda w: (
             rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
         ),
+        integrity=lambda w: (
+            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+        ),
         score=lambda w: (
             rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
         ),

@@ -13,6 +13,7 @@ from bladeroot.report.contents import report
 def main(results, checks, figures, thesis, facts, output):
     known = json.loads(facts)
     names = ["stick", "fe_forces", "stiffness", "theory"] + ["score"] * known["simulated"]
+    names += ["integrity"] * (known["entry"] == "records")
     published, errata = thesis
     page = report(
         known,
