@@ -28,7 +28,8 @@ def report(
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
     fe_forces, stiffness, theory; with records, integrity; for simulated ones, score.
-    checks: of each structure. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    checks: of each structure. figures: SVG text by name. published_5_1 and errata: of the
+    thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
