@@ -36,7 +36,7 @@ def remainder(
 def find_lines(
     rest: Float[ndarray, " sample"],
     sampling_Hz: float,
-    own_Hz: float,
+    own_Hz: tuple[float, float],
     strength: float,
     most: int = 4,
     ratio: float = 8.0,
@@ -46,12 +46,14 @@ def find_lines(
 
     Looks at the whole record and at its first parts, since a mode that decays fast is only seen
     in a short one. A line must stand `ratio` above the median level around it and above a
-    fifty-thousandth of `strength`, the mode's amplitude.
+    fifty-thousandth of `strength`, the mode's amplitude. `own_Hz`: the lowest and highest
+    frequency of the mode itself.
     """
+    low, high = own_Hz
     found: list[tuple[float, float]] = []
     for part in (1, 4, 16, 64):
         count = fft.prev_fast_len(rest.size // part, real=True)
-        if count < 12.0 * sampling_Hz / own_Hz or count < 4 * chunk:
+        if count < 12.0 * sampling_Hz / low or count < 4 * chunk:
             break
         spectrum = fft.rfft(rest[:count])
         level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:]))
@@ -61,15 +63,18 @@ def find_lines(
         floor = np.minimum(floor, np.median(floor) * 30.0)
         peak = whole.argmax(axis=1)
         height = whole[np.arange(peak.size), peak]
+        place = np.arange(peak.size) * chunk + peak
+        around = np.clip(place[:, None] + np.arange(-8, 9), 0, level.size - 1)
         # a window's line of amplitude one is half the count high
         clear = height > np.maximum(ratio * floor, 2e-5 * strength * count / 2.0)
-        frequency = (np.arange(peak.size) * chunk + peak + 1) * width
-        half = max(8.0 * width, 0.05 * own_Hz)
-        clear &= (np.abs(frequency - own_Hz) > half) & (frequency < 0.48 * sampling_Hz)
-        clear &= frequency > max(own_Hz / 8.0, 4.0 * width)
+        clear &= height >= level[around].max(axis=1)
+        frequency = (place + 1) * width
+        half = max(8.0 * width, 0.05 * low)
+        clear &= (frequency < low - half) | (frequency > high + half)
+        clear &= (frequency > max(low / 8.0, 4.0 * width)) & (frequency < 0.48 * sampling_Hz)
         for k in np.flatnonzero(clear)[np.argsort(-height[clear])]:
             # a longer part has told the line's place better
-            near = max(0.05 * own_Hz, 4.0 * width)
+            near = max(0.05 * low, 4.0 * width)
             if all(abs(frequency[k] - line) > near for _, line in found):
                 found.append((float(height[k] / count), float(frequency[k])))
     return [line for _, line in sorted(found, reverse=True)[:most]]

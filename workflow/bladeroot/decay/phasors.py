@@ -149,13 +149,17 @@ def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
 
 
 def corrected(
-    frames: Frames, rate: Complex[ndarray, " frame"], change: Complex[ndarray, " frame"]
-) -> Complex[ndarray, " frame"]:
-    """The frames' phasors freed of what growth and chirp within a frame put into them.
+    frames: Frames,
+    near: slice,
+    rate: Complex[ndarray, " near"],
+    change: Complex[ndarray, " near"],
+) -> Complex[ndarray, " near"]:
+    """The phasors of the frames in a range, freed of what growth and chirp within a frame put into them.
 
     rate, change: first and second derivative of the log-phasor in the middle of each frame.
     """
-    delta = rate - 1j * frames.omega
+    phasor = frames.phasor[near]
+    delta = rate - 1j * frames.omega[near]
     terms = np.stack(
         [
             delta,
@@ -165,12 +169,13 @@ def corrected(
         ],
         axis=1,
     )
-    turn = np.exp(-2j * np.angle(frames.phasor))
+    own = (frames.own[near] * terms).sum(axis=1)
+    image = (frames.image[near] * terms.conj()).sum(axis=1)
+    share = 1.0 + own
     for _ in range(2):
-        own, image = (frames.own * terms).sum(axis=1), (frames.image * terms.conj()).sum(axis=1)
-        share = 1.0 + own + turn * image
-        turn = np.exp(-2j * np.angle(frames.phasor / share))
-    return frames.phasor / share
+        true = phasor / share
+        share = 1.0 + own + image * true.conj() / true
+    return phasor / share
 
 
 def gather(

@@ -31,7 +31,9 @@ def follow(
         rest = np.where(usable, rest, 0.0)
     stop = int(blocks.time[-1] * sampling_Hz)
     strength = float(np.exp(value[0, 0].max()))
-    others = find_lines(rest[:stop], sampling_Hz, line_Hz, strength)
+    swept = value[1, 1] / (2.0 * np.pi)
+    own_Hz = (float(swept.min()), float(swept.max()))
+    others = find_lines(rest[:stop], sampling_Hz, own_Hz, strength)
     cycles = _cycles(others, line_Hz, duration)
     if cycles > 1:
         stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
@@ -57,11 +59,16 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
 
     known: blocks to which the spline `fit` reaches; beyond them it goes on as a straight line.
     """
-    inside = np.clip(frames.time, known.time[0], known.time[-1])
+    # not far beyond: a straight line soon says nothing about a mode that was lost
+    reach = known.time[-1] + 0.05 * (known.time[-1] - known.time[0])
+    near = slice(0, int(np.searchsorted(frames.time, reach)))
+    time = frames.time[near]
+    inside = np.clip(time, known.time[0], known.time[-1])
     value = fit.value(inside)
     log = value[:, 0] + 1j * value[:, 1]
-    guess = log[0] + log[1] * (frames.time - inside)
-    blocks = gather(frames.time, corrected(frames, log[1], log[2]), frames.std, guess)
+    guess = log[0] + log[1] * (time - inside)
+    phasor = corrected(frames, near, log[1], log[2])
+    blocks = gather(time, phasor, frames.std[near], guess)
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
     own = fit.value(np.clip(blocks.time, known.time[0], known.time[-1]))[0]
