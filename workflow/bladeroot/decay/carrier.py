@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.decay.phasors import Frames, Phasors, Stretch, calm, fit_frames, gather
+from bladeroot.decay.phasors import Frames, Phasors, Stretch, fit_frames, gather
 
 
 def strongest_line(
@@ -58,7 +58,7 @@ def rough_phasors(
     turn = _turning(frames)
     still = frames.phasor * np.exp(-1j * turn)
     level = np.log(np.maximum(_envelope(frames, still), 1e-3 * frames.std))
-    blocks = gather(frames.time, frames.phasor, frames.std, level + 1j * turn)
+    blocks, _ = gather(frames.time, frames.phasor, frames.std, level + 1j * turn)
     if blocks.time.size < 8:
         raise ValueError(
             f"expected at least 8 cycles near {line_Hz:.4g} Hz above the noise, got "
@@ -98,9 +98,8 @@ def _envelope(frames: Frames, still: ndarray) -> Float[ndarray, " frame"]:
             break
         count = _moving_sum(np.ones(found.size), reach)
         wider = np.abs(_moving_sum(still, reach)) / count
-        weak = wider < 6.0 * frames.std / np.sqrt(reach)
-        found = np.where(weak, wider, found)
-    return calm(found, 3)
+        found = np.where(wider < 6.0 * frames.std, wider, found)
+    return found
 
 
 def _moving_sum(values: ndarray, reach: int) -> ndarray:

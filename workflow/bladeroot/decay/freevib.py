@@ -132,9 +132,9 @@ def search_band(
 
 
 def _dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
-    result = xr.Dataset()
+    made = {}
     for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
         for (name, units, long_name, source), values in zip(table, columns, strict=True):
             attrs = {"units": units, "long_name": long_name}
-            result[name] = (dim, values, attrs | {"source": source} if source else attrs)
-    return result
+            made[name] = (dim, values, attrs | {"source": source} if source else attrs)
+    return xr.Dataset(made)

@@ -79,16 +79,16 @@ def fit_frames(
         columns, told = _columns(time, omega, others)
         powers = time[:, None] ** np.arange(1, TAYLOR + 1) / np.cumprod(np.arange(1, TAYLOR + 1.0))
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
-        solver = np.linalg.pinv(columns)
+        solver = _solver(columns)
         z = pieces @ solver.T
-        answers = np.tile(solver[:2] @ waves, (stretch.frames, 1, 1))
+        answers = np.repeat((solver[:2] @ waves)[None], stretch.frames, axis=0)
         spread = np.full(stretch.frames, 0.5 * (solver[:2] ** 2).sum())
         if usable is not None:
             good = usable[stretch.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
             spread[count < max(0.4 * stretch.length, 2 * columns.shape[1])] = np.inf
             for k in np.flatnonzero((count < stretch.length) & np.isfinite(spread)):
-                solver = np.linalg.pinv(columns[good[k]])
+                solver = _solver(columns[good[k]])
                 z[k] = solver @ pieces[k, good[k]]
                 answers[k] = solver[:2] @ waves[good[k]]
                 spread[k] = 0.5 * (solver[:2] ** 2).sum()
@@ -112,6 +112,13 @@ def fit_frames(
     seen = np.isfinite(values[2])
     time, phasor, std, angular, own, image, apart = (column[seen] for column in values)
     return Frames(time, phasor, std, angular, own, image, apart.T)
+
+
+def _solver(columns: Float[ndarray, "sample column"]) -> Float[ndarray, "column sample"]:
+    """Least squares as a matrix: a whisper of damping for what too few samples cannot tell."""
+    gram = columns.T @ columns
+    gram[np.diag_indices(gram.shape[0])] *= 1.0 + 1e-12
+    return np.linalg.solve(gram, columns.T)
 
 
 def _columns(
@@ -186,43 +193,33 @@ def gather(
     target: float = 0.1,
     worst: float = 0.3,
     most: int = 1500,
-) -> Phasors:
-    """Log-phasors of blocks of frames, `guess` being the log-phasor as far as it is known.
+) -> tuple[Phasors, Complex[ndarray, " block"]]:
+    """Log-phasors of blocks of frames, and what `guess` misses of them.
 
-    A block is one frame (or the frames over `most`), and grows where the mode is weak until its
-    standard error is about `target`, but not beyond a drop of the envelope by 0.4. The
+    guess: the log-phasor as far as it is known; its amplitude, not the noisy one, sets the
+    errors. A block is one frame (or the frames over `most`), and grows where the mode is weak
+    until its standard error is about `target`, but not beyond a drop of the envelope by 0.4. The
     blocks end where the mode is lost: where that is not enough for `worst`.
     """
-    level = guess.real
-    share = std * np.exp(-level)
-    fall = -np.gradient(level) if level.size > 1 else np.zeros(1)
+    share = std * np.exp(-guess.real)
+    fall = -np.gradient(guess.real) if share.size > 1 else np.zeros(1)
     length = np.minimum((share / target) ** 2, 0.4 / np.maximum(fall, 1e-12))
     length = np.maximum(np.ceil(length), np.ceil(time.size / most)).astype(int)
-    single = np.flatnonzero(length > 1)
-    edges = list(range(int(single[0]) if single.size else time.size))
-    at = edges[-1] + 1 if edges else 0
+    longer = np.flatnonzero(length > 1)
+    single = int(longer[0]) if longer.size else time.size
+    edges = list(range(single + 1))
     lengths = length.tolist()
-    while at + lengths[min(at, time.size - 1)] <= time.size:
-        edges.append(at)
-        at += lengths[at]
-        if at == time.size:
-            break
-    starts, stop = np.array(edges), at
+    while edges[-1] < time.size and edges[-1] + lengths[edges[-1]] <= time.size:
+        edges.append(edges[-1] + lengths[edges[-1]])
+    stop = edges[-1]
+    starts = np.array(edges[:-1])
     weight = share[:stop] ** -2.0
     total = np.add.reduceat(weight, starts)
-    spread = total**-0.5
-    lost = np.flatnonzero(spread > worst)
     relative = np.add.reduceat(weight * phasor[:stop] * np.exp(-guess[:stop]), starts) / total
     known = np.add.reduceat(weight * guess[:stop], starts) / total
     centre = np.add.reduceat(weight * time[:stop], starts) / total
-    size = np.maximum(np.abs(relative), 1e-300)
-    log = known + np.log(size) + 1j * np.unwrap(np.angle(relative))
+    miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
+    spread = total**-0.5
+    lost = np.flatnonzero(spread > worst)
     keep = slice(0, int(lost[0]) if lost.size else None)
-    return Phasors(centre[keep], log[keep], (spread / calm(size))[keep])
-
-
-def calm(size: Float[ndarray, " block"], reach: int = 7) -> Float[ndarray, " block"]:
-    """Running median: a block that noise makes large must not count as more certain for it."""
-    padded = np.pad(size, min(reach, size.size - 1), mode="reflect")
-    width = padded.size - size.size + 1
-    return np.median(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1)
+    return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]

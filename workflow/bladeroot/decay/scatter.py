@@ -13,7 +13,7 @@ def noise_ratio(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
     most: int = 12,
-    least: int = 80,
+    least: int = 120,
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
@@ -22,20 +22,17 @@ def noise_ratio(
     most `most` and of at least `least` blocks, since a scatter known too roughly spoils every
     standard error that rests on it; knocks are cut off.
     """
-    count = std.size
-    if count < 12:
-        return np.ones(count)
+    count = std.size - 2
+    if count < 10:
+        return np.ones(std.size)
     scaled = miss / std
     square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
     windows = int(np.clip(count // least, 1, most))
-    edges = np.linspace(0, square.shape[1], windows + 1).astype(int)
-    centre, level = [], []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
-        more = (stop - start) // 2  # half a window more on either side
-        near = square[:, max(start - more, 0) : stop + more].ravel()
-        mean = np.median(near) / 0.4549
-        for _ in range(3):
-            mean = np.minimum(near, _LIMIT**2 * mean).mean() / _CUT_MEAN
-        level.append(np.sqrt(mean))
-        centre.append(0.5 * (start + stop) + 1.0)
-    return np.interp(np.arange(count), centre, level)
+    length = count // windows
+    near = square[:, : windows * length].reshape(-1, windows, length)
+    near = near.transpose(1, 0, 2).reshape(windows, -1)
+    mean = np.median(near, axis=1, keepdims=True) / 0.4549
+    for _ in range(3):
+        mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
+    centre = (np.arange(windows) + 0.5) * length + 0.5
+    return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))

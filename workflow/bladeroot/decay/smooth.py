@@ -11,6 +11,7 @@ bends. The cost does not grow with the number of values but for the sums over th
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -50,13 +51,40 @@ class Spline:
 
     def value(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """The curves and their first two derivatives."""
+        start, power = self._polynomials
         x = (time - self.origin) / self.scale
-        shape, first = self._shapes(x)
-        alive = self.coefficient[:, first[:, None] + np.arange(DEGREE + 1)]
-        value = np.einsum("dpa,qpa->dqp", shape, alive)
+        cell = np.clip(np.searchsorted(start, x, side="right") - 1, 0, start.size - 1)
+        s = x - start[cell]
+        own = power[:, :, cell]
+        value = np.zeros((3, self.trend.shape[0], time.size))
+        for k in range(DEGREE, -1, -1):
+            if k > 1:
+                value[2] = value[2] * s + k * (k - 1) * own[k]
+            if k > 0:
+                value[1] = value[1] * s + k * own[k]
+            value[0] = value[0] * s + own[k]
         value[0] += self.trend[:, :1] * x + self.trend[:, 1:]
-        value[1] += self.trend[:, :1] / self.scale
+        value[1] += self.trend[:, :1]
+        value[1] /= self.scale
+        value[2] /= self.scale**2
         return value
+
+    @cached_property
+    def _polynomials(self) -> tuple[ndarray, ndarray]:
+        """Where each polynomial piece starts, and its coefficients (power, part, piece)."""
+        start = self.knots[DEGREE : -DEGREE - 1]
+        power = np.empty((DEGREE + 1, self.trend.shape[0], start.size))
+        derived, factorial = self.coefficient, 1.0
+        for d in range(DEGREE + 1):
+            inner = self.knots[d : self.knots.size - d]
+            shape, first = alive_splines(start, inner, DEGREE - d)
+            alive = derived[:, first[:, None] + np.arange(DEGREE - d + 1)]
+            power[d] = (alive * shape).sum(axis=2) / factorial
+            factorial *= d + 1
+            if d < DEGREE:
+                width = inner[DEGREE - d + 1 : -1] - inner[1 : -(DEGREE - d) - 1]
+                derived = (DEGREE - d) * np.diff(derived, axis=1) / width
+        return start, power
 
     def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """Standard errors of `value`."""
@@ -81,28 +109,35 @@ class Spline:
         return shape, first
 
 
-def smooth(
+def coarse(
     time: Float[ndarray, " value"],
     y: Float[ndarray, "part value"],
     std: Float[ndarray, " value"],
     duration: float,
     prior: Prior | None = None,
-    knots: tuple[int, int] = (50, 90),
-    iterations: tuple[int, int] = (8, 3),
+    knots: int = 50,
+    iterations: int = 6,
 ) -> Spline:
-    """Penalised splines through independent values of several parts that share their errors.
+    """Penalised splines on few knots through independent values that share their errors.
 
-    `knots` and `iterations` are those of the first and the second pass, which is left out for
-    zero knots; `prior` is one to start from, as of an earlier call on the same record, whose
-    length is `duration` (s).
+    prior: one to start from, as of an earlier call on the same record, `duration` s long.
     """
-    clock = sites(time, y[0], knots[0])
+    clock = sites(time, y[0], knots)
     prior = prior or _even(time, std, clock, duration, y.shape[0])
-    coarse = _fit(time, y, std, duration, clock, prior, iterations[0])
-    if not knots[1]:
-        return coarse
-    where = _bending(time, std, clock, coarse, knots[1])
-    return _fit(time, y, std, duration, where, coarse.prior, iterations[1])
+    return _fit(time, y, std, duration, clock, prior, iterations)
+
+
+def fine(
+    time: Float[ndarray, " value"],
+    y: Float[ndarray, "part value"],
+    std: Float[ndarray, " value"],
+    before: Spline,
+    knots: int = 90,
+    iterations: int = 3,
+) -> Spline:
+    """Penalised splines with knots where an earlier, coarse fit bends."""
+    where = _bending(time, std, sites(time, y[0], 50), before, knots)
+    return _fit(time, y, std, before.scale, where, before.prior, iterations)
 
 
 def sites(
@@ -288,5 +323,9 @@ def _inverse(matrix: Float[ndarray, "n n"]) -> Float[ndarray, "n n"]:
     factor, fault = lapack.dpotrf(balanced, lower=1)
     if fault:
         return np.linalg.pinv(balanced, hermitian=True) * scale[:, None] * scale
-    lower = np.tril(lapack.dpotri(factor, lower=1)[0])
-    return (lower + np.tril(lower, -1).T) * scale[:, None] * scale
+    lower = lapack.dpotri(factor, lower=1, overwrite_c=1)[0]  # and nothing above the diagonal
+    full = lower + lower.T
+    full[np.diag_indices(scale.size)] *= 0.5
+    full *= scale[:, None]
+    full *= scale
+    return full

@@ -1,14 +1,14 @@
 """Follow one mode through a record, other modes fitted along with it."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.carrier import rough_phasors, strongest_line
 from bladeroot.decay.lines import find_lines, remainder
 from bladeroot.decay.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather, refined
 from bladeroot.decay.scatter import noise_ratio
-from bladeroot.decay.smooth import Spline, smooth
+from bladeroot.decay.smooth import Spline, coarse, fine
 
 
 def follow(
@@ -43,15 +43,14 @@ def follow(
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
-    fit = _fit(blocks, fit, duration, (50, 0))
+    fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
+    blocks = _gathered(frames, blocks, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
-    blocks = _gathered(frames, blocks, fit)
-    velocity_fit = fit.value(blocks.time)
-    rate = velocity_fit[1, 0] + 1j * velocity_fit[1, 1]
-    change = velocity_fit[2, 0] + 1j * velocity_fit[2, 1]
+    value = fit.value(blocks.time)
+    rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    return blocks, _fit(blocks, fit, duration, (50, 90)), others
+    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), others
 
 
 def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
@@ -68,27 +67,22 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     log = value[:, 0] + 1j * value[:, 1]
     guess = log[0] + log[1] * (time - inside)
     phasor = corrected(frames, near, log[1], log[2])
-    blocks = gather(time, phasor, frames.std[near], guess)
+    blocks, miss = gather(time, phasor, frames.std[near], guess)
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
-    own = fit.value(np.clip(blocks.time, known.time[0], known.time[-1]))[0]
-    miss = np.stack([blocks.log.real - own[0], blocks.log.imag - own[1]])
-    std = blocks.std * np.maximum(noise_ratio(miss, blocks.std), 0.5)
+    std = blocks.std * np.maximum(noise_ratio(_parts(miss), blocks.std), 0.5)
     # a clock and a digitiser are never better than a millionth of a radian
     return Phasors(blocks.time, blocks.log, np.hypot(std, 1e-6))
 
 
-def _fit(blocks: Phasors, last: Spline, duration: float, knots: tuple[int, int]) -> Spline:
-    y = np.stack([blocks.log.real, blocks.log.imag])
-    return smooth(blocks.time, y, blocks.std, duration, last.prior, knots, (6, 3))
+def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
+    return np.stack([log.real, log.imag])
 
 
 def _rough_fit(blocks: Phasors, duration: float) -> Spline:
-    y = np.stack([blocks.log.real, blocks.log.imag])
-    first = smooth(blocks.time, y, blocks.std, duration, knots=(40, 0), iterations=(1, 0))
-    own = first.value(blocks.time)[0]
-    ratio = noise_ratio(y - own, blocks.std)
-    return smooth(blocks.time, y, blocks.std * ratio, duration, knots=(40, 0), iterations=(4, 0))
+    y = _parts(blocks.log)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
+    return coarse(blocks.time, y, std, duration, knots=40, iterations=4)
 
 
 def cut_frames(
