@@ -9,16 +9,17 @@ from bladeroot.decay.phasors import Frames, Phasors, Stretch, fit_frames, gather
 
 
 def strongest_line(
-    velocity: Float[ndarray, " sample"], sampling_Hz: float, low_Hz: float, high_Hz: float
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    low_Hz: float,
+    high_Hz: float,
+    cycles: float = 100.0,
 ) -> float:
-    """Frequency (Hz) of the strongest line within a band, from the record's louder half."""
-    power = np.cumsum(velocity**2)
-    loud = int(np.searchsorted(power, 0.9 * power[-1])) + 1
-    count = min(max(loud, int(20 * sampling_Hz / low_Hz)), velocity.size)
-    padded = fft.next_fast_len(count, real=True)
-    spectrum = fft.rfft(velocity[:count] - velocity[:count].mean(), padded)
-    level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:]))  # Hann's window
-    frequency = np.arange(1, level.size + 1) * sampling_Hz / padded
+    """Frequency (Hz) of the strongest line within a band in the first cycles, the loudest."""
+    count = min(int(cycles * sampling_Hz / low_Hz), velocity.size)
+    spectrum = fft.rfft(velocity[:count], fft.next_fast_len(2 * count, real=True))
+    level = np.abs(spectrum[2:-2] - 0.5 * (spectrum[:-4] + spectrum[4:]))  # Hann's window
+    frequency = np.arange(2, level.size + 2) * sampling_Hz / (2 * spectrum.size - 2)
     inside = (frequency >= low_Hz) & (frequency <= high_Hz)
     if not inside.any():
         raise ValueError(

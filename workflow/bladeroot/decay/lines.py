@@ -51,30 +51,30 @@ def find_lines(
     """
     low, high = own_Hz
     found: list[tuple[float, float]] = []
-    for part in (1, 4, 16, 64):
+    for part in (1, 8, 64):
         count = fft.prev_fast_len(rest.size // part, real=True)
         if count < 12.0 * sampling_Hz / low or count < 4 * chunk:
             break
         spectrum = fft.rfft(rest[:count])
-        level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:]))
+        spectrum = spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])  # Hann's window
+        power = spectrum.real**2 + spectrum.imag**2
         width = sampling_Hz / count
-        whole = level[: level.size // chunk * chunk].reshape(-1, chunk)
-        floor = np.median(whole, axis=1)
-        floor = np.minimum(floor, np.median(floor) * 30.0)
-        peak = whole.argmax(axis=1)
-        height = whole[np.arange(peak.size), peak]
-        place = np.arange(peak.size) * chunk + peak
-        around = np.clip(place[:, None] + np.arange(-8, 9), 0, level.size - 1)
-        # a window's line of amplitude one is half the count high
-        clear = height > np.maximum(ratio * floor, 2e-5 * strength * count / 2.0)
-        clear &= height >= level[around].max(axis=1)
+        whole = power[: power.size // chunk * chunk].reshape(-1, chunk)
+        place = whole.argmax(axis=1) + np.arange(whole.shape[0]) * chunk
+        height = power[place]
         frequency = (place + 1) * width
         half = max(8.0 * width, 0.05 * low)
-        clear &= (frequency < low - half) | (frequency > high + half)
+        clear = (frequency < low - half) | (frequency > high + half)
         clear &= (frequency > max(low / 8.0, 4.0 * width)) & (frequency < 0.48 * sampling_Hz)
-        for k in np.flatnonzero(clear)[np.argsort(-height[clear])]:
-            # a longer part has told the line's place better
-            near = max(0.05 * low, 4.0 * width)
-            if all(abs(frequency[k] - line) > near for _, line in found):
-                found.append((float(height[k] / count), float(frequency[k])))
+        # a line of amplitude one is half the count high
+        clear &= height > (2e-5 * strength * count / 2.0) ** 2
+        floor = np.partition(whole[:, ::4], chunk // 8, axis=1)[:, chunk // 8]
+        clear &= height > ratio**2 * np.minimum(floor, 900.0 * np.median(floor))
+        near = max(0.05 * low, 4.0 * width)
+        candidates = np.flatnonzero(clear)
+        for k in candidates[np.argsort(-height[candidates])]:
+            is_peak = height[k] >= power[max(place[k] - 8, 0) : place[k] + 9].max()
+            # a longer part has told a line's place better
+            if is_peak and all(abs(frequency[k] - line) > near for _, line in found):
+                found.append((float(height[k]) / count**2, float(frequency[k])))
     return [line for _, line in sorted(found, reverse=True)[:most]]

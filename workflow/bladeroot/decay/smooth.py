@@ -89,12 +89,11 @@ class Spline:
     def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """Standard errors of `value`."""
         shape, first = self._shapes((time - self.origin) / self.scale)
-        alive = first[:, None] + np.arange(DEGREE + 1)
-        error = np.empty((3, self.trend.shape[0], time.size))
-        for part, covariance in enumerate(self.covariance):
-            own = covariance[alive[:, :, None], alive[:, None, :]]
-            error[:, part] = ((shape[:, :, None, :] @ own)[:, :, 0] * shape).sum(axis=2)
-        return CALIBRATION * np.sqrt(np.maximum(error, 0.0))
+        pairs = (shape[..., :, None] * shape[..., None, :]).reshape(3, time.size, -1)
+        row = first[:, None] + np.repeat(np.arange(DEGREE + 1), DEGREE + 1)
+        column = first[:, None] + np.tile(np.arange(DEGREE + 1), DEGREE + 1)
+        error = [(pairs * covariance[row, column]).sum(axis=2) for covariance in self.covariance]
+        return CALIBRATION * np.sqrt(np.maximum(np.stack(error, axis=1), 0.0))
 
     def _shapes(
         self, x: Float[ndarray, " point"]
@@ -116,7 +115,7 @@ def coarse(
     duration: float,
     prior: Prior | None = None,
     knots: int = 50,
-    iterations: int = 6,
+    iterations: int = 3,
 ) -> Spline:
     """Penalised splines on few knots through independent values that share their errors.
 
@@ -133,7 +132,7 @@ def fine(
     std: Float[ndarray, " value"],
     before: Spline,
     knots: int = 90,
-    iterations: int = 3,
+    iterations: int = 2,
 ) -> Spline:
     """Penalised splines with knots where an earlier, coarse fit bends."""
     where = _bending(time, std, sites(time, y[0], 50), before, knots)
@@ -198,7 +197,7 @@ def _even(
     width = np.gradient(clock / duration)
     at = np.interp(node, clock, width)
     own = 2.0 * np.log(np.interp(node, time, std)) - 5.0 * np.log(at)
-    start = np.tile(-own - np.log(400.0), (parts, 1))
+    start = np.tile(-own - np.log(100.0), (parts, 1))
     return Prior((node - time[0]) / duration, start, start - 15.0)
 
 
@@ -219,10 +218,12 @@ def _fit(
     shape, first = alive_splines(x, knots, DEGREE)
     gram, right, trend = _sums(x, y, std, shape, first, count)
     penalty, centre = _penalty(knots)
+    rows = penalty[0].size
     place = np.interp(centre, prior.node, np.arange(prior.node.size))
     tent = np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(prior.node.size)))
     coefficient, covariance = np.empty((y.shape[0], count)), np.empty((y.shape[0], count, count))
     found = np.empty_like(prior.log_precision)
+    lower = [(a, b, penalty[a] * penalty[b]) for a in range(ORDER + 1) for b in range(a + 1)]
     for part in range(y.shape[0]):
         log_precision, softest = prior.log_precision[part], prior.softest[part]
         left = iterations
@@ -230,17 +231,25 @@ def _fit(
             # where it bends is known no better than to a region: the last step spreads that
             own = log_precision if left else _spread(log_precision)
             precision = np.exp(tent @ own)
-            inverse = _inverse(gram + penalty.T @ (precision[:, None] * penalty))
+            matrix = gram.copy()
+            for a, b, product in lower:
+                matrix.reshape(-1)[a * count + b :: count + 1][:rows] += precision * product
+            inverse = _inverse(matrix)
             value = inverse @ right[part]
             if not left:
                 break
-            variance = ((penalty @ inverse) * penalty).sum(axis=1)
+            variance, bend = np.zeros(rows), np.zeros(rows)
+            for a, b, product in lower:
+                weight = product if a == b else 2.0 * product
+                variance += weight * inverse.reshape(-1)[a * count + b :: count + 1][:rows]
+            for a in range(ORDER + 1):
+                bend += penalty[a] * value[a : a + rows]
             freedom = np.maximum(1.0 - precision * variance, 0.0) @ tent + 1e-12
-            roughness = (precision * (penalty @ value) ** 2) @ tent
+            roughness = (precision * bend**2) @ tent
             step = np.log(freedom / np.maximum(roughness, 1e-30))
             # a stretch that is straight already gains nothing by being stiffer
             step = np.where(freedom < FEWEST_FREEDOM, np.minimum(step, 0.0), step)
-            step = np.clip(1.5 * step, -4.0, 4.0)
+            step = np.clip(2.0 * step, -4.0, 4.0)
             log_precision = np.clip(log_precision + step, softest, softest + 50.0)
             left = left - 1 if np.abs(step).max() > 0.2 else 0
         coefficient[part], covariance[part], found[part] = value, inverse, log_precision
@@ -261,7 +270,7 @@ def _spread(log_precision: Float[ndarray, " node"]) -> Float[ndarray, " node"]:
 def _sums(
     x: ndarray, y: ndarray, std: ndarray, shape: ndarray, first: ndarray, count: int
 ) -> tuple[ndarray, ndarray, ndarray]:
-    """Normal equations of the values less a straight line, and the line."""
+    """Normal equations (lower triangle) of the values less a straight line, and the line."""
     weight = 1.0 / std**2
     total = weight.sum()
     mean, level = weight @ x / total, y @ weight / total
@@ -271,29 +280,32 @@ def _sums(
     starts = np.flatnonzero(np.diff(first, prepend=-1))
     cell = first[starts]
     weighted = shape * weight[:, None]
-    pairs = np.add.reduceat(weighted[:, :, None] * shape[:, None, :], starts, axis=0)
+    row, column = np.tril_indices(DEGREE + 1)
+    pairs = np.add.reduceat(weighted[:, row] * shape[:, column], starts, axis=0)
     sums = np.add.reduceat(weighted * about[:, :, None], starts, axis=1)
     gram, right = np.zeros((count, count)), np.zeros((y.shape[0], count))
     for a in range(DEGREE + 1):
         right[:, cell + a] += sums[:, :, a]
-        for b in range(DEGREE + 1):
-            gram[cell + a, cell + b] += pairs[:, a, b]
+    for k, (a, b) in enumerate(zip(row, column, strict=True)):
+        gram[cell + a, cell + b] += pairs[:, k]
     return gram, right, trend
 
 
-def _penalty(knots: ndarray) -> tuple[Float[ndarray, "row coefficient"], Float[ndarray, " row"]]:
-    """Rows of unit variance where the third derivative is white, and where they lie."""
+def _penalty(
+    knots: Float[ndarray, " knot"],
+) -> tuple[list[Float[ndarray, " row"]], Float[ndarray, " row"]]:
+    """The third derivative's coefficients, of unit variance where it is white; where they lie.
+
+    The weights of the spline's coefficients j ... j + ORDER in row j, one array each.
+    """
     rows = derivative_rows(knots, DEGREE, ORDER)
     reach = DEGREE - ORDER + 1
     inside = knots[ORDER : knots.size - ORDER]
     # a white derivative has coefficients of variance intensity over spacing
     spacing = (inside[reach:] - inside[:-reach]) / reach
-    own = np.arange(rows.shape[0])
-    dense = np.zeros((rows.shape[0], rows.shape[0] + ORDER))
-    for a in range(ORDER + 1):
-        dense[own, own + a] = rows[:, a] * np.sqrt(spacing)
+    penalty = [np.ascontiguousarray(column) for column in (rows * np.sqrt(spacing)[:, None]).T]
     centre = sum(inside[k : k + rows.shape[0]] for k in range(reach + 1)) / (reach + 1)
-    return dense, centre
+    return penalty, centre
 
 
 def _bending(
@@ -315,17 +327,19 @@ def _bending(
     return np.interp(np.linspace(0.0, total[-1], count), total, at)
 
 
-def _inverse(matrix: Float[ndarray, "n n"]) -> Float[ndarray, "n n"]:
-    """Inverse of a positive definite matrix, balanced first."""
-    scale = 1.0 / np.sqrt(np.diag(matrix))
-    balanced = matrix * scale[:, None] * scale
-    balanced[np.diag_indices(scale.size)] += 1e-13
-    factor, fault = lapack.dpotrf(balanced, lower=1)
+def _inverse(lower: Float[ndarray, "n n"]) -> Float[ndarray, "n n"]:
+    """Inverse of a positive definite matrix from its lower triangle, balanced first."""
+    scale = 1.0 / np.sqrt(lower.diagonal())
+    balanced = lower * scale[:, None]
+    balanced *= scale
+    balanced.reshape(-1)[:: scale.size + 1] += 1e-13
+    # LAPACK stores by columns: its upper triangle is our lower
+    factor, fault = lapack.dpotrf(balanced.T, lower=0, overwrite_a=1)
     if fault:
-        return np.linalg.pinv(balanced, hermitian=True) * scale[:, None] * scale
-    lower = lapack.dpotri(factor, lower=1, overwrite_c=1)[0]  # and nothing above the diagonal
-    full = lower + lower.T
-    full[np.diag_indices(scale.size)] *= 0.5
+        raise ValueError("the spline's equations are singular: values without finite errors?")
+    half = lapack.dpotri(factor, lower=0, overwrite_c=1)[0].T
+    full = half + half.T
+    full.reshape(-1)[:: scale.size + 1] *= 0.5
     full *= scale[:, None]
     full *= scale
     return full

@@ -82,14 +82,14 @@ def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
 def _rough_fit(blocks: Phasors, duration: float) -> Spline:
     y = _parts(blocks.log)
     std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
-    return coarse(blocks.time, y, std, duration, knots=40, iterations=4)
+    return coarse(blocks.time, y, std, duration, knots=36, iterations=2)
 
 
 def cut_frames(
     fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float, cycles: int
 ) -> list[Stretch]:
     """The record cut into frames of whole cycles, anew where the frequency has moved."""
-    grid = np.linspace(blocks.time[0], blocks.time[-1], min(400, max(8, blocks.time.size)))
+    grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
     step = 0.02 / cycles
     class_ = np.round(np.log(omega / np.median(omega)) / step)
