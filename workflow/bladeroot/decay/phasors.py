@@ -147,7 +147,7 @@ def _columns(
 def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
     """The other modes' rates (rad/s), from how their phasors advance from frame to frame."""
     step = np.diff(frames.time)
-    near = step < 1.01 * step.min()
+    near = step < 1.5 * step.min()
     better = []
     for other, phasor in zip(others, frames.others, strict=True):
         clear = np.abs(phasor) > 6.0 * frames.std
@@ -155,9 +155,9 @@ def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
         if pairs.sum() >= 3:
             still = phasor * np.exp(-1j * other.imag * frames.time)
             before, after = still[:-1][pairs], still[1:][pairs]
-            other = 1j * other.imag + np.log(np.vdot(before, after) / np.vdot(before, before)) / (
-                step.min()
-            )
+            power = np.abs(before) ** 2
+            advance = np.log(np.vdot(before, after) / power.sum())
+            other = 1j * other.imag + advance * power.sum() / (power @ step[pairs])
         better.append(complex(other))
     return better
 
