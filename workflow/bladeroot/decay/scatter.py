@@ -1,4 +1,4 @@
-"""How much the blocks of a record really scatter, against the error assumed for them."""
+"""How much the blocks of a record really scatter, and which of them are not to be trusted."""
 
 import numpy as np
 from jaxtyping import Float
@@ -36,3 +36,38 @@ def noise_ratio(
         mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
     centre = (np.arange(windows) + 0.5) * length + 0.5
     return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))
+
+
+def without_knocks(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    reach: int = 4,
+    limit: float = 6.0,
+) -> Float[ndarray, " block"]:
+    """Larger standard errors for the few blocks that a knock or a glitch threw off.
+
+    Such a block lies far from the median of its neighbours, on what a smooth curve misses.
+    """
+    jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
+    if std.size < 4 * reach or not (jump > limit * std[1:-1]).any():
+        return std
+    padded = np.pad(miss, ((0, 0), (reach, reach)), mode="reflect", reflect_type="odd")
+    near = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1)
+    off = np.abs(miss - np.median(near, axis=2)).max(axis=0)
+    off = np.where(off > limit * std, off, 0.0)
+    off[1:-1] = np.maximum(off[1:-1], 0.3 * np.maximum(off[:-2], off[2:]))
+    return np.maximum(std, off)
+
+
+def without_strange_ends(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    expected: Float[ndarray, "part block"],
+    limit: float = 5.0,
+) -> Float[ndarray, " block"]:
+    """Larger standard errors for blocks at the ends that the rest of the record contradicts.
+
+    miss, expected: what a curve through the rest misses, and its standard error.
+    """
+    off = (np.abs(miss) / np.hypot(std, expected)).max(axis=0)
+    return np.where(off > limit, np.abs(miss).max(axis=0), std)
