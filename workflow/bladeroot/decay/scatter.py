@@ -41,33 +41,22 @@ def noise_ratio(
 def without_knocks(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
-    reach: int = 4,
+    window: int = 9,
     limit: float = 6.0,
 ) -> Float[ndarray, " block"]:
     """Larger standard errors for the few blocks that a knock or a glitch threw off.
 
-    Such a block lies far from the median of its neighbours, on what a smooth curve misses.
+    Such a block lies far from the straight line through its neighbours (by medians), on what a
+    smooth curve misses. At the ends the window shifts inwards.
     """
+    count = std.size
     jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
-    if std.size < 4 * reach or not (jump > limit * std[1:-1]).any():
+    if count < 2 * window or not (jump > limit * std[1:-1]).any():
         return std
-    padded = np.pad(miss, ((0, 0), (reach, reach)), mode="reflect", reflect_type="odd")
-    near = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1)
-    off = np.abs(miss - np.median(near, axis=2)).max(axis=0)
-    off = np.where(off > limit * std, off, 0.0)
-    off[1:-1] = np.maximum(off[1:-1], 0.3 * np.maximum(off[:-2], off[2:]))
-    return np.maximum(std, off)
-
-
-def without_strange_ends(
-    miss: Float[ndarray, "part block"],
-    std: Float[ndarray, " block"],
-    expected: Float[ndarray, "part block"],
-    limit: float = 5.0,
-) -> Float[ndarray, " block"]:
-    """Larger standard errors for blocks at the ends that the rest of the record contradicts.
-
-    miss, expected: what a curve through the rest misses, and its standard error.
-    """
-    off = (np.abs(miss) / np.hypot(std, expected)).max(axis=0)
-    return np.where(off > limit, np.abs(miss).max(axis=0), std)
+    own = np.arange(count)
+    start = np.clip(own - window // 2, 0, count - window)
+    near = miss[:, start[:, None] + np.arange(window)]
+    slope = np.median(np.diff(near, axis=2), axis=2)
+    level = np.median(near - slope[:, :, None] * np.arange(window), axis=2)
+    off = np.abs(miss - level - slope * (own - start)).max(axis=0)
+    return np.where(off > limit * std, np.maximum(off, std), std)

@@ -36,14 +36,6 @@ class Prior:
     log_precision: Float[ndarray, "part node"]
     softest: Float[ndarray, "part node"]
 
-    def within(self, span: Float[ndarray, "2"]) -> "Prior":
-        """The same with the nodes outside a span as those nearest within it."""
-        inside = np.flatnonzero((self.node >= span[0]) & (self.node <= span[1]))
-        if not inside.size:
-            return self
-        nearest = np.clip(np.arange(self.node.size), inside[0], inside[-1])
-        return Prior(self.node, self.log_precision[:, nearest], self.softest)
-
 
 @dataclass(frozen=True)
 class Spline:

@@ -7,7 +7,7 @@ from numpy import ndarray
 from bladeroot.decay.carrier import rough_phasors, strongest_line
 from bladeroot.decay.lines import find_lines, remainder
 from bladeroot.decay.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather, refined
-from bladeroot.decay.scatter import noise_ratio, without_knocks, without_strange_ends
+from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
 
 
@@ -42,9 +42,9 @@ def follow(
     if others:
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
-    blocks = _trusted(_gathered(frames, blocks, fit), fit)
+    blocks = _gathered(frames, blocks, fit)
     fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
-    blocks = _trusted(_gathered(frames, blocks, fit), fit)
+    blocks = _gathered(frames, blocks, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
     value = fit.value(blocks.time)
@@ -70,34 +70,10 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     blocks, miss = gather(time, phasor, frames.std[near], guess)
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
-    return Phasors(blocks.time, blocks.log, _scattered(_parts(miss), blocks.std))
-
-
-def _scattered(
-    miss: Float[ndarray, "2 block"], std: Float[ndarray, " block"]
-) -> Float[ndarray, " block"]:
-    """Standard errors as the blocks scatter about a smooth curve."""
-    std = std * np.maximum(noise_ratio(miss, std), 0.5)
+    off = _parts(miss)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.5)
     # a clock and a digitiser are never better than a millionth of a radian
-    return without_knocks(miss, np.hypot(std, 1e-6))
-
-
-def _trusted(blocks: Phasors, fit: Spline, first: int = 2, last: float = 1.0 / 12.0) -> Phasors:
-    """Blocks with doubt on those at the ends that do not follow from the others.
-
-    A filter's edge or a late touch shows at the ends only, where a curve bends most easily.
-    """
-    ends = np.ones(blocks.time.size, bool)
-    ends[first : -int(np.ceil(last * ends.size))] = False
-    unseen = np.where(ends, 1e3, 1.0) * blocks.std
-    y = _parts(blocks.log)
-    prior = fit.prior.within((blocks.time[~ends][[0, -1]] - fit.origin) / fit.scale)
-    rest = coarse(blocks.time, y, unseen, fit.scale, prior, knots=36, iterations=2)
-    at = blocks.time[ends]
-    std = blocks.std.copy()
-    std[ends] = without_strange_ends(
-        y[:, ends] - rest.value(at)[0], blocks.std[ends], rest.std(at)[0]
-    )
+    std = without_knocks(off, np.hypot(std, 1e-6))
     return Phasors(blocks.time, blocks.log, std)
 
 
@@ -107,7 +83,8 @@ def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
 
 def _rough_fit(blocks: Phasors, duration: float) -> Spline:
     y = _parts(blocks.log)
-    return coarse(blocks.time, y, _scattered(y, blocks.std), duration, knots=36, iterations=2)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
+    return coarse(blocks.time, y, std, duration, knots=36, iterations=2)
 
 
 def cut_frames(
