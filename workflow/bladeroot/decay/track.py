@@ -1,5 +1,7 @@
 """Follow one mode through a record, other modes fitted along with it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
@@ -21,22 +23,18 @@ def follow(
     """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
-    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
-    fit = _rough_fit(blocks, duration)
-    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
-    middles = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
-    value = fit.value(np.minimum(middles, blocks.time[-1]))
-    rest = remainder(velocity, sampling_Hz, stretches, value[:, 0] + 1j * value[:, 1])
-    if usable is not None:
-        rest = np.where(usable, rest, 0.0)
+    blocks, fit, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     stop = int(blocks.time[-1] * sampling_Hz)
-    strength = float(np.exp(value[0, 0].max()))
+    value = fit.value(blocks.time)
     swept = value[1, 1] / (2.0 * np.pi)
     own_Hz = (float(swept.min()), float(swept.max()))
-    others = find_lines(rest[:stop], sampling_Hz, own_Hz, strength)
+    found = find_lines(rest[:stop], sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
+    others = [other for other in found if _apart(other, own_Hz)]
+    near = [other for other in found if not _apart(other, own_Hz)]
+    if near:
+        velocity, blocks, fit = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
     cycles = _cycles(others, line_Hz, duration)
-    if cycles > 1:
-        stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
+    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
     rates = [2j * np.pi * other for other in others]
     frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     if others:
@@ -50,7 +48,65 @@ def follow(
     value = fit.value(blocks.time)
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), others
+    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+
+
+def without_near(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    near: Sequence[float],
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None = None,
+    rounds: int = 4,
+) -> tuple[Float[ndarray, " sample"], Phasors, Spline]:
+    """The record less lines that frames of few cycles cannot tell from the mode or from a mean.
+
+    Each is followed in what the rest leave over and taken off, some times round. Lines whose beat
+    with the mode is as slow as its own curves bend cannot be told apart in this way.
+    """
+    waves = [np.zeros_like(velocity) for _ in near]
+    rest = velocity
+    for _ in range(rounds):
+        blocks, fit, left = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
+        for k, other_Hz in enumerate(near):
+            alone = left + waves[k]
+            try:
+                left = _roughly(alone, sampling_Hz, other_Hz, noise, usable)[2]
+            except ValueError:  # a line that cannot be followed is no mode
+                left = alone
+            waves[k] = alone - left
+        rest = velocity - sum(waves)
+    blocks, fit, _ = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
+    return rest, blocks, fit
+
+
+def _roughly(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None,
+) -> tuple[Phasors, Spline, Float[ndarray, " sample"]]:
+    """Rough blocks of the mode near a line, a spline through them, and what it leaves over."""
+    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
+    y = _parts(blocks.log)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
+    duration = velocity.size / sampling_Hz
+    fit = coarse(blocks.time, y, std, duration, knots=36, iterations=2)
+    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
+    middle = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
+    value = fit.value(np.minimum(middle, blocks.time[-1]))
+    log = value[:, 0] + 1j * value[:, 1]
+    log[0, middle > blocks.time[-1]] = -np.inf
+    rest = remainder(velocity, sampling_Hz, stretches, log)
+    return blocks, fit, rest if usable is None else np.where(usable, rest, 0.0)
+
+
+def _apart(other_Hz: float, own_Hz: tuple[float, float], cycles: float = 3.0) -> bool:
+    """Whether frames of some cycles tell another line from the mode, and from a mean."""
+    gap = max(own_Hz[0] - other_Hz, other_Hz - own_Hz[1])
+    return min(gap, other_Hz) * cycles > 0.9 * own_Hz[1]
 
 
 def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
@@ -79,12 +135,6 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
 
 def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
     return np.stack([log.real, log.imag])
-
-
-def _rough_fit(blocks: Phasors, duration: float) -> Spline:
-    y = _parts(blocks.log)
-    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
-    return coarse(blocks.time, y, std, duration, knots=36, iterations=2)
 
 
 def cut_frames(
@@ -117,7 +167,7 @@ def _middles(stretch: Stretch, sampling_Hz: float) -> Float[ndarray, " frame"]:
 
 def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
     """Cycles in a frame: enough to tell the other lines apart, while frames remain plenty."""
-    most = int(np.clip(duration * line_Hz / 150.0, 1, 8))
+    most = int(np.clip(duration * line_Hz / 150.0, 1, 4))
     for cycles in range(1, most + 1):
         frame = cycles / line_Hz
         lines = [*others, line_Hz, 0.0]
