@@ -67,7 +67,7 @@ def find_lines(
         share = np.sqrt(height) * 2.0 / count / strength
         gap = np.maximum(low - frequency, frequency - high)
         # close by, what the mode's own curve misses is no line
-        clear = (gap > 8.0 * width) & (share > np.where(gap < 0.05 * low, 0.02, 2e-5))
+        clear = (gap > 8.0 * width) & (share > np.where(gap < 0.3 * low, 0.004, 2e-5))
         clear &= (frequency > max(low / 20.0, 8.0 * width)) & (frequency < 0.48 * sampling_Hz)
         floor = np.partition(whole[:, ::4], chunk // 8, axis=1)[:, chunk // 8]
         clear &= height > ratio**2 * np.minimum(floor, 900.0 * np.median(floor))

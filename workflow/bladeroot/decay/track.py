@@ -26,8 +26,8 @@ def follow(
     blocks, fit, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     stop = int(blocks.time[-1] * sampling_Hz)
     value = fit.value(blocks.time)
-    swept = value[1, 1] / (2.0 * np.pi)
-    own_Hz = (float(swept.min()), float(swept.max()))
+    swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
+    own_Hz = (float(swept[0]), float(swept[1]))
     found = find_lines(rest[:stop], sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
@@ -58,7 +58,7 @@ def without_near(
     near: Sequence[float],
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
-    rounds: int = 4,
+    rounds: int = 6,
 ) -> tuple[Float[ndarray, " sample"], Phasors, Spline]:
     """The record less lines that frames of few cycles cannot tell from the mode or from a mean.
 
