@@ -90,7 +90,8 @@ def fit_frames(
             for k in np.flatnonzero((count < stretch.length) & np.isfinite(spread)):
                 solver = _solver(columns[good[k]])
                 z[k] = solver @ pieces[k, good[k]]
-                spread[k] = 0.5 * (solver[:2] ** 2).sum()
+                # amplitude and phase are known unequally: the worse counts
+                spread[k] = np.linalg.eigvalsh(solver[:2] @ solver[:2].T)[1]
                 own[k], image[k] = _answers(solver @ waves[good[k]])
         middle = stretch.first + np.arange(stretch.frames) * stretch.length + local[-1]
         apart = np.full((stretch.frames, len(others)), np.nan, complex)

@@ -24,11 +24,11 @@ def follow(
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
     blocks, fit, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
-    stop = int(blocks.time[-1] * sampling_Hz)
+    rest = _longest(rest[: int(blocks.time[-1] * sampling_Hz)], usable)
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(swept[0]), float(swept[1]))
-    found = find_lines(rest[:stop], sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
+    found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
     if near:
@@ -91,7 +91,7 @@ def _roughly(
     """Rough blocks of the mode near a line, a spline through them, and what it leaves over."""
     blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
     y = _parts(blocks.log)
-    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.1)
     duration = velocity.size / sampling_Hz
     fit = coarse(blocks.time, y, std, duration, knots=36, iterations=2)
     stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
@@ -101,6 +101,24 @@ def _roughly(
     log[0, middle > blocks.time[-1]] = -np.inf
     rest = remainder(velocity, sampling_Hz, stretches, log)
     return blocks, fit, rest if usable is None else np.where(usable, rest, 0.0)
+
+
+def _longest(
+    rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+) -> Float[ndarray, " part"]:
+    """The longest usable stretch where there are many holes: at every peak they look like lines.
+
+    The whole where the holes are few, or where that leaves less than a quarter.
+    """
+    if usable is None:
+        return rest
+    starts = np.flatnonzero(np.diff(usable[: rest.size].astype(int), prepend=1, append=1) > 0)
+    if starts.size < 10:
+        return rest
+    edges = np.concatenate([[-1], np.flatnonzero(~usable[: rest.size]), [rest.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    part = rest[edges[longest] + 1 : edges[longest + 1]]
+    return part if part.size > 0.25 * rest.size else rest
 
 
 def _apart(other_Hz: float, own_Hz: tuple[float, float], cycles: float = 3.0) -> bool:
@@ -127,7 +145,7 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
     off = _parts(miss)
-    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.5)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
     # a clock and a digitiser are never better than a millionth of a radian
     std = without_knocks(off, np.hypot(std, 1e-6))
     return Phasors(blocks.time, blocks.log, std)
