@@ -13,7 +13,7 @@ def noise_ratio(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
     most: int = 12,
-    least: int = 120,
+    least: int = 80,
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 

@@ -42,7 +42,12 @@ def follow(
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
     fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
-    blocks = _gathered(frames, blocks, fit)
+    for _ in range(3):
+        before, blocks = blocks, _gathered(frames, blocks, fit)
+        if _same(before, blocks):
+            break
+        # what the mode does within a frame was not known well enough
+        fit = fine(blocks.time, _parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
     value = fit.value(blocks.time)
@@ -149,6 +154,13 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     # a clock and a digitiser are never better than a millionth of a radian
     std = without_knocks(off, np.hypot(std, 1e-6))
     return Phasors(blocks.time, blocks.log, std)
+
+
+def _same(before: Phasors, after: Phasors) -> bool:
+    """Whether no block has moved by more than its standard error."""
+    if before.time.size != after.time.size:
+        return False
+    return bool((np.abs(after.log - before.log) < 1.5 * after.std).all())
 
 
 def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
