@@ -17,9 +17,11 @@ def strongest_line(
 ) -> float:
     """Frequency (Hz) of the strongest line within a band in the first cycles, the loudest."""
     count = min(int(cycles * sampling_Hz / low_Hz), velocity.size)
-    spectrum = fft.rfft(velocity[:count], fft.next_fast_len(2 * count, real=True))
-    level = np.abs(spectrum[2:-2] - 0.5 * (spectrum[:-4] + spectrum[4:]))  # Hann's window
-    frequency = np.arange(2, level.size + 2) * sampling_Hz / (2 * spectrum.size - 2)
+    if count > 1000:
+        count = fft.prev_fast_len(count, real=True)
+    spectrum = fft.rfft(velocity[:count])
+    level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:]))  # Hann's window
+    frequency = np.arange(1, level.size + 1) * sampling_Hz / count
     inside = (frequency >= low_Hz) & (frequency <= high_Hz)
     if not inside.any():
         raise ValueError(

@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from bladeroot.decay.smooth import Spline
 from bladeroot.decay.track import follow
 
 POINT = (
@@ -77,7 +78,7 @@ def freevib(
     count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
     centre = np.interp(np.linspace(first, last, count), own, blocks.time)
-    value, std = fit.value(centre), fit.std(centre)
+    value, std = fit.value(centre), _std(fit, centre)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
     amplitude_std = amplitude * std[0, 0]
@@ -130,6 +131,18 @@ def search_band(
         )
     low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
     return low, min(high, 0.49 * sampling_Hz)
+
+
+def _std(fit: Spline, time: Float[ndarray, " point"], most: int = 120) -> ndarray:
+    """Standard errors of the curves at some of the points, and between them in proportion."""
+    if time.size <= most:
+        return fit.std(time)
+    some = np.linspace(time[0], time[-1], most)
+    known = np.log(fit.std(some))
+    place = (time - time[0]) * ((most - 1) / (time[-1] - time[0]))
+    left = np.minimum(place.astype(int), most - 2)
+    share = place - left
+    return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
 
 
 def _trusted(std: Float[ndarray, " block"], reach: int = 9, limit: float = 5.0) -> tuple[int, int]:

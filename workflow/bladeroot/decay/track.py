@@ -23,7 +23,7 @@ def follow(
     """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
-    blocks, fit, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+    blocks, fit, stretches, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     rest = _longest(rest[: int(blocks.time[-1] * sampling_Hz)], usable)
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
@@ -32,9 +32,11 @@ def follow(
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
     if near:
-        velocity, blocks, fit = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
+        velocity = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
+        blocks, fit, stretches, _ = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     cycles = _cycles(others, line_Hz, duration)
-    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
+    if cycles > 1:
+        stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
     rates = [2j * np.pi * other for other in others]
     frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     if others:
@@ -64,7 +66,7 @@ def without_near(
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
     rounds: int = 6,
-) -> tuple[Float[ndarray, " sample"], Phasors, Spline]:
+) -> Float[ndarray, " sample"]:
     """The record less lines that frames of few cycles cannot tell from the mode or from a mean.
 
     Each is followed in what the rest leave over and taken off, some times round. Lines whose beat
@@ -73,17 +75,16 @@ def without_near(
     waves = [np.zeros_like(velocity) for _ in near]
     rest = velocity
     for _ in range(rounds):
-        blocks, fit, left = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
+        left = _roughly(rest, sampling_Hz, line_Hz, noise, usable)[-1]
         for k, other_Hz in enumerate(near):
             alone = left + waves[k]
             try:
-                left = _roughly(alone, sampling_Hz, other_Hz, noise, usable)[2]
+                left = _roughly(alone, sampling_Hz, other_Hz, noise, usable)[-1]
             except ValueError:  # a line that cannot be followed is no mode
                 left = alone
             waves[k] = alone - left
         rest = velocity - sum(waves)
-    blocks, fit, _ = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
-    return rest, blocks, fit
+    return rest
 
 
 def _roughly(
@@ -92,20 +93,22 @@ def _roughly(
     line_Hz: float,
     noise: float,
     usable: Bool[ndarray, " sample"] | None,
-) -> tuple[Phasors, Spline, Float[ndarray, " sample"]]:
-    """Rough blocks of the mode near a line, a spline through them, and what it leaves over."""
+) -> tuple[Phasors, Spline, list[Stretch], Float[ndarray, " sample"]]:
+    """Rough blocks of the mode near a line, their spline, its frames, and what it leaves over."""
     blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
     y = _parts(blocks.log)
     std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.1)
     duration = velocity.size / sampling_Hz
-    fit = coarse(blocks.time, y, std, duration, knots=36, iterations=2)
+    fit = coarse(blocks.time, y, std, duration, knots=32, iterations=2)
     stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
     middle = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
     value = fit.value(np.minimum(middle, blocks.time[-1]))
     log = value[:, 0] + 1j * value[:, 1]
     log[0, middle > blocks.time[-1]] = -np.inf
     rest = remainder(velocity, sampling_Hz, stretches, log)
-    return blocks, fit, rest if usable is None else np.where(usable, rest, 0.0)
+    if usable is not None:
+        rest = np.where(usable, rest, 0.0)
+    return blocks, fit, stretches, rest
 
 
 def _longest(
