@@ -37,8 +37,10 @@ def rough_phasors(
     line_Hz: float,
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
-) -> Phasors:
+) -> tuple[Phasors, Float[ndarray, " block"]]:
     """Log-phasors of blocks of the mode near a frequency, good to some per cent of a radian.
+
+    And their phases less a smoothed advance, in which their scatter shows.
 
     Raises ValueError where fewer than eight cycles can be followed.
     """
@@ -60,14 +62,17 @@ def rough_phasors(
         )
     turn = _turning(frames)
     still = frames.phasor * np.exp(-1j * turn)
-    level = np.log(np.maximum(_envelope(frames, still), 1e-3 * frames.std))
-    blocks, _ = gather(frames.time, frames.phasor, frames.std, level + 1j * turn)
+    envelope, last = _envelope(frames, still)
+    level = np.log(np.maximum(envelope, 1e-3 * frames.std))
+    blocks, miss = gather(
+        frames.time[:last], frames.phasor[:last], frames.std[:last], (level + 1j * turn)[:last]
+    )
     if blocks.time.size < 8:
         raise ValueError(
             f"expected at least 8 cycles near {line_Hz:.4g} Hz above the noise, got "
             f"{blocks.time.size}"
         )
-    return blocks
+    return blocks, miss.imag
 
 
 def _turning(frames: Frames) -> Float[ndarray, " frame"]:
@@ -93,16 +98,19 @@ def _turning(frames: Frames) -> Float[ndarray, " frame"]:
     return turn + frames.omega * frames.time
 
 
-def _envelope(frames: Frames, still: ndarray) -> Float[ndarray, " frame"]:
-    """Amplitude of the frames, from ever more of them as the mode fades."""
-    found = np.abs(still)
+def _envelope(frames: Frames, still: ndarray) -> tuple[Float[ndarray, " frame"], int]:
+    """Amplitude of the frames, from ever more of them as the mode fades; where it has drowned."""
+    found, last = np.abs(still), still.size
     for reach in (2, 8, 32):
         if 4 * reach > found.size:
             break
         count = _moving_sum(np.ones(found.size), reach)
         wider = np.abs(_moving_sum(still, reach)) / count
-        found = np.where(wider < 6.0 * frames.std, wider, found)
-    return found
+        weak = found < 6.0 * frames.std
+        drowned = np.flatnonzero(weak & (wider < 3.0 * frames.std / np.sqrt(count)))
+        last = int(drowned[0]) if drowned.size else still.size
+        found = np.where(weak, wider, found)
+    return found, max(last, min(8, still.size))
 
 
 def _moving_sum(values: ndarray, reach: int) -> ndarray:

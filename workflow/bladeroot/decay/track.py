@@ -95,11 +95,11 @@ def _roughly(
     usable: Bool[ndarray, " sample"] | None,
 ) -> tuple[Phasors, Spline, list[Stretch], Float[ndarray, " sample"]]:
     """Rough blocks of the mode near a line, their spline, its frames, and what it leaves over."""
-    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
-    y = _parts(blocks.log)
-    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.1)
+    blocks, phase = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
+    scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
+    std = blocks.std * np.maximum(scatter, 0.1)
     duration = velocity.size / sampling_Hz
-    fit = coarse(blocks.time, y, std, duration, knots=32, iterations=2)
+    fit = coarse(blocks.time, _parts(blocks.log), std, duration, knots=32, iterations=2)
     stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
     middle = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
     value = fit.value(np.minimum(middle, blocks.time[-1]))
@@ -150,6 +150,12 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     guess = log[0] + log[1] * (time - inside)
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
+    # lost, where half of the blocks ahead do not follow what is known
+    astray = np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)
+    lost = np.flatnonzero(astray & (np.convolve(astray, np.full(8, 0.125))[7:] >= 0.5))
+    if lost.size:
+        part = slice(0, int(lost[0]))
+        blocks, miss = Phasors(blocks.time[part], blocks.log[part], blocks.std[part]), miss[part]
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
     off = _parts(miss)
