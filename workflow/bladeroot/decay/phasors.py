@@ -66,8 +66,8 @@ def fit_frames(
     """Least-squares phasors of the frames; those with few usable samples are left out.
 
     The model in a frame is v = Re[z exp(i omega t)] + constant, and the same again for each other
-    mode exp(other t), other in rad/s, that differs by most of a cycle in a frame. The standard error is that of white noise
-    with rms `noise`.
+    mode exp(other t), other in rad/s, that differs by most of a cycle in a frame. The standard
+    error is that of white noise with rms `noise`.
     """
     parts = []
     for stretch in stretches:
@@ -169,7 +169,7 @@ def corrected(
     rate: Complex[ndarray, " near"],
     change: Complex[ndarray, " near"],
 ) -> Complex[ndarray, " near"]:
-    """The phasors of the frames in a range, freed of what growth and chirp within a frame put into them.
+    """The phasors of the frames in a range, without what growth and chirp within them add.
 
     rate, change: first and second derivative of the log-phasor in the middle of each frame.
     """

@@ -16,13 +16,18 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
-from scipy.linalg import lapack
 
-DEGREE = 5
-ORDER = 3
-# A region is made no stiffer once it has fewer degrees of freedom: the errors of a stretch that
-# looks exactly straight would come out too small.
-FEWEST_FREEDOM = 0.25
+from bladeroot.decay.bsplines import alive_splines, derivative_rows
+from bladeroot.decay.penalty import (
+    DEGREE,
+    inverse_of,
+    normal_sums,
+    penalised,
+    penalty_rows,
+    spread,
+    step,
+)
+
 # The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
 # Found by simulation over sharp and gradual onsets at 40 and 60 dB (benchmarks/decays.py).
 CALIBRATION = 0.9
@@ -147,43 +152,6 @@ def sites(
     return np.interp(np.linspace(0.0, clock[-1], count), clock, time)
 
 
-def alive_splines(
-    x: Float[ndarray, " point"], knots: Float[ndarray, " knot"], degree: int
-) -> tuple[Float[ndarray, "point alive"], Int[ndarray, " point"]]:
-    """The degree + 1 B-splines that are not zero at each point, and the first one's number.
-
-    By the recursion of Cox and de Boor on (already padded) knots; beyond the ends the outermost
-    polynomials go on.
-    """
-    cell = np.searchsorted(knots, x, side="right") - 1
-    cell = np.clip(cell, degree, knots.size - degree - 2)
-    value = np.zeros((degree + 1, x.size))
-    value[0] = 1.0
-    left = x - knots[cell - np.arange(degree)[:, None]]
-    right = knots[cell + 1 + np.arange(degree)[:, None]] - x
-    for d in range(1, degree + 1):
-        share = value[:d] / (right[:d] + left[d - 1 :: -1] if d > 1 else right[:1] + left[:1])
-        value[1 : d + 1] = share * left[d - 1 :: -1] if d > 1 else share * left[:1]
-        value[0] = 0.0
-        value[:d] += share * right[:d]
-    return np.ascontiguousarray(value.T), cell - degree
-
-
-def derivative_rows(
-    knots: Float[ndarray, " knot"], degree: int, order: int
-) -> Float[ndarray, "row alive"]:
-    """From a spline's coefficients to those of its derivative: row j weighs j ... j + order."""
-    rows = np.ones((knots.size - degree - 1, 1))
-    for d in range(degree, degree - order, -1):
-        inner = knots[degree - d : knots.size - degree + d]
-        width = inner[d + 1 : d + rows.shape[0]] - inner[1 : rows.shape[0]]
-        step = np.zeros((rows.shape[0] - 1, rows.shape[1] + 1))
-        step[:, 1:] += rows[1:]
-        step[:, :-1] -= rows[:-1]
-        rows = step * (d / width)[:, None]
-    return rows
-
-
 def _even(
     time: ndarray, std: ndarray, clock: ndarray, duration: float, parts: int, regions: int = 18
 ) -> Prior:
@@ -212,97 +180,28 @@ def _fit(
     knots = np.concatenate([np.full(DEGREE, inner[0]), inner, np.full(DEGREE, inner[-1])])
     count = knots.size - DEGREE - 1
     shape, first = alive_splines(x, knots, DEGREE)
-    gram, right, trend = _sums(x, y, std, shape, first, count)
-    penalty, centre = _penalty(knots)
-    rows = penalty[0].size
+    gram, right, trend = normal_sums(x, y, std, shape, first, count)
+    penalty, centre = penalty_rows(knots)
     place = np.interp(centre, prior.node, np.arange(prior.node.size))
     tent = np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(prior.node.size)))
     coefficient, covariance = np.empty((y.shape[0], count)), np.empty((y.shape[0], count, count))
-    found = np.empty_like(prior.log_precision)
-    lower = [(a, b, penalty[a] * penalty[b]) for a in range(ORDER + 1) for b in range(a + 1)]
+    found = prior.log_precision.copy()
     for part in range(y.shape[0]):
-        log_precision, softest = prior.log_precision[part], prior.softest[part]
-        left = iterations
-        while True:
-            # where it bends is known no better than to a region: the last step spreads that
-            own = log_precision if left else _spread(log_precision)
-            precision = np.exp(tent @ own)
-            matrix = gram.copy()
-            for a, b, product in lower:
-                matrix.reshape(-1)[a * count + b :: count + 1][:rows] += precision * product
-            inverse = _inverse(matrix)
-            value = inverse @ right[part]
-            if not left:
+        softest = prior.softest[part]
+        for _ in range(iterations):
+            inverse = inverse_of(penalised(gram, penalty, np.exp(tent @ found[part])))
+            change, moving = step(inverse, right[part], penalty, tent, found[part])
+            found[part] = np.clip(found[part] + change, softest, softest + 50.0)
+            if not moving:
                 break
-            variance, bend = np.zeros(rows), np.zeros(rows)
-            for a, b, product in lower:
-                weight = product if a == b else 2.0 * product
-                variance += weight * inverse.reshape(-1)[a * count + b :: count + 1][:rows]
-            for a in range(ORDER + 1):
-                bend += penalty[a] * value[a : a + rows]
-            freedom = np.maximum(1.0 - precision * variance, 0.0) @ tent + 1e-12
-            roughness = (precision * bend**2) @ tent
-            step = np.log(freedom / np.maximum(roughness, 1e-30))
-            # a stretch that is straight already gains nothing by being stiffer
-            step = np.where(freedom < FEWEST_FREEDOM, np.minimum(step, 0.0), step)
-            step = np.clip(2.0 * step, -4.0, 4.0)
-            log_precision = np.clip(log_precision + step, softest, softest + 50.0)
-            moving = (np.abs(step) * np.minimum(freedom, 1.0)).max() > 0.2
-            left = left - 1 if moving else 0
-        coefficient[part], covariance[part], found[part] = value, inverse, log_precision
+        # where the curve bends is known no better than to a region
+        precision = np.exp(tent @ spread(found[part]))
+        covariance[part] = inverse_of(penalised(gram, penalty, precision))
+        coefficient[part] = covariance[part] @ right[part]
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,
         Prior(prior.node, found, prior.softest),
     )  # fmt: skip
-
-
-def _spread(log_precision: Float[ndarray, " node"]) -> Float[ndarray, " node"]:
-    """Intensities averaged with a half of each neighbour's."""
-    stiffest = log_precision.max()
-    intensity = np.pad(np.exp(stiffest - log_precision), 1, mode="edge")
-    mean = 0.25 * intensity[:-2] + 0.5 * intensity[1:-1] + 0.25 * intensity[2:]
-    return stiffest - np.log(mean)
-
-
-def _sums(
-    x: ndarray, y: ndarray, std: ndarray, shape: ndarray, first: ndarray, count: int
-) -> tuple[ndarray, ndarray, ndarray]:
-    """Normal equations (lower triangle) of the values less a straight line, and the line."""
-    weight = 1.0 / std**2
-    total = weight.sum()
-    mean, level = weight @ x / total, y @ weight / total
-    slope = ((y - level[:, None]) @ (weight * (x - mean))) / (weight @ (x - mean) ** 2)
-    trend = np.stack([slope, level - slope * mean], axis=1)
-    about = y - slope[:, None] * x - trend[:, 1:]
-    starts = np.flatnonzero(np.diff(first, prepend=-1))
-    cell = first[starts]
-    weighted = shape * weight[:, None]
-    row, column = np.tril_indices(DEGREE + 1)
-    pairs = np.add.reduceat(weighted[:, row] * shape[:, column], starts, axis=0)
-    sums = np.add.reduceat(weighted * about[:, :, None], starts, axis=1)
-    gram, right = np.zeros((count, count)), np.zeros((y.shape[0], count))
-    for a in range(DEGREE + 1):
-        right[:, cell + a] += sums[:, :, a]
-    for k, (a, b) in enumerate(zip(row, column, strict=True)):
-        gram[cell + a, cell + b] += pairs[:, k]
-    return gram, right, trend
-
-
-def _penalty(
-    knots: Float[ndarray, " knot"],
-) -> tuple[list[Float[ndarray, " row"]], Float[ndarray, " row"]]:
-    """The third derivative's coefficients, of unit variance where it is white; where they lie.
-
-    The weights of the spline's coefficients j ... j + ORDER in row j, one array each.
-    """
-    rows = derivative_rows(knots, DEGREE, ORDER)
-    reach = DEGREE - ORDER + 1
-    inside = knots[ORDER : knots.size - ORDER]
-    # a white derivative has coefficients of variance intensity over spacing
-    spacing = (inside[reach:] - inside[:-reach]) / reach
-    penalty = [np.ascontiguousarray(column) for column in (rows * np.sqrt(spacing)[:, None]).T]
-    centre = sum(inside[k : k + rows.shape[0]] for k in range(reach + 1)) / (reach + 1)
-    return penalty, centre
 
 
 def _bending(
@@ -322,21 +221,3 @@ def _bending(
     density = np.minimum(density, 0.5 * values / count)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
     return np.interp(np.linspace(0.0, total[-1], count), total, at)
-
-
-def _inverse(lower: Float[ndarray, "n n"]) -> Float[ndarray, "n n"]:
-    """Inverse of a positive definite matrix from its lower triangle, balanced first."""
-    scale = 1.0 / np.sqrt(lower.diagonal())
-    balanced = lower * scale[:, None]
-    balanced *= scale
-    balanced.reshape(-1)[:: scale.size + 1] += 1e-13
-    # LAPACK stores by columns: its upper triangle is our lower
-    factor, fault = lapack.dpotrf(balanced.T, lower=0, overwrite_a=1)
-    if fault:
-        raise ValueError("the spline's equations are singular: values without finite errors?")
-    half = lapack.dpotri(factor, lower=0, overwrite_c=1)[0].T
-    full = half + half.T
-    full.reshape(-1)[:: scale.size + 1] *= 0.5
-    full *= scale[:, None]
-    full *= scale
-    return full
