@@ -24,7 +24,8 @@ def follow(
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
     blocks, fit, stretches, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
-    rest = _longest(rest[: int(blocks.time[-1] * sampling_Hz)], usable)
+    stop = int(blocks.time[-1] * sampling_Hz)
+    rest = rest[:stop] if usable is None else _longest(rest[:stop], usable[:stop])
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(swept[0]), float(swept[1]))
@@ -112,18 +113,16 @@ def _roughly(
 
 
 def _longest(
-    rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+    rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"]
 ) -> Float[ndarray, " part"]:
     """The longest usable stretch where there are many holes: at every peak they look like lines.
 
     The whole where the holes are few, or where that leaves less than a quarter.
     """
-    if usable is None:
-        return rest
-    starts = np.flatnonzero(np.diff(usable[: rest.size].astype(int), prepend=1, append=1) > 0)
+    starts = np.flatnonzero(np.diff(usable.astype(int), prepend=1, append=1) > 0)
     if starts.size < 10:
         return rest
-    edges = np.concatenate([[-1], np.flatnonzero(~usable[: rest.size]), [rest.size]])
+    edges = np.concatenate([[-1], np.flatnonzero(~usable), [rest.size]])
     longest = int(np.argmax(np.diff(edges)))
     part = rest[edges[longest] + 1 : edges[longest + 1]]
     return part if part.size > 0.25 * rest.size else rest
