@@ -68,12 +68,14 @@ def test_every_published_force_is_a_whole_number_of_bars():
         ("r1,r9.nc,1B,20,h1,up,0,velocity,mm/s,", "file not found: r9.nc"),
         (
             "r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,",
-            "file must end in .cdf, .csv, .nc, .nc4, .tsv, .txt, got 'r1.xyz'",
+            ".mat, .nc, .nc4, .tdms, .tsv, .txt, .u58, .uff, .unv, .wav, .wave, got 'r1.xyz'",
         ),
         ("r1,empty.nc,1B,20,h1,up,0,velocity,mm/s,", "file is empty: empty.nc"),
         ("r1,r1.nc,1B,2_0,h1,up,0,velocity,mm/s,", "must be a finite number, got '2_0'"),
         ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
-        ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "unit of velocity must be m/s, mm/s, um/s"),
+        ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "expected a unit such as m/s, mm/s"),
+        ("r1,r1.nc,1B,20,h1,up,0,velocity,mm,", "unit of velocity must be one such as m/s, mm/s"),
+        ("r1,r1.nc,1B,20,h1,up,0,,V,", "unit V needs a sensitivity such as 125 mm/s/V"),
         ("r1,r1.nc,1B,20,h1,up,0,speed,m/s,", "quantity must be velocity or"),
         (
             "r1,r1.nc,1B,nan,h1,up,0,velocity,m/s,",
@@ -171,7 +173,7 @@ def test_a_bad_sheet(folder, sheet, text, told):
 
 def test_a_sheet_that_is_not_text(folder):
     (folder / "records.csv").write_bytes(b"\xff\xfe\x00record")
-    with pytest.raises(CampaignError, match="not UTF-8 text"):
+    with pytest.raises(CampaignError, match="not utf-16 text"):
         load_campaign(folder)
 
 
@@ -210,3 +212,56 @@ def test_a_missing_folder(tmp_path):
 def test_strain_gauge_force_per_microstrain():
     gauge = {"gauge": "strain", "section_mm2": 260, "modulus_GPa": 210}
     assert force_scale(gauge) == pytest.approx(54.6)
+
+
+ROWS = [
+    "record|file|mode|force_N|sensitivity|sampling_Hz|unit|quantity|Notes by Jörg",
+    "r1|r1.nc|1B|3580.5|0.125 m/s/V|25600.5|V|velocity|größer, später",
+    "r2|r1.nc|1B|7160.0|100 mV/g|25600.5|V||",
+]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [(";", ","), (";", "."), ("\t", "."), (",", ".")]
+)
+def test_sheets_as_labs_save_them(folder, encoding, separator, decimal):
+    text = "\r\n".join(ROWS).replace("größer, später", "größer")
+    text = text.replace("|", separator).replace("3580.5", f"3580{decimal}5")
+    text = text.replace("25600.5", f"25600{decimal}5")
+    (folder / "records.csv").write_bytes((text + separator * 2 + "\r\n").encode(encoding))
+    first, second = load_campaign(folder).records
+    assert (first["force_N"], first["sampling_Hz"]) == (3580.5, 25600.5)
+    assert (first["unit"], first["sensitivity"]) == ("V", "0.125 m/s/V")
+    assert second["force_N"] == 7160.0
+
+
+def test_a_column_that_is_no_remark_is_named(folder):
+    (line,) = faults(
+        folder, "records.csv", "record,file,mode,force_N,operator\nr1,r1.nc,1B,3580,x\n"
+    )
+    assert "unknown column 'operator'" in line
+    assert "or note... for remarks" in line
+
+
+def test_a_decimal_comma_between_commas_is_a_fault(folder):
+    (line,) = faults(folder, "records.csv", "record,file,mode,force_N\nr1,r1.nc,1B,3580,5\n")
+    assert "expected 4 cells, got 5" in line
+
+
+def test_one_structure_is_a_plain_name(folder):
+    text = DESCRIPTION.replace("[dovetail-HB]", "dovetail-HB")
+    (folder / "campaign.yaml").write_text(text)
+    (folder / "records.csv").write_text(HEADER + GOOD)
+    campaign = load_campaign(folder)
+    assert campaign.description["structure"] == ["dovetail-HB"]
+    assert campaign.warnings == ()
+
+
+def test_slips_are_warnings(folder):
+    text = "record,file,mode,force_N\nr1,r1.nc,1B,12\nr2,r1.nc,1B,12000\n"
+    (folder / "records.csv").write_text(text)
+    kilo, twice = load_campaign(folder).warnings
+    assert "force_N 12 is 12 N on a gauge of 125300 N: kN given as N?" in kilo
+    assert kilo.endswith("records.csv, row 2)")
+    assert "file r1.nc stands in row 2 already" in twice

@@ -14,7 +14,7 @@ WAVE = np.exp(-2 * TIME) * np.sin(2 * np.pi * 100 * TIME)
 def csv(path, header="time_s,velocity_m/s", rows=None, separator=","):
     rows = zip(TIME, WAVE, strict=True) if rows is None else rows
     lines = [separator.join(f"{value:.9g}" for value in row) for row in rows]
-    path.write_text("\n".join([header, *lines]))
+    path.write_text("\n".join([header, *lines, ""]), encoding="utf-8")
     return path
 
 
@@ -51,18 +51,21 @@ def rows_with(k, time=None, value=None):
         ("time_s,velocity_m/s", rows_with(7, value=np.nan), "finite number, got 'nan'.*row 9"),
         ("time_s,velocity_m/s", rows_with(7, time=5.0), "time must rise.*sample 9"),
         ("time_s,velocity_m/s", rows_with(7, time=TIME[7] + 1e-4), "time must be uniform"),
-        ("time_s,speed_m/s", None, "expected one column velocity or displacement"),
-        ("time_s,velocity", None, "expected a unit in the header"),
+        ("time_s,velocity", None, "expected a unit, got none from the file"),
+        ("time_s,velocity_mm", None, "is called velocity, its unit mm is one of displacement"),
         ("time_s,velocity_m", None, None),
-        ("x,velocity_m/s", None, "expected a time column"),
+        ("x,velocity_m/s", None, "expected a time column or a positive sampling_Hz"),
+        ("a,b", None, r"got none of 1: a, 2: b; channel in records\.csv names one"),
+        ("time_s,b_m/s,c_mm/s", [(t, w, w) for t, w in zip(TIME, WAVE, strict=True)],
+         r"got several of 1: time_s, 2: b_m/s, 3: c_mm/s; channel"),
         ("time_s,velocity_m/s", rows_with(7)[:20], "at least 64 samples, got 20"),
         ("time_s,velocity_m/s", [], "expected a header and rows"),
     ],
-)
+)  # fmt: skip
 def test_csv_faults(tmp_path, header, rows, message):
     path = csv(tmp_path / "a.csv", header, rows)
     if message is None:
-        with pytest.raises(ValueError, match="quantity 'velocity' needs a unit"):
+        with pytest.raises(ValueError, match="expected one channel of velocity, got none"):
             read(path, quantity="velocity")
         return
     with pytest.raises(ValueError, match=message) as caught:
@@ -91,8 +94,10 @@ def test_netcdf(tmp_path, packed):
 
 
 def test_netcdf_faults(tmp_path):
-    with pytest.raises(ValueError, match=r"expected a variable velocity or .*, got time, speed"):
-        read(netcdf(tmp_path / "a.nc", name="speed"))
+    with pytest.raises(
+        ValueError, match=r"expected channel .*got none of 1: time, 2: speed \[knot\]"
+    ):
+        read(netcdf(tmp_path / "a.nc", name="speed", units="knot"), channel="velocity")
     (tmp_path / "b.nc").write_text("no")
     with pytest.raises(ValueError, match="expected a NetCDF file"):
         read(tmp_path / "b.nc")
@@ -102,8 +107,75 @@ def test_netcdf_faults(tmp_path):
         read(tmp_path / "c.xyz")
 
 
+TABLE = [f"{t:.9g}|{w:.9g}" for t, w in zip(TIME, WAVE, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("head", "separator", "decimal", "encoding", "end"),
+    [
+        (["time_s|velocity_m/s"], ",", ".", "utf-8", "\n"),
+        (["time_s|velocity (m/s)"], ";", ",", "utf-8-sig", "\r\n"),
+        (["Zeit [s]|Velocity [m/s]"], "\t", ",", "cp1252", "\r\n"),
+        (["time_s|velocity_m/s"], "\t", ".", "utf-16", "\n"),
+        (["time_s|velocity_m/s"], ",", ".", "utf-16-le", "\r\n"),
+        (["time_s|velocity_m/s"], ",", ".", "utf-8", "\r"),
+        (["t v"], " ", ".", "utf-8", "\n"),
+        (["# an export", "# mode: 1B", "time_s|velocity_m/s"], ",", ".", "utf-8", "\n"),
+        (["Scanning head: 3µ", "Rate;1", "Time|Velocity", "[ s ]|[ m/s ]"], "\t", ".", "cp1252",
+         "\n"),
+        (["time_s|velocity_m/s|"], ",", ".", "utf-8", "\n"),
+    ],
+)  # fmt: skip
+def test_csv_as_labs_write_it(tmp_path, head, separator, decimal, encoding, end):
+    lines = head + [line.replace(".", decimal) for line in TABLE]
+    text = end.join([*lines, ""]).replace("|", separator)
+    (tmp_path / "a.txt").write_bytes(text.encode(encoding))
+    told = {"unit": "m/s", "channel": "v"} if head == ["t v"] else {}
+    found = read(tmp_path / "a.txt", **told)
+    assert found.sampling_Hz == RATE
+    np.testing.assert_allclose(found.samples, WAVE, atol=1e-8)
+
+
+def test_csv_without_time(tmp_path):
+    lines = [f"{value:.9g}" for value in WAVE]
+    (tmp_path / "a.csv").write_text("\n".join(["velocity_m/s", *lines, ""]))
+    assert read(tmp_path / "a.csv", sampling_Hz=RATE).sampling_Hz == RATE
+    (tmp_path / "b.csv").write_text("\n".join(["# fs: 5120", "velocity_m/s", *lines, ""]))
+    assert read(tmp_path / "b.csv").sampling_Hz == RATE
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("\n0.0009765625,", "\n0.0009765625,1,", "expected 2 fields, got 3 .*row 7"),
+        ("\n0.0009765625,", "\n0.0009765625;", "expected 2 fields, got 1 .*row 7"),
+        ("\n0.0009765625,", "\n0.0009765625,_", "expected a finite number, got '_.*row 7"),
+        ("\n0.0009765625,", '\n"0.0009765625",', "expected a finite number, got '\"0.*row 7"),
+        ("time_s,", "\0", "zero bytes"),
+    ],
+)
+def test_csv_damage_is_named_by_its_row(tmp_path, old, new, told):
+    path = csv(tmp_path / "a.csv")
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ValueError, match=told):
+        read(path)
+
+
+def test_a_last_line_without_its_end_is_cut_off(tmp_path):
+    path = csv(tmp_path / "a.csv")
+    path.write_text(path.read_text()[:-4])
+    np.testing.assert_allclose(read(path).samples, WAVE[:-1], atol=1e-8)
+
+
+def test_one_bad_time_does_not_move_the_frequency(tmp_path):
+    time = TIME.copy()
+    time[-1] += 0.09 / RATE
+    found = recording(WAVE, "m/s", "here", time)
+    assert found.sampling_Hz == pytest.approx(RATE, rel=5e-7)
+
+
 def test_reader_files_register_themselves():
-    assert {".nc", ".csv"} <= set(formats())
+    assert {".nc", ".csv", ".tdms", ".mat", ".uff", ".wav"} <= set(formats())
 
 
 @pytest.mark.parametrize(

@@ -98,6 +98,16 @@ except ValueError as error:
     refuse(error)
 
 
+def tell_warnings():
+    """What looks wrong in the campaigns' sheets and is no fault."""
+    for campaign in CAMPAIGNS.values():
+        for line in campaign.warnings:
+            print(f"warning: {line}", file=sys.stderr)
+
+
+tell_warnings()
+
+
 def structures_of(campaign):
     return campaign.description["structure"]
 
@@ -106,6 +116,15 @@ def forces_of(campaign):
     """FE axial forces of a campaign in whole newtons, as they stand in file names."""
     asked = campaign.description.get("fe_forces_kN", config["fe_forces_kN"])
     return sorted({round(1000 * force) for force in asked})
+
+
+def of_records(pattern, wildcards):
+    """One artifact for each record of a campaign."""
+    return expand(
+        pattern,
+        campaign=wildcards.campaign,
+        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
+    )
 
 
 def code(script):

@@ -13,8 +13,10 @@ def record_facts(wildcards):
     """What is known of a record besides its samples."""
     campaign = CAMPAIGNS[wildcards.campaign]
     row = next(r for r in campaign.records if r["record"] == wildcards.record)
-    mode = campaign.description["modes"][row["mode"]]
-    return canonical_json({**row, **mode, "simulated": campaign.simulated})
+    modes = campaign.description["modes"]
+    others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
+    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
+    return canonical_json({**row, **modes[row["mode"]], **facts})
 
 
 rule record:

@@ -2,26 +2,34 @@
 
 import json
 
+import numpy as np
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.records.cut import cut, rejected
+from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
 
 # Below this part of the mode's frequency nothing of it is left; integration may drop it.
 LOWEST = 0.2
 
+# What the sheet says of a raw file; the file may contradict it.
+SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
+
 
 def main(raw, facts, campaign, settings, output):
     known = json.loads(facts)
     expected = known["expected_Hz"]
     try:
-        recording = read(raw, known["quantity"], known["unit"], known["channel"])
+        recording = read(raw, **{name: known[name] for name in SAID})
     except ValueError as error:
-        decay = rejected(str(error))
+        decay = judge(rejected(str(error)), np.zeros(0), expected)
     else:
         motion = velocity(recording, LOWEST * expected)
-        decay = cut(motion, recording.sampling_Hz, expected, **json.loads(settings))
+        clear = bridged(motion, recording.sampling_Hz, expected)
+        decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
+        others = tuple(known["other_modes_Hz"])
+        decay = judge(decay, motion, expected, others, recording.notes)
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],

@@ -4,26 +4,32 @@ Everything that can be wrong with the sheets is found here, before any long work
 line a fault that names the file and the row (the line number an editor shows).
 """
 
-import csv
 import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from bladeroot.records.read import formats
-from bladeroot.records.recording import SI, UNITS, normal_unit
+from bladeroot.records.sheet import read_sheet
+from bladeroot.records.units import SI, USUAL, motion
 from bladeroot.schema import read_yaml
 
 RECORD_COLUMNS = (
     "record", "file", "mode", "force_N", "pressure_bar", "hold", "direction", "time_s", "drive_A",
-    "quantity", "unit", "channel", "exclude",
+    "quantity", "unit", "sensitivity", "sampling_Hz", "channel", "exclude",
 )  # fmt: skip
 STICK_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
+NUMBERS = (
+    "force_N", "pressure_bar", "time_s", "drive_A", "sampling_Hz", "sensitivity",
+    *STICK_COLUMNS[2:],
+)  # fmt: skip
 # A stick frequency further than this from the mode's expected one belongs to another mode.
 MODE_BAND = 0.25
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+# A force this small on a gauge this large (N) is a slip of the unit.
+SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
 # Folders of results/ that are no campaign's.
 _RESERVED = ("structures", "bench", "logs", "benchmarks")
 
@@ -37,7 +43,8 @@ class Campaign:
     """A checked campaign.
 
     `records` (one dict a usable row, SI units) or `stick` (one dict a row) is filled, the other
-    is empty. `excluded` holds the ids of the rows marked `exclude`.
+    is empty. `excluded` holds the ids of the rows marked `exclude`, `warnings` a line for each
+    suspicion that is no fault.
     """
 
     name: str
@@ -46,6 +53,7 @@ class Campaign:
     records: tuple[dict, ...]
     stick: tuple[dict, ...]
     excluded: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def simulated(self) -> bool:
@@ -89,14 +97,19 @@ def load_campaign(folder: str | Path) -> Campaign:
         description = read_yaml(folder / "campaign.yaml", "campaign")
     except ValueError as error:
         raise CampaignError(str(error)) from error
+    if isinstance(description["structure"], str):
+        description["structure"] = [description["structure"]]
 
     sheets = [name for name in ("records.csv", "stick.csv") if (folder / name).is_file()]
     if len(sheets) != 1:
         found = " and ".join(sheets) or "neither"
         raise CampaignError(f"expected records.csv or stick.csv in {folder}, found {found}")
     columns = RECORD_COLUMNS if sheets == ["records.csv"] else STICK_COLUMNS
-    rows, faults = _read_sheet(folder / sheets[0], columns)
-    sheet = _Sheet(folder, folder / sheets[0], description, faults)
+    try:
+        rows, faults = read_sheet(folder / sheets[0], columns, NUMBERS)
+    except ValueError as error:
+        raise CampaignError(str(error)) from error
+    sheet = _Sheet(folder, folder / sheets[0], description, faults, [])
     if sheets == ["records.csv"]:
         records = sheet.records(rows)
         excluded = tuple(row["record"] for row in records if row.pop("exclude"))
@@ -109,58 +122,23 @@ def load_campaign(folder: str | Path) -> Campaign:
         faults.append(f"no usable row ({sheet.path})")
     if faults:
         raise CampaignError("\n".join(faults))
-    return Campaign(folder.name, folder, description, records, stick, excluded)
-
-
-def _read_sheet(path: Path, columns: tuple[str, ...]) -> tuple[list[tuple[int, dict]], list[str]]:
-    """Rows of a CSV sheet as text with their line numbers, and the faults of its form."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise CampaignError(f"not UTF-8 text: {error.reason} at byte {error.start} ({path})") from (
-            error
-        )
-    reader = csv.reader(text.splitlines())
-    try:
-        header = [name.strip() for name in next(reader, [])]
-    except csv.Error as error:
-        raise CampaignError(f"not a CSV sheet: {error} ({path}, row 1)") from error
-    if not any(header):
-        raise CampaignError(f"the sheet is empty; expected a header row ({path})")
-    faults = [
-        f"unknown column {name!r}; expected some of {', '.join(columns)} ({path}, row 1)"
-        for name in header
-        if name not in columns
-    ]
-    faults += [
-        f"column {name!r} stands twice ({path}, row 1)"
-        for name in sorted(set(header))
-        if header.count(name) > 1
-    ]
-    if faults:
-        raise CampaignError("\n".join(faults))
-    rows = []
-    for cells in reader:
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(header):
-            faults.append(
-                f"expected {len(header)} cells, got {len(cells)} ({path}, row {reader.line_num})"
-            )
-            continue
-        values = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-        rows.append((reader.line_num, values))
-    return rows, faults
+    return Campaign(
+        folder.name, folder, description, records, stick, excluded, tuple(sheet.warnings)
+    )
 
 
 @dataclass(frozen=True)
 class _Sheet:
-    """Checks of one sheet; every check adds its line to `faults` and returns a value or None."""
+    """Checks of one sheet; every check adds its line to `faults` and returns a value or None.
+
+    Suspicions go to `warnings`.
+    """
 
     folder: Path
     path: Path
     description: dict
     faults: list[str]
+    warnings: list[str]
 
     def fault(self, text: str, row: int) -> None:
         self.faults.append(f"{text} ({self.path}, row {row})")
@@ -221,6 +199,11 @@ class _Sheet:
                 f"{given[0]} {values[given[0]]} lies outside the gauge's range (0 to {top})", row
             )
             return None
+        if value < SMALL_FORCE and full_scale > LARGE_GAUGE:
+            self.warnings.append(
+                f"{given[0]} {values[given[0]]} is {value:g} N on a gauge of {full_scale:.0f} N: "
+                f"kN given as N? ({self.path}, row {row})"
+            )
         return round(value, 6)
 
     def records(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
@@ -246,11 +229,25 @@ class _Sheet:
                     "time_s": self.optional_number(row, values, "time_s"),
                     "drive_A": self.optional_number(row, values, "drive_A"),
                     **self.quantity(row, values),
+                    "sampling_Hz": self.optional_number(row, values, "sampling_Hz", positive=True),
                     "channel": values.get("channel") or None,
                     "exclude": self.exclude(row, values),
                 }
             )
+        self.one_use(rows)
         return tuple(checked)
+
+    def one_use(self, rows: list[tuple[int, dict]]) -> None:
+        """Warn of a raw file that stands for two records."""
+        first_row: dict[tuple, int] = {}
+        for row, values in rows:
+            place = (values["file"], values.get("channel", ""))
+            if values["file"] and place in first_row:
+                self.warnings.append(
+                    f"file {values['file']} stands in row {first_row[place]} already "
+                    f"({self.path}, row {row})"
+                )
+            first_row.setdefault(place, row)
 
     def stick(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
         checked = []
@@ -298,18 +295,31 @@ class _Sheet:
             self.fault(f"{name} must be {' or '.join(choices)}, got {value!r}", row)
         return value
 
-    def optional_number(self, row: int, values: dict, name: str) -> float | None:
-        return self.number(row, values, name) if values.get(name, "") != "" else None
+    def optional_number(
+        self, row: int, values: dict, name: str, *, positive: bool = False
+    ) -> float | None:
+        given = values.get(name, "") != ""
+        return self.number(row, values, name, positive=positive) if given else None
 
     def quantity(self, row: int, values: dict) -> dict:
-        """Quantity and unit as far as the sheet gives them; the rest is the file's to say."""
-        quantity = self.choice(row, values, "quantity", tuple(SI), "")
-        unit = normal_unit(values.get("unit", ""))
-        fitting = [name for name, (of, _) in UNITS.items() if quantity in ("", of)]
-        if unit and quantity in ("", *SI) and unit not in fitting:
-            what = f"unit of {quantity}" if quantity else "unit"
-            self.fault(f"{what} must be {', '.join(fitting)}, got {unit!r}", row)
-        return {"quantity": quantity or None, "unit": unit or None}
+        """Quantity, unit and sensitivity as far as the sheet gives them; the rest the file says."""
+        quantity = self.choice(row, values, "quantity", tuple(SI), "") or None
+        unit = values.get("unit") or None
+        sensitivity = values.get("sensitivity") or None
+        if unit:
+            try:
+                found = motion(unit, sensitivity)[0]
+            except ValueError as error:
+                self.fault(str(error), row)
+            else:
+                if quantity in SI and quantity != found:
+                    fitting = [name for name, (of, _) in USUAL.items() if of == quantity]
+                    self.fault(
+                        f"unit of {quantity} must be one such as {', '.join(fitting)}, got "
+                        f"{unit!r}, a {found}",
+                        row,
+                    )
+        return {"quantity": quantity, "unit": unit, "sensitivity": sensitivity}
 
     def exclude(self, row: int, values: dict) -> bool:
         text = values.get("exclude", "").lower()

@@ -1,48 +1,201 @@
-"""What can be wrong with a free decay: clipping, another mode, a mode out of the band."""
+"""Judge a cut decay: every finding with its statistic, and the samples that may be used."""
+
+import importlib
+import pkgutil
+from dataclasses import replace
+from functools import cache
+from types import ModuleType
 
 import numpy as np
+import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
-from scipy import fft
+
+from bladeroot.records import findings
+from bladeroot.records.finding import Finding
+from bladeroot.records.findings.sampling_rate import outside
+from bladeroot.records.sight import Sight
+
+# FREEVIB needs eight cycles of a decay.
+FEWEST_CYCLES = 8
 
 
-def clipped_runs(
-    velocity: Float[ndarray, " sample"], first: int, stop: int, frequency_Hz: float, rate_Hz: float
-) -> int:
-    """Number of flat tops at the record's extremes between two samples.
+@cache
+def checks() -> dict[str, ModuleType]:
+    """Module of every finding by its id, those that look at single samples first."""
+    known = {}
+    for found in pkgutil.iter_modules(findings.__path__):
+        module = importlib.import_module(f"{findings.__name__}.{found.name}")
+        known[found.name.replace("_", "-")] = module
+    return dict(sorted(known.items(), key=lambda entry: not hasattr(entry[1], "FIRST")))
 
-    A run of samples at the very largest (or smallest) value of the record counts when it is
-    longer than the digitiser's step explains for a sine of that amplitude.
+
+def judge(
+    decay: xr.Dataset,
+    whole: Float[ndarray, " whole"],
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+    notes: tuple[str, ...] = (),
+) -> xr.Dataset:
+    """A cut decay with its findings and its mask.
+
+    Added to what `records.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
+    `finding_*` (finding); attributes `verdict` and `findings`. Steady hum is taken off
+    `velocity`, and `noise_velocity` becomes what coloured noise amounts to around the mode. A
+    record is rejected where a finding drops it or masks leave fewer than
+    eight cycles.
+
+    Args:
+        decay: the cut decay; one that was rejected stays so, with finding `cut`.
+        whole: the raw record in m/s.
+        expected_Hz: the mode's expected frequency.
+        modes_Hz: expected frequencies of the structure's other modes, to check the clock.
+        notes: what the reader remarked, a line each; they become findings that warn.
     """
-    top, bottom = velocity.max(), velocity.min()
-    reach = top - bottom
-    tolerance = 1e-9 * reach
-    piece = velocity[first:stop]
-    steps = np.diff(np.unique(piece[: min(piece.size, 20000)]))
-    steps = steps[steps > tolerance]
-    lsb = float(steps.min()) if steps.size else 0.0
-    flat = 2.0 * np.sqrt(2.0 * lsb / (0.5 * reach)) * rate_Hz / (2.0 * np.pi * frequency_Hz)
-    longest = 2.0 + 2.0 * np.ceil(flat)
-    count = 0
-    for extreme in (top, bottom):
-        at = (np.abs(piece - extreme) <= tolerance).astype(int)
-        edge = np.flatnonzero(np.diff(at, prepend=0, append=0))
-        lengths = edge[1::2] - edge[::2]
-        count += int((lengths > longest).sum())
-    return count
+    found = [("reader", _fact(note, "warn")) for note in notes]
+    velocity = decay["velocity"].values
+    usable = np.ones(velocity.size, np.int8)
+    noise = decay.attrs["noise_velocity"]
+    if decay.attrs["findings"]:
+        kind = "cut" if whole.size else "unreadable"
+        found.append((kind, _fact(decay.attrs["findings"], "drop")))
+        if whole.size and np.isfinite(decay.attrs["sampling_Hz"]):
+            rate = decay.attrs["sampling_Hz"]
+            told = outside(Sight(velocity, rate, expected_Hz, 0.0, whole))
+            if told:
+                found.append(("sampling-rate", _fact(told, "warn")))
+    else:
+        seen = sight(decay, whole, expected_Hz, modes_Hz)
+        for name, finding in examine(seen):
+            if not finding.counts:
+                continue
+            found.append((name, finding))
+            if finding.consequence == "mask":
+                for first, last in finding.spans:
+                    usable[first:last] = 0
+            if finding.excess is not None:
+                velocity = velocity - finding.excess
+            noise = finding.noise or noise
+        cycles = usable.sum() / seen.sampling_Hz * seen.own_Hz
+        if cycles < FEWEST_CYCLES:
+            text = f"what is masked leaves {cycles:.3g} cycles, at least {FEWEST_CYCLES} are needed"
+            found.append(("masked", _fact(text, "drop")))
+    return _dataset(decay, velocity, usable, found).assign_attrs(noise_velocity=noise)
 
 
-def strongest_line(
-    velocity: Float[ndarray, " sample"], sampling_Hz: float, low_Hz: float, high_Hz: float
-) -> tuple[float, float, float]:
-    """Frequency of the strongest line, frequency of the strongest in a band, and their ratio."""
-    count = velocity.size
-    padded = fft.next_fast_len(2 * count, real=True)
-    level = np.abs(fft.rfft((velocity - velocity.mean()) * np.hanning(count), padded))
-    frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
-    level[frequency < 3.0 * sampling_Hz / count] = 0.0
-    inside = (frequency >= low_Hz) & (frequency <= high_Hz)
-    if not inside.any():
-        return float(frequency[np.argmax(level)]), float("nan"), 0.0
-    peak, own = int(np.argmax(level)), int(np.argmax(np.where(inside, level, -1.0)))
-    return float(frequency[peak]), float(frequency[own]), float(level[own] / level[peak])
+def bridged(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> Float[ndarray, " sample"]:
+    """A raw record with single wrong samples and dropouts bridged, so that it can be cut.
+
+    Short spans are bridged by straight lines, longer ones by the mode's own course.
+    """
+    if expected_Hz >= 0.45 * sampling_Hz or velocity.size * expected_Hz < 40 * sampling_Hz:
+        return velocity
+    seen = Sight(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
+    found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]
+    spans = tuple(span for f in found if f is not None and f.counts for span in f.spans)
+    return mended(seen, spans).velocity if spans else velocity
+
+
+def sight(
+    decay: xr.Dataset,
+    whole: Float[ndarray, " whole"],
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+) -> Sight:
+    """What the checks look at: the samples of the cut as they were recorded."""
+    rate = float(decay.attrs["sampling_Hz"])
+    first = round(decay.attrs["start_s"] * rate)
+    return Sight(
+        velocity=whole[first : first + decay.sizes["time"]],
+        sampling_Hz=rate,
+        expected_Hz=float(expected_Hz),
+        noise=float(decay.attrs["noise_velocity"]),
+        whole=whole,
+        first=first,
+        end_reason=decay.attrs["end_reason"],
+        modes_Hz=tuple(modes_Hz),
+    )
+
+
+def examine(seen: Sight) -> list[tuple[str, Finding]]:
+    """Every check's candidate, whether it counts or not."""
+    found = []
+    first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
+    for name, module in checks().items():
+        if name not in first and first:
+            spans = tuple(s for _, f in found if f.counts for s in f.spans)
+            seen, first = mended(seen, spans), []
+        finding = module.find(seen)
+        if finding is not None:
+            found.append((name, finding))
+    return found
+
+
+def mended(seen: Sight, spans: tuple[tuple[int, int], ...]) -> Sight:
+    """The record with spans bridged: by straight lines, or by the mode over long ones."""
+    if not spans:
+        return seen
+    keep = np.ones(seen.velocity.size, bool)
+    for first, last in spans:
+        keep[first:last] = False
+    at = np.flatnonzero(keep)
+    velocity = seen.velocity.copy()
+    velocity[~keep] = np.interp(np.flatnonzero(~keep), at, velocity[at])
+    made = replace(seen, velocity=velocity, blind=spans)
+    frames = made.frames
+    whole = frames.whole
+    if whole.all() or not whole.any():
+        return made
+    velocity = velocity.copy()
+    for first, last in spans:
+        if last - first > 0.1 * seen.sampling_Hz / seen.own_Hz:
+            inside = np.arange(first, last)
+            log = np.interp(inside, frames.centre[whole], frames.log.real[whole])
+            phase = np.interp(inside, frames.centre[whole], frames.log.imag[whole])
+            turn = np.mod(frames.frequency_Hz / seen.sampling_Hz * inside, 1.0) * 2.0 * np.pi
+            velocity[inside] = np.exp(log) * np.cos(turn + phase)
+    return replace(seen, velocity=velocity, blind=spans)
+
+
+def _fact(text: str, consequence: str) -> Finding:
+    """A finding that needs no statistic."""
+    return Finding(1.0, 0.0, consequence, text)
+
+
+def _dataset(
+    decay: xr.Dataset, velocity: ndarray, usable: ndarray, found: list[tuple[str, Finding]]
+) -> xr.Dataset:
+    rate = decay.attrs["sampling_Hz"]
+    columns = {
+        "id": ([name for name, _ in found], "", "id of the finding"),
+        "statistic": ([f.statistic for _, f in found], "", "what was measured"),
+        "threshold": ([f.threshold for _, f in found], "", "above it the finding counts"),
+        "consequence": ([f.consequence for _, f in found], "", "warn, subtract, mask or drop"),
+        "text": ([f.text for _, f in found], "", "the finding in a line"),
+        "from_s": ([_end(f, 0, rate, velocity.size) for _, f in found], "s", "first sample"),
+        "to_s": ([_end(f, 1, rate, velocity.size) for _, f in found], "s", "last sample"),
+    }
+    made = {}
+    for name, (values, units, text) in columns.items():
+        kind = str if name in ("id", "consequence", "text") else float
+        attrs = {"units": units, "long_name": text}
+        if name.endswith("_s"):
+            attrs["long_name"] += " concerned, since the start of the cut"
+        made[f"finding_{name}"] = ("finding", np.array(values, dtype=kind), attrs)
+    judged = decay.assign(made)
+    judged["velocity"] = decay["velocity"].copy(data=velocity)
+    about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
+    judged["usable"] = ("time", usable, about)
+    judged.attrs["findings"] = "; ".join(f.text for _, f in found)
+    dropped = any(f.consequence == "drop" for _, f in found)
+    judged.attrs["verdict"] = "rejected" if dropped else "usable"
+    return judged
+
+
+def _end(finding: Finding, side: int, rate: float, count: int) -> float:
+    """First or last time of the samples concerned; the whole decay where no span is named."""
+    spans = finding.spans or ((0, count),)
+    sample = min(a for a, _ in spans) if side == 0 else max(b for _, b in spans) - 1
+    return float(max(sample, 0) / rate)

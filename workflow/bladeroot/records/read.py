@@ -1,12 +1,22 @@
-"""Read a raw record: the reader is chosen by the file's suffix."""
+"""Read a raw record, by its suffix, and check what it says against what the sheet says."""
 
+import dataclasses
 import importlib
 import pkgutil
+import warnings
 from functools import cache
 from pathlib import Path
 
 from bladeroot.records import readers
-from bladeroot.records.recording import Recording
+from bladeroot.records.channel import Channel, split_name
+from bladeroot.records.recording import Recording, recording
+from bladeroot.records.sampling import usual_rate
+from bladeroot.records.units import SI, motion, normal_unit, quantity_of, same
+
+# How far a file's sampling frequency may lie from the sheet's before it is another one, and
+# from where on the difference is told.
+CONTRADICTION, DIFFERENCE = 1e-4, 1e-7
+_NO_UNIT = ("", "1", "-", "none", "n/a", "na", "unknown", "dimensionless", "a.u.")
 
 
 @cache
@@ -25,18 +35,25 @@ def read(
     unit: str | None = None,
     channel: str | None = None,
     sampling_Hz: float | None = None,
+    sensitivity: str | None = None,
+    mode: str | None = None,
+    force_N: float | None = None,
 ) -> Recording:
-    """One record in SI units.
+    """One record in SI units; what the sheet says is checked against what the file says.
 
     Args:
         path: the raw file.
         quantity: velocity, displacement or acceleration; by default what the file says.
         unit: unit of the file's numbers; by default what the file says.
-        channel: column or variable, where the file holds several.
-        sampling_Hz: for files without a time column.
+        channel: name or number of the channel, where the file holds several.
+        sampling_Hz: for files that do not say; must agree with those that do.
+        sensitivity: of the sensor, such as `125 mm/s/V`; or a factor.
+        mode: the record's mode; must agree with a file that states one.
+        force_N: the record's force; must agree with a file that states one.
 
     Raises:
-        ValueError: no such file, an unknown suffix, or anything wrong in the file, in one line.
+        ValueError: no such file, an unknown suffix, anything wrong in the file, or a
+            contradiction between file and sheet; always in one line.
     """
     path = Path(path)
     known = formats()
@@ -46,5 +63,123 @@ def read(
         )
     if not path.is_file():
         raise ValueError(f"expected a record file, got none at {path}")
-    reader = importlib.import_module(known[path.suffix.lower()])
-    return reader.read(str(path), quantity, unit, channel, sampling_Hz)
+    if path.stat().st_size == 0:
+        raise ValueError(f"expected a record, got an empty file ({path})")
+    found = _channel(known[path.suffix.lower()], path, channel, quantity)
+    where = f"{path}, channel {found.name!r}"
+    notes = list(found.notes)
+    unit = _unit(found, unit, quantity, sensitivity, where, notes)
+    _agree(found, mode, force_N, where)
+    own = found.sampling_Hz
+    record = recording(
+        found.samples,
+        unit,
+        where,
+        found.time,
+        sampling_Hz if own is None else own,
+        quantity or found.quantity,
+        sensitivity,
+        found.start_s,
+        found.scale,
+    )
+    rate = record.sampling_Hz
+    if own is not None and not abs(own / rate - 1.0) <= CONTRADICTION:
+        raise ValueError(f"the file says {own:.9g} Hz, its times {rate:.9g} Hz ({where})")
+    if own is not None or found.time is not None:
+        rate = _sampling(rate, sampling_Hz, where, notes)
+    return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
+
+
+def _channel(reader: str, path: Path, channel: str | None, quantity: str | None) -> Channel:
+    """What the reader finds; whatever a library throws becomes one line that names the file."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return importlib.import_module(reader).read(str(path), channel, quantity)
+    except ImportError:
+        raise
+    except MemoryError as error:
+        raise ValueError(f"the file claims more data than the memory holds ({path})") from error
+    except Exception as error:
+        text = " ".join(str(error).split())[:400]
+        if isinstance(error, ValueError) and str(path) in text:
+            raise ValueError(text) from error
+        kind = f"a sound {path.suffix} file"
+        raise ValueError(f"expected {kind}, got {type(error).__name__}: {text} ({path})") from error
+
+
+def _unit(
+    found: Channel,
+    unit: str | None,
+    quantity: str | None,
+    sensitivity: str | None,
+    where: str,
+    notes: list[str],
+) -> str:
+    """The unit that sheet and file agree on."""
+    own = found.unit if found.unit and found.unit.strip().lower() not in _NO_UNIT else None
+    if own and unit:
+        try:
+            agree = same(own, unit)
+        except ValueError:
+            notes.append(f"the file's unit {own!r} is not known; {unit} of records.csv is taken")
+            own, agree = None, True
+        if not agree:
+            hint = "" if sensitivity else "; a sensitivity or a factor in records.csv can convert"
+            raise ValueError(
+                f"unit contradicts: {unit!r} in records.csv, {own!r} in the file{hint} ({where})"
+            )
+    chosen = own or unit
+    if chosen is None:
+        raise ValueError(
+            f"expected a unit, got none from the file; unit in records.csv can give it ({where})"
+        )
+    named = quantity_of(split_name(found.name)[0], None)
+    if named and quantity is None and found.quantity is None:
+        try:
+            means = motion(chosen, sensitivity)[0]
+        except ValueError as error:
+            raise ValueError(f"{error} ({where})") from error
+        if means != named:
+            raise ValueError(
+                f"the channel is called {named}, its unit {normal_unit(chosen)} is one of {means} "
+                f"({SI[means]}); quantity in records.csv can decide ({where})"
+            )
+    if quantity and found.quantity and quantity != found.quantity:
+        raise ValueError(
+            f"quantity contradicts: {quantity} in records.csv, {found.quantity} in the file "
+            f"({where})"
+        )
+    return chosen
+
+
+def _sampling(own: float, sampling_Hz: float | None, where: str, notes: list[str]) -> float:
+    """The sampling frequency of file and sheet; the sheet's where they differ by rounding."""
+    if sampling_Hz is None:
+        if usual_rate(own) is None:
+            notes.append(
+                f"the file's sampling frequency {own:.9g} Hz is an unusual one; sampling_Hz in "
+                "records.csv can confirm it"
+            )
+        return own
+    apart = abs(own / sampling_Hz - 1.0)
+    if not apart <= CONTRADICTION:
+        raise ValueError(
+            f"sampling_Hz contradicts: {sampling_Hz:.9g} in records.csv, {own:.9g} in the file "
+            f"({where})"
+        )
+    if apart > DIFFERENCE:
+        notes.append(f"sampling_Hz {sampling_Hz:.9g} of records.csv is taken, not {own:.9g} Hz")
+    return sampling_Hz
+
+
+def _agree(found: Channel, mode: str | None, force_N: float | None, where: str) -> None:
+    """Mode and force, where the file states them, are the sheet's."""
+    own = found.facts.get("mode")
+    if own is not None and mode is not None and str(own) != mode:
+        raise ValueError(f"mode contradicts: {mode} in records.csv, {own} in the file ({where})")
+    force = found.facts.get("force_N")
+    if force is not None and force_N is not None and not abs(force - force_N) <= 0.01 * force_N:
+        raise ValueError(
+            f"force_N contradicts: {force_N:g} in records.csv, {force:g} in the file ({where})"
+        )

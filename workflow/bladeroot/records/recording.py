@@ -6,19 +6,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-# quantity and factor to SI of every unit accepted
-UNITS = {
-    "m/s": ("velocity", 1.0),
-    "mm/s": ("velocity", 1e-3),
-    "um/s": ("velocity", 1e-6),
-    "m": ("displacement", 1.0),
-    "mm": ("displacement", 1e-3),
-    "um": ("displacement", 1e-6),
-    "m/s^2": ("acceleration", 1.0),
-    "g": ("acceleration", 9.80665),
-}
-SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
-SHORTEST = 64
+from bladeroot.records.channel import SHORTEST
+from bladeroot.records.sampling import uniform
+from bladeroot.records.units import SI, motion
+
+# Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
+USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
+ABSURD = 1e4
 
 
 @dataclass(frozen=True)
@@ -29,13 +23,7 @@ class Recording:
     sampling_Hz: float
     quantity: str
     start_s: float = 0.0
-
-
-def normal_unit(unit: str) -> str:
-    """One spelling for a unit: um for the micro signs, m/s^2 for m/s2 and m s-2."""
-    text = unit.strip().replace("µ", "u").replace("μ", "u").replace("**", "^").replace(" ", "")
-    aliases = {"m/s2": "m/s^2", "m/s²": "m/s^2", "ms-1": "m/s", "ms-2": "m/s^2", "g_n": "g"}
-    return aliases.get(text, text)
+    notes: tuple[str, ...] = ()
 
 
 def recording(
@@ -45,79 +33,95 @@ def recording(
     time: ndarray | None = None,
     sampling_Hz: float | None = None,
     quantity: str | None = None,
+    sensitivity: str | None = None,
+    start_s: float = 0.0,
+    scale: float = 1.0,
 ) -> Recording:
     """Check raw columns and bring them to SI.
 
     Args:
         samples: the motion in `unit`.
-        unit: one of `UNITS`.
+        unit: a unit of motion; or of a signal (V), with a sensitivity.
         where: what to name in messages, such as the file and column.
         time: seconds, uniform; or None with `sampling_Hz` given.
         sampling_Hz: sampling frequency when there is no time column.
         quantity: velocity, displacement or acceleration; must agree with the unit.
+        sensitivity: the sensor's, such as `125 mm/s/V`; see `units.motion`.
+        start_s: time of the first sample when there is no time column.
+        scale: what one step of the numbers is in `unit`.
 
     Raises:
         ValueError: unknown unit, a unit of another quantity, too few samples, NaN, a constant
-            signal, or time that does not rise uniformly.
+            signal, what no vibration can be, or time that does not rise uniformly.
     """
-    unit = normal_unit(unit)
-    if unit not in UNITS:
-        raise ValueError(f"unit must be one of {', '.join(UNITS)}, got {unit!r} ({where})")
-    found, factor = UNITS[unit]
+    try:
+        found, factor = motion(unit, sensitivity)
+        factor *= scale
+    except ValueError as error:
+        raise ValueError(f"{error} ({where})") from error
     if quantity is not None and quantity != found:
         raise ValueError(
             f"quantity {quantity!r} needs a unit such as "
-            f"{SI.get(quantity, 'm/s, m or m/s^2')}, got {unit!r} ({where})"
+            f"{SI.get(quantity, 'm/s, m or m/s^2')}, got {unit!r}, a {found} ({where})"
         )
-    samples = np.asarray(samples, dtype=float)
-    if samples.ndim != 1:
-        raise ValueError(f"expected one channel of samples, got shape {samples.shape} ({where})")
-    if samples.size < SHORTEST:
-        raise ValueError(f"expected at least {SHORTEST} samples, got {samples.size} ({where})")
-    bad = np.flatnonzero(~np.isfinite(samples))
+    raw = np.asarray(samples)
+    if raw.ndim != 1:
+        raise ValueError(f"expected one channel of samples, got shape {raw.shape} ({where})")
+    if raw.dtype.kind not in "iuf":
+        raise ValueError(f"expected real numbers as samples, got {raw.dtype} ({where})")
+    if raw.size < SHORTEST:
+        raise ValueError(f"expected at least {SHORTEST} samples, got {raw.size} ({where})")
+    bad = np.flatnonzero(~np.isfinite(raw))
     if bad.size:
         raise ValueError(
-            f"samples must be finite numbers, got {samples[bad[0]]} at sample {bad[0] + 1} "
+            f"samples must be finite numbers, got {raw[bad[0]]} at sample {bad[0] + 1} "
             f"and {bad.size} in all ({where})"
         )
-    if not np.ptp(samples) > 0.0:
-        raise ValueError(f"samples must vary, got {samples[0]} throughout ({where})")
-    start = 0.0
+    low, high = float(raw.min()), float(raw.max())
+    if not high > low:
+        raise ValueError(f"samples must vary, got {low:.6g} throughout ({where})")
+    if _swapped(raw):
+        raise ValueError(f"the samples look as if their bytes were in the other order ({where})")
+    notes = _suspicions(max(abs(low), abs(high)) * abs(factor), found, where)
     if time is not None:
-        sampling_Hz, start = _uniform(np.asarray(time, dtype=float), samples.size, where)
+        sampling_Hz, start_s = uniform(time, raw.size, where)
     elif sampling_Hz is None or not (np.isfinite(sampling_Hz) and sampling_Hz > 0.0):
         raise ValueError(
             f"expected a time column or a positive sampling_Hz, got sampling_Hz {sampling_Hz} "
             f"({where})"
         )
-    return Recording(samples * factor, float(sampling_Hz), found, start)
+    return Recording(raw * float(factor), float(sampling_Hz), found, float(start_s), notes)
 
 
-def _uniform(time: ndarray, count: int, where: str) -> tuple[float, float]:
-    """Sampling frequency and start of a uniform time column (rounded digits are tolerated)."""
-    if time.shape != (count,):
-        raise ValueError(f"expected {count} times, got shape {time.shape} ({where})")
-    bad = np.flatnonzero(~np.isfinite(time))
-    if bad.size:
+def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:
+    """What a slip of the unit by a thousand would look like; beyond reason, an error."""
+    low, high = USUAL_PEAKS[quantity]
+    unit = SI[quantity]
+    told = f"the peak {quantity} is {peak:.3g} {unit}"
+    if not peak <= high * ABSURD:
         raise ValueError(
-            f"time must be finite, got {time[bad[0]]} at sample {bad[0] + 1} ({where})"
+            f"{told}, no vibration: wrong unit, wrong byte order or spoilt samples? ({where})"
         )
-    steps = np.diff(time)
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        k = int(back[0])
-        raise ValueError(
-            f"time must rise, got {time[k + 1]:.9g} after {time[k]:.9g} at sample {k + 2} ({where})"
-        )
-    step = (time[-1] - time[0]) / (count - 1)
-    off = np.abs(time - (time[0] + step * np.arange(count)))
-    if off.max() > 0.1 * step:
-        k = int(np.argmax(np.abs(steps - np.median(steps))))
-        raise ValueError(
-            f"time must be uniform, got steps of {steps.min():.9g} to {steps.max():.9g} s, the "
-            f"oddest at sample {k + 2} ({where})"
-        )
-    return 1.0 / step, float(time[0])
+    if peak > high:
+        return (f"{told}, above {high:g} {unit}: is the unit right?",)
+    if peak < low:
+        return (f"{told}, below {low:g} {unit}: is the unit right?",)
+    return ()
+
+
+def _swapped(raw: ndarray) -> bool:
+    """Whether integers are far smoother with their bytes in the other order."""
+    if raw.dtype.kind not in "iu" or raw.dtype.itemsize == 1:
+        return False
+    piece = raw[:100_000]
+    return _roughness(piece.byteswap()) < 0.1 * _roughness(piece)
+
+
+def _roughness(x: ndarray) -> float:
+    """Power of the steps relative to that of the samples: 2 for white noise, small for a curve."""
+    x = x.astype(float)
+    power = np.var(x)
+    return float(np.mean(np.diff(x) ** 2) / power) if power > 0.0 else np.inf
 
 
 def velocity(record: Recording, lowest_Hz: float) -> Float[ndarray, " sample"]:

@@ -1,1 +1,1 @@
-"""One file a format: SUFFIXES and read(path, quantity, unit, channel, sampling_Hz)."""
+"""One file a format: SUFFIXES and read(path, channel, quantity) -> Channel."""

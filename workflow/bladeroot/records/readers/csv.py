@@ -1,123 +1,238 @@
-"""CSV with a header: a time column and one of motion, units in the header or given."""
+"""Text tables: a time column and one of motion, units in the header, below it or given."""
 
+import csv
+import io
 import re
+from dataclasses import dataclass
 
 import numpy as np
 
-from bladeroot.records.recording import SI, UNITS, Recording, normal_unit, recording
+from bladeroot.records.channel import (
+    Channel,
+    Entry,
+    pick,
+    split_name,
+    stated,
+    time_factor,
+)
+from bladeroot.records.text import encoding_of, separator_of
+from bladeroot.records.units import normal_unit, quantity_of, seconds
 
-SUFFIXES = (".csv", ".txt", ".tsv")
-TIMES = {"time_s": 1.0, "time": 1.0, "t": 1.0, "t_s": 1.0, "time_ms": 1e-3, "time_us": 1e-6}
+SUFFIXES = (".csv", ".txt", ".tsv", ".asc")
+# The header stands in the first lines; a comment starts with one of these.
+_HEAD = 1 << 16
+_BLOCK = 1 << 24
+_NUMBER = re.compile(r"[-+]?((\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?|nan|inf)", re.IGNORECASE)
+_COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
+_COMMENTS = ("#", "%", "//")
+_SAMPLING = re.compile(r"(sampling|sampl(e|ing) rate|sampling_hz|fs)(\s*[\[(]?hz[\])]?)?")
 
 
-def read(
-    path: str,
-    quantity: str | None = None,
-    unit: str | None = None,
-    channel: str | None = None,
-    sampling_Hz: float | None = None,
-) -> Recording:
-    """Read the time column and one column of motion.
+@dataclass(frozen=True)
+class _Form:
+    """How the table is written: encoding, first row of numbers, separator, decimal sign, names."""
 
-    Header: `time_s` (also time, t, time_ms, time_us) and, say, `velocity_m/s`, `velocity [mm/s]`
-    or `velocity (mm/s)`; with `unit` given the header needs none. `channel` is a column's full
-    header or its name without the unit. Fields are split at commas, semicolons or tabs.
+    encoding: str
+    first: int
+    separator: str | None
+    separators: int
+    decimal: str
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+    words: dict[str, str]
+
+
+def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
+    """Read the time column, if there is one, and the column that is meant.
+
+    The header is the line above the first row of numbers: `time_s` and, say, `velocity_m/s`,
+    `velocity [mm/s]` or `velocity (mm/s)`; or names, and units in the line below them. Lines
+    before it may say `sampling_Hz: 25600`, `unit: mm/s`, `mode: 1B`, `force_N: 12000`. Fields are
+    split at commas, semicolons or tabs; a decimal comma may stand where commas do not split.
+    A last line without a line end counts as cut off.
     """
+    form = _form(path)
+    columns = list(zip(form.names, form.units, strict=True))
+    factors = [time_factor(name, unit) for name, unit in columns]
+    entries = [
+        Entry(k + 1, name, unit or split_name(name)[1], timelike=factors[k] is not None)
+        for k, (name, unit) in enumerate(columns)
+    ]
+    entry = pick(entries, channel, quantity, path)
+    times = [k for k, factor in enumerate(factors) if factor is not None and k != entry.number - 1]
+    wanted = [entry.number - 1, *times[:1]]
+    values = _numbers(path, form, wanted)
+    return Channel(
+        name=entry.name,
+        samples=values[:, 0],
+        unit=entry.unit or form.words.get("unit"),
+        quantity=form.words.get("quantity"),
+        time=values[:, 1] * factors[times[0]] if times else None,
+        sampling_Hz=_stated_sampling(form.words, path),
+        facts=stated(form.words),
+    )
+
+
+def _stated_sampling(words: dict[str, str], path: str) -> float | None:
+    for name, value in words.items():
+        if _SAMPLING.fullmatch(name):
+            try:
+                return float(value.split()[0])
+            except (ValueError, IndexError) as error:
+                raise ValueError(f"{name} must be a number, got {value!r} ({path})") from error
+    return None
+
+
+def _form(path: str) -> _Form:
+    with open(path, "rb") as file:
+        start = file.read(_HEAD)
+    encoding = encoding_of(start, path)
+    text = start.decode(encoding, errors="replace")
+    lines = re.split(r"\r\n|\n|\r", text)
+    first = next((k for k, line in enumerate(lines) if _is_row(line)), None)
+    if first is None:
+        raise ValueError(f"expected a header and rows of numbers, got no row of numbers ({path})")
+    separator = separator_of(lines[first])
+    fields = _fields(lines[first], separator)
+    above = [k for k in range(first) if lines[k].strip() and not lines[k].startswith(_COMMENTS)]
+    words = _words(lines[:first])
+    commas = separator != "," and any(
+        _COMMA.fullmatch(field) for line in lines[first:] for field in _fields(line, separator)
+    )
+    heads = [[name.strip('" ') for name in _fields(lines[k], separator)] for k in above[-2:]]
+    names = heads[-1] if heads else []
+    units: list[str | None] = [None] * len(fields)
+    bare = [name.strip("[]() ") for name in names]
+    if len(heads) > 1 and len(names) == len(fields) and all(map(_unit, bare)):
+        units, names = list(bare), heads[0]
+    if not above:
+        names = [f"column {k + 1}" for k in range(len(fields))]
+    if len(names) != len(fields):
+        raise ValueError(
+            f"expected a name for each of the {len(fields)} columns, got {', '.join(names)} "
+            f"({path}, row {above[-1] + 1})"
+        )
+    return _Form(
+        encoding,
+        first,
+        separator,
+        lines[first].count(separator) if separator else 0,
+        "," if commas else ".",
+        tuple(names),
+        tuple(units),
+        words,
+    )
+
+
+def _fields(line: str, separator: str | None) -> list[str]:
+    """Fields of a line; empty ones at the end do not count."""
+    fields = [field.strip() for field in line.split(separator)]
+    while fields and not fields[-1]:
+        fields.pop()
+    return fields
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line is a row of numbers; cells at its end may be empty."""
+    fields = _fields(line, separator_of(line))
+    return bool(fields) and not line.startswith(_COMMENTS) and all(map(_numeric, fields))
+
+
+def _numeric(field: str) -> bool:
+    return bool(
+        re.fullmatch(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|[-+]?(nan|inf)", field, re.I)
+    )
+
+
+def _unit(text: str) -> bool:
+    return bool(seconds(text) or normal_unit(text) in ("V", "mV", "N") or quantity_of("", text))
+
+
+def _words(lines: list[str]) -> dict[str, str]:
+    """What the lines above the table say as `name: value` or `name = value`."""
+    words = {}
+    for line in lines:
+        match = re.fullmatch(r"[#%/\s]*([\w .\[\]()]+?)\s*[:=;,\t]\s*([^;,\t]+?)[\s;,]*", line)
+        if match:
+            words[match[1].strip().lower()] = match[2].strip()
+    return words
+
+
+def _numbers(path: str, form: _Form, columns: list[int]) -> np.ndarray:
+    """The wanted columns as floats, block by block."""
+    parts = []
+    row = form.first + 1
+    # UTF-8 and cp1252 are one byte a digit: only UTF-16 must be known
+    encoding = form.encoding if "16" in form.encoding else "latin-1"
+    with open(path, encoding=encoding) as file:
+        for _ in range(form.first):
+            file.readline()
+        while block := file.read(_BLOCK):
+            block += file.readline()
+            if not block.endswith("\n"):
+                block = block[: block.rfind("\n") + 1]
+            if block:
+                parts.append(_block(block, row, form, columns, path))
+                row += block.count("\n")
+    return np.concatenate(parts) if parts else np.zeros((0, len(columns)))
+
+
+def _block(block: str, row: int, form: _Form, columns: list[int], path: str) -> np.ndarray:
+    """Numbers of some whole lines, the first of which is `row`."""
+    import pandas
+
+    content = block.encode()
     try:
-        with open(path, encoding="utf-8-sig") as file:
-            lines = file.read().splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"expected UTF-8 text, {error.reason} at byte {error.start} ({path})"
-        ) from (error)
-    except OSError as error:
-        raise ValueError(f"expected a readable file, got: {error.strerror} ({path})") from error
-    rows = [k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")]
-    if len(rows) < 2:
-        raise ValueError(f"expected a header and rows of numbers, got {len(rows)} lines ({path})")
-    header = lines[rows[0]]
-    separator = max(",;\t", key=header.count)
-    names = [name.strip().strip('"') for name in header.split(separator)]
-    motion = _column(names, quantity, channel, path)
-    times = [k for k, name in enumerate(names) if _plain(name) in TIMES]
-    if not times and sampling_Hz is None:
-        raise ValueError(
-            f"expected a time column ({', '.join(TIMES)}), got columns {', '.join(names)} ({path})"
-        )
-    columns = [motion, *times[:1]]
-    values = _numbers(lines, rows[1:], separator, columns, names, path)
-    base, own = _split(names[motion])
-    if unit is None and own is None:
-        raise ValueError(
-            f"expected a unit in the header, such as {base}_m/s, or a unit given, got column "
-            f"{names[motion]!r} ({path}, row {rows[0] + 1})"
-        )
-    time = values[:, 1] * TIMES[_plain(names[times[0]])] if times else None
-    where = f"{path}, column {names[motion]!r}, first sample in row {rows[1] + 1}"
-    return recording(values[:, 0], unit or own, where, time, sampling_Hz, quantity)
-
-
-def _split(name: str) -> tuple[str, str | None]:
-    """A header's name and its unit: velocity_m/s, velocity [m/s], velocity (m/s)."""
-    match = re.fullmatch(r"(.*?)\s*[\[(]\s*(.+?)\s*[\])]", name)
-    if match:
-        return match[1].strip(), match[2]
-    base, _, tail = name.rpartition("_")
-    return (base, tail) if base and normal_unit(tail) in UNITS else (name, None)
-
-
-def _plain(name: str) -> str:
-    match = re.fullmatch(r"(.*?)\s*[\[(]\s*(.+?)\s*[\])]", name)
-    return (f"{match[1]}_{match[2]}" if match else name).strip().lower()
-
-
-def _column(names: list[str], quantity: str | None, channel: str | None, path: str) -> int:
-    if channel:
-        fits = [k for k, name in enumerate(names) if channel in (name, _split(name)[0])]
-        wanted = channel
-    else:
-        kinds = [quantity] if quantity else list(SI)
-        fits = [k for k, name in enumerate(names) if _split(name)[0].lower() in kinds]
-        wanted = " or ".join(kinds)
-    if len(fits) != 1:
-        problem = "none" if not fits else "several: " + ", ".join(names[k] for k in fits)
-        raise ValueError(
-            f"expected one column {wanted}, got {problem} of the columns {', '.join(names)}; "
-            f"channel in records.csv can name it ({path})"
-        )
-    return fits[0]
-
-
-def _numbers(
-    lines: list[str],
-    rows: list[int],
-    separator: str,
-    columns: list[int],
-    names: list[str],
-    path: str,
-) -> np.ndarray:
-    """The wanted columns as floats; a bad field is named by its row in the file."""
-    try:
-        values = np.loadtxt([lines[k] for k in rows], delimiter=separator, usecols=columns, ndmin=2)
+        if form.separator and not _even(content, form):
+            raise ValueError
+        values = pandas.read_csv(
+            io.BytesIO(content),
+            sep=form.separator or r"\s+",
+            header=None,
+            names=range(len(form.names)),
+            usecols=columns if form.separator else None,
+            index_col=False,
+            dtype=float,
+            decimal=form.decimal,
+            quoting=csv.QUOTE_NONE,
+            na_filter=False,
+        )[columns].to_numpy()
         if np.isfinite(values).all():
             return values
-    except (ValueError, IndexError):
+    except (ValueError, OverflowError):
         pass
-    for k in rows:
-        fields = lines[k].split(separator)
+    raise ValueError(_bad_field(block, row, form, columns, path))
+
+
+def _even(content: bytes, form: _Form) -> bool:
+    """Whether every line has as many separators as the first one of the table."""
+    signs = np.frombuffer(content, np.uint8)
+    ends = np.flatnonzero(signs == ord("\n"))
+    starts = np.concatenate([[0], ends[:-1] + 1])
+    counts = np.add.reduceat(signs == ord(form.separator), starts, dtype=np.int64)
+    return bool(((counts == form.separators) | (starts == ends)).all())
+
+
+def _bad_field(block: str, row: int, form: _Form, columns: list[int], path: str) -> str:
+    """The first line that is not as it should be."""
+    for number, line in enumerate(block.split("\n"), row):
+        if not line.strip():
+            continue
+        if form.separator and line.count(form.separator) != form.separators:
+            return (
+                f"expected {form.separators + 1} fields, got {line.count(form.separator) + 1} "
+                f"({path}, row {number})"
+            )
+        fields = line.split(form.separator)
         for column in columns:
             field = fields[column].strip() if column < len(fields) else ""
             try:
-                good = np.isfinite(float(field))
+                good = np.isfinite(float(field.replace(form.decimal, ".")))
             except ValueError:
                 good = False
-            if not good:
-                raise ValueError(
-                    f"expected a finite number, got {field!r} ({path}, row {k + 1}, column "
-                    f"{names[column]!r}){_comma(field)}"
+            if not good or "_" in field:
+                return (
+                    f"expected a finite number, got {field[:40]!r} ({path}, row {number}, column "
+                    f"{form.names[column]!r})"
                 )
-    raise ValueError(f"expected columns of numbers split by {separator!r} ({path})")
-
-
-def _comma(field: str) -> str:
-    return "; a decimal comma? write a point" if re.fullmatch(r"-?\d+,\d+", field) else ""
+    return f"expected {len(form.names)} columns of numbers from row {row} on ({path})"

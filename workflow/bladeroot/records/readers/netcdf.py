@@ -2,24 +2,29 @@
 
 import numpy as np
 
-from bladeroot.records.recording import SI, Recording, recording
+from bladeroot.records.channel import Channel, Entry, check_claim, pick, stated, time_factor
+from bladeroot.records.hdf5 import length_notes, try_first
+from bladeroot.records.units import SI
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
-TIME_UNITS = {"s": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
 
 
-def read(
-    path: str,
-    quantity: str | None = None,
-    unit: str | None = None,
-    channel: str | None = None,
-    sampling_Hz: float | None = None,
-) -> Recording:
-    """Read one motion variable; scale_factor and add_offset are applied, fill values refused.
+def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
+    """Read one variable; scale_factor and add_offset are applied, fill values refused.
 
-    `channel` names the variable; without it the one called after its quantity is taken. The
-    variable's own `units` hold unless `unit` is given.
+    `channel` names the variable; its `units` hold, SI where it is called after its quantity and
+    has none. Time is a variable `time` of the same length, or the attribute `sampling_Hz`.
     """
+    with open(path, "rb") as raw:
+        classic = raw.read(3) == b"CDF"
+    if classic:
+        _check_whole(path)
+    else:
+        try_first(lambda: _read(path, channel, quantity), path)
+    return _read(path, channel, quantity)
+
+
+def _read(path: str, channel: str | None, quantity: str | None) -> Channel:
     import netCDF4
 
     try:
@@ -27,45 +32,64 @@ def read(
     except OSError as error:
         raise ValueError(f"expected a NetCDF file, got: {error} ({path})") from error
     with file:
-        names = list(file.variables)
-        wanted = [channel] if channel else ([quantity] if quantity else list(SI))
-        found = [name for name in wanted if name in names]
-        if not found:
-            raise ValueError(
-                f"expected a variable {' or '.join(wanted)}, got {', '.join(names)} ({path})"
-            )
-        if len(found) > 1:
-            raise ValueError(
-                f"expected one of {', '.join(SI)}, got {', '.join(found)}: name one as channel "
-                f"or quantity ({path})"
-            )
-        name = found[0]
-        samples = _values(file.variables[name], path)
-        own = getattr(file.variables[name], "units", None) or SI.get(name)
+        series = [one for one in file.variables.values() if _is_series(one)]
+        factors = [time_factor(one.name, _unit(one)) for one in series]
+        entries = [
+            Entry(k + 1, one.name, _unit(one), timelike=factors[k] is not None)
+            for k, one in enumerate(series)
+        ]
+        entry = pick(entries, channel, quantity, path)
+        wanted = series[entry.number - 1]
+        words = {name: file.getncattr(name) for name in file.ncattrs()}
+        words |= {name: wanted.getncattr(name) for name in wanted.ncattrs()}
+        samples = _values(wanted, path)
         time = None
-        if "time" in names:
-            time = _values(file.variables["time"], path) * _seconds(file.variables["time"], path)
-            if samples.ndim == 1 and time.shape != samples.shape and sampling_Hz is not None:
-                time = None
-        if unit is None and own is None:
-            raise ValueError(f"expected units on variable {name} or a unit given ({path})")
-    return recording(
-        samples.squeeze(), unit or own, f"{path}, variable {name}", time, sampling_Hz, quantity
-    )
+        for one, factor in zip(series, factors, strict=True):
+            if factor is not None and one.size == wanted.size and time is None:
+                time = _values(one, path) * factor
+        rate = words.get("sampling_Hz")
+        return Channel(
+            name=entry.name,
+            samples=samples,
+            unit=entry.unit or SI.get(entry.name),
+            time=time,
+            sampling_Hz=None if rate is None else float(rate),
+            facts=stated(words),
+            notes=length_notes(path),
+        )
+
+
+def _is_series(variable) -> bool:
+    """Numbers along one dimension; lengths of one beside it do not matter."""
+    kind = getattr(variable.dtype, "kind", "")
+    return kind in "iuf" and variable.size > 1 and variable.size == max(variable.shape, default=0)
+
+
+def _unit(variable) -> str | None:
+    """Units of a variable; of a time only the unit itself (`seconds since ...`)."""
+    return str(variable.units).split(" since")[0] if "units" in variable.ncattrs() else None
 
 
 def _values(variable, path: str) -> np.ndarray:
     """All numbers of a variable, fill values as NaN."""
+    check_claim(variable.size, variable.dtype.itemsize, path)
     try:
-        return np.ma.filled(np.ma.asarray(variable[:], dtype=float), np.nan)
+        values = np.ma.asarray(variable[:])
     except (OSError, RuntimeError) as error:
         raise ValueError(
             f"expected whole data in {variable.name}, got: {error} ({path})"
         ) from error
+    if np.ma.is_masked(values):
+        values = np.ma.filled(values.astype(float), np.nan)
+    return np.ma.getdata(values).ravel()
 
 
-def _seconds(variable, path: str) -> float:
-    unit = str(getattr(variable, "units", "s"))
-    if unit not in TIME_UNITS:
-        raise ValueError(f"units of time must be {', '.join(TIME_UNITS)}, got {unit!r} ({path})")
-    return TIME_UNITS[unit]
+def _check_whole(path: str) -> None:
+    """Refuse a classic file that is cut off: the library would read zeros for what is missing."""
+    from scipy.io import netcdf_file
+
+    try:
+        netcdf_file(path, mmap=False).close()
+    except Exception as error:
+        text = " ".join(str(error).split())
+        raise ValueError(f"expected a whole NetCDF file, got: {text} ({path})") from error

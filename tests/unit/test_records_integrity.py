@@ -1,0 +1,306 @@
+"""Each fault is found where it is and by its name; a clean decay raises nothing."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.records.cut import cut, rejected
+from bladeroot.records.finding import CONSEQUENCES
+from bladeroot.records.findings.sampling_rate import RATIOS
+from bladeroot.records.integrity import bridged, checks, examine, judge, sight
+from bladeroot.records.spectrum import white_noise
+from decay_bench import START, ring_down, shaken
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+RATE = 25600.0
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "findings.md"
+
+
+def judged(velocity, expected_Hz=250.0, sampling_Hz=RATE, **more):
+    decay = cut(bridged(velocity, sampling_Hz, expected_Hz), sampling_Hz, expected_Hz)
+    return judge(decay, velocity, expected_Hz, **more)
+
+
+def uncut(velocity, end_reason="end of the record", **more):
+    """Judgement of a record that is a decay from end to end."""
+    attrs = {
+        "sampling_Hz": RATE, "start_s": 0.0, "end_s": velocity.size / RATE,
+        "end_reason": end_reason, "noise_velocity": white_noise(velocity), "findings": "",
+    }  # fmt: skip
+    return judge(xr.Dataset({"velocity": ("time", velocity)}, attrs=attrs), velocity, 250.0, **more)
+
+
+def ids(found):
+    return set(found["finding_id"].values.tolist())
+
+
+def text(found, name):
+    return str(found["finding_text"].values[found["finding_id"].values == name][0])
+
+
+def decay(**more):
+    """A lively decay: softening, second mode, 50 dB noise."""
+    return ring_down(**({"second": 0.1, "noise_db": 50, "bits": 16} | more))[0]
+
+
+def time_of(velocity):
+    return np.arange(velocity.size) / RATE
+
+
+@pytest.mark.parametrize("noise_db", [60, 20])
+@pytest.mark.parametrize("softening", [0.002, 0.03])
+def test_a_clean_decay_raises_nothing(noise_db, softening):
+    for seed in range(2):
+        velocity = decay(seed=seed, noise_db=noise_db, softening=softening, second=0.3)
+        found = judged(velocity)
+        assert ids(found) <= {"ends-early"}
+        assert found["usable"].values.all()
+        assert found.attrs["verdict"] == "usable"
+
+
+def test_a_whole_record_with_release_and_return_raises_nothing():
+    for seed in range(2):
+        velocity, _, _, _ = shaken(seed)
+        assert ids(judged(velocity, 245.0)) <= {"ends-early"}
+
+
+@pytest.mark.parametrize("noise_after", [0.0, 0.002])
+def test_clipped_tops_are_masked_and_the_rest_kept(noise_after):
+    clean = decay(second=0.0, noise_db=70)
+    top = 0.85 * START
+    rng = np.random.default_rng(0)
+    velocity = np.clip(clean, -top, top) + noise_after * START * rng.standard_normal(clean.size)
+    found = judged(velocity)
+    assert ids(found) == {"clipping"}
+    assert found.attrs["verdict"] == "usable"
+    usable = found["usable"].values == 1
+    cut_off = np.abs(clean[: usable.size]) > 1.01 * top
+    assert not usable[cut_off].any()
+    assert usable.mean() > 0.97
+    last = np.flatnonzero(cut_off)[-1] / RATE
+    assert found["finding_to_s"].item() == pytest.approx(last, abs=0.1)
+
+
+def test_clipping_before_the_release_alone_is_no_fault():
+    quiet = np.random.default_rng(1).standard_normal(int(0.2 * RATE)) * 1e-3 * START
+    drive = 1.5 * START * np.sin(2 * np.pi * 250.0 * np.arange(int(0.6 * RATE)) / RATE)
+    velocity = np.concatenate([quiet, np.clip(drive, -1.2 * START, 1.2 * START), decay()])
+    found = judged(velocity)
+    assert "clipping" not in ids(found)
+    assert found.attrs["verdict"] == "usable"
+
+
+def test_tilted_tops_are_masked_up_to_the_last():
+    from scipy.signal import butter, lfilter
+
+    clean = ring_down(second=0.0, noise_db=120, bits=24, eta=(0.002, 0.003))[0]
+    section = butter(1, 25.0 / (0.5 * RATE), "high")
+    velocity = lfilter(*section, np.clip(clean, -0.7 * START, 0.7 * START))
+    velocity += 5e-4 * START * np.random.default_rng(0).standard_normal(clean.size)
+    found = judged(velocity)
+    assert "soft-clipping" in ids(found)
+    last = np.flatnonzero(np.abs(clean) > 0.7 * START)[-1] / RATE
+    masked = np.flatnonzero(found["usable"].values == 0)[-1] / RATE
+    assert masked == pytest.approx(last, rel=0.3)
+
+
+def test_wrong_samples_are_masked_and_do_not_end_the_decay():
+    clean = decay()
+    velocity = clean.copy()
+    wrong = [3000, 9000, 9001, 20000]
+    velocity[wrong] += np.array([0.3, -0.8, 0.5, 2.0]) * START
+    found = judged(velocity)
+    assert ids(found) == {"spike"}
+    assert np.flatnonzero(found["usable"].values == 0).tolist() == wrong
+    plain = judged(clean)
+    assert abs(found.sizes["time"] - plain.sizes["time"]) < 0.02 * plain.sizes["time"]
+
+
+@pytest.mark.parametrize("length", [12, 700])
+@pytest.mark.parametrize("value", [0.0, None])
+def test_dropouts_are_masked(length, value):
+    velocity = decay()
+    start = 8010
+    velocity[start : start + length] = velocity[start] if value is None else value
+    found = judged(velocity)
+    assert "dropout" in ids(found)
+    masked = np.flatnonzero(found["usable"].values == 0)
+    assert set(range(start + 1, start + length - 1)) <= set(masked.tolist())
+    assert masked.size < length + 30
+
+
+def stepped(factor, at):
+    """A decay whose mode changes by a complex factor at a sample."""
+    from scipy.signal import hilbert
+
+    analytic = hilbert(ring_down(second=0.0, noise_db=120, bits=24)[0])
+    after = np.arange(analytic.size) >= at
+    velocity = np.where(after, analytic * factor, analytic).real
+    return velocity + 1e-3 * START * np.random.default_rng(0).standard_normal(after.size)
+
+
+@pytest.mark.parametrize("factor", [1.1, np.exp(-0.1j)])
+def test_shaker_recontact(factor):
+    found = judged(stepped(factor, 12000))
+    assert "shaker-recontact" in ids(found)
+    usable = found["usable"].values == 1
+    assert usable.mean() > 0.2
+    # nothing on one side of the step is used, and three cycles around it neither
+    kept = np.flatnonzero(usable)
+    assert kept[0] > 12000 or kept[-1] < 12000
+
+
+def test_missing_samples():
+    velocity = np.delete(decay(second=0.0, bits=24), slice(12000, 12040))
+    found = judged(velocity)
+    kept = found.attrs["start_s"], found.attrs["end_s"]
+    assert "gap" in ids(found) or not kept[0] < 12000 / RATE < kept[1]
+
+
+def test_a_close_mode_beats():
+    clean = decay()
+    time = time_of(clean)
+    other = 262.0
+    beat = np.exp(-np.pi * other * 0.004 * time) * np.cos(2 * np.pi * other * time)
+    found = judged(clean + 0.05 * START * beat)
+    assert ids(found) - {"ends-early"} == {"mode-beating"}
+    assert found.attrs["verdict"] == "usable"
+    distance = float(re.search(r"a mode ([-+][\d.]+) Hz", text(found, "mode-beating"))[1])
+    assert distance == pytest.approx(12.0, abs=2.5)
+    assert uncut(clean + 0.6 * START * beat).attrs["verdict"] == "rejected"
+
+
+@pytest.mark.parametrize("mains", [50.0, 59.97])
+def test_hum_is_taken_off(mains):
+    clean = decay(noise_db=60)
+    size, time = 2e-3 * START, time_of(clean)
+    hum = size * np.cos(2 * np.pi * mains * time + 0.4)
+    hum += 0.5 * size * np.cos(2 * np.pi * 3 * mains * time - 1.0)
+    found = judged(clean + hum)
+    assert ids(found) == {"mains-hum"}
+    left = found["velocity"].values - clean[: found.sizes["time"]]
+    assert np.std(left) < 0.2 * np.std(hum)
+    assert f"{size:.2g}" in text(found, "mains-hum") or "0.00" in text(found, "mains-hum")
+
+
+def test_no_hum_where_the_mode_itself_lies_on_a_line():
+    for frequency in (100.0, 250.0):
+        velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))
+        assert "mains-hum" not in ids(judged(velocity, frequency))
+
+
+def test_driven_residue():
+    clean = decay(noise_db=70, eta=(0.01, 0.012))
+    tail = 0.02 * START * np.cos(2 * np.pi * 250.0 * time_of(clean))
+    found = uncut(clean + tail)
+    assert "driven-residue" in ids(found)
+    usable = found["usable"].values == 1
+    assert usable[: int(0.05 * RATE)].all()
+    assert not usable[-int(0.05 * RATE) :].any()
+
+
+def test_offset_and_coloured_noise():
+    clean = decay()
+    assert "baseline" in ids(judged(clean + 0.05 * START))
+    rng = np.random.default_rng(2)
+    white = np.fft.rfft(rng.standard_normal(clean.size))
+    white[np.fft.rfftfreq(clean.size, 1 / RATE) > 600.0] = 0.0
+    before = judged(clean).attrs["noise_velocity"]
+    found = judged(clean + 10 * before * np.fft.irfft(white, clean.size))
+    assert "coloured-noise" in ids(found)
+    assert found.attrs["noise_velocity"] == pytest.approx(10 * before, rel=0.25)
+
+
+@pytest.mark.parametrize("ratio", [44.1 / 48.0, 1.0 / 1.28])
+def test_wrong_sampling_rate_shifts_all_modes(ratio):
+    velocity = decay(second=0.3)
+    modes = (250.0 / ratio, 6.27 * 250.0 / ratio)
+    found = judged(velocity, modes[0], modes_Hz=modes[1:])
+    assert "sampling-rate" in ids(found)
+    assert found.attrs["verdict"] == "rejected"
+    assert "sampling-rate" not in ids(judged(velocity, 250.0, modes_Hz=(6.27 * 250.0,)))
+    # one mode at another frequency is not the clock's fault
+    assert "sampling-rate" not in ids(judged(velocity, modes[0], modes_Hz=(6.27 * 250.0,)))
+
+
+def test_a_mode_out_of_the_band_names_the_ratio():
+    found = judged(decay(second=0.0), 250.0 * 2.56)
+    assert found.attrs["verdict"] == "rejected"
+    assert "0.3906 times the expected frequency" in found.attrs["findings"]
+    assert any(abs(1 / 2.56 - ratio) < 1e-12 for ratio in RATIOS)
+
+
+def test_another_mode_dominates():
+    clean = decay(second=0.0)
+    loud = START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 700 * time_of(clean))
+    found = judged(0.1 * clean + loud)
+    assert found.attrs["verdict"] == "rejected"
+    assert "another mode dominates: the strongest line is at 700" in found.attrs["findings"]
+
+
+def test_two_modes_in_the_band():
+    clean = decay(second=0.0)
+    rival = 0.8 * START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 300 * time_of(clean))
+    assert "two modes in the band: 248.9 and 300 Hz" in uncut(clean + rival).attrs["findings"]
+
+
+def test_short_and_broken_off_records_are_told():
+    found = uncut(decay(second=0.0, eta=(0.01, 0.01))[: int(0.16 * RATE)])
+    assert {"too-short", "ends-early"} <= ids(found)
+    assert found.attrs["verdict"] == "usable"
+
+
+def test_low_dynamic_range_is_told():
+    assert "noise-floor" in ids(uncut(decay(noise_db=-8, second=0.0)))
+
+
+@settings(max_examples=8, deadline=None)
+@given(exponent=st.floats(-5.0, 3.0), seed=st.integers(0, 3))
+def test_the_unit_of_the_velocity_does_not_matter(exponent, seed):
+    velocity = decay(seed=seed, count=12800, bits=24)
+    first = cut(velocity, RATE, 250.0)
+    scaled = 10.0**exponent * velocity
+    second = cut(scaled, RATE, 250.0)
+    one = dict(examine(sight(first, velocity, 250.0)))
+    two = dict(examine(sight(second, scaled, 250.0)))
+    assert one.keys() == two.keys()
+    for name in one:
+        assert two[name].statistic == pytest.approx(one[name].statistic, rel=1e-3, abs=1e-3), name
+
+
+def test_notes_warn_and_findings_survive_a_file(tmp_path):
+    found = judged(decay(), notes=("the file's clock differs from the sheet's",))
+    assert found["finding_id"].values.tolist() == ["reader"]
+    assert found.attrs["findings"] == "the file's clock differs from the sheet's"
+    assert found.attrs["verdict"] == "usable"
+    empty = judged(decay())
+    unreadable = judge(rejected("expected a NetCDF file"), np.zeros(0), 250.0)
+    assert unreadable["finding_consequence"].values.tolist() == ["drop"]
+    assert unreadable.attrs["verdict"] == "rejected"
+    for name, made in (("one", found), ("none", empty), ("unreadable", unreadable)):
+        made.to_netcdf(tmp_path / f"{name}.nc")
+        with xr.open_dataset(tmp_path / f"{name}.nc") as read:
+            assert read["finding_text"].values.tolist() == made["finding_text"].values.tolist()
+            assert read["usable"].dtype == np.int8
+            assert set(read.variables) == set(found.variables)
+    assert found["finding_consequence"].isin(CONSEQUENCES).all()
+
+
+def test_a_record_masked_away_is_dropped():
+    velocity = decay(second=0.0, count=12800)
+    for start in range(0, velocity.size, 300):
+        velocity[start : start + 290] = velocity[start]
+    found = uncut(velocity)
+    assert found.attrs["verdict"] == "rejected"
+
+
+def test_every_finding_is_documented_with_its_threshold():
+    rows = re.findall(r"^\| `([a-z-]+)` \|", DOCUMENT.read_text(), flags=re.MULTILINE)
+    assert set(rows) == set(checks())
+    for name, module in checks().items():
+        row = re.search(rf"^\| `{name}` \|.*$", DOCUMENT.read_text(), flags=re.MULTILINE)[0]
+        assert f"| {module.THRESHOLD:g} |" in row, name
+        assert module.STATISTIC in row, name

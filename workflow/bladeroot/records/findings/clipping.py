@@ -1,0 +1,59 @@
+"""Flat tops: the record stops at the largest value that the converter or the sensor can give."""
+
+import numpy as np
+
+from bladeroot.records.finding import Finding
+from bladeroot.records.runs import joined, runs
+from bladeroot.records.sight import Sight
+
+STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine has there"
+THRESHOLD = 3.0
+# Where one extreme is clipped, the other is masked from this ratio on.
+OTHER = 1.5
+
+
+def find(sight: Sight) -> Finding:
+    """Samples within a step, or three times the noise, of the largest or smallest value.
+
+    An unclipped decay is there on the tops of its first cycles only, for as long as the envelope
+    says. The flat tops are masked, their flanks stay.
+    """
+    ratios = {sign: _piled(sight, sign) for sign in (1.0, -1.0)}
+    statistic = max(ratios.values())
+    if statistic <= THRESHOLD:
+        return Finding(statistic, THRESHOLD, "mask", "")
+    x = sight.velocity
+    # noise parts a flat top into runs
+    near = max(2, int(0.1 * sight.sampling_Hz / sight.own_Hz))
+    flat = np.zeros(x.size, bool)
+    for sign, ratio in ratios.items():
+        if ratio > OTHER:
+            level = (sign * x).max() - max(_reaches(sight)) - 5.0 * sight.floor
+            flat |= sign * x >= level
+    tops = joined(runs(flat), near)
+    last = int(tops[-1, 1])
+    text = (
+        f"clipped: {len(tops)} flat tops at {np.abs(x).max():.4g} m/s, the last "
+        f"{sight.seconds(last):.4g} s into the decay; masked"
+    )
+    spans = tuple((max(int(a) - 2, 0), min(int(b) + 2, x.size)) for a, b in tops)
+    return Finding(statistic, THRESHOLD, "mask", text, spans)
+
+
+def _reaches(sight: Sight) -> tuple[float, float]:
+    return 1.001 * sight.quantum, 3.0 * sight.floor
+
+
+def _piled(sight: Sight, sign: float) -> float:
+    """Samples at one extreme over those expected."""
+    x, frames = sight.velocity, sight.frames
+    top = float((sign * x).max())
+    if top <= 0.0:
+        return 0.0
+    envelope = frames.amplitude * (top / frames.amplitude.max())
+    ratio = 0.0
+    for reach in _reaches(sight):
+        angle = np.arccos(np.clip((top - reach) / envelope, -1.0, 1.0))
+        count = np.count_nonzero(sign * x >= top - reach)
+        ratio = max(ratio, float(count / (1.0 + frames.hop / np.pi * angle.sum())))
+    return ratio

@@ -1,0 +1,110 @@
+"""Hum of the mains: steady lines at multiples of 50 or 60 Hz."""
+
+import numpy as np
+from jaxtyping import Complex, Float
+from numpy import ndarray
+
+from bladeroot.records.finding import Finding
+from bladeroot.records.sight import Sight
+
+STATISTIC = "largest steady line at a multiple of 50 or 60 Hz (to the 7th), in standard errors"
+THRESHOLD = 8.0
+MAINS_HZ = (50.0, 60.0)
+ORDERS = 7
+# The mains' frequency keeps within this (relative).
+WANDER = 0.0015
+# Lines on each side from which the background is taken.
+REACH = 6
+# Each half of the decay must hold so many periods of 50 Hz, or lines cannot be told apart.
+FEWEST = 6
+# The two halves show the same line if they differ by less than this part of it.
+UNEVEN = 0.12
+
+
+def find(sight: Sight) -> Finding | None:
+    """Lines that both halves of the decay show alike; they are fitted and taken off.
+
+    Around each multiple a line and a smooth background are fitted to the spectra of both halves.
+    A line that decays, or one of the mode's own, differs between the halves.
+    """
+    rate, count = sight.sampling_Hz, sight.velocity.size // 2
+    if count / rate * MAINS_HZ[0] < FEWEST:
+        return None
+    frequency, spectra, padded = sight.halves
+    nominal = np.array([mains * k for mains in MAINS_HZ for k in range(1, ORDERS + 1)])
+    mains = np.repeat(MAINS_HZ, ORDERS)
+    near = 7.0 * rate / count + 0.03 * sight.own_Hz
+    clear = np.abs(nominal - sight.own_Hz) > near
+    clear &= (nominal / frequency[1] > REACH // 2) & (nominal < frequency[-REACH - 2])
+    if not clear.any():
+        return None
+    nominal, mains = nominal[clear], mains[clear]
+    at, phasor, ratio = _steady(spectra, rate, count, padded, nominal)
+    strongest = float(ratio.max())
+    # 300 Hz belongs to both series: the stronger series is taken
+    found = np.flatnonzero((ratio > THRESHOLD) & (mains == mains[np.argmax(ratio)]))
+    if not found.size:
+        return Finding(strongest, THRESHOLD, "subtract", "")
+    time = np.arange(sight.velocity.size) / rate
+    excess = np.zeros(time.size)
+    for k in found:
+        excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
+    told = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
+    return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {told}; taken off", (), excess)
+
+
+def _steady(
+    spectra: Complex[ndarray, "2 bin"],
+    rate: float,
+    count: int,
+    padded: int,
+    nominal: Float[ndarray, " line"],
+) -> tuple[Float[ndarray, " line"], Complex[ndarray, " line"], Float[ndarray, " line"]]:
+    """Frequency, phasor and size over standard error of a steady line near each frequency."""
+    bin_Hz = rate / padded
+    middle = np.round(nominal / bin_Hz).astype(int)
+    bins = middle[:, None] + np.arange(-REACH, REACH + 1)
+    bins = np.maximum(bins, 1)
+    x = np.arange(-REACH, REACH + 1) / REACH
+    away, _ = np.linalg.qr(np.stack([np.ones(x.size), x, x * x], axis=1))
+    data = spectra[:, bins]  # half, line, bin
+    data = data - (data @ away) @ away.T
+    room = np.maximum(0.5 * rate / count, WANDER * nominal)
+    trials = int(np.clip(np.ceil(8.0 * room.max() * count / rate), 5, 81))
+
+    def fit(at):
+        """Phasors of a line at each frequency in both halves, and the shape's power."""
+        shape = _taper_spectrum((bins[:, None, :] * bin_Hz - at[:, :, None]) * count / rate)
+        shape = shape - (shape @ away) @ away.T  # line, trial, bin
+        power = (np.abs(shape) ** 2).sum(axis=-1)
+        parts = np.einsum("hlb,ltb->hlt", data, shape.conj()) / power
+        # the second half starts `count` samples later
+        parts[1] /= np.exp(2j * np.pi * np.mod(at * count / rate, 1.0))
+        return parts, power
+
+    at = nominal[:, None] + room[:, None] * np.linspace(-1.0, 1.0, trials)
+    parts, power = fit(at)
+    best = np.argmax((np.abs(parts) ** 2).sum(axis=0) * power, axis=1)
+    line = np.arange(nominal.size)
+    # the phase from one half to the other tells the frequency best
+    turned = np.angle(parts[1] * parts[0].conj())[line, best] / (2.0 * np.pi)
+    at = at[line, best] + turned * rate / count
+    parts, power = (value[..., 0] for value in fit(at[:, None]))
+    phasor = parts.mean(axis=0)
+    total = (np.abs(data) ** 2).sum(axis=(0, 2))
+    left = np.maximum(total - 2.0 * np.abs(phasor) ** 2 * power, 1e-12 * total)
+    error = np.sqrt(left / (2 * (x.size - 4)) / (2.0 * power)) + 1e-300
+    ratio = np.abs(phasor) / error
+    uneven = np.abs(parts[0] - parts[1]) > np.maximum(UNEVEN * np.abs(phasor), 4.0 * error)
+    off = np.abs(at - nominal) > WANDER * nominal + 0.1 * rate / count
+    ratio[uneven | off] = 0.0
+    return at, phasor, ratio
+
+
+def _taper_spectrum(turns: Float[ndarray, "*any"]) -> Complex[ndarray, "*any"]:
+    """Spectrum of the Blackman-Harris taper at a distance (in turns over it) from a unit line."""
+    total = 0.35875 * np.sinc(turns)
+    for order, weight in ((1, 0.48829), (2, 0.14128), (3, 0.01168)):
+        # the sign of the term and that of its shifted phase cancel
+        total = total + 0.5 * weight * (np.sinc(turns - order) + np.sinc(turns + order))
+    return total * np.exp(-1j * np.pi * turns) / 0.35875

@@ -1,0 +1,64 @@
+"""A close mode: amplitude and phase are modulated at the difference of two frequencies."""
+
+import numpy as np
+from scipy import fft
+
+from bladeroot.records.finding import Finding
+from bladeroot.records.sight import Sight
+
+STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
+THRESHOLD = 10.0
+# A modulation below this does no harm, one above SEVERE leaves no curve to use.
+LEAST, SEVERE = 0.01, 0.25
+# Periods that must fit into the decay, and the degree of the trend taken off.
+FEWEST, DEGREE = 4.0, 9
+
+
+def find(sight: Sight) -> Finding | None:
+    """The strongest line within a sixth of the mode's frequency.
+
+    A second mode of relative amplitude r adds ln(1 + r exp(i d t)) to the log-phasor, which has
+    lines on one side of zero only; laws of frequency and damping change it smoothly.
+    """
+    frames = sight.frames
+    count = min(frames.clear, 4096)
+    if count < 40:
+        return None
+    used = slice(2, count)
+    log = frames.log[used].copy()
+    whole = frames.whole[used]
+    if np.count_nonzero(whole) < 38:
+        return None
+    x = np.linspace(-1.0, 1.0, log.size)
+    trend = np.polynomial.chebyshev.chebvander(x, DEGREE)
+    weight = whole / np.maximum(frames.std[used], 3e-4)
+    weighted = trend * weight[:, None]
+    fit = np.linalg.pinv(weighted.T @ weighted) @ (weighted.T @ (log * weight))
+    taper = np.hanning(log.size) * whole
+    rest = (log - trend @ fit) * taper
+    line = fft.fft(rest, 2 * log.size) / taper.sum()
+    turns = fft.fftfreq(line.size)  # per hop
+    cycle = sight.sampling_Hz / sight.own_Hz / frames.hop
+    # the frames' own taper weakens a line at this distance from the mode
+    local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
+    span = np.abs(turns) * cycle
+    inside = (np.abs(turns) * log.size >= FEWEST) & (span <= 0.16)
+    if not inside.any():
+        return None
+    level = np.where(inside, np.abs(line), 0.0)
+    k = int(np.argmax(level))
+    other = float(np.abs(line[-k]))
+    usual = float(np.median(np.abs(line[inside])))
+    carrier = (
+        2.0 * np.pi / sight.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * sight.own_Hz)
+    )
+    gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
+    size = float(level[k] / max(gain, 0.2))
+    one_sided = level[k] > 2.5 * other
+    statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) if one_sided else 0.0
+    distance = turns[k] * sight.sampling_Hz / frames.hop
+    text = (
+        f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
+        f"{100 * size:.2g} %"
+    )
+    return Finding(float(statistic), THRESHOLD, "drop" if size > SEVERE else "warn", text)

@@ -1,0 +1,45 @@
+"""Another mode dominates the record, or two modes share the band."""
+
+import numpy as np
+
+from bladeroot.records.finding import Finding
+from bladeroot.records.findings.sampling_rate import outside
+from bladeroot.records.lines import peak_Hz
+from bladeroot.records.sight import TOLERANCE, Sight
+
+STATISTIC = "strongest line over the strongest in the band, or second over first within the band"
+THRESHOLD = 5.0
+# A second line in the band with more than this part of the first leaves open which is the mode.
+SECOND = 0.5
+
+
+def find(sight: Sight) -> Finding | None:
+    """Lines of the loud first part of the decay, in and out of the band."""
+    frequency, level = sight.early
+    inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    if not inside.any():
+        return None
+    own = float(level[inside].max())
+    low, high = ((1.0 + sign * TOLERANCE) * sight.expected_Hz for sign in (-1, 1))
+    ratio = float(level.max()) / max(own, 1e-300)
+    within = np.where(inside, level, 0.0)
+    apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
+        0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
+    )
+    peaks = np.zeros(level.size, bool)
+    peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    second = np.where(apart & peaks, within, 0.0)
+    rival = float(second.max()) / own
+    if ratio <= THRESHOLD and rival > SECOND:
+        text = (
+            f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, second):.5g} Hz, "
+            f"the second with {100 * rival:.2g} % of the first"
+        )
+        return Finding(THRESHOLD * rival / SECOND, THRESHOLD, "warn", text)
+    text = (
+        f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
+        f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"
+    )
+    if ratio > THRESHOLD:
+        text += f"; {outside(sight)}"
+    return Finding(ratio, THRESHOLD, "drop", text)

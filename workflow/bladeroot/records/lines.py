@@ -1,0 +1,37 @@
+"""Spectral lines of a piece of a record."""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy import fft
+
+
+def magnitudes(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float
+) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
+    """Frequencies and magnitudes of a piece (Hann), without mean and slowest drift."""
+    count = velocity.size
+    padded = fft.next_fast_len(2 * count, real=True)
+    level = np.abs(fft.rfft((velocity - velocity.mean()) * np.hanning(count), padded))
+    frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
+    level[frequency < 3.0 * sampling_Hz / count] = 0.0
+    return frequency, level
+
+
+def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) -> float:
+    """Frequency of the largest magnitude, between the lines by a parabola."""
+    k = int(np.argmax(level))
+    if not 0 < k < level.size - 1:
+        return float(frequency[k])
+    before, at, after = level[k - 1 : k + 2]
+    bend = before - 2.0 * at + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return float(frequency[k] + np.clip(shift, -0.5, 0.5) * (frequency[1] - frequency[0]))
+
+
+def blackman_harris(count: int) -> Float[ndarray, " sample"]:
+    """The four-term taper whose side lobes lie 92 dB down."""
+    turn = 2.0 * np.pi * np.arange(count) / count
+    return (
+        0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
+    )

@@ -1,0 +1,64 @@
+"""The sampling frequency: from a time column, and whether it is one that instruments have."""
+
+from fractions import Fraction
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+
+def uniform(time: Float[ndarray, " sample"], count: int, where: str) -> tuple[float, float]:
+    """Sampling frequency and first time of a uniform time column; rounded digits are tolerated.
+
+    A straight line through all times, so that no single one decides; a usual frequency within
+    three standard errors of it is taken for it.
+
+    Raises:
+        ValueError: times that are not `count` finite numbers which rise in equal steps.
+    """
+    time = np.asarray(time, dtype=float)
+    if time.shape != (count,):
+        raise ValueError(f"expected {count} times, got shape {time.shape} ({where})")
+    bad = np.flatnonzero(~np.isfinite(time))
+    if bad.size:
+        raise ValueError(
+            f"time must be finite, got {time[bad[0]]} at sample {bad[0] + 1} ({where})"
+        )
+    steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        k = int(back[0])
+        raise ValueError(
+            f"time must rise, got {time[k + 1]:.9g} after {time[k]:.9g} at sample {k + 2} ({where})"
+        )
+    index = np.arange(count) - 0.5 * (count - 1)
+    middle = time.mean()
+    step = float(index @ (time - middle)) / (count * (count**2 - 1) / 12.0)
+    off = time - (middle + step * index)
+    if not max(-off.min(), off.max()) <= 0.1 * step:
+        k = int(np.argmax(np.abs(steps - np.median(steps))))
+        raise ValueError(
+            f"time must be uniform, got steps of {steps.min():.9g} to {steps.max():.9g} s, the "
+            f"oddest at sample {k + 2} ({where})"
+        )
+    error = float(np.std(off)) * np.sqrt(12.0 / count**3) / step
+    rate = 1.0 / step
+    return usual_rate(rate, 3.0 * error + 1e-9) or rate, float(middle + step * index[0])
+
+
+def usual_rate(rate: float, tolerance: float = 1e-9) -> float | None:
+    """The frequency near `rate` that an instrument would have, None if there is none.
+
+    A whole number of Hz; a clock's whole part (51.2 kHz / 3), up to 32 or, with a wide tolerance,
+    3; a whole number of microseconds. One written in single precision counts as the whole one.
+    """
+    if not (np.isfinite(rate) and 1e-3 < rate < 1e12):
+        return None
+    whole = round(rate)
+    parts = float(Fraction(rate).limit_denominator(32 if tolerance < 1e-8 else 3))
+    micro = 1e6 / max(round(1e6 / rate), 1)
+    single = 1e-7 if rate < 1e5 else tolerance
+    for known, within in ((whole, max(tolerance, single)), (parts, tolerance), (micro, tolerance)):
+        if known and abs(rate - known) <= within * rate:
+            return float(known)
+    return None

@@ -1,0 +1,233 @@
+"""What the checks of a decay look at: frames of its mode, its residual, its spectra."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+from numpy import ndarray
+from scipy import fft
+
+from bladeroot.records.lines import blackman_harris, magnitudes, peak_Hz
+from bladeroot.records.runs import block_scale, convolved
+
+# A mode further than this (relative) from its expected frequency is not looked for.
+TOLERANCE = 0.3
+FRAME_CYCLES = 4.0
+# What is smaller than this part of the largest sample harms no curve.
+SMALL = 1e-5
+# Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
+MISSED_BEND = 0.15
+EARLY_CYCLES = 80.0
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Log-phasor of the mode in frames of `FRAME_CYCLES` cycles, a cycle apart.
+
+    `centre` is in samples; `log` is ln(velocity amplitude) + i (phase against `frequency_Hz`),
+    `std` its standard error from white noise, `baseline` the local mean. `row` makes a frame's
+    phasor from its samples; frames that reach into blind samples are not `whole`.
+    """
+
+    frequency_Hz: float
+    hop: int
+    centre: Float[ndarray, " frame"]
+    log: Complex[ndarray, " frame"]
+    std: Float[ndarray, " frame"]
+    baseline: Float[ndarray, " frame"]
+    row: Complex[ndarray, " width"]
+    whole: Bool[ndarray, " frame"]
+
+    @property
+    def clear(self) -> int:
+        """Number of frames before the mode first sinks to eight times its standard error."""
+        lost = np.flatnonzero((self.std > 0.125) & self.whole)
+        return int(lost[0]) if lost.size else self.std.size
+
+    @property
+    def amplitude(self) -> Float[ndarray, " frame"]:
+        """Velocity amplitude."""
+        return np.exp(self.log.real)
+
+
+@dataclass(frozen=True)
+class Residual:
+    """What a symmetric interpolation from 2 x 16 neighbours misses, and its local rms.
+
+    All steady or slowly changing oscillations are interpolated, at any frequency; noise is left
+    as it is, and a defect of single samples in full. `response` is what a unit defect leaves.
+    """
+
+    miss: Float[ndarray, " sample"]
+    scale: Float[ndarray, " sample"]
+    response: Float[ndarray, " tap"]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A cut decay and views of it, each made once when first asked for.
+
+    `velocity` is the cut decay, `whole` the raw record, `first` where
+    the cut begins in it, `noise` the rms of the sensor's
+    noise, `end_reason` why the cut ends there, `modes_Hz` expected frequencies of the structure's
+    other modes. `blind` marks samples that other findings have already set aside.
+    """
+
+    velocity: Float[ndarray, " sample"]
+    sampling_Hz: float
+    expected_Hz: float
+    noise: float
+    whole: Float[ndarray, " whole"]
+    first: int = 0
+    end_reason: str = ""
+    modes_Hz: tuple[float, ...] = ()
+    blind: tuple[tuple[int, int], ...] = ()
+
+    @cached_property
+    def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
+        """Frequencies and magnitudes (Hann) of the loudest 80 cycles, a decay's first."""
+        length = min(int(EARLY_CYCLES * self.sampling_Hz / self.expected_Hz), self.velocity.size)
+        parts = self.velocity[: self.velocity.size // length * length].reshape(-1, length)
+        loudest = int(np.argmax(np.einsum("ij,ij->i", parts, parts)))
+        return magnitudes(parts[loudest], self.sampling_Hz)
+
+    @cached_property
+    def own_Hz(self) -> float:
+        """Frequency of the strongest line near the expected frequency."""
+        frequency, level = self.early
+        inside = np.abs(frequency / self.expected_Hz - 1.0) <= TOLERANCE
+        return peak_Hz(frequency, np.where(inside, level, 0.0))
+
+    @cached_property
+    def quantum(self) -> float:
+        """The digitiser's step: the smallest difference of values (of some thousand samples)."""
+        some = np.sort(self.velocity[:: max(1, self.velocity.size // 8192)])
+        steps = np.diff(some)
+        steps = steps[steps > 1e-9 * (some[-1] - some[0])]
+        return float(steps.min()) if steps.size else 0.0
+
+    @cached_property
+    def frames(self) -> Frames:
+        """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
+        x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
+        hop = max(1, round(rate / f))
+        width = min(max(16, round(FRAME_CYCLES * rate / f)), x.size)
+        local = (np.arange(width) - 0.5 * (width - 1)) / rate
+        turn, ramp = 2.0 * np.pi * f * local, local / local[-1]
+        columns = [np.cos(turn), np.sin(turn), np.ones(width), ramp]
+        columns += [ramp * np.cos(turn), ramp * np.sin(turn)]
+        for order in (2, 3):
+            if order * f < 0.42 * rate and width >= 24:
+                columns += [np.cos(order * turn), np.sin(order * turn)]
+        root = np.sqrt(np.hanning(width + 2)[1:-1])
+        solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
+        parts = np.lib.stride_tricks.sliding_window_view(x, width)[::hop] @ solver[:3].T
+        phasor = parts[:, 0] - 1j * parts[:, 1]
+        centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
+        carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi
+        size = np.maximum(np.abs(phasor), 1e-300)
+        row = solver[0] - 1j * solver[1]
+        return Frames(
+            frequency_Hz=f,
+            hop=hop,
+            centre=centre,
+            log=np.log(size) + 1j * np.unwrap(np.angle(phasor) - carrier),
+            std=self.floor * np.linalg.norm(solver[0]) / size,
+            baseline=parts[:, 2],
+            row=row,
+            whole=self.seen(centre - 0.5 * width, centre + 0.5 * width),
+        )
+
+    def seen(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
+        """Whether stretches of samples are free of long blind spans."""
+        clear = np.ones(first.size, bool)
+        for start, stop in self.blind:
+            if stop - start > 0.1 * self.sampling_Hz / self.expected_Hz:
+                clear &= (last <= start) | (first >= stop)
+        return clear
+
+    @cached_property
+    def jumps(self) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
+        """Step of the log-phasor at each frame beyond a smooth course, and its usual size.
+
+        A quadratic and a step are fitted to six frames on each side, two left out between.
+        Zero where there are too few frames, or the mode is near the noise.
+        """
+        frames, reach, apart = self.frames, 7, 2
+        step, scale = np.zeros(frames.log.size, complex), np.ones(frames.log.size)
+        if frames.clear < 2 * reach + 2:
+            return step, scale
+        x = np.arange(-reach, reach + 1.0)
+        used = np.abs(x) >= apart
+        design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
+        kernel = np.zeros(x.size)
+        solver = np.linalg.pinv(design)
+        kernel[used] = solver[3]
+        bend = np.zeros(x.size)
+        bend[used] = solver[2] * reach**2
+        inner = slice(reach, frames.clear - reach)
+        pieces = np.lib.stride_tricks.sliding_window_view(
+            np.where(frames.whole, frames.log, np.nan)[: frames.clear], x.size
+        )
+        step[inner], curve = np.nan_to_num(pieces @ np.stack([kernel, bend], axis=1)).T
+        summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
+        for k, weight in enumerate(kernel):  # frames overlap: one row for the whole step
+            summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
+        gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
+        late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
+        bent = np.zeros(frames.log.size)
+        # where laws bend sharply a quadratic misses some of the bend
+        bent[inner] = MISSED_BEND * np.abs(curve)
+        scale = gain * frames.std[late] + bent
+        # what is rough throughout (1.18: median of a Rayleigh variable) hides a step
+        rough = block_scale(np.abs(step[inner]) / scale[inner], 96) / 1.18
+        scale[inner] *= np.maximum(rough, 1.0)
+        return step, scale
+
+    @property
+    def floor(self) -> float:
+        """Rms of the noise, at least what the digitiser makes."""
+        return max(self.noise, self.quantum / np.sqrt(12.0), 1e-9 * np.abs(self.velocity).max())
+
+    @cached_property
+    def residual(self) -> Residual:
+        """The record less what its neighbours tell of each sample."""
+        x = self.velocity
+        reach = min(16, (x.size - 1) // 6)
+        view = np.lib.stride_tricks.sliding_window_view(x, 2 * reach + 1)
+        rows = view[np.unique(np.linspace(0, view.shape[0] - 1, 1500).astype(int))]
+        pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
+        middle = rows[:, reach]
+        keep = np.ones(middle.size, bool)
+        for _ in range(2):  # rows with a defect in them must not shape the interpolation
+            a = pairs[keep]
+            gram = a.T @ a
+            gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram)
+            weights = np.linalg.lstsq(gram, a.T @ middle[keep], rcond=None)[0]
+            left = np.abs(middle - pairs @ weights)
+            keep = left <= 5.0 * np.median(left) + 1e-300
+        response = np.concatenate([-weights[::-1], [1.0], -weights])
+        miss = convolved(x, response)
+        miss[:reach] = miss[-reach:] = 0.0
+        least = max(0.5 * self.quantum, SMALL * float(np.abs(x).max()))
+        scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
+        return Residual(miss, scale, response)
+
+    @cached_property
+    def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
+        """Frequencies and spectra of the two halves of the decay (Blackman-Harris), samples each.
+
+        Scaled so that a steady line A cos(w t + p), t from the start of the cut, shows
+        A exp(i p) in both.
+        """
+        count = self.velocity.size // 2
+        taper = blackman_harris(count)
+        pieces = self.velocity[: 2 * count].reshape(2, count) * taper
+        padded = fft.next_fast_len(count, real=True)
+        spectra = 2.0 / taper.sum() * fft.rfft(pieces, padded, axis=1)
+        return fft.rfftfreq(padded, 1.0 / self.sampling_Hz), spectra, padded
+
+    def seconds(self, sample: float | np.number | int) -> float:
+        """Time of a sample since the start of the cut."""
+        return float(sample / self.sampling_Hz)
