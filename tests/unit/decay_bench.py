@@ -75,6 +75,65 @@ def ring_down(
     return velocity, noise, largest, truth
 
 
+def backbone(
+    seed,
+    noise_db=60.0,
+    sharp=True,
+    frequency_Hz=250.0,
+    sampling_Hz=25600.0,
+    count=102400,
+    second=0.3,
+):
+    """A decay over its whole record, drawn anew: velocity, noise rms, largest amplitude, truth.
+
+    The backbone leaves a plateau at `onset` (of the start), sharply or gradually; ln A and phase
+    are quadratures over ln A.
+    """
+    rng = np.random.default_rng(seed)
+    largest = START / (2 * np.pi * frequency_Hz)
+    onset, softening, rise = rng.uniform(0.1, 0.6), rng.uniform(0.002, 0.02), rng.uniform(0, 1.0)
+
+    def slip(a):
+        x, top = np.maximum(0.0, a / (onset * largest) - 1.0), 1.0 / onset - 1.0
+        return x / top if sharp else x**2 / (1.0 + x) * (1.0 + top) / top**2
+
+    def omega(a):
+        return 2 * np.pi * frequency_Hz * (1.0 - softening * slip(a))
+
+    level = np.log(largest) - np.sort(np.append(np.linspace(0.0, 6.0, 40001), -np.log(onset)))
+    a, step = np.exp(level), -np.diff(level)
+
+    def along(rate):
+        return np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step)])
+
+    # so slow that the amplitude falls by exp(5.5) within the record
+    pace = np.interp(-5.5, (level - level[0])[::-1], along(1.0 / (1.0 + rise * slip(a)))[::-1])
+    pace *= sampling_Hz / count
+
+    def alpha(a):
+        return -pace * (1.0 + rise * slip(a))
+
+    clock, turn = along(-1.0 / alpha(a)), along(-omega(a) / alpha(a))
+    time = np.arange(count) / sampling_Hz
+    now = np.exp(np.interp(time, clock, level))
+    phase = np.interp(time, clock, turn) + rng.uniform(0, 2 * np.pi)
+    velocity = ((alpha(now) + 1j * omega(now)) * now * np.exp(1j * phase)).real
+    other = frequency_Hz * rng.choice([2.0, 2.6, 6.3])
+    fall = np.exp(-np.pi * 0.003 * other * time)
+    velocity += second * START * fall * np.cos(2 * np.pi * other * time + rng.uniform(0, 6))
+    noise = START / np.sqrt(2) * 10 ** (-noise_db / 20)
+    velocity += noise * rng.standard_normal(count)
+
+    def truth(a):
+        e = 1e-6
+        d_alpha = (alpha(a * (1 + e)) - alpha(a * (1 - e))) / (2 * e) * alpha(a)
+        d_omega = (omega(a * (1 + e)) - omega(a * (1 - e))) / (2 * e) * alpha(a)
+        square = omega(a) ** 2 - d_alpha - alpha(a) ** 2
+        return np.sqrt(square) / (2 * np.pi), -(2 * omega(a) * alpha(a) + d_omega) / square
+
+    return velocity, noise, largest, truth
+
+
 def shaken(seed, eta=0.004, noise_db=60.0, sampling_Hz=25600.0, frequency_Hz=250.0, tip=True):
     """A record as of fig. 2.5: quiet, driven, released, decaying, the tip's return."""
     rng = np.random.default_rng(seed + 1000)
