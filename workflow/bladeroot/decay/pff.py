@@ -66,7 +66,8 @@ def peak_fit(
     """Frequency and loss factor against displacement amplitude from the peaks of a free decay.
 
     Standard errors are from the scatter of the peaks about the fit, with the correlation that
-    the filter gives to white noise.
+    the filter gives to white noise, and from what a polynomial of a
+    higher degree changes.
 
     Args:
         velocity: free decay in m/s.
@@ -130,7 +131,7 @@ def _curve(
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
-    clock, decline = (_fitted(y, at, length) for y in (time, level))
+    clock, decline = (_doubted(y, at, length) for y in (time, level))
     turn, rate = np.pi / clock.slope, decline.slope / clock.slope
     turn_std, rate_std = turn * clock.slope_std / clock.slope, decline.slope_std / clock.slope
     if damping == "hysteretic":
@@ -159,8 +160,21 @@ def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
     return np.clip(1.25**rung, FEWEST, min(MOST, level.size)).astype(int)
 
 
-def _fitted(
+def _doubted(
     y: Float[ndarray, " peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
+) -> _Fit:
+    """The fit, with what a polynomial of two degrees more makes of it in the standard error."""
+    fit, finer = (_fitted(y, at, length, degree) for degree in (DEGREE, DEGREE + 2))
+    by_noise = finer.slope_std**2 - fit.slope_std**2
+    bias = np.maximum((finer.slope - fit.slope) ** 2 - np.maximum(by_noise, 0.0), 0.0)
+    return _Fit(fit.value, fit.slope, np.sqrt(fit.slope_std**2 + bias))
+
+
+def _fitted(
+    y: Float[ndarray, " peak"],
+    at: Int[ndarray, " point"],
+    length: Int[ndarray, " point"],
+    degree: int,
 ) -> _Fit:
     """Polynomials in the peak's number through `length` peaks around each of `at`.
 
@@ -174,7 +188,7 @@ def _fitted(
         half = 0.5 * (count - 1)
         x = (np.arange(count) - half) / half
         alternating = np.where(np.arange(count) % 2, 1.0, -1.0)
-        design = np.column_stack([x**power for power in range(DEGREE + 1)] + [alternating])
+        design = np.column_stack([x**power for power in range(degree + 1)] + [alternating])
         inverse = np.linalg.pinv(design)
         coloured = np.stack([np.convolve(row, lags, mode="same") for row in inverse])
         if coloured.shape[1] > count:  # numpy's "same" is as long as the longer of the two
@@ -187,10 +201,10 @@ def _fitted(
         rest = piece - origin - coefficient @ design.T
         variance = (rest**2).sum(axis=1) / max(freedom, 1.0)
         place = (at[which] - start - half) / half
-        powers = place[:, None] ** np.arange(DEGREE + 1)
+        powers = place[:, None] ** np.arange(degree + 1)
         value[which] = origin[:, 0] + (coefficient[:, :-1] * powers).sum(axis=1)
-        tangent = np.zeros((place.size, DEGREE + 2))
-        tangent[:, 1:-1] = powers[:, :-1] * np.arange(1, DEGREE + 1) / half
+        tangent = np.zeros((place.size, degree + 2))
+        tangent[:, 1:-1] = powers[:, :-1] * np.arange(1, degree + 1) / half
         slope[which] = (coefficient * tangent).sum(axis=1)
         covariance = coloured @ inverse.T
         std[which] = np.sqrt(variance * np.einsum("pc,cd,pd->p", tangent, covariance, tangent))
