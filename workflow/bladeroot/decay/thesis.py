@@ -123,30 +123,45 @@ def thesis_freevib(
 
 def design(rate_Hz: float, centre_Hz: float, pass_Hz: float, stop_Hz: float) -> Filters:
     """Parks-McClellan filters around a frequency; half-widths of pass and stop band in Hz."""
-    from scipy.signal import remez
-
-    def odd(transition_Hz: float, ripple_dB: float = RIPPLE_DB) -> int:
-        # Kaiser's estimate of the length
-        return 2 * int(0.5 * (ripple_dB - 13.0) / 14.6 * rate_Hz / transition_Hz) + 1
-
-    low, high = centre_Hz - stop_Hz, centre_Hz + stop_Hz
-    inner = (centre_Hz - pass_Hz, centre_Hz + pass_Hz)
-    top = 0.5 * rate_Hz
-    band = remez(
-        odd(stop_Hz - pass_Hz), [0.0, low, *inner, min(high, 0.98 * top), top], [0, 1, 0],
-        fs=rate_Hz,
-    )  # fmt: skip
+    low, high, top = centre_Hz - stop_Hz, centre_Hz + stop_Hz, 0.5 * rate_Hz
+    edges = [0.0, low, centre_Hz - pass_Hz, centre_Hz + pass_Hz, min(high, 0.98 * top), top]
+    band = _taps(rate_Hz, stop_Hz - pass_Hz, edges, [0, 1, 0])
     # where the band-pass leaves nothing, these may do as they like
     edge = min(low, top - high)
-    hilbert = remez(odd(edge), [edge, top - edge], [1], type="hilbert", fs=rate_Hz)
-    steep = remez(odd(edge), [0.0, top - edge], [1], type="differentiator", fs=rate_Hz)
-    # an antisymmetric filter's sign and scale are a matter of taste: ours by a wave in the middle
-    derivative = _scaled(steep, rate_Hz, centre_Hz, 2.0 * np.pi * centre_Hz)
-    return Filters(rate_Hz, band, _scaled(hilbert, rate_Hz, centre_Hz, -1.0), derivative)
+    hilbert = _taps(rate_Hz, edge, [edge, top - edge], [1], "hilbert")
+    steep = _taps(rate_Hz, edge, [0.0, top - edge], [1], "differentiator")
+    return Filters(
+        rate_Hz,
+        band,
+        _scaled(hilbert, rate_Hz, centre_Hz, -1.0),
+        _scaled(steep, rate_Hz, centre_Hz, 2.0 * np.pi * centre_Hz),
+    )
+
+
+def _taps(
+    rate_Hz: float,
+    transition_Hz: float,
+    edges_Hz: list[float],
+    desired: list[float],
+    kind: str = "bandpass",
+) -> Float[ndarray, " tap"]:
+    """An odd number of Parks-McClellan taps, about as many as the transition asks for."""
+    from scipy.signal import remez
+
+    # Kaiser's estimate of the length
+    count = 2 * int(0.5 * (RIPPLE_DB - 13.0) / 14.6 * rate_Hz / transition_Hz + 1.0) + 1
+    for longer in range(0, 40, 2):  # the exchange fails now and then: not with another length
+        try:
+            taps = remez(count + longer, edges_Hz, desired, type=kind, fs=rate_Hz)
+        except ValueError:
+            continue
+        if np.isfinite(taps).all():
+            return taps
+    raise ValueError(f"no {kind} filter of about {count} taps found for edges {edges_Hz} Hz")
 
 
 def _scaled(taps: ndarray, rate_Hz: float, centre_Hz: float, gain: float) -> ndarray:
-    """Antisymmetric taps with gain i * `gain` at the centre frequency."""
+    """Antisymmetric taps with gain i `gain` at the centre: conventions of sign and scale differ."""
     place = np.arange(taps.size) - taps.size // 2
     here = -np.sin(2.0 * np.pi * centre_Hz / rate_Hz * place) @ taps
     return taps * (gain / here)
@@ -194,12 +209,8 @@ def _thinned(x: ndarray, thin: int, sampling_Hz: float, centre_Hz: float) -> nda
     """Every `thin`-th sample, after a Parks-McClellan low-pass."""
     if thin == 1:
         return x
-    from scipy.signal import remez
-
-    rate = sampling_Hz / thin
-    low, high = 1.5 * centre_Hz, rate - 1.5 * centre_Hz
-    count = 2 * int(0.5 * (RIPPLE_DB - 13.0) / 14.6 * sampling_Hz / (high - low) + 2) + 1
-    taps = remez(count, [0.0, low, high, 0.5 * sampling_Hz], [1, 0], fs=sampling_Hz)
+    low, high = 1.5 * centre_Hz, sampling_Hz / thin - 1.5 * centre_Hz
+    taps = _taps(sampling_Hz, high - low, [0.0, low, high, 0.5 * sampling_Hz], [1, 0])
     return _centred(x, taps)[: x.size // thin * thin : thin]
 
 
