@@ -1,48 +1,110 @@
 """A first, rough log-phasor of one mode: where its cycles lie and how fast it decays."""
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy import fft
 
-from bladeroot.records.spectrum import band_signal
+from bladeroot.decay.phasors import Frames, Phasors, Stretch, fit_frames, gather
 
 
-def rough_log_phasor(
+def strongest_line(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
     low_Hz: float,
     high_Hz: float,
+    cycles: float = 100.0,
+) -> float:
+    """Frequency (Hz) of the strongest line within a band in the first cycles, the loudest."""
+    count = min(int(cycles * sampling_Hz / low_Hz), velocity.size)
+    spectrum = fft.rfft(velocity[:count], fft.next_fast_len(2 * count, real=True))
+    level = np.abs(spectrum[2:-2] - 0.5 * (spectrum[:-4] + spectrum[4:]))  # Hann's window
+    frequency = np.arange(2, level.size + 2) * sampling_Hz / (2 * spectrum.size - 2)
+    inside = (frequency >= low_Hz) & (frequency <= high_Hz)
+    if not inside.any():
+        raise ValueError(
+            f"expected a line between {low_Hz:.4g} and {high_Hz:.4g} Hz, but {count} samples "
+            f"at {sampling_Hz:.6g} Hz do not resolve that band"
+        )
+    return float(frequency[np.argmax(np.where(inside, level, 0.0))])
+
+
+def rough_phasors(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
     noise: float,
-) -> Complex[ndarray, " sample"]:
-    """ln of the mode's analytic signal at every sample, good to a fraction of a radian.
+    usable: Bool[ndarray, " sample"] | None = None,
+) -> Phasors:
+    """Log-phasors of blocks of the mode near a frequency, good to some per cent of a radian.
 
-    Real part: log-envelope; imaginary part: unwrapped phase. The two ends, where the filter
-    rings or the mode drowns in the noise (rms `noise` over the full band), are continued with
-    constant frequency and decay rate.
+    Raises ValueError where fewer than eight cycles can be followed.
     """
-    analytic = band_signal(velocity, sampling_Hz, low_Hz, high_Hz)
-    envelope = np.abs(analytic)
-    log_phasor = np.log(envelope + 1e-300) + 1j * np.unwrap(np.angle(analytic))
-    in_band = noise * np.sqrt(2.0 * (high_Hz - low_Hz) / sampling_Hz)
-    ring = int(1.5 * sampling_Hz / (high_Hz - low_Hz))
-    drowned = np.flatnonzero(envelope[ring:] < 5.0 * in_band)
-    last = (ring + drowned[0] if drowned.size else velocity.size) - ring
-    last = max(min(last, velocity.size - ring), min(2 * ring, velocity.size))
-    sample = np.arange(velocity.size, dtype=float)
-    span = max(2, min(2 * ring, last // 2))
-    first = min(ring, max(last - span, 0))
-    head = slice(first, first + span)
-    slope = _slope(sample[head], log_phasor[head])
-    log_phasor[:first] = log_phasor[first] + slope * (sample[:first] - first)
-    stretch = max(span, (last - first) // 5)
-    tail = slice(max(last - stretch, 0), last)
-    slope = _slope(sample[tail], log_phasor[tail])
-    slope = complex(min(slope.real, 0.0), slope.imag)  # nothing grows in a free decay
-    middle = 0.5 * (tail.start + tail.stop - 1)
-    log_phasor[last:] = log_phasor[tail].mean() + slope * (sample[last:] - middle)
-    return log_phasor
+    cycle = sampling_Hz / line_Hz
+    length = round(np.ceil(12.0 / cycle) * cycle)  # enough samples for the fit's three columns
+    count = velocity.size // length
+    if count < 8:
+        raise ValueError(
+            f"expected at least 8 whole cycles near {line_Hz:.4g} Hz to follow the mode, got "
+            f"{velocity.size / cycle:.3g}"
+        )
+    angle = 2.0 * np.pi * line_Hz / sampling_Hz
+    frames = fit_frames(
+        velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], (), usable
+    )
+    if frames.time.size < 8:
+        raise ValueError(
+            f"expected at least 8 usable cycles near {line_Hz:.4g} Hz, got {frames.time.size}"
+        )
+    turn = _turning(frames)
+    still = frames.phasor * np.exp(-1j * turn)
+    level = np.log(np.maximum(_envelope(frames, still), 1e-3 * frames.std))
+    blocks, _ = gather(frames.time, frames.phasor, frames.std, level + 1j * turn)
+    if blocks.time.size < 8:
+        raise ValueError(
+            f"expected at least 8 cycles near {line_Hz:.4g} Hz above the noise, got "
+            f"{blocks.time.size}"
+        )
+    return blocks
 
 
-def _slope(x: Float[ndarray, " k"], y: Complex[ndarray, " k"]) -> complex:
-    centred = x - x.mean()
-    return complex((centred @ y) / (centred @ centred))
+def _turning(frames: Frames) -> Float[ndarray, " frame"]:
+    """The phase as the smoothed advance from frame to frame adds it up."""
+    base = frames.phasor * np.exp(-1j * frames.omega * frames.time)
+    step = np.diff(frames.time)
+    advance = base[1:] * base[:-1].conj()
+    apart = step > 1.5 * step.min()  # across a gap the advance is ambiguous
+    advance[apart] = 0.0
+    reach = int(np.clip(step.size // 100, 1, 10))
+    near = _moving_sum(advance, reach)
+    noise = _moving_sum(frames.std[1:] ** 2 * 2.0 * np.abs(base[1:] * base[:-1]), reach)
+    clear = np.abs(near) > 3.0 * np.sqrt(noise * frames.std.min() ** 2 + 1e-300)
+    lost = np.flatnonzero(~clear)
+    detune = np.angle(near) / step.min()
+    if lost.size and lost[0] > 4:  # beyond, as it was last
+        last = int(lost[0])
+        stretch = slice(max(0, last - max(last // 5, 4)), last)
+        detune[last:] = np.angle(advance[stretch].sum()) / step.min()
+    elif lost.size:
+        detune[:] = np.angle(advance.sum()) / step.min()
+    turn = np.concatenate([[0.0], np.cumsum(detune * step)])
+    return turn + frames.omega * frames.time
+
+
+def _envelope(frames: Frames, still: ndarray) -> Float[ndarray, " frame"]:
+    """Amplitude of the frames, from ever more of them as the mode fades."""
+    found = np.abs(still)
+    for reach in (2, 8, 32):
+        if 4 * reach > found.size:
+            break
+        count = _moving_sum(np.ones(found.size), reach)
+        wider = np.abs(_moving_sum(still, reach)) / count
+        found = np.where(wider < 6.0 * frames.std, wider, found)
+    return found
+
+
+def _moving_sum(values: ndarray, reach: int) -> ndarray:
+    """Sum over `reach` neighbours on either side."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    own = np.arange(values.size)
+    return total[np.minimum(own + reach + 1, values.size)] - total[np.maximum(own - reach, 0)]

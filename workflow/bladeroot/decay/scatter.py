@@ -4,48 +4,35 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.phasors import Phasors
+# Squares of normal values beyond 2.5 standard errors are cut to that; this is then their mean.
+_LIMIT = 2.5
+_CUT_MEAN = 0.9765
 
 
-def noise_ratio(blocks: Phasors, window: int = 7, reach: int = 30) -> Float[ndarray, " block"]:
+def noise_ratio(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    most: int = 12,
+    least: int = 120,
+) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
-    From the scatter of either part about a local cubic: coloured noise, remains of other modes
-    and a wrong noise level all show here.
+    From second differences of what a smooth curve misses: noise near the mode that is not that of
+    the full band, remains of other modes and a wrong noise level all show here. Windows, at
+    most `most` and of at least `least` blocks, since a scatter known too roughly spoils every
+    standard error that rests on it; knocks are cut off.
     """
-    window = min(window, blocks.time.size)
-    y = np.stack([blocks.log.real, blocks.log.imag])
-    value, leverage = local_cubic(blocks.time, y, blocks.std, window)
-    square = ((y - value) / blocks.std) ** 2 / (1.0 - leverage)
-    reach = min(reach, (blocks.time.size - 1) // 2)
-    padded = np.pad(square, ((0, 0), (reach, reach)), mode="reflect")
-    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1)
-    return np.sqrt(
-        np.median(around.transpose(1, 0, 2).reshape(square.shape[1], -1), axis=1) / 0.4549
-    )
-
-
-def local_cubic(
-    time: Float[ndarray, " block"],
-    y: Float[ndarray, "part block"],
-    std: Float[ndarray, " block"],
-    window: int,
-) -> tuple[Float[ndarray, "part block"], Float[ndarray, " block"]]:
-    """Weighted cubic through the `window` blocks around each block: its value there, leverage.
-
-    Rows of `y` share times and errors. Windows at the ends shift inwards. The leverage is the
-    weight of a block in its own fitted value.
-    """
-    own = np.arange(time.size)
-    start = np.clip(own - window // 2, 0, time.size - window)
-    index = start[:, None] + np.arange(window)
-    distance = time[index] - time[:, None]
-    x = distance / np.abs(distance).max(axis=1, keepdims=True)
-    power = x[:, :, None] ** np.arange(4)
-    trust = (std[index].min(axis=1, keepdims=True) / std[index]) ** 2
-    weighted = power * np.maximum(trust, 1e-6)[:, :, None]
-    gram = weighted.transpose(0, 2, 1) @ power + 1e-12 * np.eye(4)
-    weight = np.linalg.solve(gram, weighted.transpose(0, 2, 1))[:, 0]
-    # subtracting the local level keeps the digits of a long phase
-    value = ((y[:, index] - y[:, :, None]) * weight).sum(axis=2) + y
-    return value, np.clip(weight[own, own - start], 0.0, 0.9)
+    count = std.size - 2
+    if count < 10:
+        return np.ones(std.size)
+    scaled = miss / std
+    square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
+    windows = int(np.clip(count // least, 1, most))
+    length = count // windows
+    near = square[:, : windows * length].reshape(-1, windows, length)
+    near = near.transpose(1, 0, 2).reshape(windows, -1)
+    mean = np.median(near, axis=1, keepdims=True) / 0.4549
+    for _ in range(3):
+        mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
+    centre = (np.arange(windows) + 0.5) * length + 0.5
+    return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))

@@ -1,229 +1,125 @@
-"""Follow one mode through a record, with the other modes taken off first."""
-
-from collections.abc import Sequence
-from dataclasses import dataclass
+"""Follow one mode through a record, other modes fitted along with it."""
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
-from scipy import fft
 
-from bladeroot.decay.carrier import rough_log_phasor
-from bladeroot.decay.phasors import Phasors, block_edges, block_phasors
+from bladeroot.decay.carrier import rough_phasors, strongest_line
+from bladeroot.decay.lines import find_lines, remainder
+from bladeroot.decay.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather, refined
 from bladeroot.decay.scatter import noise_ratio
-from bladeroot.decay.smooth import smooth
-
-
-@dataclass(frozen=True)
-class Band:
-    """A mode's frequency and the band (Hz) in which nothing else lies."""
-
-    centre_Hz: float
-    low_Hz: float
-    high_Hz: float
+from bladeroot.decay.smooth import Spline, coarse, fine
 
 
 def follow(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
-    band: Band,
+    band_Hz: tuple[float, float],
     noise: float,
-    refinements: int = 2,
-    knots: int = 60,
-    corrections: int = 0,
-    others: Sequence[Complex[ndarray, " sample"]] = (),
-) -> tuple[Phasors, Complex[ndarray, " sample"]]:
-    """Block log-phasors of the mode in a band, and its smooth log-phasor at every sample.
+    usable: Bool[ndarray, " sample"] | None = None,
+) -> tuple[Phasors, Spline, list[float]]:
+    """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
+    duration = velocity.size / sampling_Hz
+    line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
+    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
+    fit = _rough_fit(blocks, duration)
+    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
+    middles = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
+    value = fit.value(np.minimum(middles, blocks.time[-1]))
+    rest = remainder(velocity, sampling_Hz, stretches, value[:, 0] + 1j * value[:, 1])
+    if usable is not None:
+        rest = np.where(usable, rest, 0.0)
+    stop = int(blocks.time[-1] * sampling_Hz)
+    strength = float(np.exp(value[0, 0].max()))
+    swept = value[1, 1] / (2.0 * np.pi)
+    own_Hz = (float(swept.min()), float(swept.max()))
+    others = find_lines(rest[:stop], sampling_Hz, own_Hz, strength)
+    cycles = _cycles(others, line_Hz, duration)
+    if cycles > 1:
+        stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
+    rates = [2j * np.pi * other for other in others]
+    frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
+    if others:
+        rates = refined(rates, frames)
+        frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
+    blocks = _gathered(frames, blocks, fit)
+    fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
+    blocks = _gathered(frames, blocks, fit)
+    # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
+    # the displacement that is smoothed
+    value = fit.value(blocks.time)
+    rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
+    blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
+    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), others
 
-    The blocks need a carrier that is right within each of them: first the filtered signal's,
-    then `refinements` times a spline through the blocks, at last `corrections` by the blocks
-    themselves where the spline misses them by more than the noise. Carriers of `others` are
-    fitted along in each block.
+
+def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
+    """Blocks of the frames, freed of what the mode does within them, with errors as they scatter.
+
+    known: blocks to which the spline `fit` reaches; beyond them it goes on as a straight line.
     """
-    carrier = rough_log_phasor(velocity, sampling_Hz, band.low_Hz, band.high_Hz, noise)
-    sample_time = np.arange(velocity.size) / sampling_Hz
-    for _ in range(refinements):
-        edges = block_edges(carrier, sampling_Hz, noise)
-        if edges.size < 9:
-            raise ValueError(
-                f"expected at least 8 whole cycles near {band.centre_Hz:.4g} Hz to follow the "
-                f"mode, got {max(edges.size - 1, 0)}"
-            )
-        blocks = block_phasors(velocity, sampling_Hz, carrier, edges, noise, others)
-        usable = _clear(blocks)
-        if usable < 8:
-            break
-        blocks = Phasors(blocks.time[:usable], blocks.log[:usable], blocks.std[:usable])
-        at = sites(blocks, knots)
-        std = blocks.std * noise_ratio(blocks)
-        level = smooth(blocks.time, blocks.log.real, std, at, at, iterations=15)
-        phase = smooth(blocks.time, blocks.log.imag, std, at, at, iterations=15)
-        carrier = hermite(
-            sample_time,
-            at,
-            level.value[0] + 1j * phase.value[0],
-            level.value[1] + 1j * phase.value[1],
-        )
-        # a short mode's growth must not run away where it is continued
-        carrier.real = np.minimum(carrier.real, level.value[0].max() + 0.5)
-    for _ in range(corrections):
-        edges = block_edges(carrier, sampling_Hz, noise)
-        if edges.size < 9:
-            break
-        corrected = block_phasors(velocity, sampling_Hz, carrier, edges, noise, others)
-        usable = _clear(corrected)
-        if usable < 8:  # worse than before: keep what there was
-            break
-        blocks = Phasors(corrected.time[:usable], corrected.log[:usable], corrected.std[:usable])
-        carrier = carrier + _correction(blocks, carrier, sampling_Hz, sample_time)
-    return blocks, carrier
+    # not far beyond: a straight line soon says nothing about a mode that was lost
+    reach = known.time[-1] + 0.05 * (known.time[-1] - known.time[0])
+    near = slice(0, int(np.searchsorted(frames.time, reach)))
+    time = frames.time[near]
+    inside = np.clip(time, known.time[0], known.time[-1])
+    value = fit.value(inside)
+    log = value[:, 0] + 1j * value[:, 1]
+    guess = log[0] + log[1] * (time - inside)
+    phasor = corrected(frames, near, log[1], log[2])
+    blocks, miss = gather(time, phasor, frames.std[near], guess)
+    if blocks.time.size < 8:
+        raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
+    std = blocks.std * np.maximum(noise_ratio(_parts(miss), blocks.std), 0.5)
+    # a clock and a digitiser are never better than a millionth of a radian
+    return Phasors(blocks.time, blocks.log, np.hypot(std, 1e-6))
 
 
-def _correction(
-    blocks: Phasors,
-    carrier: Complex[ndarray, " sample"],
-    sampling_Hz: float,
-    sample_time: Float[ndarray, " sample"],
-) -> Complex[ndarray, " sample"]:
-    """What the carrier misses by far more than the noise, as where slip ends within a cycle."""
-    at = blocks.time * sampling_Hz
-    floor = np.floor(at).astype(int)
-    own = carrier[floor] + (carrier[floor + 1] - carrier[floor]) * (at - floor)
-    miss = blocks.log - own
-    size = np.abs(miss) ** 2
-    miss = miss * size / (size + (5.0 * blocks.std) ** 2)
-    inside = (sample_time >= blocks.time[0]) & (sample_time <= blocks.time[-1])
-    correction = hermite(sample_time, blocks.time, miss, np.gradient(miss, blocks.time))
-    return np.where(inside, correction, 0.0)
+def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
+    return np.stack([log.real, log.imag])
 
 
-def sites(blocks: Phasors, most: int) -> Float[ndarray, " site"]:
-    """Places for a spline's knots: even in log-amplitude as much as in number of blocks."""
-    lowest = np.minimum.accumulate(blocks.log.real)
-    fall = (lowest[0] - lowest) / max(lowest[0] - lowest[-1], 1e-9)
-    clock = 0.5 * fall + 0.5 * np.linspace(0.0, 1.0, blocks.time.size)
-    count = max(min(most, blocks.time.size // 2), 4)
-    # a stretch that grows has no fall, and its clock would end early
-    return np.interp(np.linspace(0.0, clock[-1], count), clock, blocks.time)
+def _rough_fit(blocks: Phasors, duration: float) -> Spline:
+    y = _parts(blocks.log)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
+    return coarse(blocks.time, y, std, duration, knots=36, iterations=2)
 
 
-def _clear(blocks: Phasors, worst: float = 0.3) -> int:
-    """Number of blocks before the mode is lost in the noise."""
-    lost = np.flatnonzero(blocks.std > worst)
-    return int(lost[0]) if lost.size else blocks.std.size
+def cut_frames(
+    fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float, cycles: int
+) -> list[Stretch]:
+    """The record cut into frames of whole cycles, anew where the frequency has moved."""
+    grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
+    omega = fit.value(grid)[1, 1]
+    step = 0.02 / cycles
+    class_ = np.round(np.log(omega / np.median(omega)) / step)
+    change = np.flatnonzero(np.diff(class_)) + 1
+    found: list[Stretch] = []
+    first = 0
+    starts = np.concatenate([[0], change])
+    ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
+    for start, end in zip(starts, ends, strict=True):
+        angle = float(np.median(omega) * np.exp(class_[start] * step)) / sampling_Hz
+        length = max(round(cycles * 2.0 * np.pi / angle), 8)
+        frames = int(min(end, samples) - first) // length
+        if frames > 0:
+            found.append(Stretch(first, length, frames, angle))
+            first += frames * length
+    return found
 
 
-def hermite(
-    time: Float[ndarray, " sample"],
-    knot: Float[ndarray, " knot"],
-    value: Complex[ndarray, " knot"],
-    slope: Complex[ndarray, " knot"],
-) -> Complex[ndarray, " sample"]:
-    """Piecewise cubic through values and slopes, continued as a straight line."""
-    left = np.clip(np.searchsorted(knot, time, side="right") - 1, 0, knot.size - 2)
-    step = np.diff(knot)[left]
-    s = np.clip((time - knot[left]) / step, 0.0, 1.0)
-    inside = (
-        (1 + 2 * s) * (1 - s) ** 2 * value[left]
-        + s * (1 - s) ** 2 * step * slope[left]
-        + s * s * (3 - 2 * s) * value[left + 1]
-        - s * s * (1 - s) * step * slope[left + 1]
-    )
-    before, after = np.minimum(time - knot[0], 0.0), np.maximum(time - knot[-1], 0.0)
-    return inside + before * slope[0] + after * slope[-1]
+def _middles(stretch: Stretch, sampling_Hz: float) -> Float[ndarray, " frame"]:
+    middle = stretch.first + 0.5 * (stretch.length - 1)
+    return (middle + np.arange(stretch.frames) * stretch.length) / sampling_Hz
 
 
-def strongest_other(
-    residual: Float[ndarray, " sample"],
-    sampling_Hz: float,
-    taken: list[Band],
-    strength: float,
-    cycles: float = 12.0,
-    ratio: float = 8.0,
-) -> Band | None:
-    """The clearest spectral line outside the bands already taken, or None.
-
-    Looks at several spans from the record's start, since a mode that decays fast is only seen
-    in a short one; a line must stand `ratio` above the median level, around it and overall, and
-    above a fifty-thousandth of `strength`, the main mode's amplitude.
-    """
-    best, found = ratio, None
-    low_Hz = taken[0].centre_Hz / 8.0
-    for fraction in (1.0, 0.25, 1.0 / 16.0, 1.0 / 64.0):
-        count = int(residual.size * fraction)
-        if count < cycles * sampling_Hz / taken[0].centre_Hz:
-            break
-        window = np.hanning(count)
-        padded = fft.next_fast_len(2 * count, real=True)
-        level = np.abs(fft.rfft(residual[:count] * window, padded))
-        frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
-        width = 4.0 * sampling_Hz / count
-        open_ = (frequency > max(low_Hz, width, 16.0 * sampling_Hz / residual.size)) & (
-            frequency < 0.48 * sampling_Hz
-        )
-        for band in taken:
-            half = max(width, 0.02 * band.centre_Hz)
-            open_ &= np.abs(frequency - band.centre_Hz) > half
-        if open_.sum() < 16:
-            continue
-        peak = int(np.argmax(np.where(open_, level, 0.0)))
-        reach = int(width / frequency[1])
-        around = level[max(peak - 4 * reach, 0) : peak + 4 * reach + 1]
-        floor = max(np.median(level[open_]), np.median(around), 2e-5 * strength * window.sum() / 2)
-        is_line = level[peak] == level[max(peak - 2 * reach, 0) : peak + 2 * reach + 1].max()
-        if is_line and level[peak] / floor > best:
-            best, found = level[peak] / floor, float(frequency[peak])
-    if found is None:
-        return None
-    gap = min(abs(found - band.centre_Hz) for band in taken)
-    half = min(0.4 * found, 0.5 * gap, 0.45 * sampling_Hz - found)
-    return Band(found, found - half, found + half)
-
-
-def separate(
-    velocity: Float[ndarray, " sample"],
-    sampling_Hz: float,
-    band: Band,
-    noise: float,
-    most: int = 4,
-    rounds: int = 2,
-) -> tuple[Float[ndarray, " sample"], list[Band], list[Complex[ndarray, " sample"]]]:
-    """The record without the other modes, where they lie, and their carriers.
-
-    Each is followed in what the rest leave over and taken off, `rounds` times round, so that no
-    filter has to hold them back and the first cycles stay usable.
-    """
-    wave, carrier = _part(velocity, sampling_Hz, band, noise)
-    bands, waves, carriers = [band], [wave], [carrier]
-    residual = velocity - wave
-    strength = float(np.abs(wave).max())
-    while len(bands) <= most:
-        other = strongest_other(residual, sampling_Hz, bands, strength)
-        if other is None or other.high_Hz - other.low_Hz < 8.0 * sampling_Hz / velocity.size:
-            break
-        tried, rest = [*waves, np.zeros_like(velocity)], residual
-        found = [*carriers, carrier]
-        try:
-            for _ in range(rounds):
-                for k in reversed(range(len(tried))):
-                    rest = rest + tried[k]
-                    tried[k], found[k] = _part(rest, sampling_Hz, [*bands, other][k], noise)
-                    rest = rest - tried[k]
-        except ValueError:  # a line that cannot be followed is no mode
-            break
-        if rest @ rest >= residual @ residual:
-            break
-        bands, waves, carriers, residual = [*bands, other], tried, found, rest
-    return residual + waves[0], bands[1:], carriers[1:]
-
-
-def _part(
-    rest: Float[ndarray, " sample"], sampling_Hz: float, band: Band, noise: float
-) -> tuple[Float[ndarray, " sample"], Complex[ndarray, " sample"]]:
-    """The mode as followed, up to where it is lost in the noise, and its carrier."""
-    blocks, carrier = follow(rest, sampling_Hz, band, noise, refinements=1)
-    wave = np.exp(carrier).real
-    last, gone = blocks.time[-1], rest.size / sampling_Hz - blocks.time[-1]
-    if gone > 2.0 * (last - blocks.time[-2]):
-        wave[int(np.ceil(last * sampling_Hz)) + 1 :] = 0.0
-    return wave, carrier
+def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
+    """Cycles in a frame: enough to tell the other lines apart, while frames remain plenty."""
+    most = int(np.clip(duration * line_Hz / 150.0, 1, 8))
+    for cycles in range(1, most + 1):
+        frame = cycles / line_Hz
+        lines = [*others, line_Hz, 0.0]
+        apart = [abs(a - b) * frame for k, a in enumerate(lines) for b in lines[:k]]
+        if min(apart) > 0.9:
+            return cycles
+    return most

@@ -1,0 +1,80 @@
+"""Other modes, hum and harmonics: spectral lines in what the mode itself leaves of a record."""
+
+import numpy as np
+from jaxtyping import Complex, Float
+from numpy import ndarray
+from scipy import fft
+
+from bladeroot.decay.phasors import Stretch
+
+
+def remainder(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    stretches: list[Stretch],
+    log: Complex[ndarray, "3 frame"],
+) -> Float[ndarray, " sample"]:
+    """The record less the mode, given its log-phasor and two derivatives in each frame."""
+    rest = velocity.copy()
+    at = 0
+    for stretch in stretches:
+        own = log[:, at : at + stretch.frames]
+        at += stretch.frames
+        local = (np.arange(stretch.length) - 0.5 * (stretch.length - 1)) / sampling_Hz
+        wave = np.exp(1j * stretch.angle * sampling_Hz * local)
+        delta = own[1] - 1j * stretch.angle * sampling_Hz
+        growth = np.stack([np.ones_like(delta), delta, 0.5 * (delta**2 + own[2])], axis=1)
+        growth = growth * np.exp(own[0])[:, None]
+        powers = wave * local ** np.arange(3)[:, None]
+        stop = stretch.first + stretch.frames * stretch.length
+        # real part by two real products: half the work of a complex one
+        model = growth.real @ powers.real - growth.imag @ powers.imag
+        rest[stretch.first : stop] -= model.ravel()
+    return rest
+
+
+def find_lines(
+    rest: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    own_Hz: tuple[float, float],
+    strength: float,
+    most: int = 4,
+    ratio: float = 8.0,
+    chunk: int = 64,
+) -> list[float]:
+    """Frequencies of the clearest lines in the remainder, strongest first.
+
+    Looks at the whole record and at its first parts, since a mode that decays fast is only seen
+    in a short one. A line must stand `ratio` above the median level around it and above a
+    fifty-thousandth of `strength`, the mode's amplitude. `own_Hz`: the lowest and highest
+    frequency of the mode itself.
+    """
+    low, high = own_Hz
+    found: list[tuple[float, float]] = []
+    for part in (1, 8, 64):
+        count = fft.prev_fast_len(rest.size // part, real=True)
+        if count < 12.0 * sampling_Hz / low or count < 4 * chunk:
+            break
+        spectrum = fft.rfft(rest[:count])
+        spectrum = spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])  # Hann's window
+        power = spectrum.real**2 + spectrum.imag**2
+        width = sampling_Hz / count
+        whole = power[: power.size // chunk * chunk].reshape(-1, chunk)
+        place = whole.argmax(axis=1) + np.arange(whole.shape[0]) * chunk
+        height = power[place]
+        frequency = (place + 1) * width
+        half = max(8.0 * width, 0.05 * low)
+        clear = (frequency < low - half) | (frequency > high + half)
+        clear &= (frequency > max(low / 8.0, 4.0 * width)) & (frequency < 0.48 * sampling_Hz)
+        # a line of amplitude one is half the count high
+        clear &= height > (2e-5 * strength * count / 2.0) ** 2
+        floor = np.partition(whole[:, ::4], chunk // 8, axis=1)[:, chunk // 8]
+        clear &= height > ratio**2 * np.minimum(floor, 900.0 * np.median(floor))
+        near = max(0.05 * low, 4.0 * width)
+        candidates = np.flatnonzero(clear)
+        for k in candidates[np.argsort(-height[candidates])]:
+            is_peak = height[k] >= power[max(place[k] - 8, 0) : place[k] + 9].max()
+            # a longer part has told a line's place better
+            if is_peak and all(abs(frequency[k] - line) > near for _, line in found):
+                found.append((float(height[k]) / count**2, float(frequency[k])))
+    return [line for _, line in sorted(found, reverse=True)[:most]]
