@@ -99,6 +99,33 @@ def test_profiles_carry_their_loads(parameters):
     np.testing.assert_allclose(sheared, result["load_ratio"], atol=2e-3)
 
 
+def test_sensitivities_follow_from_the_closed_form(parameters):
+    """With w = ln(2L/b): E scales k, L enters k directly and through w, and b as -1/w."""
+    result = theory(parameters, FE_FORCES)
+    kn = result["kn_sensitivity"].to_series()
+
+    def closed(**changes):
+        return float(theory({**parameters, **changes}, FE_FORCES)["kn_theory"][0, 0])
+
+    for name in ("flat_half_width", "edge_radius", "length", "youngs_modulus"):
+        ratio = closed(**{name: 1.01 * parameters[name]}) / closed()
+        assert np.log(ratio) / np.log(1.01) == pytest.approx(kn[name], abs=2e-3), name
+    assert 0 < kn["flat_half_width"] < 0.4
+    assert 0 < kn["edge_radius"] < kn["flat_half_width"]
+    assert 0.6 < kn["length"] < 1.0
+
+
+def test_boundary_elements_confirm_the_pressure_and_show_the_ends(parameters):
+    result = theory(parameters, FE_FORCES)
+    assert result.attrs["boundary_pressure_difference"] < 0.01
+    assert abs(result.attrs["boundary_half_width_difference"]) < result.attrs["boundary_cell"]
+    for name in ("kn", "kt"):
+        closed = result[f"{name}_theory"].sel(friction_state="T = 0")
+        # a rigid flank presses harder at its ends: stiffer by a tenth, the same at every force
+        ratio = result[f"{name}_boundary"] / closed
+        assert (np.abs(ratio - 1.105) < 0.01).all(), name
+
+
 def test_forces_that_press_nothing_are_refused(parameters):
     with pytest.raises(ValueError, match="must be positive"):
         theory(parameters, np.array([0.0, 1e3]))

@@ -108,6 +108,15 @@ def forces_of(campaign):
     return sorted({round(1000 * force) for force in asked})
 
 
+def of_records(pattern, wildcards):
+    """One artifact for each record of a campaign."""
+    return expand(
+        pattern,
+        campaign=wildcards.campaign,
+        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
+    )
+
+
 def code(script):
     """Hash of a stage's code: its script and all that it imports of the library."""
     return code_hash(SCRIPTS / f"{script}.py")

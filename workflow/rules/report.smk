@@ -1,15 +1,6 @@
 # Figures, the score of simulated records against the bench's truth, and the report.
 
 
-def of_records(pattern, wildcards):
-    """One artifact for each record of a campaign."""
-    return expand(
-        pattern,
-        campaign=wildcards.campaign,
-        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
-    )
-
-
 rule score:
     input:
         stick=rules.stick.output.stick,
@@ -34,6 +25,7 @@ rule figures_records:
     input:
         records=lambda w: of_records(rules.record.output.record, w),
         decays=lambda w: of_records(rules.decay.output.decay, w),
+        curves=rules.curves.output.curves,
     output:
         cuts=report(
             "results/{campaign}/figures/cuts.svg",
@@ -41,9 +33,27 @@ rule figures_records:
             category="{campaign}",
             subcategory="measurement",
         ),
+        spectra=report(
+            "results/{campaign}/figures/spectra.svg",
+            caption="../report/spectra.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
         backbones=report(
             "results/{campaign}/figures/backbones.svg",
             caption="../report/backbones.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+        waterfall=report(
+            "results/{campaign}/figures/waterfall.svg",
+            caption="../report/waterfall.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+        amplitude_force=report(
+            "results/{campaign}/figures/amplitude_force.svg",
+            caption="../report/amplitude_force.rst",
             category="{campaign}",
             subcategory="measurement",
         ),
@@ -58,7 +68,7 @@ rule figures_records:
         "figures of the records of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_records.py --records {input.records:q} --decays {input.decays:q}"
-        " --cuts {output.cuts} --backbones {output.backbones} > {log} 2>&1"
+        " --curves {input.curves:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 
 rule figures:
@@ -94,6 +104,12 @@ rule figures:
         tractions=report(
             "results/{campaign}/figures/tractions.svg",
             caption="../report/tractions.rst",
+            category="{campaign}",
+            subcategory="contact theory",
+        ),
+        against_normal_force=report(
+            "results/{campaign}/figures/against_normal_force.svg",
+            caption="../report/against_normal_force.rst",
             category="{campaign}",
             subcategory="contact theory",
         ),

@@ -22,6 +22,7 @@ def main(stick, fe_forces, searches, stiffness, theory, published, mesh, simulat
         "structure": structure_figures.side_view(artifacts.load(mesh)),
         "maps": stiffness_figures.maps(found, table_5_2, marked),
         "tractions": theory_figures.tractions(predicted),
+        "against_normal_force": theory_figures.against_normal_force(predicted),
         "compared": theory_figures.compared(predicted, identified, marked),
     }
     for name, figure in drawn.items():

@@ -1,17 +1,36 @@
-"""Figures of the records: what was cut, and the curves over amplitude."""
+"""Figures of the records: cuts, spectra, curves over amplitude, and their maps over force."""
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.decay.spectra import before_and_after
+from bladeroot.figures import amplitude_force
 from bladeroot.figures import decay as decay_figures
 from bladeroot.figures import records as record_figures
+from bladeroot.figures import spectra as spectrum_figures
 from bladeroot.figures.style import svg
 
 
-def main(records, decays, cuts, backbones):
+def main(records, decays, curves, folder):
     shown = record_figures.representative([artifacts.load(record) for record in records])
-    artifacts.save_text(svg(record_figures.cuts(shown)), cuts)
-    curves = decay_figures.backbones([artifacts.load(decay) for decay in decays])
-    artifacts.save_text(svg(curves), backbones)
+    found = {decay.attrs["record"]: decay for decay in map(artifacts.load, decays)}
+    mean = artifacts.load(curves)
+    spectra = [
+        before_and_after(
+            record["velocity"].values.astype(float),
+            record.attrs["sampling_Hz"],
+            found[record.attrs["record"]],
+        )
+        for record in shown
+    ]
+    drawn = {
+        "cuts": record_figures.cuts(shown),
+        "spectra": spectrum_figures.spectra(spectra),
+        "backbones": decay_figures.backbones(list(found.values())),
+        "waterfall": amplitude_force.waterfall(mean),
+        "amplitude_force": amplitude_force.maps(mean),
+    }
+    for name, figure in drawn.items():
+        artifacts.save_text(svg(figure), f"{folder}/{name}.svg")
 
 
 if __name__ == "__main__":
@@ -19,6 +38,6 @@ if __name__ == "__main__":
         main,
         records="many: free decays",
         decays="many: curves over amplitude",
-        cuts="figure of the cuts (SVG)",
-        backbones="figure of frequency and damping over amplitude (SVG)",
+        curves="curves.nc",
+        folder="where the figures go",
     )

@@ -1,6 +1,7 @@
 """The artifact of the contact theory: stiffness, profiles and comparison (chapter 6)."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -8,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact import compliance
+from bladeroot.contact.boundary_elements import line_pressure, rectangle_stiffness
 from bladeroot.contact.loads import FRICTION_STATES, axial_per_normal, normal_force
 from bladeroot.contact.punch import Punch, contact_half_width, pressure, punch_from, shear
 from bladeroot.contact.punch import stick_half_width as stick_width
@@ -40,6 +42,8 @@ def theory(
         _against_normal_force(punch, punch_from(parameters, "printed"), forces, per_normal),
         _against_axial_force(punch, forces, angle),
         _profiles(punch, float(forces[0]), angle),
+        _by_boundary_elements(punch, forces, angle),
+        _sensitivity(punch, float(forces[0]), angle),
     ]
     whole = xr.merge(parts, compat="equals", combine_attrs="drop_conflicts")
     if stiffness is not None:
@@ -187,6 +191,62 @@ def _profiles(punch: Punch, axial: float, angle: float) -> xr.Dataset:
         },
         attrs={"profile_axial_force": axial},
     )
+
+
+def _by_boundary_elements(punch: Punch, forces: ndarray, angle: float) -> xr.Dataset:
+    """The closed forms' independent check at T = 0: stiffness at all forces, pressure at one."""
+    n = normal_force(forces, FRICTION_STATES[0], punch.friction, angle)
+    b = contact_half_width(n / punch.length, punch)
+    variables = {}
+    for name, direction in (("kn", "normal"), ("kt", "tangential")):
+        k = [
+            rectangle_stiffness(float(half), punch.length, punch, direction, (8, 20)) for half in b
+        ]
+        text = f"{direction} stiffness of a rigid flank of finite length, boundary elements"
+        variables[f"{name}_boundary"] = ("force", np.array(k), _attrs("N/m", text))
+    x, value = line_pressure(float(n[0]) / punch.length, punch, 1.2 * float(b[0]))
+    exact = pressure(x, float(n[0]) / punch.length, punch)
+    # beside the flat's end the pressure has a logarithmic kink that no cell can follow
+    away = np.abs(np.abs(x) - punch.flat_half_width) > 4.0 * (x[1] - x[0])
+    away &= np.abs(x) < b[0] - 4.0 * (x[1] - x[0])
+    rim = np.abs(x[value > 0.0]).max() + 0.5 * (x[1] - x[0])
+    return xr.Dataset(
+        variables,
+        attrs={
+            "boundary_pressure_difference": float(
+                np.abs(value - exact)[away].max() / exact[away].mean()
+            ),
+            "boundary_half_width_difference": float(rim / b[0] - 1.0),
+            "boundary_cell": float((x[1] - x[0]) / b[0]),
+        },
+    )
+
+
+def _sensitivity(punch: Punch, axial: float, angle: float) -> xr.Dataset:
+    """Per cent change of the stiffness for one per cent of each parameter, at one axial force."""
+    names = ("flat_half_width", "edge_radius", "length", "youngs_modulus", "poisson_ratio")
+    step, slopes = 1e-4, {"kn": [], "kt": []}
+    n = normal_force(np.array([axial]), FRICTION_STATES[0], punch.friction, angle)
+    for name in names:
+        moved = [
+            replace(punch, **{name: getattr(punch, name) * (1.0 + sign * step)})
+            for sign in (1.0, -1.0)
+        ]
+        for k, function in (
+            ("kn", compliance.normal_stiffness),
+            ("kt", compliance.tangential_stiffness),
+        ):
+            up, down = (float(function(n, other)[0]) for other in moved)
+            slopes[k].append(np.log(up / down) / np.log((1.0 + step) / (1.0 - step)))
+    return xr.Dataset(
+        {
+            f"{k}_sensitivity": (
+                "parameter", np.array(values), _attrs("1", f"d ln {k} / d ln parameter at T = 0")
+            )
+            for k, values in slopes.items()
+        },
+        coords={"parameter": list(names)},
+    )  # fmt: skip
 
 
 def _compared(whole: xr.Dataset, other: xr.Dataset, label: str, suffix: str) -> xr.Dataset:

@@ -42,9 +42,7 @@ def report(
         sticks,
         structure_section(held, figures["structure"]),
         stiffness_section(stages["stiffness"], figures["maps"], score),
-        theory_section(
-            stages["theory"], stages["stiffness"], figures["tractions"], figures["compared"]
-        ),
+        theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]
     if of_the_thesis:

@@ -10,6 +10,19 @@ import xarray as xr
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
 
+PICTURES = {
+    "cuts": "Raw records and the free decay that was cut out by itself, for each mode at the "
+    "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
+    "spectra": "Amplitude spectra of the same free decays before and after the mode was separated: "
+    "what is left over holds the other modes and the noise, and nothing of the mode.",
+    "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
+    "3.11), every usable record; bands are one standard error.",
+    "waterfall": "Mean curve of all records at each force, drawn over its own force: softening "
+    "(how far the frequency lies below its value at the smallest amplitudes) and loss factor.",
+    "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: linear "
+    "between the forces that were measured (triangles), blank where nothing was.",
+}
+
 
 def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str, str]) -> Section:
     """The specimen's campaign: gauge, modes, records, what was left out and why."""
@@ -37,20 +50,7 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
     if bad.all():
         return Section("What was measured", parts)
-    parts.append(
-        Picture(
-            figures["cuts"],
-            "Raw records and the free decay that was cut out by itself, for each mode at the "
-            "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
-        )
-    )
-    parts.append(
-        Picture(
-            figures["backbones"],
-            "Natural frequency and loss factor against displacement amplitude (FREEVIB, 3.11), "
-            "every usable record; bands are one standard error.",
-        )
-    )
+    parts += [Picture(figures[name], caption) for name, caption in PICTURES.items()]
     return Section("What was measured", parts)
 
 

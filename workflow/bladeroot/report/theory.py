@@ -1,5 +1,7 @@
 """The section on contact theory: what chapter 6 predicts beside what was identified."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 
@@ -11,7 +13,7 @@ _HEADER = ("force / kN", "state", "theory kn / N/mm", "theory kt / N/mm", "thesi
 
 
 def theory_section(
-    theory: xr.Dataset, stiffness: xr.Dataset, tractions: str, compared: str
+    theory: xr.Dataset, stiffness: xr.Dataset, figures: Mapping[str, str]
 ) -> Section:
     """Traction profiles, stiffness against force in both limits of friction, ratios."""
     rows = []
@@ -34,13 +36,20 @@ def theory_section(
         "predicts stiffness that hardly grows with the force, and a tangential one below the "
         "normal one.",
         Picture(
-            tractions,
+            figures["tractions"],
             f"Pressure and shear across the flank at {theory.attrs['profile_axial_force'] / 1e3:g}"
             " kN axial force for several ratios of tangential to limiting force (figs 6.4, 6.5); "
             "grey: the flat part.",
         ),
+        _boundary_sentence(theory),
         Picture(
-            compared,
+            figures["against_normal_force"],
+            "Tangential and normal stiffness of a flank against the normal force on it at T = 0 "
+            "(figs 6.7, 6.8).",
+        ),
+        _sensitivity_table(theory),
+        Picture(
+            figures["compared"],
             "Stiffness of one flank against axial force: theory without tangential load (T = 0) "
             "and at the limit of friction (T = µN), Table 5.2 times 33 (6.16), and ours with one "
             "standard deviation (measurement and model bias).",
@@ -55,6 +64,42 @@ def theory_section(
         f"4PR would change kn by {_printed_effect(theory)}.",
     ]
     return Section("Contact theory", parts)
+
+
+def _boundary_sentence(theory: xr.Dataset) -> str:
+    ratio = [
+        theory[f"{k}_boundary"] / theory[f"{k}_theory"].sel(friction_state="T = 0")
+        for k in ("kn", "kt")
+    ]
+    stiffer = [f"{100 * float(r.mean() - 1):.1f} % in {k}" for r, k in zip(ratio, ("kn", "kt"),
+               strict=True)]  # fmt: skip
+    return (
+        "Boundary elements, which share no formula with the closed forms, give the same contact "
+        f"width to {100 * abs(theory.attrs['boundary_half_width_difference']):.1f} % (a cell is "
+        f"{100 * theory.attrs['boundary_cell']:.1f} %) and the same pressure to "
+        f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. They also show "
+        "what the closed forms leave out: these hold the pressure constant along the flank and "
+        "take the approach at its middle, while a rigid flank of this length presses harder at "
+        f"its ends and is stiffer by {listed(stiffer)}."
+    )
+
+
+def _sensitivity_table(theory: xr.Dataset) -> Table:
+    symbols = {"flat_half_width": "flat half-width a", "edge_radius": "edge radius R",
+               "length": "length L", "youngs_modulus": "Young's modulus E",
+               "poisson_ratio": "Poisson's ratio"}  # fmt: skip
+    rows = [
+        (
+            symbols[str(name)],
+            fixed(float(theory["kn_sensitivity"].sel(parameter=name)), 3),
+            fixed(float(theory["kt_sensitivity"].sel(parameter=name)), 3),
+        )
+        for name in theory["parameter"].values
+    ]
+    header = ("one per cent more of", "changes kn by / %", "changes kt by / %")
+    return Table(
+        "Sensitivity of the theoretical stiffness at the lowest force, T = 0", header, rows
+    )
 
 
 def _own_ratios(theory: xr.Dataset, stiffness: xr.Dataset) -> list[str]:

@@ -1,0 +1,79 @@
+"""Mean curves over records and forces, and spectra before and after separation."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.decay.curves import mean_curves
+from bladeroot.decay.freevib import freevib
+from bladeroot.decay.spectra import before_and_after, followed_mode
+
+
+def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B"):
+    amplitude = np.geomspace(high, low, 300)
+    frequency = 500.0 - 2.0 * np.log10(amplitude / 1e-7) + offset
+    values = {"amplitude": amplitude, "frequency": frequency, "loss_factor": 1e-3 * frequency}
+    values |= {"frequency_std": 0.0 * amplitude + std, "loss_factor_std": 0.0 * amplitude + std}
+    attrs = {"mode": mode, "force_N": force, "simulated": 0}
+    return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=attrs)
+
+
+def test_the_mean_of_records_that_agree_is_theirs_with_a_smaller_error():
+    mean = mean_curves([curve(4000.0)] * 4)
+    here = mean.isel(level=0)
+    expected = 500.0 - 2.0 * np.log10(here["amplitude"] / 1e-7)
+    assert np.abs(here["frequency"] - expected).max() < 1e-6
+    assert float(here["frequency_std"].mean()) == pytest.approx(1e-3 / 2.0)
+    assert float(here["frequency_scatter"].max()) == 0.0
+
+
+def test_scatter_between_records_is_found_and_widens_the_error():
+    rng = np.random.default_rng(7)
+    offsets = rng.normal(0.0, 0.3, 40)
+    here = mean_curves([curve(4000.0, offset) for offset in offsets]).isel(level=0)
+    spread = np.std(offsets, ddof=1)
+    assert float(here["frequency_scatter"].mean()) == pytest.approx(spread, rel=1e-3)
+    assert float(here["frequency_std"].mean()) == pytest.approx(spread / np.sqrt(40), rel=1e-3)
+
+
+def test_an_uncertain_record_hardly_moves_the_mean():
+    here = mean_curves([curve(4000.0), curve(4000.0, 0.1, std=1.0)]).isel(level=0)
+    expected = 500.0 - 2.0 * np.log10(here["amplitude"] / 1e-7)
+    assert np.abs(here["frequency"] - expected).max() < 1e-3
+
+
+def test_nothing_is_extrapolated_and_levels_stay_apart():
+    made = [curve(4000.0, low=1e-6), curve(8000.0, high=1e-6), curve(4000.0, 5.0, mode="2B")]
+    mean = mean_curves(made)
+    assert list(mean["mode"].values) == ["1B", "1B", "2B"]
+    assert list(mean["force"].values) == [4000.0, 8000.0, 4000.0]
+    for level, (low, high) in enumerate([(1e-6, 1e-5), (1e-7, 1e-6), (1e-7, 1e-5)]):
+        reached = np.isfinite(mean["frequency"].values[level])
+        inside = (mean["amplitude"].values >= low) & (mean["amplitude"].values <= high)
+        assert (reached <= inside).all()
+        assert reached.sum() >= inside.sum() - 2
+
+
+def test_no_records_give_an_empty_dataset():
+    assert mean_curves([]).sizes["level"] == 0
+
+
+def decaying(rate_Hz=8000.0, seconds=1.0):
+    time = np.arange(int(rate_Hz * seconds)) / rate_Hz
+    mode = np.exp(-5.0 * time) * np.cos(2.0 * np.pi * 200.0 * time)
+    other = 0.3 * np.exp(-9.0 * time) * np.cos(2.0 * np.pi * 530.0 * time + 1.0)
+    noise = 1e-4 * np.random.default_rng(1).standard_normal(time.size)
+    return mode, mode + other + noise
+
+
+def test_the_followed_mode_leaves_over_the_rest():
+    mode, whole = decaying()
+    decay = freevib(whole, 8000.0, 200.0, 1e-4)
+    decay.attrs["expected_Hz"] = 200.0
+    inside = slice(100, 6000)
+    miss = followed_mode(whole.size, 8000.0, decay)[inside] - mode[inside]
+    assert np.sqrt(np.mean(miss**2)) < 3e-4
+    found = before_and_after(whole, 8000.0, decay)
+    near = np.abs(found["frequency"].values - 200.0) < 3.0
+    away = np.abs(found["frequency"].values - 530.0) < 3.0
+    assert found["rest"].values[near].max() < 0.01 * found["mode"].values[near].max()
+    assert found["mode"].values[away].max() < 0.05 * found["rest"].values[away].max()

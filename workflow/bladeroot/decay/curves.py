@@ -1,0 +1,115 @@
+"""Frequency and damping over amplitude at each force: the curves of all its records as one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
+KINDS = {
+    "": "mean over records of",
+    "_std": "standard error of the mean",
+    "_scatter": "standard deviation between records of",
+}
+
+
+def mean_curves(decays: Sequence[xr.Dataset], points_a_decade: int = 40) -> xr.Dataset:
+    """The mean curve of each mode and force, on one ladder of amplitudes.
+
+    decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
+    attributes. At each amplitude the mean over the records that reach it is weighted by within-
+    and between-record variance (DerSimonian-Laird); nothing is extrapolated.
+
+    Returns:
+        dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
+        standard errors and the scatter between records (NaN for one record alone), and `records`,
+        how many reach the amplitude.
+    """
+    decays = [decay for decay in decays if decay.sizes["point"] > 1]
+    level_of = [(str(d.attrs["mode"]), float(d.attrs["force_N"])) for d in decays]
+    levels = sorted(set(level_of))
+    ladder = _ladder(decays, points_a_decade)
+    values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
+    count = np.zeros((len(levels), ladder.size), dtype=int)
+    for k, level in enumerate(levels):
+        here = [decay for decay, own in zip(decays, level_of, strict=True) if own == level]
+        for name in CURVES:
+            value, std = (
+                np.array([_on_ladder(decay, part, ladder) for decay in here])
+                for part in (name, f"{name}_std")
+            )
+            mean, mean_std, scatter = _mean(value, std)
+            values[name][k], values[f"{name}_std"][k] = mean, mean_std
+            values[f"{name}_scatter"][k] = scatter
+            count[k] = np.isfinite(value).sum(axis=0)
+    curves = xr.Dataset(
+        {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
+        coords={
+            "amplitude": (
+                "amplitude", ladder,
+                {"units": "m", "long_name": "displacement amplitude at the sensor"},
+            ),
+            "mode": ("level", [mode for mode, _ in levels], {"units": "", "long_name": "mode"}),
+            "force": (
+                "level", [force for _, force in levels],
+                {"units": "N", "long_name": "axial force"},
+            ),
+        },
+        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)},
+    )  # fmt: skip
+    return curves.assign(
+        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"})
+    )
+
+
+def _names() -> list[str]:
+    return [f"{name}{part}" for name in CURVES for part in KINDS]
+
+
+def _attrs(name: str) -> dict[str, str]:
+    base = next(known for known in CURVES if name.startswith(known))
+    units, text = CURVES[base]
+    kind = KINDS[name.removeprefix(base)]
+    return {"units": units, "long_name": f"{kind} {text}", "source": "eq. 3.11"}
+
+
+def _ladder(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
+    """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
+    if not decays:
+        return np.zeros(0)
+    low = min(float(decay["amplitude"].min()) for decay in decays)
+    high = max(float(decay["amplitude"].max()) for decay in decays)
+    first = np.ceil(points_a_decade * np.log10(low))
+    last = np.floor(points_a_decade * np.log10(high))
+    return 10.0 ** (np.arange(first, last + 1) / points_a_decade)
+
+
+def _on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
+    """A record's curve at the ladder's amplitudes, NaN beyond what it reaches."""
+    value, amplitude = decay[name].values, decay["amplitude"].values
+    known = np.isfinite(value) & np.isfinite(amplitude)
+    if known.sum() < 2:
+        return np.full(ladder.size, np.nan)
+    order = np.argsort(amplitude[known])
+    x, y = np.log(amplitude[known][order]), value[known][order]
+    return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
+
+
+def _mean(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Weighted mean over records, its standard error, and the scatter between them."""
+    known = np.isfinite(value) & np.isfinite(std) & (std > 0.0)
+    weight = np.where(known, 1.0 / np.where(known, std, 1.0) ** 2, 0.0)
+    value = np.where(known, value, 0.0)
+    count, total = known.sum(axis=0), weight.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = (weight * value).sum(axis=0) / total
+        misfit = (weight * (value - mean) ** 2).sum(axis=0) - (count - 1)
+        between = np.maximum(misfit, 0.0) / (total - (weight**2).sum(axis=0) / total)
+        between = np.where(count > 1, between, 0.0)
+        wider = np.where(known, 1.0 / (1.0 / weight + between), 0.0)
+        mean = (wider * value).sum(axis=0) / wider.sum(axis=0)
+        mean_std = wider.sum(axis=0) ** -0.5
+    scatter = np.where(count > 1, np.sqrt(between), np.nan)
+    return np.where(count > 0, mean, np.nan), np.where(count > 0, mean_std, np.nan), scatter

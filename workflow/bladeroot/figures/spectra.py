@@ -1,0 +1,48 @@
+"""Spectra of free decays before and after the mode was separated from the rest."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
+
+
+def spectra(found: Sequence[xr.Dataset]) -> Figure:
+    """One panel a record: the free decay, the mode that was followed, and what it leaves over.
+
+    found: dims line, as from `bladeroot.decay.spectra.before_and_after`.
+    """
+    if not found:
+        return nothing("no usable record")
+    drawn, axes = panels(len(found), 1, 7.2, 2.0 * len(found) + 0.4)
+    for axis, record in zip(axes[:, 0], found, strict=True):
+        frequency = record["frequency"].values
+        for name, colour, label in (
+            ("whole", "#b9c3cf", "free decay"),
+            ("mode", MEASURED, "mode as followed"),
+            ("rest", PUBLISHED, "left over"),
+        ):
+            axis.plot(
+                frequency, 1e3 * record[name].values, color=colour, label=label,
+                linewidth=2.2 if name == "whole" else 0.8,
+            )  # fmt: skip
+        for other in np.atleast_1d(record.attrs.get("other_modes_Hz", [])):
+            axis.annotate(
+                "", xy=(other, 0.88), xytext=(other, 1.0), xycoords=("data", "axes fraction"),
+                arrowprops={"arrowstyle": "->", "color": "#777777"},
+            )  # fmt: skip
+        axis.set_yscale("log")
+        top = 1e3 * float(record["whole"].max())
+        axis.set_ylim(1e-6 * top, 2.0 * top)
+        axis.set_xlim(0.0, min(frequency[-1], 8.0 * record.attrs["expected_Hz"]))
+        axis.set_ylabel("amplitude / mm/s")
+        axis.set_title(
+            f"{record.attrs['record']}: mode {record.attrs['mode']}, "
+            f"{record.attrs['force_N'] / 1e3:.2f} kN",
+            loc="left",
+        )
+    axes[0, 0].legend(loc="upper right", ncols=3)
+    axes[-1, 0].set_xlabel("frequency / Hz (arrows: other modes, followed and taken off)")
+    return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in found))
