@@ -6,7 +6,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 # What either method may miss by for reasons other than noise (see `pff`), relative.
-FLOOR = {"frequency": 3e-6, "loss_factor": 3e-3}
+FLOOR = {"frequency": 2e-6, "loss_factor": 1e-3}
 # Standard errors beyond which a difference is reported: not once in 400 simulated records with
 # nothing wrong (benchmarks/second_opinion.py), so in fewer than one of a hundred.
 THRESHOLD = 3.0

@@ -35,7 +35,9 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
             facts["expected_Hz"],
             facts["noise_velocity"],
         )
-        options = {"usable": cut["usable"].values.astype(bool), "damping": damping}
+        options = {"damping": damping}
+        if "usable" in cut:  # without it all samples are
+            options["usable"] = cut["usable"].values.astype(bool)
         try:
             curves = ESTIMATORS[estimator](*record, **options)
             peaks = peak_fit(*record, **options)

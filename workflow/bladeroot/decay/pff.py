@@ -5,9 +5,8 @@ spacing and the damping from their decline (Jin, Chen, Brake, Song, J. Vib. Acou
 051111). Nothing here is shared with `freevib`, so that a fault of either shows as a difference.
 
 Known systematic effects. A curve is averaged over the stretch in which it was fitted: where slip
-sets in, frequency and damping are rounded over about half of `pff_window`. A''/A is taken as
-(A'/A)^2 and omega' as zero, which changes the frequency by some parts in a million. A mode closer
-than about a third of the frequency passes the filter and beats.
+sets in, frequency and damping are rounded over about half of `pff_window`. A mode closer than
+about a third of the frequency passes the filter and beats.
 """
 
 from dataclasses import dataclass
@@ -134,12 +133,18 @@ def _curve(
     clock, decline = (_doubted(y, at, length) for y in (time, level))
     turn, rate = np.pi / clock.slope, decline.slope / clock.slope
     turn_std, rate_std = turn * clock.slope_std / clock.slope, decline.slope_std / clock.slope
+    # a peak lies where the phase is atan(rate / turn), which moves where damping changes
+    turn = turn + np.gradient(rate / turn, clock.value)
+    chirp, bend = (np.gradient(x, clock.value) for x in (turn, rate))
+    # Y''/Y = rate^2 - turn^2 + bend + i (2 rate turn + chirp) with Y' = (rate + i turn) Y
+    square = turn**2 - rate**2 - bend
     if damping == "hysteretic":
-        natural = np.sqrt(turn**2 - np.minimum(rate**2, 0.5 * turn**2))
-        loss = -2.0 * turn * rate / natural**2
+        loss = -(2.0 * rate * turn + chirp) / square
     else:
-        natural = np.sqrt(turn**2 + rate**2)
-        loss = -2.0 * rate / natural
+        twice = -(2.0 * rate + chirp / turn)  # 2 zeta omega_n
+        square = square - twice * rate
+        loss = twice / np.sqrt(square)
+    natural = np.sqrt(square)
     amplitude = np.exp(decline.value) * np.hypot(1.0, rate / turn)
     window = length * clock.slope
     frequency = natural / (2.0 * np.pi)

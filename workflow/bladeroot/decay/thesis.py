@@ -20,9 +20,8 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.damping import natural
 from bladeroot.decay.error_bounds import two_points
-from bladeroot.decay.freevib import BLOCK, POINT
+from bladeroot.decay.freevib import BLOCK, POINT, natural
 from bladeroot.decay.peaks import BRIDGE, bridged
 
 RIPPLE_DB = 80.0
@@ -77,6 +76,8 @@ def thesis_freevib(
         ValueError: fewer than 4 samples a cycle, an unknown law of damping, or a decay shorter than
             the filters.
     """
+    if damping not in ("hysteretic", "viscous"):
+        raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
     if not 0.0 < 4.0 * expected_Hz < sampling_Hz:
         raise ValueError(
             "expected_Hz must lie between 0 and a quarter of the sampling frequency, "
@@ -117,6 +118,7 @@ def thesis_freevib(
     result = _dataset(curve, blocks)
     result.attrs["band_low_Hz"] = float(centre_Hz - stop_Hz)
     result.attrs["band_high_Hz"] = float(centre_Hz + stop_Hz)
+    result.attrs["damping"] = damping
     result.attrs["other_modes_Hz"] = [] if next_Hz is None else [next_Hz]
     return result
 
@@ -272,7 +274,8 @@ def _means(
     def mean(x: ndarray) -> ndarray:
         return (np.add.reduceat(x[: edges[-1]], at) / count)[whole]
 
-    omega_n, loss = (mean(x) for x in natural(rate, change, damping))
+    parts = (np.stack([x.real, x.imag]) for x in (rate, change))
+    omega_n, loss = (mean(x) for x in natural(*parts, damping))
     amplitude, frequency = np.exp(mean(log.real)), omega_n / (2.0 * np.pi)
     ratio = ratio[at][whole]
     errors = two_points(frequency, loss, ratio, float(periods))
