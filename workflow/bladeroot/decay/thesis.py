@@ -34,9 +34,9 @@ class Filters:
     """Band-pass, Hilbert and differentiating taps for samples at `rate_Hz`."""
 
     rate_Hz: float
-    band: Float[ndarray, " tap"]
-    hilbert: Float[ndarray, " tap"]
-    derivative: Float[ndarray, " tap"]
+    band: Float[ndarray, " band_tap"]
+    hilbert: Float[ndarray, " hilbert_tap"]
+    derivative: Float[ndarray, " derivative_tap"]
 
     @property
     def half(self) -> int:
@@ -102,7 +102,8 @@ def thesis_freevib(
             f"{2 * filters.half / filters.rate_Hz:.4g} s, got {velocity.size / sampling_Hz:.4g} s"
         )
     rate, change, log = _instantaneous(v, y, filters)
-    good = _centred(~good, np.ones(2 * filters.half + 1)) < 0.5
+    # four more on either side for what thinning smears
+    good = _centred(~good, np.ones(2 * filters.half + 9)) < 0.5
     inside = slice(filters.half, v.size - filters.half)
     time = (np.arange(v.size) * thin / sampling_Hz)[inside]
     rate, change, log, good = rate[inside], change[inside], log[inside], good[inside]
@@ -127,11 +128,11 @@ def design(rate_Hz: float, centre_Hz: float, pass_Hz: float, stop_Hz: float) -> 
     """Parks-McClellan filters around a frequency; half-widths of pass and stop band in Hz."""
     low, high, top = centre_Hz - stop_Hz, centre_Hz + stop_Hz, 0.5 * rate_Hz
     edges = [0.0, low, centre_Hz - pass_Hz, centre_Hz + pass_Hz, min(high, 0.98 * top), top]
-    band = _taps(rate_Hz, stop_Hz - pass_Hz, edges, [0, 1, 0])
+    band = _taps(rate_Hz, stop_Hz - pass_Hz, edges, [0.0, 1.0, 0.0])
     # where the band-pass leaves nothing, these may do as they like
     edge = min(low, top - high)
-    hilbert = _taps(rate_Hz, edge, [edge, top - edge], [1], "hilbert")
-    steep = _taps(rate_Hz, edge, [0.0, top - edge], [1], "differentiator")
+    hilbert = _taps(rate_Hz, edge, [edge, top - edge], [1.0], "hilbert")
+    steep = _taps(rate_Hz, edge, [0.0, top - edge], [1.0], "differentiator")
     return Filters(
         rate_Hz,
         band,
@@ -212,7 +213,7 @@ def _thinned(x: ndarray, thin: int, sampling_Hz: float, centre_Hz: float) -> nda
     if thin == 1:
         return x
     low, high = 1.5 * centre_Hz, sampling_Hz / thin - 1.5 * centre_Hz
-    taps = _taps(sampling_Hz, high - low, [0.0, low, high, 0.5 * sampling_Hz], [1, 0])
+    taps = _taps(sampling_Hz, high - low, [0.0, low, high, 0.5 * sampling_Hz], [1.0, 0.0])
     return _centred(x, taps)[: x.size // thin * thin : thin]
 
 
