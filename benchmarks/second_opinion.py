@@ -16,7 +16,7 @@ from bladeroot.decay.estimate import ESTIMATORS
 from bladeroot.decay.pff import peak_fit
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "unit"))
-from decay_bench import ring_down  # noqa: E402
+from decay_bench import ring_down
 
 
 def main() -> None:

@@ -62,11 +62,11 @@ def test_a_search_setting_redoes_the_search_and_what_follows(restored):
 
 
 def test_another_estimator_redoes_the_decays_and_no_record(restored):
+    asked = restored.planned("--config", "decay={estimator: thesis}")
+    assert asked["decay"] > 0
+    assert asked["record"] + asked["bench"] + asked["assembly"] == 0
     restored.edit("config/config.yaml", "estimator: blocks", "estimator: thesis")
-    planned = restored.planned()
-    assert planned["decay"] > 0
-    assert planned["record"] + planned["bench"] + planned["assembly"] == 0
-    assert planned == restored.planned("--config", "decay={estimator: thesis}")
+    assert restored.planned() == asked
 
 
 def test_swapping_two_settings_is_noticed(restored):
