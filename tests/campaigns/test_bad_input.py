@@ -17,7 +17,7 @@ SHEET = "resources/campaigns/small/records.csv"
         (SHEET, "1B,60", "1B,900", "pressure_bar 900 lies outside the gauge's range"),
         (SHEET, "1B,60", "1B,nan", "pressure_bar must be a finite number, got 'nan'"),
         (SHEET, "1B,60", "7B,60", "mode must be one of 1B, 2B"),
-        ("config/config.yaml", "end_ratio: 0.001", "end_ratio: 2", "record.end_ratio"),
+        ("config/config.yaml", "end: noise", "end: 2", "record.end"),
         ("config/config.yaml", "[small]", "[smal]", "campaign folder not found"),
         ("resources/campaigns/small/tiny.yaml", "width_mm: 26", "width_mm: wide", "beam.width_mm"),
         ("resources/campaigns/small/tiny.yaml", "name: tiny", "name: huge", "name must be 'tiny'"),

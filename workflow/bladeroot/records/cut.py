@@ -1,7 +1,8 @@
 """Find the free decay in a record by itself (thesis 2.1.3, 3.1.1, figs 2.5, 3.1, 3.2).
 
 A record is quiet (the tip preloaded), then driven near the mode, then released, then decays
-freely, and later the tip returns; or it starts with a hammer's blow or in the decay itself.
+freely, and later the tip returns; or the decay follows a hammer's blow (or several) or a step
+release, or the record begins in it.
 """
 
 import numpy as np
@@ -9,12 +10,22 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
 from bladeroot.records.integrity import clipped_runs, strongest_line
+from bladeroot.records.release import find_release
 from bladeroot.records.spectrum import white_noise
-from bladeroot.records.turning import largest_fall, release_kink
+from bladeroot.records.turning import clean_falls
 
-FEWEST_CYCLES = 20
+# FREEVIB needs eight cycles of a decay.
+FEWEST_CYCLES = 8
+# A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
+LEAST_FALL = 2.0
+# Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
+# followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
+SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
+# Longest stretch (samples) from which the mode's own frequency is taken, for cost.
+LOUD_SAMPLES = 65536
 
 
 def cut(
@@ -22,32 +33,32 @@ def cut(
     sampling_Hz: float,
     expected_Hz: float,
     tolerance: float = 0.3,
-    end_ratio: float = 1e-3,
-    margin_cycles: float = 4.0,
+    end: float | str = "noise",
     bins: int = 1000,
 ) -> xr.Dataset:
-    """The free decay of one mode, from just after the release to its end.
+    """The free decay of one mode, from the release to its end.
 
-    The end is where the envelope has fallen to `end_ratio` of its start (3.1.1), or where it
-    meets the noise, or just before the tip returns, whichever comes first. Attributes: `release_s`
-    (estimated release, or start of the record), `start_s` and `end_s` (first and last sample
-    kept, in the raw record's time), `end_reason`, `noise_velocity` (m/s, rms), `verdict` and
-    `findings`. A record that cannot be used is returned with verdict "rejected" and one line in
-    findings; its `time` may be empty.
+    Of several decays in a record, the one with the largest clean fall is taken. It ends where the
+    mode is lost in the noise, or where something disturbs it (the tip's return, another blow).
+    Attributes: `release_s` and `release_std_s` (the release and its standard error),
+    `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `decays` (decays in the
+    record at least half as deep as this one), `start_s` and `end_s` (first and last sample kept, in
+    the raw record's time), `end_reason`, `noise_velocity` (m/s, rms), `verdict` and `findings`. A
+    record that cannot be used is returned with verdict "rejected" and one line in findings; its
+    `time` may be empty.
 
     Args:
         velocity: the raw record in m/s.
         sampling_Hz: sampling frequency.
         expected_Hz: the mode's expected frequency.
         tolerance: relative distance from expected_Hz within which the mode must lie.
-        end_ratio: end of the decay relative to its start.
-        margin_cycles: cycles left out after the release.
+        end: "noise", or the part of its first value at which the envelope shall end, if it gets
+            there before (the thesis's 1/1000, 3.1.1).
         bins: bins of the overview kept for figures.
     """
     noise = white_noise(velocity)
-    attrs: dict[str, float | str] = {
-        "sampling_Hz": float(sampling_Hz), "release_s": float("nan"), "start_s": float("nan"),
-        "end_s": float("nan"), "end_reason": "", "noise_velocity": noise,
+    attrs: dict[str, float | str | int] = _nothing() | {
+        "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
     span, finding = (0, 0), ""
     low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
@@ -64,9 +75,7 @@ def cut(
         )
     else:
         seen = envelope(velocity, sampling_Hz, _own_frequency(velocity, sampling_Hz, expected_Hz))
-        span, finding = _span(
-            velocity, sampling_Hz, expected_Hz, seen, noise, end_ratio, margin_cycles, attrs
-        )
+        span, finding = _span(velocity, sampling_Hz, expected_Hz, seen, noise, end, attrs)
         if not finding:
             finding = _faults(velocity, sampling_Hz, expected_Hz, low, high, span)
     attrs["verdict"] = "rejected" if finding else "usable"
@@ -76,11 +85,24 @@ def cut(
 
 def rejected(finding: str) -> xr.Dataset:
     """The record of a file that could not be read: no samples, and one line that says why."""
-    attrs: dict[str, float | str] = dict.fromkeys(
-        ("sampling_Hz", "release_s", "start_s", "end_s", "noise_velocity"), float("nan")
-    )
-    attrs |= {"end_reason": "", "verdict": "rejected", "findings": finding}
+    attrs = _nothing() | {"verdict": "rejected", "findings": finding}
     return _dataset(np.zeros(0), float("nan"), (0, 0), attrs, 0)
+
+
+def _nothing() -> dict[str, float | str | int]:
+    """The attributes of a record in which no decay has been found yet."""
+    numbers = ("sampling_Hz", "release_s", "release_std_s", "start_s", "end_s", "noise_velocity")
+    return dict.fromkeys(numbers, float("nan")) | {"excitation": "", "decays": 0, "end_reason": ""}
+
+
+def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) -> float:
+    """The mode's frequency as the loudest frames show it: the expected one may be off."""
+    loudest = int(np.argmax(np.abs(velocity)))
+    first = max(0, min(loudest - LOUD_SAMPLES // 2, velocity.size - LOUD_SAMPLES))
+    seen = envelope(velocity[first : first + LOUD_SAMPLES], sampling_Hz, expected_Hz)
+    loud = seen.level[:-1] > seen.level.max() - np.log(2.0)
+    turn = np.median(np.diff(seen.log.imag)[loud]) / seen.step_s
+    return float(np.clip(expected_Hz + turn / (2.0 * np.pi), 0.5 * expected_Hz, 1.5 * expected_Hz))
 
 
 def _span(
@@ -89,56 +111,41 @@ def _span(
     expected_Hz: float,
     seen: Envelope,
     noise: float,
-    end_ratio: float,
-    margin_cycles: float,
-    attrs: dict[str, float | str],
+    end: float | str,
+    attrs: dict[str, float | str | int],
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the decay, or what is amiss."""
-    floor = 1.5 * seen.noise(noise, sampling_Hz)
-    # noise makes an envelope this weak rise now and then: such a rise is not the tip's
-    weak = max(4.0 * floor, 1e-12 * seen.amplitude.max())
-    level = np.log(np.maximum(seen.amplitude, weak))
-    peak, trough = largest_fall(level, rise=np.log(1.5))
-    fall = level[peak] - level[trough]
-    if fall < np.log(4.0):
+    floor = seen.noise(noise, sampling_Hz)
+    broken = strikes(seen, noise)
+    best = None
+    for frames, above in SMOOTHING:
+        least = max(above * floor, 1e-12 * np.exp(seen.level.max()), 1e-150)
+        level = 0.5 * np.log(np.maximum(running_power(seen, frames), least**2))
+        found = clean_falls(level, RISE, broken)
+        fall = level[found[0][0]] - level[found[0][1]]
+        if best is None or fall > best[0]:
+            best = fall, level, found
+        if fall > np.log(4.0) or 16 * frames > level.size:
+            break
+    fall, level, found = best
+    peak, trough = found[0]
+    if fall < np.log(LEAST_FALL):
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
-            f"factor of {np.exp(fall):.3g}, at least 4 is needed"
+            f"factor of {np.exp(fall):.3g}, at least {LEAST_FALL:g} is needed"
         )
-    release, margin = _release(seen, level, peak, trough, expected_Hz, margin_cycles)
-    start_s = release + margin
-    begin = min(int(np.searchsorted(seen.time, start_s)), trough)
-    strike = _tip_return(seen, begin, trough, noise)
-    if strike is not None and level[begin] - level[max(strike - 3, begin)] < 0.03:
-        # nothing had fallen before it: that was the tip leaving, not returning
-        release, margin = float(seen.time[strike]), 2.0 * seen.frame_s
-        start_s = release + margin
-        begin = min(int(np.searchsorted(seen.time, start_s)), trough)
-    amplitude, half = seen.amplitude, 0.5 * seen.frame_s
-    ends = [(velocity.size / sampling_Hz, "end of the record")]
-    last = trough
-    if level[trough] <= np.log(weak):
-        # weak frames: what a median over them shows, up to the noise or something loud
-        lost = np.flatnonzero(_calm(amplitude[begin:]) <= floor)
-        last = begin + int(lost[0]) if lost.size else amplitude.size - 1
-        loud = np.flatnonzero(amplitude[trough : last + 1] > 2.0 * weak)
-        if loud.size:
-            ends.append((seen.time[trough + loud[0]] - 2.0 * half, "the tip's return"))
-        elif lost.size:
-            ends.append((seen.time[last], "the noise"))
-    elif trough < level.size - 3:
-        ends.append((seen.time[trough] - half, "the tip's return"))
-    below = np.flatnonzero(_calm(amplitude[begin : last + 1]) < end_ratio * amplitude[begin])
-    if below.size:
-        ends.append((seen.time[begin + below[0]], f"{end_ratio:g} of the first envelope"))
-    back = _tip_return(seen, begin, last, noise)
-    if back is not None:
-        ends.append((seen.time[back] - half - 1.0 / expected_Hz, "the tip's return"))
-    end_s, reason = min(ends)
+    release = find_release(velocity, sampling_Hz, seen, floor, level, peak, trough)
+    start_s = release.time_s + 2.0 * release.std_s
+    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
+    ratio = 0.0 if end == "noise" else float(end)
+    end_s, reason = find_end(seen, floor, level, broken, begin, trough, ratio)
+    end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
-        "release_s": float(release), "start_s": first / sampling_Hz,
-        "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
+        "release_s": release.time_s, "release_std_s": release.std_s,
+        "excitation": release.excitation,
+        "decays": sum(level[p] - level[t] > 0.5 * fall for p, t in found),
+        "start_s": first / sampling_Hz, "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
     }  # fmt: skip
     cycles = (stop - first) / sampling_Hz * expected_Hz
     if cycles < FEWEST_CYCLES:
@@ -147,65 +154,6 @@ def _span(
             f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
         )
     return (first, stop), ""
-
-
-def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) -> float:
-    """The mode's frequency as the loudest frames show it: the expected one may be off."""
-    seen = envelope(velocity, sampling_Hz, expected_Hz)
-    loud = seen.amplitude[:-1] > 0.5 * seen.amplitude.max()
-    turn = np.median(np.diff(seen.phase)[loud] / np.diff(seen.time)[loud])
-    return float(np.clip(expected_Hz + turn / (2.0 * np.pi), 0.5 * expected_Hz, 1.5 * expected_Hz))
-
-
-def _release(
-    seen: Envelope,
-    level: ndarray,
-    peak: int,
-    trough: int,
-    expected_Hz: float,
-    margin_cycles: float,
-) -> tuple[float, float]:
-    """Time of the release and what to leave out after it.
-
-    The kink where a steady level turns into a decline, if there is one near the top of the fall;
-    else the peak itself (a blow), or the record's start when it begins in the decay.
-    """
-    high = np.flatnonzero(level[: trough + 1] > level[peak] - np.log(1.5))
-    first = int(high[0])
-    last = min(int(high[-1]) + 1, trough)
-    # as many frames as the decline needs to fall by a quarter, at least 8 cycles
-    fallen = np.flatnonzero(level[last : trough + 1] < level[last] - 0.25)
-    reach = int(np.clip(fallen[0] if fallen.size else 400, 16, 400))
-    kink = None
-    for window in (reach, max(reach // 3, 12), 24, 12):
-        found = release_kink(level, seen.phase, first, last + 2, min(window, reach))
-        if found is not None:
-            # a shorter window is sharper: look again close by
-            kink, first, last = found, found - window // 2, found + window // 2
-    if kink is not None:
-        return float(seen.time[kink]), margin_cycles / expected_Hz
-    if peak <= 6:
-        return 0.0, 0.0
-    return float(seen.time[peak]), 0.5 * seen.frame_s + margin_cycles / expected_Hz
-
-
-def _calm(amplitude: ndarray, reach: int = 7) -> ndarray:
-    """Running median over some cycles."""
-    padded = np.pad(amplitude, reach, mode="edge")
-    return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1), axis=1)
-
-
-def _tip_return(seen: Envelope, begin: int, last: int, noise: float) -> int | None:
-    """First frame in which something strikes: the rest jumps far above what it was before."""
-    reach = 20
-    rest = seen.rest[begin : last + 1]
-    if rest.size < 3 * reach:
-        return None
-    before = np.lib.stride_tricks.sliding_window_view(rest, reach)
-    usual = np.maximum(np.max(before, axis=1), noise)
-    ahead = rest[reach + 4 :]
-    struck = np.flatnonzero(ahead > 5.0 * usual[: ahead.size])
-    return begin + reach + 4 + int(struck[0]) if struck.size else None
 
 
 def _faults(
@@ -237,7 +185,7 @@ def _dataset(
     velocity: ndarray,
     sampling_Hz: float,
     span: tuple[int, int],
-    attrs: dict[str, float | str],
+    attrs: dict[str, float | str | int],
     bins: int,
 ) -> xr.Dataset:
     piece = velocity[span[0] : span[1]]

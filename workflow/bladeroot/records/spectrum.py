@@ -26,14 +26,16 @@ def band_signal(
     return fft.ifft(spectrum * gain)[:count]
 
 
-def white_noise(velocity: Float[ndarray, " sample"], segment: int = 1024) -> float:
+def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     """Rms of the sensor's noise, taken as white, from the floor between the spectral lines.
 
     The median over frequency ignores lines, the lower quartile over tapered segments ignores
-    impacts and the loud part of the record.
+    impacts and the loud part of the record. Segments of 1024 samples, or eighths of a shorter
+    record (64 at least, for a median); no more than 100 of them, spread evenly (the quartile
+    then rests on 25), so that a long record costs no more than one of 51,000 samples.
     """
-    segment = min(segment, velocity.size)
-    count = max(1, 2 * velocity.size // segment - 1)
+    segment = min(velocity.size, max(64, min(1024, velocity.size // 8)))
+    count = min(100, max(1, 2 * velocity.size // segment - 1))
     start = np.linspace(0, velocity.size - segment, count).astype(int)
     taper = np.hanning(segment)
     pieces = velocity[start[:, None] + np.arange(segment)]

@@ -1,0 +1,197 @@
+"""Time and memory of a record's analysis against one scipy.signal.hilbert call on it.
+
+    python benchmarks/decay_cost.py                  # about five minutes on one core
+    python benchmarks/decay_cost.py --small          # about twenty seconds
+    python benchmarks/decay_cost.py --grow rate      # more samples a cycle instead of more cycles
+
+Records of 10^5 to 10^7 samples, at lengths that are quick to transform (the hilbert call is at its
+best there). Each repeat runs hilbert and every stage in turn, in processor seconds; the smallest
+of each counts, for what else runs on the machine only ever adds. "all" is the sum of the stages.
+Memory is the growth of the resident set at its largest in a fresh process (from /proc, so on Linux
+only), over the size of the record.
+"""
+
+import argparse
+import importlib
+import json
+import multiprocessing
+import os
+import tempfile
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+from bladeroot.decay.freevib import freevib
+from bladeroot.decay.plateau import plateau
+from bladeroot.records.cut import cut
+from bladeroot.records.spectrum import white_noise
+from scipy import signal
+from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
+
+SIZES = (100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
+AFTER = {"plateau": "freevib", "integrity": "cut"}  # stages that need another's result
+COST, MEMORY, SLOPE = 3.0, 10.0, 1.05  # targets; a slope of 1 is linear growth
+
+
+def make(count: int, grow: str, seed: int = 0) -> tuple[np.ndarray, float]:
+    """Velocity that falls to 0.5 % of its start at 60 dB, with a second mode; sampling frequency.
+
+    It grows by cycles (with a lower loss factor) or by samples a cycle.
+    """
+    sampling_Hz = SAMPLING_HZ if grow == "cycles" else SAMPLING_HZ * count / SIZES[0]
+    time_s = np.arange(count) / sampling_Hz
+    loss = float(np.log(200.0) / (np.pi * EXPECTED_HZ * time_s[-1]))
+    law = Law(EXPECTED_HZ, loss, 0.01, 0.2, "coulomb", 1.5, 0.5 * loss, 1.0)
+    level, phase = move(law).at(time_s)
+    rng = np.random.default_rng(seed)
+    velocity = np.exp(level) * np.cos(phase)
+    turn = 6.27 * 2.0 * np.pi * EXPECTED_HZ * time_s
+    velocity += 0.2 * np.exp(0.5 * level[0] - 3.0 * loss * EXPECTED_HZ * time_s) * np.cos(turn)
+    velocity += 1e-3 / np.sqrt(2.0) * rng.standard_normal(count)
+    return 0.5 * velocity, sampling_Hz
+
+
+def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], object]]:
+    """What is timed, by name: calls without arguments on one record."""
+    noise = white_noise(velocity)
+    made = {}
+
+    def keep(name: str, value: object) -> None:
+        made[name] = value
+
+    calls = {
+        "hilbert": lambda: signal.hilbert(velocity),
+        "cut": lambda: keep("cut", cut(velocity, sampling_Hz, EXPECTED_HZ)),
+        "freevib": lambda: keep("curve", freevib(velocity, sampling_Hz, EXPECTED_HZ, noise)),
+        "plateau": lambda: plateau(made["curve"]),
+    }
+    if judge := _optional("bladeroot.records.integrity", "judge"):
+        calls["integrity"] = lambda: judge(made["cut"], velocity, EXPECTED_HZ)
+    if peak_fit := _optional("bladeroot.decay.pff", "peak_fit"):
+        calls["peak_fit"] = lambda: peak_fit(velocity, sampling_Hz, EXPECTED_HZ, noise)
+    return calls
+
+
+def seconds(count: int, grow: str, budget_s: float) -> dict[str, float]:
+    """Smallest time of each stage over repeats in turn, at least two."""
+    calls = stages(*make(count, grow))
+    best = dict.fromkeys(calls, np.inf)
+    begin, repeats = time.perf_counter(), 0
+    while repeats < 2 or (repeats < 9 and time.perf_counter() - begin < budget_s):
+        for name, call in calls.items():
+            start = time.process_time()
+            call()
+            best[name] = min(best[name], time.process_time() - start)
+        repeats += 1
+    return best
+
+
+def memory(path: str, sampling_Hz: float, name: str) -> float:
+    """Growth of the largest resident set by one call, over the record's bytes.
+
+    Runs in a process of its own, in which a short record has loaded all that a call loads.
+    """
+    for call in stages(*make(20_000, "cycles")).values():
+        call()
+    velocity = np.load(path)
+    calls = stages(velocity, sampling_Hz)
+    if name in AFTER:
+        calls[AFTER[name]]()
+    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # forget the largest so far
+    before = resident("VmRSS")
+    calls[name]()
+    return (resident("VmHWM") - before) / velocity.nbytes
+
+
+def resident(kind: str) -> int:
+    """Bytes of this process in memory: now (VmRSS) or at most so far (VmHWM)."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return 1024 * int(status.split(f"{kind}:")[1].split()[0])
+
+
+def apart(count: int, grow: str, names: list[str]) -> dict[str, float]:
+    """Memory of each stage, each in a fresh process."""
+    os.environ["MALLOC_MMAP_THRESHOLD_"] = "65536"  # what is freed is given back, and counts again
+    spawn = multiprocessing.get_context("spawn")
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder, "record.npy"))
+        velocity, sampling_Hz = make(count, grow)
+        np.save(path, velocity)
+        del velocity
+        with ProcessPoolExecutor(1, mp_context=spawn, max_tasks_per_child=1) as pool:
+            return {name: pool.submit(memory, path, sampling_Hz, name).result() for name in names}
+
+
+def slope(sizes: list[int], values: list[float]) -> float:
+    """Exponent of growth, least squares on log-log."""
+    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
+
+
+def verdict(good: bool) -> str:
+    return "ok" if good else "FAILS"
+
+
+def _optional(module: str, name: str) -> Callable | None:
+    try:
+        return getattr(importlib.import_module(module), name, None)
+    except ImportError:
+        return None
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--grow", choices=("cycles", "rate"), default="cycles")
+    parser.add_argument("--small", action="store_true", help="10^5 and 3 x 10^5 samples")
+    parser.add_argument("--budget", type=float, default=20.0, help="seconds of repeats a size")
+    parser.add_argument("--json", help="file for the summary")
+    options = parser.parse_args()
+    sizes = list(SIZES[:2] if options.small else SIZES)
+    budget_s = 1.0 if options.small else options.budget
+    times = {count: seconds(count, options.grow, budget_s) for count in sizes}
+    names = list(times[sizes[0]])
+    print(
+        f"records grow by {options.grow}; time over that of scipy.signal.hilbert "
+        f"(target at most {COST:g})"
+    )
+    print(
+        f"{'samples':>10s} {'hilbert s':>10s}"
+        + "".join(f"{name:>11s}" for name in [*names[1:], "all"])
+    )
+    for best in times.values():
+        best["all"] = sum(best[name] for name in names[1:])
+    ratios = {
+        count: {name: best[name] / best["hilbert"] for name in [*names[1:], "all"]}
+        for count, best in times.items()
+    }
+    for count, found in ratios.items():
+        cells = "".join(f"{ratio:11.2f}" for ratio in found.values())
+        print(f"{count:10d} {times[count]['hilbert']:10.4f}{cells}")
+    slopes = {
+        name: slope(sizes, [times[count][name] for count in sizes]) for name in [*names, "all"]
+    }
+    print(f"{'slope':>10s}" + "".join(f"{value:11.2f}" for value in slopes.values()))
+    largest = sizes[-1:] if options.small else sizes[-2:]
+    sized = {count: apart(count, options.grow, names) for count in largest}
+    print(f"\nmemory over the record's own (target at most {MEMORY:g})")
+    print(f"{'samples':>10s}" + "".join(f"{name:>11s}" for name in names))
+    for count, found in sized.items():
+        print(f"{count:10d}" + "".join(f"{found[name]:11.1f}" for name in names))
+    print()
+    for name in ("freevib", "all"):
+        worst = max(ratio[name] for ratio in ratios.values())
+        print(f"{name}: at most {COST:g} hilbert calls: {worst:.2f} {verdict(worst <= COST)}")
+        if len(sizes) > 2:
+            good = slopes[name] <= SLOPE
+            print(f"{name}: time grows linearly (slope): {slopes[name]:.2f} {verdict(good)}")
+    worst = max(sized[sizes[-1]].values())
+    print(f"memory at most {MEMORY:g} records, any stage: {worst:.1f} {verdict(worst <= MEMORY)}")
+    if options.json:
+        found = {"grow": options.grow, "time_ratio": ratios, "slope": slopes, "memory_ratio": sized}
+        with open(options.json, "w", encoding="utf-8") as file:
+            json.dump(found, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()

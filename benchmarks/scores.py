@@ -1,0 +1,137 @@
+"""Scores of one record: bladeroot's own result and the peers', against the truth.
+
+README.md in this folder defines every number.
+"""
+
+import time
+from collections import defaultdict
+
+import numpy as np
+import peers
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.plateau import plateau
+from bladeroot.records.spectrum import white_noise
+from bound import plateau_bound
+from synthetic import EXPECTED_HZ, HIGHEST, LOWEST, SAMPLING_HZ, Case
+
+GRID = np.geomspace(LOWEST, HIGHEST, 400)
+WIDTHS = {68: 1.0, 95: 1.96}  # standard errors
+
+
+def covered(case: Case, own_time: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Which times a curve reaches: between its ends, and not in a hole of it.
+
+    A hole is a gap of more than 10 % in amplitude that is also longer than three usual steps.
+    """
+    if own_time.size < 2:
+        return np.zeros(wanted.size, dtype=bool)
+    right = np.searchsorted(own_time, wanted).clip(1, own_time.size - 1)
+    gap_s = own_time[right] - own_time[right - 1]
+    level = case.motion.at(own_time)[0]
+    hole = (np.abs(level[right] - level[right - 1]) > 0.1) & (
+        gap_s > 3 * np.median(np.diff(own_time))
+    )
+    return (wanted >= own_time[0]) & (wanted <= own_time[-1]) & ~hole
+
+
+def curve_errors(case: Case, curve: peers.Curve) -> dict[str, float]:
+    """RMS errors over GRID (ppm and %), and how much of it the curve reaches."""
+    own = [np.asarray(values, float) for values in curve]
+    good = np.all(np.isfinite(own), axis=0) & (own[1] > 0.0)
+    at, amplitude, frequency, loss = (values[good] for values in own)
+    wanted = case.motion.time_of(GRID)
+    inside = covered(case, at, wanted)
+    if not inside.any():
+        return {"frequency": np.inf, "loss": np.inf, "reach": 0.0}
+    wanted = wanted[inside]
+    x = np.exp(np.interp(wanted, at, np.log(amplitude))) / case.start_m
+    frequency_true, loss_true = case.law.truth(x)
+    return {
+        "frequency": 1e6 * rms(np.interp(wanted, at, frequency) / frequency_true - 1.0),
+        "loss": 1e2 * rms(np.interp(wanted, at, loss) / loss_true - 1.0),
+        "reach": float(inside.mean()),
+    }
+
+
+def bladeroot_scores(case: Case) -> dict[str, float]:
+    """Everything about the product's own result for one record."""
+    begin = time.perf_counter()
+    try:
+        curve = freevib(case.velocity, SAMPLING_HZ, EXPECTED_HZ, white_noise(case.velocity))
+    except ValueError:
+        curve = no_decay()  # every score of it is the worst
+    found = plateau(curve)
+    seconds = time.perf_counter() - begin
+    names = ("time", "amplitude", "frequency", "loss_factor")
+    at, amplitude, frequency, loss = (curve[name].values for name in names)
+    score = curve_errors(case, (at, amplitude, frequency, loss)) | {"seconds": seconds}
+    x = np.exp(case.motion.at(at)[0])
+    frequency_true, loss_true = case.law.truth(x)
+    wanted = case.motion.time_of(GRID)
+    wanted = wanted[covered(case, at, wanted)]
+    nearest = np.searchsorted(0.5 * (at[1:] + at[:-1]), wanted)
+    truths = {"amplitude": x * case.start_m, "frequency": frequency_true, "loss_factor": loss_true}
+    for name, truth in truths.items():
+        z = np.abs(curve[name].values - truth) / curve[f"{name}_std"].values
+        for percent, width in WIDTHS.items():
+            within = (z[nearest] < width).mean() if wanted.size else np.nan
+            score[f"{name} {percent}"] = 100.0 * float(within)
+    stick, stick_loss = case.law.stick
+    bounds = dict(zip(("stick_frequency", "plateau_loss"), plateau_bound(case), strict=True))
+    onset = case.law.onset * case.start_m
+    misses = {
+        "stick_frequency": (found["stick_frequency"] - stick, found["stick_frequency_std"]),
+        "plateau_loss": (found["loss_factor"] - stick_loss, found["loss_factor_std"]),
+        "onset": (found["onset_amplitude"] - onset, found["onset_amplitude_std"]),
+    }
+    score["stick"] = 1e6 * abs(misses["stick_frequency"][0]) / stick
+    score["stick loss"] = 1e2 * abs(misses["plateau_loss"][0]) / stick_loss
+    score["onset"] = 1e2 * abs(misses["onset"][0]) / onset
+    for name, (miss, std) in misses.items():
+        for percent, width in WIDTHS.items():
+            within = abs(miss) < width * std
+            score[f"{name} {percent}"] = 100.0 * within if np.isfinite(miss) else np.nan
+        if name in bounds:
+            score[f"{name} error/bound"] = abs(miss) / bounds[name] / 0.6745
+            score[f"{name} std/bound"] = std / bounds[name]
+    score["stick bound"] = 1e6 * bounds["stick_frequency"] / stick
+    return score
+
+
+def peer_scores(case: Case) -> dict[str, dict[str, dict[str, float]]]:
+    """By peer and setting: the errors of curves, stick frequency and plateau loss factor."""
+    found: dict[str, dict[str, dict[str, float]]] = defaultdict(dict)
+    stick, stick_loss = case.law.stick
+    for name, peer in peers.CURVES.items():
+        for setting, curve, spoilt in peer(case):
+            found[name][setting] = curve_errors(case, curve) | tail_errors(case, curve)
+            if spoilt:
+                inner = tuple(values[spoilt:-spoilt] for values in curve)
+                found[f"{name}, ends cut"][setting] = curve_errors(case, inner) | tail_errors(
+                    case, inner
+                )
+    for part, velocity in peers.ends(case):
+        for name, peer in peers.SINGLES.items():
+            for setting, (frequency, loss) in peer(velocity):
+                found[f"{name}, {part}"][setting] = {
+                    "stick": 1e6 * abs(frequency / stick - 1.0),
+                    "stick loss": 1e2 * abs(loss / stick_loss - 1.0),
+                }
+    return found
+
+
+def tail_errors(case: Case, curve: peers.Curve) -> dict[str, float]:
+    """Stick frequency and plateau loss factor as medians of a curve below 10 % of the start."""
+    x = curve[1] / case.start_m
+    low = (x > LOWEST) & (x < peers.TAIL) & np.isfinite(curve[2])
+    if not low.any():
+        return {}
+    stick, stick_loss = case.law.stick
+    return {
+        "stick": 1e6 * abs(np.median(curve[2][low]) / stick - 1.0),
+        "stick loss": 1e2 * abs(np.median(curve[3][low]) / stick_loss - 1.0),
+    }
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
