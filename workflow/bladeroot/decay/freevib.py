@@ -73,9 +73,10 @@ def freevib(
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
     blocks, fit, others = follow(velocity, sampling_Hz, band, noise, usable)
-    count = min(points, max(8, blocks.time.size))
+    first, last = _trusted(blocks.std)
+    count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
-    centre = np.interp(np.linspace(0, blocks.time.size - 1, count), own, blocks.time)
+    centre = np.interp(np.linspace(first, last, count), own, blocks.time)
     value, std = fit.value(centre), fit.std(centre)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
@@ -129,6 +130,16 @@ def search_band(
         )
     low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
     return low, min(high, 0.49 * sampling_Hz)
+
+
+def _trusted(std: Float[ndarray, " block"], reach: int = 9, limit: float = 5.0) -> tuple[int, int]:
+    """First and last block that is not doubted far more than those beside it."""
+    first, last = 0, std.size - 1
+    while first < std.size // 4 and std[first] > limit * np.median(std[first + 1 : first + reach]):
+        first += 1
+    while last > 3 * std.size // 4 and std[last] > limit * np.median(std[last - reach + 1 : last]):
+        last -= 1
+    return first, last
 
 
 def _dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:

@@ -63,11 +63,12 @@ def find_lines(
         place = whole.argmax(axis=1) + np.arange(whole.shape[0]) * chunk
         height = power[place]
         frequency = (place + 1) * width
-        half = max(8.0 * width, 0.05 * low)
-        clear = (frequency < low - half) | (frequency > high + half)
-        clear &= (frequency > max(low / 8.0, 4.0 * width)) & (frequency < 0.48 * sampling_Hz)
         # a line of amplitude one is half the count high
-        clear &= height > (2e-5 * strength * count / 2.0) ** 2
+        share = np.sqrt(height) * 2.0 / count / strength
+        gap = np.maximum(low - frequency, frequency - high)
+        # close by, what the mode's own curve misses is no line
+        clear = (gap > 8.0 * width) & (share > np.where(gap < 0.3 * low, 0.004, 2e-5))
+        clear &= (frequency > max(low / 20.0, 8.0 * width)) & (frequency < 0.48 * sampling_Hz)
         floor = np.partition(whole[:, ::4], chunk // 8, axis=1)[:, chunk // 8]
         clear &= height > ratio**2 * np.minimum(floor, 900.0 * np.median(floor))
         near = max(0.05 * low, 4.0 * width)

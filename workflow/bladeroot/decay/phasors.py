@@ -81,8 +81,8 @@ def fit_frames(
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
         solver = _solver(columns)
         z = pieces @ solver.T
-        answers = np.repeat((solver[:2] @ waves)[None], stretch.frames, axis=0)
         spread = np.full(stretch.frames, 0.5 * (solver[:2] ** 2).sum())
+        own, image = (np.tile(part, (stretch.frames, 1)) for part in _answers(solver @ waves))
         if usable is not None:
             good = usable[stretch.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
@@ -90,11 +90,10 @@ def fit_frames(
             for k in np.flatnonzero((count < stretch.length) & np.isfinite(spread)):
                 solver = _solver(columns[good[k]])
                 z[k] = solver @ pieces[k, good[k]]
-                answers[k] = solver[:2] @ waves[good[k]]
-                spread[k] = 0.5 * (solver[:2] ** 2).sum()
+                # amplitude and phase are known unequally: the worse counts
+                spread[k] = np.linalg.eigvalsh(solver[:2] @ solver[:2].T)[1]
+                own[k], image[k] = _answers(solver @ waves[good[k]])
         middle = stretch.first + np.arange(stretch.frames) * stretch.length + local[-1]
-        answers = answers[:, 0] + 1j * answers[:, 1]
-        cos, sin = answers[:, :TAYLOR], answers[:, TAYLOR:]
         apart = np.full((stretch.frames, len(others)), np.nan, complex)
         apart[:, told] = z[:, 3::2] + 1j * z[:, 4::2]
         parts.append(
@@ -103,8 +102,8 @@ def fit_frames(
                 z[:, 0] + 1j * z[:, 1],
                 noise * np.sqrt(spread),
                 np.full(stretch.frames, omega),
-                0.5 * (cos - 1j * sin),
-                0.5 * (cos + 1j * sin),
+                own,
+                image,
                 apart,
             )
         )
@@ -112,6 +111,15 @@ def fit_frames(
     seen = np.isfinite(values[2])
     time, phasor, std, angular, own, image, apart = (column[seen] for column in values)
     return Frames(time, phasor, std, angular, own, image, apart.T)
+
+
+def _answers(
+    fitted: Float[ndarray, "column wave"],
+) -> tuple[Complex[ndarray, " power"], Complex[ndarray, " power"]]:
+    """What the phasor answers to powers of time on the carrier, and on its conjugate."""
+    answer = fitted[0] + 1j * fitted[1]
+    cos, sin = answer[:TAYLOR], answer[TAYLOR:]
+    return 0.5 * (cos - 1j * sin), 0.5 * (cos + 1j * sin)
 
 
 def _solver(columns: Float[ndarray, "sample column"]) -> Float[ndarray, "column sample"]:
@@ -140,7 +148,7 @@ def _columns(
 def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
     """The other modes' rates (rad/s), from how their phasors advance from frame to frame."""
     step = np.diff(frames.time)
-    near = step < 1.01 * step.min()
+    near = step < 1.5 * step.min()
     better = []
     for other, phasor in zip(others, frames.others, strict=True):
         clear = np.abs(phasor) > 6.0 * frames.std
@@ -148,9 +156,9 @@ def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
         if pairs.sum() >= 3:
             still = phasor * np.exp(-1j * other.imag * frames.time)
             before, after = still[:-1][pairs], still[1:][pairs]
-            other = 1j * other.imag + np.log(np.vdot(before, after) / np.vdot(before, before)) / (
-                step.min()
-            )
+            power = np.abs(before) ** 2
+            advance = np.log(np.vdot(before, after) / power.sum())
+            other = 1j * other.imag + advance * power.sum() / (power @ step[pairs])
         better.append(complex(other))
     return better
 

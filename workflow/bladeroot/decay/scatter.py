@@ -1,4 +1,4 @@
-"""How much the blocks of a record really scatter, against the error assumed for them."""
+"""How much the blocks of a record really scatter, and which of them are not to be trusted."""
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +13,7 @@ def noise_ratio(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
     most: int = 12,
-    least: int = 120,
+    least: int = 80,
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
@@ -36,3 +36,27 @@ def noise_ratio(
         mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
     centre = (np.arange(windows) + 0.5) * length + 0.5
     return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))
+
+
+def without_knocks(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    window: int = 9,
+    limit: float = 6.0,
+) -> Float[ndarray, " block"]:
+    """Larger standard errors for the few blocks that a knock or a glitch threw off.
+
+    Such a block lies far from the straight line through its neighbours (by medians), on what a
+    smooth curve misses. At the ends the window shifts inwards.
+    """
+    count = std.size
+    jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
+    if count < 2 * window or not (jump > limit * std[1:-1]).any():
+        return std
+    own = np.arange(count)
+    start = np.clip(own - window // 2, 0, count - window)
+    near = miss[:, start[:, None] + np.arange(window)]
+    slope = np.median(np.diff(near, axis=2), axis=2)
+    level = np.median(near - slope[:, :, None] * np.arange(window), axis=2)
+    off = np.abs(miss - level - slope * (own - start)).max(axis=0)
+    return np.where(off > limit * std, np.maximum(off, std), std)

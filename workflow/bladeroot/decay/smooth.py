@@ -73,18 +73,14 @@ class Spline:
     def _polynomials(self) -> tuple[ndarray, ndarray]:
         """Where each polynomial piece starts, and its coefficients (power, part, piece)."""
         start = self.knots[DEGREE : -DEGREE - 1]
-        power = np.empty((DEGREE + 1, self.trend.shape[0], start.size))
-        derived, factorial = self.coefficient, 1.0
-        for d in range(DEGREE + 1):
-            inner = self.knots[d : self.knots.size - d]
-            shape, first = alive_splines(start, inner, DEGREE - d)
-            alive = derived[:, first[:, None] + np.arange(DEGREE - d + 1)]
-            power[d] = (alive * shape).sum(axis=2) / factorial
-            factorial *= d + 1
-            if d < DEGREE:
-                width = inner[DEGREE - d + 1 : -1] - inner[1 : -(DEGREE - d) - 1]
-                derived = (DEGREE - d) * np.diff(derived, axis=1) / width
-        return start, power
+        width = self.knots[DEGREE + 1 : -DEGREE] - start
+        at = np.arange(DEGREE + 1) / DEGREE  # places within a piece, both ends among them
+        inside = (start + at[:, None] * width * (1.0 - 1e-12)).ravel()
+        shape, first = alive_splines(inside, self.knots, DEGREE)
+        alive = self.coefficient[:, first[:, None] + np.arange(DEGREE + 1)]
+        value = (alive * shape).sum(axis=2).reshape(-1, DEGREE + 1, start.size)
+        power = np.linalg.inv(np.vander(at, increasing=True)) @ value
+        return start, power.transpose(1, 0, 2) / width ** np.arange(DEGREE + 1)[:, None, None]
 
     def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """Standard errors of `value`."""
@@ -115,7 +111,7 @@ def coarse(
     duration: float,
     prior: Prior | None = None,
     knots: int = 50,
-    iterations: int = 3,
+    iterations: int = 4,
 ) -> Spline:
     """Penalised splines on few knots through independent values that share their errors.
 
@@ -197,7 +193,7 @@ def _even(
     width = np.gradient(clock / duration)
     at = np.interp(node, clock, width)
     own = 2.0 * np.log(np.interp(node, time, std)) - 5.0 * np.log(at)
-    start = np.tile(-own - np.log(100.0), (parts, 1))
+    start = np.tile(-own - np.log(0.1), (parts, 1))
     return Prior((node - time[0]) / duration, start, start - 15.0)
 
 
@@ -251,7 +247,8 @@ def _fit(
             step = np.where(freedom < FEWEST_FREEDOM, np.minimum(step, 0.0), step)
             step = np.clip(2.0 * step, -4.0, 4.0)
             log_precision = np.clip(log_precision + step, softest, softest + 50.0)
-            left = left - 1 if np.abs(step).max() > 0.2 else 0
+            moving = (np.abs(step) * np.minimum(freedom, 1.0)).max() > 0.2
+            left = left - 1 if moving else 0
         coefficient[part], covariance[part], found[part] = value, inverse, log_precision
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,

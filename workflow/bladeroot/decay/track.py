@@ -1,5 +1,7 @@
 """Follow one mode through a record, other modes fitted along with it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
@@ -7,7 +9,7 @@ from numpy import ndarray
 from bladeroot.decay.carrier import rough_phasors, strongest_line
 from bladeroot.decay.lines import find_lines, remainder
 from bladeroot.decay.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather, refined
-from bladeroot.decay.scatter import noise_ratio
+from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
 
 
@@ -21,22 +23,18 @@ def follow(
     """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
-    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
-    fit = _rough_fit(blocks, duration)
-    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
-    middles = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
-    value = fit.value(np.minimum(middles, blocks.time[-1]))
-    rest = remainder(velocity, sampling_Hz, stretches, value[:, 0] + 1j * value[:, 1])
-    if usable is not None:
-        rest = np.where(usable, rest, 0.0)
-    stop = int(blocks.time[-1] * sampling_Hz)
-    strength = float(np.exp(value[0, 0].max()))
-    swept = value[1, 1] / (2.0 * np.pi)
-    own_Hz = (float(swept.min()), float(swept.max()))
-    others = find_lines(rest[:stop], sampling_Hz, own_Hz, strength)
+    blocks, fit, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+    rest = _longest(rest[: int(blocks.time[-1] * sampling_Hz)], usable)
+    value = fit.value(blocks.time)
+    swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
+    own_Hz = (float(swept[0]), float(swept[1]))
+    found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
+    others = [other for other in found if _apart(other, own_Hz)]
+    near = [other for other in found if not _apart(other, own_Hz)]
+    if near:
+        velocity, blocks, fit = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
     cycles = _cycles(others, line_Hz, duration)
-    if cycles > 1:
-        stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
+    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
     rates = [2j * np.pi * other for other in others]
     frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     if others:
@@ -44,13 +42,94 @@ def follow(
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
     fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
-    blocks = _gathered(frames, blocks, fit)
+    for _ in range(3):
+        before, blocks = blocks, _gathered(frames, blocks, fit)
+        if _same(before, blocks):
+            break
+        # what the mode does within a frame was not known well enough
+        fit = fine(blocks.time, _parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
     value = fit.value(blocks.time)
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), others
+    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+
+
+def without_near(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    near: Sequence[float],
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None = None,
+    rounds: int = 6,
+) -> tuple[Float[ndarray, " sample"], Phasors, Spline]:
+    """The record less lines that frames of few cycles cannot tell from the mode or from a mean.
+
+    Each is followed in what the rest leave over and taken off, some times round. Lines whose beat
+    with the mode is as slow as its own curves bend cannot be told apart in this way.
+    """
+    waves = [np.zeros_like(velocity) for _ in near]
+    rest = velocity
+    for _ in range(rounds):
+        blocks, fit, left = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
+        for k, other_Hz in enumerate(near):
+            alone = left + waves[k]
+            try:
+                left = _roughly(alone, sampling_Hz, other_Hz, noise, usable)[2]
+            except ValueError:  # a line that cannot be followed is no mode
+                left = alone
+            waves[k] = alone - left
+        rest = velocity - sum(waves)
+    blocks, fit, _ = _roughly(rest, sampling_Hz, line_Hz, noise, usable)
+    return rest, blocks, fit
+
+
+def _roughly(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None,
+) -> tuple[Phasors, Spline, Float[ndarray, " sample"]]:
+    """Rough blocks of the mode near a line, a spline through them, and what it leaves over."""
+    blocks = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
+    y = _parts(blocks.log)
+    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.1)
+    duration = velocity.size / sampling_Hz
+    fit = coarse(blocks.time, y, std, duration, knots=36, iterations=2)
+    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
+    middle = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
+    value = fit.value(np.minimum(middle, blocks.time[-1]))
+    log = value[:, 0] + 1j * value[:, 1]
+    log[0, middle > blocks.time[-1]] = -np.inf
+    rest = remainder(velocity, sampling_Hz, stretches, log)
+    return blocks, fit, rest if usable is None else np.where(usable, rest, 0.0)
+
+
+def _longest(
+    rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+) -> Float[ndarray, " part"]:
+    """The longest usable stretch where there are many holes: at every peak they look like lines.
+
+    The whole where the holes are few, or where that leaves less than a quarter.
+    """
+    if usable is None:
+        return rest
+    starts = np.flatnonzero(np.diff(usable[: rest.size].astype(int), prepend=1, append=1) > 0)
+    if starts.size < 10:
+        return rest
+    edges = np.concatenate([[-1], np.flatnonzero(~usable[: rest.size]), [rest.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    part = rest[edges[longest] + 1 : edges[longest + 1]]
+    return part if part.size > 0.25 * rest.size else rest
+
+
+def _apart(other_Hz: float, own_Hz: tuple[float, float], cycles: float = 3.0) -> bool:
+    """Whether frames of some cycles tell another line from the mode, and from a mean."""
+    gap = max(own_Hz[0] - other_Hz, other_Hz - own_Hz[1])
+    return min(gap, other_Hz) * cycles > 0.9 * own_Hz[1]
 
 
 def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
@@ -70,19 +149,22 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     blocks, miss = gather(time, phasor, frames.std[near], guess)
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
-    std = blocks.std * np.maximum(noise_ratio(_parts(miss), blocks.std), 0.5)
+    off = _parts(miss)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
     # a clock and a digitiser are never better than a millionth of a radian
-    return Phasors(blocks.time, blocks.log, np.hypot(std, 1e-6))
+    std = without_knocks(off, np.hypot(std, 1e-6))
+    return Phasors(blocks.time, blocks.log, std)
+
+
+def _same(before: Phasors, after: Phasors) -> bool:
+    """Whether no block has moved by more than its standard error."""
+    if before.time.size != after.time.size:
+        return False
+    return bool((np.abs(after.log - before.log) < 1.5 * after.std).all())
 
 
 def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
     return np.stack([log.real, log.imag])
-
-
-def _rough_fit(blocks: Phasors, duration: float) -> Spline:
-    y = _parts(blocks.log)
-    std = blocks.std * np.maximum(noise_ratio(y, blocks.std), 0.5)
-    return coarse(blocks.time, y, std, duration, knots=36, iterations=2)
 
 
 def cut_frames(
@@ -115,7 +197,7 @@ def _middles(stretch: Stretch, sampling_Hz: float) -> Float[ndarray, " frame"]:
 
 def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
     """Cycles in a frame: enough to tell the other lines apart, while frames remain plenty."""
-    most = int(np.clip(duration * line_Hz / 150.0, 1, 8))
+    most = int(np.clip(duration * line_Hz / 150.0, 1, 4))
     for cycles in range(1, most + 1):
         frame = cycles / line_Hz
         lines = [*others, line_Hz, 0.0]
