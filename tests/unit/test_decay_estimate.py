@@ -6,7 +6,7 @@ import xarray as xr
 from bladeroot import artifacts
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import record_plateau
-from decay_bench import ring_down
+from decay_bench import START, ring_down
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +35,12 @@ def test_every_choice_ends_in_a_stick_frequency(cut, estimator, damping, tmp_pat
     assert float(plateau["stick_frequency"]) == pytest.approx(250.0, rel=2e-5)
 
 
-def test_the_published_bound_is_smaller_than_any_estimate_can_reach(cut):
+def test_the_published_bound_counts_the_periods_of_the_whole_decay(cut):
     found = estimate(cut)
-    stick = record_plateau(found)["stick_frequency_std"]
-    assert 0.0 < float(found["frequency_bound_thesis"]) < float(stick)
+    periods = 250.0 * float(found["time"][-1] - found["time"][0])
+    ratio = cut.attrs["noise_velocity"] / START
+    bound = 250.0 * ratio / (np.sqrt(2) * np.pi * periods)
+    assert float(found["frequency_bound_thesis"]) == pytest.approx(bound, rel=0.05)
 
 
 def test_masked_samples_reach_the_estimators(cut):
