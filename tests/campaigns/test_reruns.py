@@ -61,6 +61,14 @@ def test_a_search_setting_redoes_the_search_and_what_follows(restored):
     }  # fmt: skip
 
 
+def test_another_estimator_redoes_the_decays_and_no_record(restored):
+    asked = restored.planned("--config", "decay={estimator: thesis}")
+    assert asked["decay"] > 0
+    assert asked["record"] + asked["bench"] + asked["assembly"] == 0
+    restored.edit("config/config.yaml", "estimator: blocks", "estimator: thesis")
+    assert restored.planned() == asked
+
+
 def test_swapping_two_settings_is_noticed(restored):
     restored.edit("config/config.yaml", "{1B: 0.5, 2B: 0.6}", "{1B: 0.6, 2B: 0.5}")
     assert restored.planned()["search"] == 2
