@@ -4,7 +4,7 @@ import pytest
 
 SHEET = "resources/campaigns/small/records.csv"
 AGGREGATES = {"stick": 1, "fe_forces": 1, "stiffness": 1, "theory": 1, "score": 1, "figures": 1,
-              "figures_records": 1, "report": 1}  # fmt: skip
+              "figures_records": 1, "curves": 1, "integrity": 1, "report": 1}  # fmt: skip
 SEARCHES = {"search": 2}
 
 
@@ -61,6 +61,14 @@ def test_a_search_setting_redoes_the_search_and_what_follows(restored):
     }  # fmt: skip
 
 
+def test_another_estimator_redoes_the_decays_and_no_record(restored):
+    asked = restored.planned("--config", "decay={estimator: thesis}")
+    assert asked["decay"] > 0
+    assert asked["record"] + asked["bench"] + asked["assembly"] == 0
+    restored.edit("config/config.yaml", "estimator: blocks", "estimator: thesis")
+    assert restored.planned() == asked
+
+
 def test_swapping_two_settings_is_noticed(restored):
     restored.edit("config/config.yaml", "{1B: 0.5, 2B: 0.6}", "{1B: 0.6, 2B: 0.5}")
     assert restored.planned()["search"] == 2
@@ -75,7 +83,7 @@ def test_a_new_force_redoes_only_itself_before_the_aggregates(restored):
     restored.edit("config/config.yaml", "[12, 16]", "[12, 14, 16]")
     planned = restored.planned()
     assert (planned["assembly"], planned["frequency_map"]) == (1, 1)
-    assert planned["record"] + planned["reduced"] + planned["bench"] == 0
+    assert planned["record"] + planned["reduced"] + planned["bench"] + planned["parametric"] == 0
 
 
 @pytest.mark.parametrize(
@@ -84,6 +92,7 @@ def test_a_new_force_redoes_only_itself_before_the_aggregates(restored):
         ("decay/freevib.py", "decay", ["record", "bench", "reduced"]),
         ("stiffness/interpolation.py", "fe_forces", ["stick", "assembly"]),
         ("structure/reduction.py", "reduced", ["mesh", "prestress"]),
+        ("structure/greedy.py", "parametric", ["reduced", "record"]),
         ("records/cut.py", "record", ["bench", "reduced"]),
         ("records/readers/netcdf.py", "record", ["bench", "reduced"]),
     ],

@@ -5,8 +5,13 @@ sections by stiff links at a height that couples rotation into the flanks; each 
 on springs to the ground. Its bending resembles the real one: 1B even, 2B odd, moving in Z.
 """
 
+from functools import cache
+
 import numpy as np
 import xarray as xr
+from bladeroot.stiffness.map import frequency_map
+from bladeroot.structure.joint import joint_of
+from bladeroot.structure.parametric import parametric_model
 
 LENGTH, NODES = 0.30, 11
 MODULUS, DENSITY, WIDTH, DEPTH = 2.0e11, 7800.0, 26e-3, 10e-3
@@ -102,3 +107,21 @@ def beam_assembly(axial_force=12e3):
         },
         attrs={"axial_force": float(axial_force), "structure": "beam"},
     )
+
+
+def beam_joint(equal_nodes=False):
+    """The beam at any force."""
+    free, pulled = beam_assembly(0.0), beam_assembly(1e6)
+    own = int(free["slot_dof"].min())
+    rise = (pulled["stiffness"] - free["stiffness"]).values[:own, :own]
+    return joint_of(free, rise / 1e6, equal_nodes)
+
+
+def beam_map(axial_force=12e3, equal_nodes=False):
+    """The map of the beam at one force."""
+    return frequency_map(_model(equal_nodes), beam_assembly(axial_force))
+
+
+@cache
+def _model(equal_nodes):
+    return parametric_model(beam_joint(equal_nodes))

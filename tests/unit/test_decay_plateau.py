@@ -1,51 +1,191 @@
-"""The stick plateau: its errors hold, false onsets are rare, a bend to the end is called one."""
+"""The stick plateau: its errors hold, a bend without end is not called one, a plateau is."""
 
+import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib
-from bladeroot.decay.plateau import fit_hinge, plateau
-from decay_bench import ring_down
+from bladeroot.decay.plateau import plateau
+from bladeroot.decay.record import record_plateau
+from bladeroot.decay.stretch import grouped, integral
+from decay_bench import ring_down, slider
+from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
+from hypothesis import given, settings
 
 
-def blocks(seed, law, count=500):
-    """Time, noisy phase, its std and amplitude of a decay whose rate is law(amplitude)."""
-    rng = np.random.default_rng(seed)
-    time = np.linspace(0.0, 1.6, 16 * count)
-    amplitude = np.exp(-3.9 * time)
-    phase = np.concatenate([[0.0], np.cumsum(law(amplitude))[:-1]]) * (time[1] - time[0])
-    time, amplitude, phase = time[8::16], amplitude[8::16], phase[8::16]
-    std = np.minimum(2e-3 / amplitude, 0.3)
-    return time, phase + std * rng.standard_normal(time.size), std, amplitude
-
-
-@pytest.mark.parametrize(("power", "sign"), [(1.0, -1.0), (1.5, -1.0), (2.0, 1.0)])
-def test_rate_and_onset_with_honest_errors(power, sign):
-    found = [
-        fit_hinge(
-            *blocks(seed, lambda a: 1570.0 + sign * 2.0 * np.maximum(0, a / 0.2 - 1) ** power)
-        )
-        for seed in range(4)
+def check_verdicts(count, first, most):
+    """At most `most` of the verdicts wrong, either way."""
+    wrong = [s for s in range(first, first + count) if plateau(bending(s))["plateau_reached"]]
+    missed = [
+        s for s in range(first, first + count) if not plateau(sticking(s)[0])["plateau_reached"]
     ]
-    assert all(hinge.left and hinge.reached for hinge in found)
-    rate = np.array([(hinge.rate - 1570.0) / hinge.rate_std for hinge in found])
-    onset = np.array([(hinge.onset - 0.2) / hinge.onset_std for hinge in found])
-    assert 0.3 < np.sqrt(np.mean(rate**2)) < 1.8
-    assert np.sqrt(np.mean(onset**2)) < 2.5
-    assert np.median([hinge.onset for hinge in found]) == pytest.approx(0.2, rel=0.15)
+    assert len(wrong) <= most, wrong
+    assert len(missed) <= most, missed
+
+
+def test_verdicts():
+    check_verdicts(50, first=0, most=2)
+
+
+@pytest.mark.slow
+def test_verdicts_on_many():
+    check_verdicts(500, first=1000, most=10)  # 2 %
+
+
+@pytest.mark.parametrize("noise_db", [60, 40])
+def test_errors_hold(noise_db):
+    rows = []
+    for seed in range(60):
+        decay, onset, truth = sticking(seed, noise_db)
+        found = plateau(decay)
+        if found["plateau_reached"]:
+            error = found["stick_frequency"] - truth
+            rows.append(
+                [
+                    error / FREQUENCY_HZ * 1e6, error / found["stick_frequency_std"],
+                    (found["onset_amplitude"] - onset) / found["onset_amplitude_std"],
+                ]
+            )  # fmt: skip
+    ppm, frequency, onset = np.abs(np.array(rows)).T
+    assert np.median(ppm) < {60: 3.0, 40: 25.0}[noise_db]
+    assert 0.5 < np.mean(frequency < 1.0) < 0.86
+    assert np.mean(frequency < 1.96) > 0.86
+    assert np.nanmean(onset[np.isfinite(onset)] < 1.96) > 0.86
+
+
+def test_curve_like_that_of_a_bolted_beam():
+    """122.24 Hz at 0.60 mm rising to 122.41 Hz at 0.15 mm, errors that blocks share: no plateau."""
+    top = 0.8e-3
+    for seed in range(12):
+        decay = blocks(
+            seed, power_law(1.0), softening=0.375 * top * 1e3 / 122.465, noise_db=52.0, eta=0.0014,
+            rise=0.05, duration_s=3.05, frequency_Hz=122.465, largest=top, wander=1.5e-3,
+        )  # fmt: skip
+        found = plateau(decay)
+        assert found["verdict"] == "plateau not reached"
+        smallest = float(decay["amplitude"].min())
+        assert found["frequency_bound"] == pytest.approx(122.465 - 375.0 * smallest, abs=0.01)
+        assert found["limit_low"] < 122.465 < found["limit_high"]
+        assert found["limit_high"] - found["limit_low"] < 0.5
+        assert np.isnan(found["stick_frequency"])
+        assert np.isnan(found["onset_amplitude"])
+
+
+def test_square_law_is_a_plateau_when_its_rest_is_below_the_error():
+    found = plateau(blocks(0, power_law(2.0)))
+    assert found["verdict"] == "plateau"
+    assert np.isnan(found["onset_bound"])
+    truth = FREQUENCY_HZ * np.sqrt(1.0 - 0.25 * 0.005**2)
+    assert abs(found["stick_frequency"] - truth) < 3.0 * found["stick_frequency_std"]
+
+
+def test_stretch_too_short_to_be_shown():
+    assert not plateau(blocks(0, slip(0.5, 1.0), lowest=0.35))["plateau_reached"]
+    assert plateau(blocks(0, slip(0.5, 1.0), lowest=0.1))["plateau_reached"]
+
+
+def test_constant_over_too_small_a_range():
+    still = {"softening": 0.0, "rise": 0.0}
+    assert not plateau(blocks(0, slip(0.5, 1.0), lowest=0.7, **still))["plateau_reached"]
+    assert plateau(blocks(0, slip(0.5, 1.0), lowest=0.3, **still))["plateau_reached"]
+
+
+@pytest.mark.filterwarnings("error")
+@given(
+    seed=st.integers(0, 10**6), count=st.integers(1, 60),
+    fall=st.sampled_from([-3.0, 0.0, 0.05, 3.0, 30.0]), beat=st.sampled_from([0.0, 0.3]),
+)  # fmt: skip
+@settings(max_examples=25, deadline=None)
+def test_any_blocks_give_a_verdict(seed, count, fall, beat):
+    rng = np.random.default_rng(seed)
+    time = np.cumsum(rng.uniform(0.5, 1.5, count)) / FREQUENCY_HZ
+    log = -fall * time + beat * np.sin(40.0 * time)
+    std = 10 ** rng.uniform(-6.0, -1.0, count)
+    y = log + std * rng.standard_normal(count)
+    turn = 1570.0 * time + std * rng.standard_normal(count)
+    decay = xr.Dataset(
+        {
+            "time": ("point", time), "amplitude": ("point", np.exp(log)),
+            "block_time": ("block", time), "block_log_amplitude": ("block", y),
+            "block_phase": ("block", turn), "block_std": ("block", std),
+        }
+    )  # fmt: skip
+    found = plateau(decay)
+    assert found["verdict"].split(":")[0] in ("plateau", "plateau not reached", "rejected")
+    assert not found["plateau_reached"] or found["stick_frequency_std"] > 0.0
+
+
+def test_viscous_and_hysteretic_numbers_of_one_decay():
+    decay = sticking(3, 60.0)[0]
+    hysteretic = plateau(decay)
+    viscous = plateau(decay.assign_attrs(damping="viscous"))
+    eta = hysteretic["loss_factor"]
+    ratio = viscous["stick_frequency"] / hysteretic["stick_frequency"]
+    assert ratio == pytest.approx(1.0 + 0.25 * eta**2, abs=1e-8)
+    assert viscous["loss_factor"] == pytest.approx(eta, rel=2 * eta**2)
+
+
+def test_onset_time_is_when_the_amplitude_is_the_onset():
+    decay = sticking(3, 60.0)[0]
+    found = plateau(decay)
+    at = np.interp(found["onset_time"], decay["time"], decay["amplitude"])
+    assert at == pytest.approx(found["onset_amplitude"], rel=1e-3)
+
+
+def test_record_as_dataset(tmp_path):
+    decay = sticking(3, 60.0)[0].assign_attrs(record="r1", other_modes_Hz=[520.0])
+    found = record_plateau(decay)
+    found.to_netcdf(tmp_path / "r1.nc")
+    assert found.attrs["record"] == "r1"
+    assert "lower bound" in found["onset_amplitude"].attrs["note"]
+    assert all(found[name].attrs["long_name"] for name in found.data_vars)
 
 
 def test_few_false_onsets():
-    found = [fit_hinge(*blocks(seed, lambda a: 1570.0 + 0.0 * a)) for seed in range(40)]
-    assert sum(hinge.left for hinge in found) <= 1
-    z = np.array([(hinge.rate - 1570.0) / hinge.rate_std for hinge in found])
-    assert 0.75 < np.sqrt(np.mean(z**2)) < 1.3
+    found = [plateau(blocks(seed, slip(0.2, 1.0), softening=0.0, rise=0.0)) for seed in range(40)]
+    assert all(one["plateau_reached"] for one in found)
+    assert sum(np.isfinite(one["onset_amplitude"]) for one in found) <= 1
+    assert all(one["plateau_high_amplitude"] > 0.99 for one in found if one["onset_bound"] > 0)
 
 
-def test_bend_to_the_smallest_amplitude_is_not_a_plateau():
-    hinge = fit_hinge(*blocks(0, lambda a: 1570.0 - 60.0 * np.sqrt(a)))
-    assert hinge.left
-    assert not hinge.reached
+def test_plateau_of_frequency_beside_damping_that_bends():
+    decay = blocks(1, slip(0.3, 1.0), rise=0.0)
+    bend = blocks(1, power_law(0.7), softening=0.0, rise=0.0, noise_db=200.0)
+    assert plateau(decay)["loss_factor"] == pytest.approx(0.005, rel=1e-3)
+    extra = -3.0 * (1.0 - np.exp(0.7 * bend["block_log_amplitude"].values[: decay.sizes["block"]]))
+    decay["block_log_amplitude"] = decay["block_log_amplitude"] + 0.02 * extra
+    found = plateau(decay)
+    assert found["plateau_reached"]
+    assert np.isnan(found["loss_factor"])
+
+
+def test_stated_range_is_below_the_onset():
+    found = plateau(sticking(3, 60.0)[0])
+    assert found["plateau_low_amplitude"] < found["plateau_high_amplitude"]
+    assert found["plateau_high_amplitude"] < found["onset_amplitude"]
+
+
+def test_integral_of_groups_is_that_of_time():
+    time = np.linspace(0.0, 1.0, 2000)
+    amplitude = np.exp(-3.0 * time)
+    y = np.stack([np.sin(3.0 * time), np.cos(3.0 * time)])
+    stretch = grouped(time, y, np.full(time.size, 1e-3), amplitude)
+    rates = np.stack([3.0 * np.cos(3.0 * stretch.time), -3.0 * np.sin(3.0 * stretch.time)], axis=1)
+    off = stretch.y.T - integral(stretch, rates)
+    np.testing.assert_allclose(off - off.mean(axis=0), 0.0, atol=3e-5)
+
+
+@pytest.mark.parametrize("share", [1e-5, 1e-3])
+def test_slider_of_3_4(share):
+    velocity = slider()
+    noise = share * np.abs(velocity).max()
+    velocity += noise * np.random.default_rng(0).standard_normal(velocity.size)
+    found = plateau(freevib(velocity, 51200.0, 544.73, noise))
+    assert found["onset_amplitude"] == pytest.approx(100e-6, rel=0.01)
+    assert abs(found["onset_amplitude"] - 100e-6) < 2.5 * found["onset_amplitude_std"]
+    if share < 1e-4:
+        assert found["stick_frequency"] == pytest.approx(544.73, rel=3e-5)
+        assert found["loss_factor"] == pytest.approx(5e-3, rel=5e-4)
 
 
 def test_record_that_never_leaves_the_plateau():
@@ -67,7 +207,7 @@ def test_stick_frequency_of_a_slipping_record(noise_db, ppm):
         frequency, loss = truth(0.1 * largest)
         assert found["stick_frequency"] == pytest.approx(frequency, rel=ppm * 1e-6)
         assert found["loss_factor"] == pytest.approx(loss, rel=0.02)
-        assert found["onset_amplitude"] == pytest.approx(0.2 * largest, rel=0.2)
+        assert found["onset_amplitude"] == pytest.approx(0.2 * largest, rel=0.05)
         z.append((found["stick_frequency"] - frequency) / found["stick_frequency_std"])
     assert np.sqrt(np.mean(np.square(z))) < 2.5
 

@@ -74,6 +74,72 @@ def equation_65():
             assert agrees == hertz
 
 
+def equation_31():
+    phase = np.linspace(0.0, 50.0, 400)
+    signal = np.cos(phase) + 1j * np.sin(phase)  # y + i H[y]
+    assert np.allclose(signal, np.exp(1j * phase))
+    assert not np.allclose(signal, np.exp(-1j * phase))
+
+
+def equation_33():
+    omega_n, eta = 3.0, 0.1
+    rate = 1j * omega_n * np.sqrt(1 + 1j * eta)
+    assert rate.real < 0  # it decays
+    signal = np.exp(rate * np.linspace(0.0, 5.0, 50))
+    for sign, holds in ((-1.0, True), (1.0, False)):  # of d H[y], with H[y] the imaginary part
+        left = rate**2 * signal
+        real = left.real + sign * eta * omega_n**2 * signal.imag + omega_n**2 * signal.real
+        assert np.allclose(real, 0.0, atol=1e-9) == holds
+
+
+def equation_313():
+    y, hilbert, omega, decline, bend, chirp = 0.7, -0.4, 5.0, -0.3, 0.2, 0.11
+    second = (y + 1j * hilbert) * (bend - omega**2 + 1j * (2 * omega * decline + chirp))
+
+    def printed(factor):
+        return -hilbert * omega**2 + y * 2 * omega * decline + factor * bend + y * chirp
+
+    assert printed(hilbert) == pytest.approx(second.imag)
+    assert printed(y) != pytest.approx(second.imag)
+    size = y**2 + hilbert**2
+    boxed = (y * second.real + hilbert * second.imag) / size + omega**2
+    assert boxed == pytest.approx(bend)
+    boxed = (y * second.imag - hilbert * second.real) / size - 2 * omega * decline
+    assert boxed == pytest.approx(chirp)
+
+
+def newmark():
+    q, speed, dt = 0.3, 2.0, 1e-3
+    assert q + dt * speed == pytest.approx(0.302)
+    assert abs(speed + dt * dt * speed - 0.302) > 1.0
+
+
+def slider_correction():
+    contact, limit, before, after = 4e6, 400.0, 2.0e-4, 2.1e-4
+    right, printed = after - limit / contact, before - limit / contact
+    assert contact * (after - right) == pytest.approx(limit)
+    excess = contact * (after - printed) - limit
+    assert excess == pytest.approx(contact * (after - before))
+
+
+def appendix_f_bound():
+    draws = np.random.default_rng(0).standard_normal(100000)
+    assert np.mean(np.abs(draws) > 1.0) == pytest.approx(0.317, abs=0.01)
+
+
+def appendix_f_decay():
+    eta = 0.00203
+    periods = np.log(1000.0) / (np.pi * eta)
+    factor = np.sqrt(1.0 + np.exp(2.0 * np.pi * periods * eta)) / np.sqrt(2.0)
+    assert factor == pytest.approx(707.0, abs=1.0)
+
+
+def appendix_f_clock():
+    rows = table("3_1").set_index("force_N")
+    assert rows["frequency_delta_percent"].min() == rows["frequency_delta_percent"][12530] == 0.001
+    assert pytest.approx(0.1e-6) == 1e-2 * 0.001e-2
+
+
 CHECKS = {
     "piston-area": piston_area,
     "table-3.1-damping-percent": table_31_damping_percent,
@@ -81,6 +147,14 @@ CHECKS = {
     "table-5.2-kn-16kN": table_52_kn_16,
     "table-5.2-kt-22kN": table_52_kt_22,
     "equation-6.5": equation_65,
+    "equation-3.1-sign": equation_31,
+    "equation-3.3-equals": equation_33,
+    "equation-3.13-second-row": equation_313,
+    "newmark-displacement": newmark,
+    "slider-correction": slider_correction,
+    "appendix-f-bound": appendix_f_bound,
+    "appendix-f-decay": appendix_f_decay,
+    "appendix-f-clock": appendix_f_clock,
 }
 
 

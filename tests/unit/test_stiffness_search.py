@@ -3,12 +3,13 @@ import pytest
 import xarray as xr
 from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
-from bladeroot.stiffness.map import Basis, all_frequencies, bases_of, frequency_map
+from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 from bladeroot.stiffness.search import ln_covariance, search
+from bladeroot.structure.chebyshev import fit
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stiffness_beam import beam_assembly
+from stiffness_beam import beam_map
 
 FORCE = 12e3
 NO_FORCE_ERROR = ForceGauge(1.253e-4, 1e-9, "full-scale")
@@ -16,7 +17,7 @@ NO_FORCE_ERROR = ForceGauge(1.253e-4, 1e-9, "full-scale")
 
 @pytest.fixture(scope="module")
 def drawn():
-    return frequency_map(beam_assembly(FORCE))
+    return beam_map(FORCE)
 
 
 def measured(frequencies, std=(0.02, 0.03), force=FORCE):
@@ -35,7 +36,7 @@ def measured(frequencies, std=(0.02, 0.03), force=FORCE):
 
 
 def of_truth(drawn, kn, kt):
-    f, jacobian = all_frequencies(bases_of(drawn), np.log(np.array([[kn, kt]])))
+    f, jacobian = all_frequencies(surface_of_map(drawn), np.log(np.array([[kn, kt]])))
     return f[0], jacobian[0]
 
 
@@ -47,9 +48,9 @@ def log_axis(drawn):
 @given(kn=st.floats(19.0, 26.0), kt=st.floats(19.0, 26.0))
 def test_simulated_truth_is_among_the_roots(drawn, kn, kt):
     target, _ = of_truth(drawn, np.exp(kn), np.exp(kt))
-    roots = all_roots(bases_of(drawn), target, drawn["map_frequency"].values, log_axis(drawn))
+    roots = all_roots(surface_of_map(drawn), target, drawn["map_frequency"].values, log_axis(drawn))
     assert len(roots)
-    back, _ = all_frequencies(bases_of(drawn), roots)
+    back, _ = all_frequencies(surface_of_map(drawn), roots)
     np.testing.assert_allclose(back, np.broadcast_to(target, back.shape), rtol=1e-8)
     assert np.abs(roots - [kn, kt]).max(axis=1).min() < 1e-2
 
@@ -67,15 +68,21 @@ def test_search_recovers_the_stiffness(drawn):
 
 def test_two_roots_are_both_found():
     """Two modes that take kn and kt alike, so that (kn, kt) and (kt, kn) both are roots."""
-    coupled = Basis(np.array([[2e9, 1e9], [1e9, 2e9]]), np.diag([1.0, 0.0]), np.diag([0.0, 1.0]))
-    bases = [coupled, Basis(np.array([[1e8]]), np.ones((1, 1)), np.ones((1, 1)))]
-    axis = np.linspace(*np.log([1e8, 1e12]), 60)
+
+    def alike(points):
+        kn, kt = np.exp(points[:, :2].T)
+        return 0.5 * np.log(np.stack([2e9 + kn * kt / (kn + kt), 1e8 + kn + kt]))
+
+    low, high = np.log(1e8), np.log(1e12)
+    axis = np.linspace(low, high, 60)
+    surface = fit(alike, np.array([low, low, FORCE]), np.array([high, high, FORCE]), 1e-6)
     mesh = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
-    drawn = all_frequencies(bases, mesh)[0].T.reshape(2, 60, 60)
+    drawn = all_frequencies(surface, mesh)[0].T.reshape(2, 60, 60)
     for truth in np.log([[3e9, 2e10], [6e9, 6.6e9]]):
-        target = all_frequencies(bases, truth[None])[0][0]
-        roots = all_roots(bases, target, drawn, axis)
-        np.testing.assert_allclose(roots, [truth, truth[::-1]], atol=1e-4)
+        target = all_frequencies(surface, truth[None])[0][0]
+        roots = all_roots(surface, target, drawn, axis)
+        assert len(roots) == 2
+        np.testing.assert_allclose(roots, [truth, truth[::-1]], atol=1e-3)
 
 
 def test_frequencies_above_bonded_contact_have_no_root(drawn):
@@ -97,12 +104,12 @@ def test_needed_bias_is_the_smallest_and_gives_a_root(drawn):
     result = search(drawn, measured(target), fe_bias)
     assert str(result["status"].values) == "no root"
     needed = result["needed_bias"].values
-    bases, weights = bases_of(drawn), np.array([0.004, 0.002])
+    surface, weights = surface_of_map(drawn), np.array([0.004, 0.002])
     size = np.sum((needed / weights) ** 2)
     near = target / (1 + needed)
     fine = np.linspace(*log_axis(drawn)[[0, -1]], 200)
     mesh = np.stack(np.meshgrid(fine, fine), axis=-1).reshape(-1, 2)
-    f, _ = all_frequencies(bases, mesh)
+    f, _ = all_frequencies(surface, mesh)
     others = np.sum((target / f - 1) ** 2 / weights**2, axis=1)
     assert size <= others.min() * 1.01
     assert np.abs(f / near - 1).max(axis=1).min() < 1e-3
@@ -120,13 +127,13 @@ def test_measurement_that_is_absent_is_named(drawn):
 
 def test_covariance_agrees_with_simulated_errors(drawn):
     """Errors small enough for the map to be straight, through the whole search by Newton."""
-    bases, truth = bases_of(drawn), np.log(np.array([1.4e9, 2.1e9]))
+    surface, truth = surface_of_map(drawn), np.log(np.array([1.4e9, 2.1e9]))
     target, jacobian = of_truth(drawn, *np.exp(truth))
     std, bias = np.array([0.004, 0.007]), np.array([1e-5, 2e-5])
     parts = ln_covariance(jacobian, target, std, bias)
     rng = np.random.default_rng(5)
     draws = target + rng.standard_normal((4000, 2)) * np.hypot(std, bias * target)
-    ends, good = newton(bases, draws, np.tile(truth, (4000, 1)), (np.log(1e8), np.log(1e12)))
+    ends, good = newton(surface, draws, np.tile(truth, (4000, 1)), (np.log(1e8), np.log(1e12)))
     assert good.all()
     np.testing.assert_allclose(np.cov(ends.T), parts.sum(axis=0), rtol=0.1)
     weighted = jacobian.T @ np.diag(1 / std**2) @ jacobian
@@ -192,9 +199,11 @@ def test_result_is_complete_and_the_same_at_every_run(drawn, tmp_path):
 
 def test_nearest_point_of_an_attainable_target_is_the_root(drawn):
     target, _ = of_truth(drawn, 3e9, 1e9)
-    bases, axis = bases_of(drawn), log_axis(drawn)
-    point = nearest_point(bases, target, np.array([1.0, 1.0]), drawn["map_frequency"].values, axis)
-    f, _ = all_frequencies(bases, point[None])
+    surface, axis = surface_of_map(drawn), log_axis(drawn)
+    point = nearest_point(
+        surface, target, np.array([1.0, 1.0]), drawn["map_frequency"].values, axis
+    )
+    f, _ = all_frequencies(surface, point[None])
     np.testing.assert_allclose(f[0], target, rtol=1e-7)
 
 
@@ -202,7 +211,7 @@ def test_grid_search_accepts_around_the_truth(drawn):
     axis = np.linspace(1e7, 1.5e8, 50) * 33
     target, _ = of_truth(drawn, axis[20], axis[30])
     errors = np.array([0.2, 0.3])
-    result = grid_search(bases_of(drawn), target, errors, 0 * errors)
+    result = grid_search(surface_of_map(drawn), target, errors, 0 * errors)
     accepted = result["grid_accepted"].values
     assert accepted[20, 30] == 1
     assert 1 <= accepted.sum() < accepted.size / 4
@@ -217,8 +226,8 @@ def test_grid_search_prefers_soft_contact(drawn):
     """Among accepted points 5.23 takes a softer one than the truth: the bias to be shown."""
     axis = np.linspace(1e7, 1.5e8, 50) * 33
     target, _ = of_truth(drawn, axis[25], axis[25])
-    result = grid_search(bases_of(drawn), target, np.array([0.1, 0.1]), 0.002 * target)
+    result = grid_search(surface_of_map(drawn), target, np.array([0.1, 0.1]), 0.002 * target)
     assert float(result["grid_kn"]) * float(result["grid_kt"]) < axis[25] ** 2
-    nothing = grid_search(bases_of(drawn), 1.5 * target, np.array([0.1, 0.1]), 0 * target)
+    nothing = grid_search(surface_of_map(drawn), 1.5 * target, np.array([0.1, 0.1]), 0 * target)
     assert np.isnan(nothing["grid_kn"])
     assert nothing["grid_accepted"].sum() == 0

@@ -3,24 +3,24 @@ import pytest
 import xarray as xr
 from bladeroot.contact.published import published_stiffness
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
-from bladeroot.stiffness.map import all_frequencies, bases_of, frequency_map
+from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.search import search
 from bladeroot.stiffness.summary import power_law, summarise
-from stiffness_beam import beam_assembly
+from stiffness_beam import beam_map
 
 FORCES = np.array([10e3, 12e3, 16e3, 20e3])
 
 
 @pytest.fixture(scope="module")
 def maps():
-    return [frequency_map(beam_assembly(force)) for force in FORCES]
+    return [beam_map(force) for force in FORCES]
 
 
 def campaign(maps, kn, kt, raised=1.0):
     """Levels at every force whose frequencies follow from given stiffness."""
     f = np.array(
         [
-            all_frequencies(bases_of(m), np.log(np.array([pair])))[0][0]
+            all_frequencies(surface_of_map(m), np.log(np.array([pair])))[0][0]
             for m, pair in zip(maps, np.column_stack([kn, kt]), strict=True)
         ]
     )

@@ -1,4 +1,57 @@
-# Beam and slots joined at one axial force (5.1), and the frequencies of the joint as a map of kn, kt.
+# The joint's parametric model, once for all forces, and its accuracy; and at one force: beam and slots
+# joined (5.1) and the frequencies of the joint as a map of kn, kt.
+
+
+rule parametric:
+    input:
+        reduced=rules.reduced.output.reduced,
+    output:
+        parametric="results/structures/{structure}/parametric.nc",
+    log:
+        "results/logs/parametric/{structure}.log",
+    benchmark:
+        "results/benchmarks/parametric/{structure}.tsv"
+    threads: 1
+    params:
+        settings=settings("parametric"),
+        code=code("parametric"),
+    message:
+        "frequencies of {wildcards.structure} over (kn, kt, force), with an error bound (5.4-5.7)"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/parametric.py --reduced {input.reduced:q}"
+        " --settings {params.settings:q} --output {output.parametric} > {log} 2>&1"
+
+
+def forces_with(wildcards):
+    """All axial forces at which any campaign uses a structure."""
+    users = [c for c in CAMPAIGNS.values() if wildcards.structure in structures_of(c)]
+    return canonical_json(
+        sorted({float(force) for campaign in users for force in forces_of(campaign)})
+    )
+
+
+rule accuracy:
+    input:
+        structure=structure_file,
+        mesh=rules.mesh.output.mesh,
+        prestress=rules.prestress.output.prestress,
+        parametric=rules.parametric.output.parametric,
+    output:
+        accuracy="results/structures/{structure}/accuracy.nc",
+    log:
+        "results/logs/accuracy/{structure}.log",
+    benchmark:
+        "results/benchmarks/accuracy/{structure}.tsv"
+    threads: 1
+    params:
+        forces=forces_with,
+        code=code("accuracy"),
+    message:
+        "{wildcards.structure}: parametric model against the full one at every force"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/accuracy.py --structure {input.structure:q} --mesh {input.mesh:q}"
+        " --prestress {input.prestress:q} --parametric {input.parametric:q}"
+        " --forces {params.forces:q} --output {output.accuracy} > {log} 2>&1"
 
 
 rule assembly:
@@ -22,6 +75,7 @@ rule assembly:
 
 rule frequency_map:
     input:
+        parametric=rules.parametric.output.parametric,
         assembly=rules.assembly.output.assembly,
     output:
         map="results/structures/{structure}/map/{force}.nc",
@@ -35,5 +89,5 @@ rule frequency_map:
     message:
         "frequencies of {wildcards.structure} over (kn, kt) at {wildcards.force} N (5.4-5.7)"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/frequency_map.py --assembly {input.assembly:q}"
-        " --output {output.map} > {log} 2>&1"
+        "{PYTHON:q} {SCRIPTS:q}/frequency_map.py --parametric {input.parametric:q}"
+        " --assembly {input.assembly:q} --output {output.map} > {log} 2>&1"

@@ -118,6 +118,21 @@ def forces_of(campaign):
     return sorted({round(1000 * force) for force in asked})
 
 
+def refuse_forces_outside_the_model():
+    """Every FE force must lie in the box of the parametric model."""
+    low, high = config["parametric"]["force_kN"]
+    for campaign in CAMPAIGNS.values():
+        asked = [force / 1000 for force in forces_of(campaign)]
+        if not low <= min(asked) <= max(asked) <= high:
+            refuse(
+                f"{campaign.name}: fe_forces_kN must lie between {low:g} and {high:g}"
+                f" (parametric.force_kN), got {', '.join(f'{f:g}' for f in asked)}"
+            )
+
+
+refuse_forces_outside_the_model()
+
+
 def of_records(pattern, wildcards):
     """One artifact for each record of a campaign."""
     return expand(

@@ -1,4 +1,5 @@
-# Frequency and damping against amplitude (FREEVIB) of each free decay, and its stick plateau.
+# Frequency and damping against amplitude (FREEVIB) of each free decay, a second opinion (peak
+# finding and fitting), and the stick plateau.
 
 
 rule decay:
@@ -13,9 +14,11 @@ rule decay:
         "results/benchmarks/decay/{campaign}/{record}.tsv"
     threads: 1
     params:
+        settings=settings("decay"),
         code=code("decay"),
     message:
         "frequency and damping against amplitude, record {wildcards.record} of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/decay.py --record {input.record:q}"
-        " --decay {output.decay} --plateau {output.plateau} > {log} 2>&1"
+        " --settings {params.settings:q} --decay {output.decay}"
+        " --plateau {output.plateau} > {log} 2>&1"

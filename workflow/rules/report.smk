@@ -159,9 +159,16 @@ rule report:
         checks=lambda w: expand(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
+        accuracies=lambda w: expand(
+            rules.accuracy.output.accuracy,
+            structure=structures_of(CAMPAIGNS[w.campaign]),
+        ),
         figures=rules.figures.output,
         drawn=lambda w: (
             rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
+        ),
+        integrity=lambda w: (
+            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
         ),
         score=lambda w: (
             rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
@@ -193,6 +200,6 @@ rule report:
         "report of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
-        " --checks {input.checks:q} --figures {input.figures:q} {input.drawn:q} --thesis {input.thesis:q}"
+        " --checks {input.checks:q} --accuracies {input.accuracies:q} --figures {input.figures:q} {input.drawn:q} --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

@@ -23,9 +23,10 @@ rule stick:
         "results/benchmarks/stick/{campaign}.tsv"
     threads: 1
     params:
+        settings=settings("stick"),
         code=code("stick"),
     message:
         "stick frequencies of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/stick.py --sources {input.sources:q} --campaign {wildcards.campaign}"
-        " --output {output.stick} > {log} 2>&1"
+        " --settings {params.settings:q} --output {output.stick} > {log} 2>&1"

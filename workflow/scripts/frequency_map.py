@@ -5,9 +5,9 @@ from bladeroot import artifacts
 from bladeroot.stiffness.map import frequency_map
 
 
-def main(assembly, output):
-    artifacts.save(frequency_map(artifacts.load(assembly)), output)
+def main(parametric, assembly, output):
+    artifacts.save(frequency_map(artifacts.load(parametric), artifacts.load(assembly)), output)
 
 
 if __name__ == "__main__":
-    run(main, assembly="assembly file", output="map file")
+    run(main, parametric="parametric.nc", assembly="assembly file", output="map file")

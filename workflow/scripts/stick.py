@@ -1,5 +1,6 @@
 """Stick frequencies, from the plateaus of all records or from a table -> stick.nc."""
 
+import json
 from pathlib import Path
 
 import pandas as pd
@@ -8,15 +9,16 @@ from bladeroot import artifacts
 from bladeroot.decay.stick import stick_from_records, stick_from_table
 
 
-def main(sources, campaign, output):
+def main(sources, campaign, settings, output):
     if Path(sources[0]).suffix == ".csv":
-        stick = stick_from_table(pd.read_csv(sources[0], skipinitialspace=True))
+        table = pd.read_csv(sources[0], skipinitialspace=True)
+        stick = stick_from_table(table, json.loads(settings)["table_error"])
     else:
         plateaus = [artifacts.load(plateau) for plateau in sources]
         stick = stick_from_records(plateaus)
         stick.attrs["simulated"] = max(plateau.attrs["simulated"] for plateau in plateaus)
     stick.attrs["campaign"] = campaign
-    artifacts.save(stick, output)
+    artifacts.save(stick, output, settings=settings)
 
 
 if __name__ == "__main__":
@@ -24,5 +26,6 @@ if __name__ == "__main__":
         main,
         sources="many: the plateau of every record, or one stick.csv",
         campaign="the campaign's name",
+        settings="section `stick` of the configuration (JSON)",
         output="stick.nc",
     )

@@ -1,5 +1,6 @@
 """The plateau of one record as a Dataset: what the pooling over records starts from."""
 
+import numpy as np
 import xarray as xr
 
 from bladeroot.decay.plateau import plateau
@@ -11,10 +12,18 @@ RECORD = {
     "loss_factor_std": ("1", "standard error of loss_factor within the record", "App. F"),
     "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
     "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
+    "onset_time": ("s", "time since the start of the cut when sticking begins", ""),
+    "plateau_low_amplitude": ("m", "smallest amplitude of the constant stretch", ""),
+    "plateau_high_amplitude": ("m", "largest amplitude of the constant stretch", ""),
+    "plateau_weight": ("1", "weight of the laws with a plateau", ""),
     "onset_bound": ("m", "largest amplitude seen, where the record never leaves the plateau", ""),
     "frequency_bound": ("Hz", "frequency at the smallest amplitude, plateau not reached", ""),
+    "frequency_bound_std": ("Hz", "standard error of frequency_bound", ""),
+    "limit_low": ("Hz", "least limit at zero amplitude by any tenable law, not reached", ""),
+    "limit_high": ("Hz", "greatest limit at zero amplitude by any tenable law, not reached", ""),
     "plateau_reached": ("1", "1 where the record reaches its stick plateau", ""),
 }
+OTHERS = "other modes ring in the record and add to the slip: a lower bound for this mode alone"
 
 
 def record_plateau(decay: xr.Dataset) -> xr.Dataset:
@@ -27,6 +36,8 @@ def record_plateau(decay: xr.Dataset) -> xr.Dataset:
         name: ((), found[name], {"units": units, "long_name": text} | _source(source))
         for name, (units, text, source) in RECORD.items()
     }
+    if np.size(decay.attrs.get("other_modes_Hz", ())):
+        made["onset_amplitude"][2]["note"] = OTHERS
     text = {"units": "", "long_name": "plateau, plateau not reached, or rejected and why"}
     return xr.Dataset(made | {"verdict": ((), found["verdict"], text)}, attrs=decay.attrs)
 

@@ -7,14 +7,26 @@ import pandas as pd
 import xarray as xr
 from numpy import ndarray
 
+from bladeroot.decay.components import Pooled, pool
 from bladeroot.decay.record import RECORD
+from bladeroot.decay.scatter_of_table import scatter_about_law
 
 LEVEL = {
-    "frequency": ("Hz", "stick frequency of a mode at a force", "eq. 3.21"),
+    "frequency": (
+        "Hz",
+        "stick frequency of a mode at a force, mean of both directions",
+        "eq. 3.21",
+    ),
     "frequency_std": ("Hz", "standard error of frequency: within, records and holds", ""),
     "within_std": ("Hz", "within-record standard error, propagated", "eq. 3.21"),
     "between_std": ("Hz", "standard deviation of the records at this force", ""),
-    "hold_std": ("Hz", "standard deviation between holds, pooled over the mode's forces", ""),
+    "between_record_std": ("Hz", "standard deviation of records in a hold, of the mode", ""),
+    "between_hold_std": ("Hz", "standard deviation between holds, of the mode", ""),
+    "record_freedom": ("1", "degrees of freedom of between_record_std", ""),
+    "hold_freedom": ("1", "degrees of freedom of between_hold_std", ""),
+    "direction_difference": ("Hz", "frequency loading up less down at this force", ""),
+    "mode_direction_difference": ("Hz", "frequency loading up less down, over the mode", ""),
+    "mode_direction_difference_std": ("Hz", "standard error of mode_direction_difference", ""),
     "loss_factor": ("1", "loss factor of a mode at a force", "eq. 3.21"),
     "loss_factor_std": ("1", "standard error of loss_factor: within, records and holds", ""),
     "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
@@ -22,6 +34,8 @@ LEVEL = {
     "records": ("1", "number of records used", ""),
     "holds": ("1", "number of holds (clampings) among them", ""),
 }
+COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
+TABLE_ERRORS = ("stated", "scatter")
 TABLE_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
@@ -31,12 +45,13 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stick frequency and damping of every record, and of every mode at every force.
 
     Each plateau (`bladeroot.decay.record`) carries `mode`, `force_N` and optionally `record`,
-    `hold` and `direction` in its attributes. Records at exactly one force are pooled. The unit of
-    replication is the hold (one clamping); records without one count as holds of their own. A
-    mode's scatter between holds is pooled over its forces and, where any force has two holds, is
-    part of every `frequency_std` of that mode; without replicates `frequency_std` is the
-    propagated within-record error (3.21). Records whose plateau is not reached, and rejected
-    ones, are listed and not pooled.
+    `hold` and `direction` in its attributes. Records at exactly one force are pooled
+    (`bladeroot.decay.components`): the unit of replication is the hold (one clamping), records
+    without one are holds of their own, and what a mode's records and holds scatter is told from all
+    its forces. Where loading up and down both occur, the frequency is that between them and their
+    difference is reported; it does not count as scatter. `frequency_std` makes a normal 95 %
+    interval right whatever the degrees of freedom; a scatter without any is NaN and not counted.
+    Records whose plateau is not reached, and rejected ones, are listed and not pooled.
     """
     rows = []
     for found in plateaus:
@@ -56,31 +71,18 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
         rows, columns=["record", "mode", "force", "hold", "direction", "verdict", *RECORD]
     )
     used = frame[frame["plateau_reached"] == 1]
-    levels = []
-    for mode, of_mode in used.groupby("mode", sort=True):
-        frequency = _pooled(of_mode, "stick_frequency")
-        loss = _pooled(of_mode[of_mode["loss_factor"].notna()], "loss_factor")
-        for force, records in of_mode.groupby("force", sort=True):
-            value, std, within, between, hold_std = frequency[force]
-            loss_value, loss_std = loss.get(force, (np.nan, np.nan))[:2]
-            onset, onset_std = _mean_onset(records)
-            levels.append(
-                {
-                    "mode": mode, "force": force, "frequency": value, "frequency_std": std,
-                    "within_std": within, "between_std": between, "hold_std": hold_std,
-                    "loss_factor": loss_value, "loss_factor_std": loss_std,
-                    "onset_amplitude": onset, "onset_amplitude_std": onset_std,
-                    "records": len(records), "holds": _units(records).nunique(),
-                }
-            )  # fmt: skip
+    levels = [row for mode, of_mode in used.groupby("mode", sort=True) for row in _levels(of_mode)]
     return _dataset(frame, pd.DataFrame(levels, columns=["mode", "force", *LEVEL]))
 
 
-def stick_from_table(table: pd.DataFrame) -> xr.Dataset:
+def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
-    The printed errors are kept as `frequency_std` and `within_std`: a table tells nothing about
-    the scatter between records or holds. Onset amplitudes are unknown (NaN).
+    A table tells nothing of the scatter between records or holds at one force, but its rows scatter
+    about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
+    which counts both (`bladeroot.decay.scatter_of_table`), and with them by mode how many times
+    the scatter exceeds the printed errors; `error`, one of `TABLE_ERRORS`, is the one that
+    `frequency_std` and `loss_factor_std` go on with. Onset amplitudes are unknown (NaN).
 
     Raises:
         ValueError: a column is missing, a number is not positive, or a mode has a force twice.
@@ -106,73 +108,129 @@ def stick_from_table(table: pd.DataFrame) -> xr.Dataset:
             f"each force must appear once a mode, got {twice['mode'].iloc[0]} at "
             f"{twice['force_N'].iloc[0]:g} N again (row {twice.index[0] + 2})"
         )
+    if error not in TABLE_ERRORS:
+        raise ValueError(f"a table's error must be one of {TABLE_ERRORS}, got {error!r}")
+    frame = frame.sort_values(["mode", "force_N"]).reset_index(drop=True)
+    made, ratios = _scatter(frame)
+    chosen = {name: made[f"{name}{error}_std"] for name in ("", "loss_factor_")}
     levels = pd.DataFrame(
         {
             "mode": frame["mode"], "force": frame["force_N"], "frequency": frame["frequency_Hz"],
-            "frequency_std": frame["frequency_std_Hz"], "within_std": frame["frequency_std_Hz"],
-            "loss_factor": frame["loss_factor"], "loss_factor_std": frame["loss_factor_std"],
-            "records": 1, "holds": 1,
+            "frequency_std": chosen[""], "within_std": frame["frequency_std_Hz"],
+            "loss_factor": frame["loss_factor"], "loss_factor_std": chosen["loss_factor_"],
+            "records": 1, "holds": 1, "record_freedom": 0, "hold_freedom": 0,
         }
     )  # fmt: skip
-    levels = levels.reindex(columns=["mode", "force", *LEVEL]).sort_values(["mode", "force"])
     empty = pd.DataFrame(
         columns=["record", "mode", "force", "hold", "direction", "verdict", *RECORD]
     )
-    result = _dataset(empty, levels)
+    result = _dataset(empty, levels.reindex(columns=["mode", "force", *LEVEL]))
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
-    result["frequency_std"].attrs["note"] = "the table's own error"
+    result["frequency_std"].attrs["note"] = f"the table's {error} error"
+    result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
+    for name, values in made.items():
+        quantity, units = ("loss factor", "1") if "loss" in name else ("frequency", "Hz")
+        text = "as printed" if "stated" in name else "printed, and scatter about a smooth law"
+        attrs = {"units": units, "long_name": f"standard error of {quantity}: {text}"}
+        result[name] = ("level", values, attrs)
+    result = result.assign_coords(table_mode=list(ratios), quantile=[0.025, 0.5, 0.975])
+    for k, name in enumerate(("scatter_ratio", "loss_factor_scatter_ratio")):
+        text = "scatter about a smooth law over the printed error, median of the mode's rows"
+        values = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
+        attrs = {"units": "1", "long_name": text}
+        result[name] = (("table_mode", "quantile"), values, attrs)
     return result
 
 
-def _pooled(
-    records: pd.DataFrame, name: str
-) -> dict[float, tuple[float, float, float, float, float]]:
-    """By force: mean of hold means, its error, within-record and between-record std, hold std.
+def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[ndarray]]]:
+    """Stated and scattered errors of every row, and each mode's ratio, by quantity."""
+    made, ratios = {}, {mode: [] for mode in dict.fromkeys(frame["mode"])}
+    for prefix, column, unit in (("", "frequency", "_Hz"), ("loss_factor_", "loss_factor", "")):
+        stated = frame[f"{column}_std{unit}"].to_numpy(float)
+        whole = np.full(stated.size, np.nan)
+        for mode in ratios:
+            rows = np.flatnonzero(frame["mode"] == mode)
+            found = scatter_about_law(
+                frame["force_N"].to_numpy(float)[rows],
+                frame[column + unit].to_numpy(float)[rows],
+                stated[rows],
+            )
+            whole[rows] = np.hypot(stated[rows], np.nan_to_num(found.std))
+            ratios[mode].append(found.ratio)
+        made |= {f"{prefix}stated_std": stated, f"{prefix}scatter_std": whole}
+    return made, ratios
 
-    The variance between holds is that of the hold means about their force's mean, pooled over
-    the forces, less what the records themselves explain of it.
+
+def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
+    """The levels of one mode: each force with what all of the mode's records say of it."""
+    frequency = _pooled(records, "stick_frequency")
+    damped = records[records["loss_factor"].notna()]
+    loss = _pooled(damped, "loss_factor") if len(damped) else None
+    loss_forces = np.unique(damped["force"])
+    onsets = _onsets(records)
+    levels = []
+    for number, (force, here) in enumerate(records.groupby("force", sort=True)):
+        found = np.flatnonzero(loss_forces == force)
+        onset, onset_std = onsets.get(force, (np.nan, np.nan))
+        value, std = (here[f"stick_frequency{end}"].to_numpy(float) for end in ("", "_std"))
+        levels.append(
+            {
+                "mode": here["mode"].iloc[0], "force": force,
+                "frequency": frequency.mean[number], "frequency_std": frequency.std[number],
+                "within_std": float(np.sqrt((std**2).sum()) / std.size),
+                "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
+                "between_record_std": frequency.record_std,
+                "between_hold_std": frequency.hold_std,
+                "record_freedom": frequency.record_freedom,
+                "hold_freedom": frequency.hold_freedom,
+                "direction_difference": _difference(here),
+                "mode_direction_difference": frequency.difference,
+                "mode_direction_difference_std": frequency.difference_std,
+                "loss_factor": loss.mean[found[0]] if found.size else np.nan,
+                "loss_factor_std": loss.std[found[0]] if found.size else np.nan,
+                "onset_amplitude": onset, "onset_amplitude_std": onset_std,
+                "records": len(here), "holds": _units(here).nunique(),
+            }
+        )  # fmt: skip
+    return levels
+
+
+def _pooled(records: pd.DataFrame, name: str) -> Pooled:
+    """Means of the forces, in rising order; a hold is told apart at each force."""
+    unit = records["force"].astype(str) + " " + _units(records)
+    sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
+    return pool(
+        records[name].to_numpy(float),
+        records[f"{name}_std"].to_numpy(float),
+        np.unique(records["force"], return_inverse=True)[1],
+        np.unique(unit, return_inverse=True)[1],
+        sign.to_numpy(float),
+    )
+
+
+def _difference(records: pd.DataFrame) -> float:
+    """Mean of the holds loaded up less that of those loaded down; NaN without both."""
+    means = records.groupby(["direction", _units(records)])["stick_frequency"].mean()
+    sides = [means[side].mean() for side in ("up", "down") if side in means.index]
+    return float(sides[0] - sides[1]) if len(sides) == 2 else np.nan
+
+
+def _onsets(records: pd.DataFrame) -> dict[float, tuple[float, float]]:
+    """Onset and its error at the forces where at least half of the records have one, pooled as ln.
+
+    Where slip begins is known to a part of itself, alike at all forces.
     """
-    squares, freedom, explained = 0.0, 0, []
-    found = {}
-    for force, group in records.groupby("force"):
-        value, std = group[name].to_numpy(float), group[f"{name}_std"].to_numpy(float)
-        means, variances = [], []
-        for _, hold in group.groupby(_units(group)):
-            inside, own = hold[name].to_numpy(float), hold[f"{name}_std"].to_numpy(float)
-            means.append(inside.mean())
-            scatter = inside.var(ddof=1) if inside.size > 1 else 0.0
-            variances.append(max((own**2).mean(), scatter) / inside.size)
-        means, variances = np.array(means), np.array(variances)
-        if means.size > 1:
-            squares += ((means - means.mean()) ** 2).sum()
-            freedom += means.size - 1
-            explained.append(variances.mean() * (means.size - 1))
-        within = float(np.sqrt((std**2).sum()) / std.size)
-        between = float(value.std(ddof=1)) if value.size > 1 else np.nan
-        found[float(force)] = (means, variances, within, between)
-    hold_variance = max(0.0, (squares - sum(explained)) / freedom) if freedom else 0.0
-    hold_std = float(np.sqrt(hold_variance)) if freedom else np.nan
-    return {
-        force: (
-            float(means.mean()),
-            float(np.sqrt((hold_variance + variances.mean()) / means.size)),
-            within,
-            between,
-            hold_std,
-        )
-        for force, (means, variances, within, between) in found.items()
-    }
-
-
-def _mean_onset(records: pd.DataFrame) -> tuple[float, float]:
-    """Mean onset of the records, and its error, where at least half of them have one."""
     seen = records[records["onset_amplitude"].notna()]
-    if 2 * len(seen) < len(records) or not len(seen):
-        return np.nan, np.nan
-    onset = seen["onset_amplitude"].to_numpy(float)
-    own = float((seen["onset_amplitude_std"].to_numpy(float) ** 2).mean())
-    scatter = float(onset.var(ddof=1)) if onset.size > 1 else 0.0
-    return float(onset.mean()), float(np.sqrt(max(own, scatter) / onset.size))
+    share = seen.groupby("force").size() / records.groupby("force").size()
+    seen = seen[seen["force"].map(share) >= 0.5]
+    if not len(seen):
+        return {}
+    relative = seen["onset_amplitude_std"] / seen["onset_amplitude"]
+    log = seen.assign(onset=np.log(seen["onset_amplitude"]), onset_std=relative)
+    found = _pooled(log, "onset")
+    value = np.exp(found.mean)
+    forces = np.unique(seen["force"])
+    return dict(zip(forces, zip(value, value * found.std, strict=True), strict=True))
 
 
 def _units(records: pd.DataFrame) -> pd.Series:
@@ -200,7 +258,7 @@ def _dataset(records: pd.DataFrame, levels: pd.DataFrame) -> xr.Dataset:
         )  # fmt: skip
         for name, (units, long_name, source) in table.items():
             key = f"record_{name}" if dim == "record" and name in LEVEL else name
-            kind = int if name in ("plateau_reached", "records", "holds") else float
+            kind = int if name in COUNTS else float
             attrs = {"units": units, "long_name": long_name}
             values = frame[name].to_numpy(kind)
             result[key] = (dim, values, attrs | {"source": source} if source else attrs)

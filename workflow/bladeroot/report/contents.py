@@ -6,6 +6,7 @@ import pandas as pd
 import xarray as xr
 
 from bladeroot.report.errata import errata_section
+from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.page import Section, render
 from bladeroot.report.stiffness import stiffness_section
@@ -18,6 +19,7 @@ def report(
     facts: Mapping,
     stages: Mapping[str, xr.Dataset],
     checks: Sequence[xr.Dataset],
+    accuracies: Sequence[xr.Dataset],
     figures: Mapping[str, str],
     published_5_1: pd.DataFrame,
     errata: Sequence[dict],
@@ -26,8 +28,9 @@ def report(
     """A campaign's report as one HTML page.
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
-    fe_forces, stiffness, theory and, for simulated records, score. checks: of each structure.
-    figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    fe_forces, stiffness, theory; with records, integrity; for simulated ones, score.
+    checks, accuracies: of each structure. figures: SVG text by name. published_5_1 and errata:
+    of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -39,8 +42,9 @@ def report(
     sections = [
         summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
         measurement_section(facts, stages["stick"], figures),
+        *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
-        structure_section(held, figures["structure"]),
+        structure_section(held, accuracies, figures["structure"]),
         stiffness_section(stages["stiffness"], figures["maps"], score),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),

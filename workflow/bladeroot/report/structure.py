@@ -1,6 +1,6 @@
 """The section on the finite-element structure: what it is and how it stands against the thesis."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -9,8 +9,10 @@ from bladeroot.report.numbers import NONE, percent
 from bladeroot.report.page import Picture, Section, Table
 
 
-def structure_section(checks: Mapping[str, xr.Dataset], side_view: str) -> Section:
-    """One table a structure: each check with its largest residual and the limit it is held to."""
+def structure_section(
+    checks: Mapping[str, xr.Dataset], accuracies: Sequence[xr.Dataset], side_view: str
+) -> Section:
+    """A table a structure, checks with residual and limit; then the accuracy of the reduction."""
     parts: list = [
         "Each structure is compared with what the thesis prints of its dovetail beam, with exact "
         "identities, and reduced with full. The thesis publishes neither the beam's root block and "
@@ -28,7 +30,29 @@ def structure_section(checks: Mapping[str, xr.Dataset], side_view: str) -> Secti
         failed = sorted(set(check["check"].values[check["within"].values == 0]))
         if failed:
             parts.append(f"{name} misses the limit in: {', '.join(failed)}.")
+    parts.append(
+        Table(
+            "Reduced and parametric model against the finite-element model with all its degrees of "
+            "freedom: largest relative error of a frequency at the softest and the stiffest "
+            "contact of the box.",
+            ("structure", "force / kN", "degrees of freedom", "softest", "stiffest"),
+            [row for accuracy in accuracies for row in _accuracy_rows(accuracy)],
+        )
+    )
     return Section("Structure", parts)
+
+
+def _accuracy_rows(accuracy: xr.Dataset) -> list[tuple[str, ...]]:
+    largest = np.abs(accuracy["residual"]).max("mode")
+    return [
+        (
+            str(accuracy.attrs["structure"]),
+            f"{float(force) / 1e3:g}",
+            str(accuracy.attrs["full_dofs"]),
+            *(f"{float(largest.sel(contact=c, force=force)):.1e}" for c in ("softest", "stiffest")),
+        )
+        for force in accuracy["force"].values
+    ]
 
 
 _HEADER = ("comparison", "quantity", "count", "largest residual", "limit", "within")

@@ -10,7 +10,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.map import Basis, all_frequencies
+from bladeroot.stiffness.map import all_frequencies
+from bladeroot.structure.chebyshev import Surface
 
 NODES = 33
 NODAL_RANGE = (1e7, 1.5e8)  # N/m: 1e4 to 1.5e5 N/mm
@@ -18,7 +19,7 @@ POINTS = 50
 
 
 def grid_search(
-    bases: list[Basis],
+    surface: Surface,
     target: Float[ndarray, " mode"],
     target_std: Float[ndarray, " mode"],
     fe_error: Float[ndarray, " mode"],
@@ -30,7 +31,7 @@ def grid_search(
     """
     axis = np.linspace(*NODAL_RANGE, POINTS) * NODES
     k = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
-    f, jacobian = all_frequencies(bases, np.log(k))
+    f, jacobian = all_frequencies(surface, np.log(k))
     miss = np.abs(f - target)
     norm = np.sqrt(np.sum(miss**2, axis=1))
     tolerance = miss @ (target_std + fe_error) / np.maximum(norm, 1e-300)

@@ -5,14 +5,15 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.optimize import least_squares
 
-from bladeroot.stiffness.map import Basis, all_frequencies
+from bladeroot.stiffness.map import all_frequencies
+from bladeroot.structure.chebyshev import Surface
 
 _CONVERGED = 1e-9  # of the frequency; ten times finer than the map itself
 _SAME = 1e-4  # two roots nearer than this in ln k are one
 
 
 def newton(
-    bases: list[Basis],
+    surface: Surface,
     target: Float[ndarray, "point mode"],
     start: Float[ndarray, "point 2"],
     log_box: tuple[float, float],
@@ -24,14 +25,14 @@ def newton(
     """
     x = np.clip(start, *log_box)
     for _ in range(40):
-        f, jacobian = all_frequencies(bases, x)
+        f, jacobian = all_frequencies(surface, x)
         relative = (target - f) / target
         if np.all(np.abs(relative) < _CONVERGED):
             break
         step = _solve_pairs(jacobian / target[:, :, None], relative)
         step *= np.minimum(1.0, 1.0 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         x = np.clip(x + step, *log_box)
-    f, _ = all_frequencies(bases, x)
+    f, _ = all_frequencies(surface, x)
     return x, np.all(np.abs(f / target - 1.0) < _CONVERGED, axis=1)
 
 
@@ -47,7 +48,7 @@ def _solve_pairs(matrix: Float[ndarray, "point 2 2"], right: Float[ndarray, "poi
 
 
 def all_roots(
-    bases: list[Basis],
+    surface: Surface,
     target: Float[ndarray, " mode"],
     drawn: Float[ndarray, "mode kn kt"],
     log_axis: Float[ndarray, " k"],
@@ -72,7 +73,7 @@ def all_roots(
     net = np.stack(np.meshgrid(coarse, coarse), axis=-1).reshape(-1, 2)
     starts = np.vstack([cells, net])
     targets = np.broadcast_to(target, (len(starts), len(target)))
-    ends, good = newton(bases, targets, starts, (log_axis[0], log_axis[-1]))
+    ends, good = newton(surface, targets, starts, (log_axis[0], log_axis[-1]))
     roots: list[ndarray] = []
     for end in ends[good]:
         if all(np.abs(end - root).max() > _SAME for root in roots):
@@ -81,7 +82,7 @@ def all_roots(
 
 
 def nearest_point(
-    bases: list[Basis],
+    surface: Surface,
     target: Float[ndarray, " mode"],
     std: Float[ndarray, " mode"],
     drawn: Float[ndarray, "mode kn kt"],
@@ -93,10 +94,10 @@ def nearest_point(
     inside = np.clip(start, log_axis[0] + 1e-9, log_axis[-1] - 1e-9)
 
     def residual(x: ndarray) -> ndarray:
-        return (all_frequencies(bases, x[None])[0][0] - target) / std
+        return (all_frequencies(surface, x[None])[0][0] - target) / std
 
     def slope(x: ndarray) -> ndarray:
-        return all_frequencies(bases, x[None])[1][0] / std[:, None]
+        return all_frequencies(surface, x[None])[1][0] / std[:, None]
 
     bounds = (np.full(2, log_axis[0]), np.full(2, log_axis[-1]))
     found = least_squares(residual, inside, slope, bounds, xtol=1e-12, ftol=1e-14, gtol=1e-12)

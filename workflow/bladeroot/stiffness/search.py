@@ -14,8 +14,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.stiffness.grid_search import grid_search
-from bladeroot.stiffness.map import Basis, all_frequencies, bases_of
+from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
+from bladeroot.structure.chebyshev import Surface
 
 FE_BIAS = 0.005  # of the frequency, one standard deviation, unless known better
 SOURCES = ("measurement", "finite elements")
@@ -50,17 +51,17 @@ def search(
     measured = _measured(fe_forces, modes, frequency_map.attrs["axial_force"])
     target = measured["target_frequency"] * (1.0 + offset)  # what the model should give
     std = measured["target_std"] * (1.0 + offset)
-    bases = bases_of(frequency_map)
+    surface = surface_of_map(frequency_map)
     known = bool(np.all(np.isfinite(target)) and np.all(np.isfinite(std)))
     drawn = frequency_map["map_frequency"].values
     log_axis = np.log(frequency_map["map_kn"].values)
-    roots = all_roots(bases, target, drawn, log_axis) if known else np.empty((0, 2))
+    roots = all_roots(surface, target, drawn, log_axis) if known else np.empty((0, 2))
     parts = [
         _targets(measured, bias, offset, modes),
-        _roots(bases, roots, target, std, bias, modes),
-        _miss(bases, target, std, bias, drawn, log_axis, modes, known and not len(roots)),
-        _scatter(bases, target, std, bias, drawn, log_axis, draws if known else 0),
-        grid_search(bases, target, std, bias * target) if known else xr.Dataset(),
+        _roots(surface, roots, target, std, bias, modes),
+        _miss(surface, target, std, bias, drawn, log_axis, modes, known and not len(roots)),
+        _scatter(surface, target, std, bias, drawn, log_axis, draws if known else 0),
+        grid_search(surface, target, std, bias * target) if known else xr.Dataset(),
         frequency_map[["map_frequency", "bonded_frequency"]],
     ]
     status = "no measurement" if not known else "root" if len(roots) else "no root"
@@ -136,10 +137,10 @@ def _targets(
     )
 
 
-def _roots(bases, roots, target, std, bias, modes) -> xr.Dataset:
+def _roots(surface, roots, target, std, bias, modes) -> xr.Dataset:
     """The chosen root with its covariance, and all roots."""
     count = len(roots)
-    jacobians = all_frequencies(bases, roots)[1] if count else np.empty((0, len(modes), 2))
+    jacobians = all_frequencies(surface, roots)[1] if count else np.empty((0, len(modes), 2))
     parts = np.array([ln_covariance(j, target, std, bias) for j in jacobians]).reshape(-1, 2, 2, 2)
     whole = parts.sum(axis=1)
     jacobian, covariance = np.full((len(modes), 2), np.nan), np.full((2, 2, 2), np.nan)
@@ -183,13 +184,13 @@ def _roots(bases, roots, target, std, bias, modes) -> xr.Dataset:
     )
 
 
-def _miss(bases, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Dataset:
+def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Dataset:
     """How far the model's frequencies would have to move for a root; zero where one exists."""
     needed, edge = target * 0.0, 0
     if rootless:
         spread = np.hypot(std, bias * target)
-        point = nearest_point(bases, target, spread, drawn, log_axis)
-        near = all_frequencies(bases, point[None])[0][0]
+        point = nearest_point(surface, target, spread, drawn, log_axis)
+        near = all_frequencies(surface, point[None])[0][0]
         needed = target / near - 1.0
         edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < 1e-3))
     return xr.Dataset(
@@ -209,7 +210,7 @@ def _miss(bases, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Data
     )
 
 
-def _scatter(bases: list[Basis], target, std, bias, drawn, log_axis, draws: int) -> xr.Dataset:
+def _scatter(surface: Surface, target, std, bias, drawn, log_axis, draws: int) -> xr.Dataset:
     """Roots of targets drawn with all errors: how many exist, and where they lie."""
     share, quantiles = np.nan, np.full((2, len(QUANTILES)), np.nan)
     if draws:
@@ -219,7 +220,7 @@ def _scatter(bases: list[Basis], target, std, bias, drawn, log_axis, draws: int)
         flat = drawn.reshape(len(target), -1)
         miss = sum(((flat[m] - aims[:, m : m + 1]) / spread[m]) ** 2 for m in range(len(target)))
         start = np.stack(np.unravel_index(np.argmin(miss, axis=1), drawn.shape[1:]), axis=1)
-        ends, good = newton(bases, aims, log_axis[start], (log_axis[0], log_axis[-1]))
+        ends, good = newton(surface, aims, log_axis[start], (log_axis[0], log_axis[-1]))
         share = float(np.mean(good))
         if good.sum() >= 20:
             quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T

@@ -1,5 +1,8 @@
 """Beam and slots joined at one axial force, ready for contact springs (thesis 5.1)."""
 
+import re
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.linalg
 import xarray as xr
@@ -93,29 +96,35 @@ def assemble(reduced: xr.Dataset, force: float) -> xr.Dataset:
     )
 
 
-def contact_matrices(
+def gap_rows(
     assembly: xr.Dataset, equal_nodes: bool = False
-) -> tuple[Float[ndarray, "dof dof"], Float[ndarray, "dof dof"]]:
-    """Kn and Kt for one N/m of flank stiffness: contact adds k_n Kn + k_t Kt, eq. 5.3.
+) -> tuple[Float[ndarray, "pair dof"], Float[ndarray, "slip dof"]]:
+    """Rows that give each pair's gap, and its two slips, times the root of its share of the flank.
 
-    Each pair carries the flank's stiffness in proportion to the area it stands for. `equal_nodes`
-    gives every node the same share instead, as the thesis does; it does not converge with the mesh.
+    With them contact stiffness is kn G'G of the gaps plus kt G'G of the slips, eq. 5.3. Each pair
+    carries the flank's stiffness in proportion to the area it stands for. `equal_nodes` gives every
+    node the same share instead, as the thesis does; it does not converge with the mesh.
     """
     pairs, size = len(assembly.pair), len(assembly.dof)
     weight = assembly.weight.values
     if equal_nodes:
         flank = assembly.flank.values
         weight = 1.0 / np.bincount(flank)[flank]
-    # Row (pair, local axis): the slip or gap of that pair per dof.
-    gap = np.zeros((pairs, 3, size))
+    rows = np.zeros((pairs, 3, size))
     place = np.arange(pairs)[:, None, None]
     local = np.arange(3)[None, :, None]
-    gap[place, local, assembly.beam_dof.values[:, None, :]] = assembly.frame.values
-    gap[place, local, assembly.slot_dof.values[:, None, :]] = -assembly.frame.values
-    weighted = weight[:, None, None] * gap
-    normal = gap[:, 0].T @ weighted[:, 0]
-    tangential = sum(gap[:, k].T @ weighted[:, k] for k in (1, 2))
-    return normal, tangential
+    scaled = np.sqrt(weight)[:, None, None] * assembly.frame.values
+    rows[place, local, assembly.beam_dof.values[:, None, :]] = scaled
+    rows[place, local, assembly.slot_dof.values[:, None, :]] = -scaled
+    return rows[:, 0].copy(), rows[:, 1:].reshape(2 * pairs, size)
+
+
+def contact_matrices(
+    assembly: xr.Dataset, equal_nodes: bool = False
+) -> tuple[Float[ndarray, "dof dof"], Float[ndarray, "dof dof"]]:
+    """Kn and Kt for one N/m of flank stiffness: contact adds k_n Kn + k_t Kt, eq. 5.3."""
+    normal, slip = gap_rows(assembly, equal_nodes)
+    return normal.T @ normal, slip.T @ slip
 
 
 def assembly_modes(
@@ -133,26 +142,52 @@ def assembly_modes(
     return np.sign(values) * np.sqrt(abs(values)) / (2 * np.pi), shapes
 
 
-def find_bending(assembly: xr.Dataset, shapes: Float[ndarray, "dof mode"]) -> dict[str, int]:
-    """Columns of the first bending modes "1B" (even in x) and "2B" (odd), by display shape.
+def find_modes(
+    assembly: xr.Dataset, shapes: Float[ndarray, "dof mode"], names: Sequence[str] = ("1B", "2B")
+) -> dict[str, int]:
+    """Columns of the named modes, told by how they move and by parity in x, never by order alone.
 
-    A bending mode moves the middle line mostly in Z. `shapes` must be in order of frequency.
-    ValueError if one of the two is not among them.
+    A name is a number and a letter: B moves the middle line mostly in Z (bending), L mostly in Y
+    with upper and lower flanks alike (lateral bending), T mostly in Y with the flanks opposed
+    (torsion). Odd numbers are even in x; 3B is the second even bending mode. `shapes` must be in
+    order of frequency. ValueError if a name is none of these or its mode is not among the shapes.
     """
-    position = assembly.display_position.values[:, 0]
     shown = np.einsum("daq,qm->dam", assembly.display_shape.values, shapes)
+    shown = shown[np.argsort(assembly.display_position.values[:, 0])]
     size = (shown**2).sum(axis=0)
-    moves_z = size[2] > 0.5 * size.sum(axis=0)
-    order = np.argsort(position)
-    lift = shown[order, 2]
-    parity = (lift * lift[::-1]).sum(axis=0) / np.maximum((lift**2).sum(axis=0), 1e-300)
+    parity = (shown * shown[::-1]).sum(axis=0) / np.maximum(size, 1e-300)
+    share = size / np.maximum(size.sum(axis=0), 1e-300)
+    alike = _flanks_alike(assembly, shapes)
+    families = {
+        "B": (2, share[2] > 0.5),
+        "L": (1, (share[1] > 0.5) & alike),
+        "T": (1, (share[1] > 0.5) & ~alike),
+    }
     found = {}
-    for name, sign in (("1B", 1), ("2B", -1)):
-        good = np.flatnonzero(moves_z & (sign * parity > 0.8))
-        if len(good) == 0:
+    for name in names:
+        if not re.fullmatch(r"[1-9]\d*[BLT]", name):
+            raise ValueError(f"a mode's name must be a number and B, L or T, got {name!r}")
+        number, (axis, moves) = int(name[:-1]), families[name[-1]]
+        sign = 1 if number % 2 else -1
+        good = np.flatnonzero(moves & (sign * parity[axis] > 0.8))
+        if len(good) <= (number - 1) // 2:
             raise ValueError(
-                f"no mode of {shapes.shape[1]} is bending in Z and "
-                f"{'even' if sign > 0 else 'odd'} in x; ask for more modes"
+                f"no mode {name} among the lowest {shapes.shape[1]}: "
+                f"{'even' if sign > 0 else 'odd'} in x, moving in {'XYZ'[axis]}"
             )
-        found[name] = int(good[0])
+        found[name] = int(good[(number - 1) // 2])
     return found
+
+
+def _flanks_alike(assembly: xr.Dataset, shapes: Float[ndarray, "dof mode"]) -> ndarray:
+    """Whether upper and lower flanks of each end move alike in Y: lateral motion, not torsion."""
+    moves = assembly.weight.values[:, None] * shapes[assembly.beam_dof.values[:, 1]]
+    normal = assembly.frame.values[:, 0]
+    alike, opposed = 0.0, 0.0
+    for end in (-1, 1):
+        upper, lower = (
+            moves[(np.sign(normal[:, 0]) == end) & (np.sign(normal[:, 2]) == side)].sum(axis=0)
+            for side in (1, -1)
+        )
+        alike, opposed = alike + (upper + lower) ** 2, opposed + (upper - lower) ** 2
+    return alike > opposed

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from jaxtyping import Float
@@ -10,6 +11,10 @@ from numpy import ndarray
 
 # SuperLU solves a block of columns faster than one by one, but its work space grows with them.
 _COLUMNS = 128
+_SMALL = 8  # dofs for each mode up to which a dense solution is faster
+_BLOCK = 10  # columns of a Lanczos block
+_MOST = 12  # vectors for each mode before giving up
+_CONVERGED = 1e-9  # residual of a shape; its eigenvalue errs by the square
 
 
 def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
@@ -36,24 +41,63 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
 
 
 def lowest_eigenpairs(
-    stiffness: sp.csr_array,
-    mass: sp.csr_array,
+    stiffness: sp.csr_array | Float[ndarray, "dof dof"],
+    mass: sp.csr_array | Float[ndarray, "dof dof"],
     count: int,
     shift: float = 0.0,
     solve: Callable[[ndarray], ndarray] | None = None,
 ) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
-    """The `count` eigenvalues (rad^2/s^2) nearest `shift` and mass-normalised shapes, ascending.
+    """The lowest `count` eigenvalues (rad^2/s^2) and mass-normalised shapes, ascending.
 
-    `shift` should lie below the spectrum wanted, and off it when the structure is free; `solve` may
-    give a factor of stiffness - shift * mass that already exists. Starts from a fixed vector, so
-    that the same input gives the same shapes.
+    `shift` must lie below the spectrum, and off it when the structure is free; `solve` may give a
+    factor of stiffness - shift * mass that already exists. Block Lanczos on the inverse, with full
+    orthogonalisation: a block of columns costs a factor little more than one. Starts from fixed
+    vectors, so that the same input gives the same shapes. ValueError if it does not converge.
     """
-    solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve
     size = stiffness.shape[0]
-    start = np.random.default_rng(0).standard_normal(size)
-    inverse = spla.LinearOperator((size, size), matvec=solve, dtype=float)
-    values, shapes = spla.eigsh(stiffness, count, mass, sigma=shift, OPinv=inverse, v0=start)
-    order = np.argsort(values)
-    values, shapes = values[order], shapes[:, order]
-    largest = shapes[np.argmax(abs(shapes), axis=0), np.arange(count)]
-    return values, shapes * np.sign(largest)
+    if size <= _SMALL * count:
+        weight, dense = (p.toarray() if sp.issparse(p) else p for p in (mass, stiffness))
+        # of the inverse, too: the largest stiffness would set the rounding of the lowest modes
+        inverse, shapes = scipy.linalg.eigh(weight, dense - shift * weight)
+        inverse, shapes = inverse[::-1][:count], shapes[:, ::-1][:, :count]
+        return shift + 1.0 / inverse, _signed(shapes / np.sqrt(inverse))
+    solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve
+    block = np.random.default_rng(0).standard_normal((size, min(count, _BLOCK)))
+    product = block.T @ (mass @ block)
+    basis, weighted = np.empty((size, 0)), np.empty((size, 0))
+    projected = np.empty((0, 0))
+    while basis.shape[1] < min(_MOST * count + 4 * _BLOCK, size):
+        block = block @ _inverse_root(product)
+        block -= basis @ (weighted.T @ block)  # rounding has let known directions in again
+        weight = mass @ block
+        root = _inverse_root(block.T @ weight)
+        basis, weighted = np.hstack([basis, block @ root]), np.hstack([weighted, weight @ root])
+        known = len(projected)
+        block = solve(weighted[:, known:])
+        column = weighted.T @ block
+        projected = np.block([[projected, column[:known]], [column[:known].T, column[known:]]])
+        projected = 0.5 * (projected + projected.T)
+        block -= basis @ column
+        product = block.T @ (mass @ block)
+        if len(projected) < 2 * count:
+            continue
+        inverse, combination = np.linalg.eigh(projected)
+        inverse, combination = inverse[::-1][:count], combination[:, ::-1][:, :count]
+        last = combination[known:]
+        residual = np.sqrt(np.abs(np.einsum("im,ij,jm->m", last, product, last)))
+        if np.all(residual < _CONVERGED * np.abs(inverse)):
+            return shift + 1.0 / inverse, _signed(basis @ combination)
+    raise ValueError(
+        f"the lowest {count} modes of {size} dofs did not converge with {basis.shape[1]} vectors"
+    )
+
+
+def _inverse_root(product: Float[ndarray, "k k"]) -> Float[ndarray, "k k"]:
+    """What makes columns with these inner products orthonormal."""
+    return np.linalg.inv(np.linalg.cholesky(product)).T
+
+
+def _signed(shapes: Float[ndarray, "dof mode"]) -> Float[ndarray, "dof mode"]:
+    """Shapes whose largest component is positive."""
+    largest = shapes[np.argmax(abs(shapes), axis=0), np.arange(shapes.shape[1])]
+    return shapes * np.sign(largest)

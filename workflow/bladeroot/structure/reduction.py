@@ -5,6 +5,7 @@ Because the basis spans the whole space of contact displacements exactly, only t
 modes are an approximation.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from bladeroot.structure.geometry import Structure
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import SLOTS, Mesh, base_nodes, body_mesh
 from bladeroot.structure.prestress import materials_of
+from bladeroot.structure.symmetry import Reflection, reflections, solve_columns
 
 
 @dataclass(frozen=True)
@@ -30,11 +32,16 @@ class Basis:
 
 
 def craig_bampton(
-    stiffness: sp.csr_array, mass: sp.csr_array, masters: Int[ndarray, " master"], modes: int
+    stiffness: sp.csr_array,
+    mass: sp.csr_array,
+    masters: Int[ndarray, " master"],
+    modes: int,
+    mirrors: Sequence[Reflection] = (),
 ) -> Basis:
     """Static modes of the master dofs and the lowest `modes` fixed-interface modes, eqs 4.5-4.10.
 
-    `mass` is (dof, dof). Raises ValueError if there are not more slave dofs than modes.
+    `mass` is (dof, dof). `mirrors`, reflections that keep the stiffness, spare solutions. Raises
+    ValueError if there are not more slave dofs than modes.
     """
     size = stiffness.shape[0]
     slaves = np.setdiff1d(np.arange(size), masters)
@@ -44,8 +51,14 @@ def craig_bampton(
     inner = sp.csr_array(rows[:, slaves])
     solve = factor(inner)
     columns = np.zeros((size, len(masters) + modes))
-    columns[masters, np.arange(len(masters))] = 1.0
-    columns[slaves, : len(masters)] = -solve(rows[:, masters].toarray())
+
+    def static(chosen: Int[ndarray, " load"]) -> Float[ndarray, "dof load"]:
+        moved = np.zeros((size, len(chosen)))
+        moved[chosen, np.arange(len(chosen))] = 1.0
+        moved[slaves] = -solve(rows[:, chosen].toarray())
+        return moved
+
+    columns[:, : len(masters)] = solve_columns(static, masters, mirrors)
     eigenvalues, shapes = lowest_eigenpairs(
         inner, sp.csr_array(mass[slaves][:, slaves]), modes, solve=solve
     )
@@ -105,7 +118,8 @@ def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
 def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
     """Craig-Bampton basis of the beam with its contact nodes as masters."""
     masters = contact_dofs(mesh.pair_node.values[:, 0])
-    return craig_bampton(model.stiffness, elasticity.per_axis(model.mass), masters, modes)
+    mirrors = reflections(model.mesh.nodes, model.stiffness)
+    return craig_bampton(model.stiffness, elasticity.per_axis(model.mass), masters, modes, mirrors)
 
 
 def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> xr.Dataset:
@@ -216,7 +230,10 @@ def _reduce_slots(
     mass = sp.csr_array(elasticity.mass(body, rule, materials)[free][:, free])
     pairs = len(mesh.pair) // 2
     masters = contact_dofs(number[mesh.pair_node.values[pairs:, 1] - start])
-    basis = craig_bampton(stiffness, elasticity.per_axis(mass), masters, structure.slot_modes)
+    mirrors = reflections(body.nodes[free], stiffness)
+    basis = craig_bampton(
+        stiffness, elasticity.per_axis(mass), masters, structure.slot_modes, mirrors
+    )
     found = project(mass, basis), project_stiffness(stiffness, basis)
     # Pairs of both ends are numbered alike, so the mirror only turns the contact nodes' X.
     sign = np.ones(len(found[0]))

@@ -1,0 +1,97 @@
+"""Whether two independent estimates of one decay agree: FREEVIB and peak finding and fitting."""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+# What either method may miss by for reasons other than noise (see `pff`), relative.
+FLOOR = {"frequency": 2e-6, "loss_factor": 1e-3}
+# Standard errors beyond which a difference is reported: not once in 400 simulated records with
+# nothing wrong (benchmarks/second_opinion.py), so in fewer than one of a hundred.
+THRESHOLD = 3.0
+
+
+def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
+    """PFF minus FREEVIB, relative: the median over the times that both describe.
+
+    The median is weighted by the peaks' squared errors, and its standard error counts the
+    stretches that do not overlap. Both methods see the same noise, and the difference of an
+    efficient estimate and a less efficient one has at most the variance of the latter (Hausman
+    1978): the error of FREEVIB is not added. The difference is reported, nothing is rejected.
+
+    Args:
+        curves: variables of dim point as from `freevib`.
+        peaks: as from `peak_fit`.
+
+    Returns:
+        Scalars `pff_<quantity>_difference`, `_difference_std` and `_difference_z` (in standard
+        errors) of frequency and loss_factor, all NaN where nothing can be compared; `pff_agrees`
+        (1, 0, or -1: nothing to compare) and `pff_finding`, one line, empty unless they disagree.
+    """
+    made, loud = {}, []
+    for name in FLOOR:
+        difference, std = _difference(curves, peaks, name)
+        z = difference / std
+        title = name.replace("_", " ")
+        for suffix, value, text in (
+            ("", difference, f"relative difference of {title}, PFF minus FREEVIB (median)"),
+            ("_std", std, f"standard error of pff_{name}_difference"),
+            ("_z", z, f"pff_{name}_difference in standard errors"),
+        ):
+            attrs = {"units": "1", "long_name": text}
+            made[f"pff_{name}_difference{suffix}"] = ((), value, attrs)
+        if abs(z) > THRESHOLD:
+            loud.append(f"{title} by {100.0 * difference:.2g} %, {abs(z):.3g} standard errors")
+    compared = np.isfinite(made["pff_frequency_difference"][1])
+    agrees = -1 if not compared else int(not loud)
+    finding = f"peak fitting differs from FREEVIB: {'; '.join(loud)}" if loud else ""
+    made["pff_agrees"] = (
+        (), np.int8(agrees),
+        {"units": "1", "long_name": "1 where PFF and FREEVIB agree, 0 where not, -1: no overlap"},
+    )  # fmt: skip
+    made["pff_finding"] = ((), finding, {"units": "", "long_name": "what they disagree about"})
+    return xr.Dataset(made)
+
+
+def _difference(curves: xr.Dataset, peaks: xr.Dataset, name: str) -> tuple[float, float]:
+    """Weighted median of the relative difference, and its standard error."""
+    time, at = curves["time"].values, peaks["pff_time"].values
+    if time.size < 2:
+        return np.nan, np.nan
+    both = (at >= time[0]) & (at <= time[-1])
+    if both.sum() < 3:
+        return np.nan, np.nan
+    at, window = at[both], peaks["pff_window"].values[both]
+    ours = _mean_around(time, curves[name].values, at, 0.25 * window)
+    ratio = peaks[f"pff_{name}"].values[both] / ours
+    scatter = np.hypot(peaks[f"pff_{name}_std"].values[both] / np.abs(ours), FLOOR[name])
+    weight = np.minimum(np.gradient(at) / window, 1.0) / scatter**2
+    # a median scatters more than a mean by the square root of pi / 2
+    std = np.sqrt(0.5 * np.pi / weight.sum())
+    return _weighted_median(ratio - 1.0, weight), float(np.hypot(std, FLOOR[name]))
+
+
+def _mean_around(
+    time: Float[ndarray, " point"],
+    y: Float[ndarray, " point"],
+    at: Float[ndarray, " peak"],
+    reach: Float[ndarray, " peak"],
+) -> Float[ndarray, " peak"]:
+    """A curve averaged over `reach` seconds to either side, its curvature allowed for."""
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(time))])
+    # symmetric as near to the ends as can be, and never less than a point's spacing
+    reach = np.minimum(reach, np.minimum(at - time[0], time[-1] - at))
+    reach = np.maximum(reach, np.interp(at, time, np.gradient(time)))
+
+    def mean(around: ndarray) -> ndarray:
+        low, high = np.maximum(at - around, time[0]), np.minimum(at + around, time[-1])
+        return (np.interp(high, time, total) - np.interp(low, time, total)) / (high - low)
+
+    return (4.0 * mean(0.5 * reach) - mean(reach)) / 3.0
+
+
+def _weighted_median(x: Float[ndarray, " point"], weight: Float[ndarray, " point"]) -> float:
+    order = np.argsort(x)
+    total = np.cumsum(weight[order])
+    return float(np.interp(0.5 * total[-1], total - 0.5 * weight[order], x[order]))

@@ -1,0 +1,75 @@
+"""All that is estimated of one free decay: the curves, the second opinion, the source's bounds."""
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.decay.agreement import compare
+from bladeroot.decay.error_bounds import published
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.pff import no_peaks, peak_fit
+from bladeroot.decay.thesis import thesis_freevib
+
+ESTIMATORS = {"blocks": freevib, "thesis": thesis_freevib}
+
+
+def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hysteretic") -> xr.Dataset:
+    """Curves of a record with its peaks beside them and their differences.
+
+    Args:
+        cut: free decay as from `records.cut.cut`, with `expected_Hz` in its attributes.
+        estimator: "blocks" (`freevib`) or "thesis" (`thesis_freevib`).
+        damping: law of damping, "hysteretic" or "viscous".
+
+    Returns:
+        Variables of `freevib`, `peak_fit` and `compare`, and the bounds of Appendix F; attributes
+        of `cut`. A rejected record, or one that cannot be estimated, has no points.
+    """
+    if estimator not in ESTIMATORS:
+        raise ValueError(f"estimator must be {' or '.join(ESTIMATORS)}, got {estimator!r}")
+    facts = dict(cut.attrs)
+    curves, peaks = no_decay(), no_peaks()
+    if facts["verdict"] == "usable":
+        record = (
+            cut["velocity"].values.astype(float),
+            facts["sampling_Hz"],
+            facts["expected_Hz"],
+            facts["noise_velocity"],
+        )
+        options = {"damping": damping}
+        if "usable" in cut:  # without it all samples are
+            options["usable"] = cut["usable"].values.astype(bool)
+        try:
+            curves = ESTIMATORS[estimator](*record, **options)
+            peaks = peak_fit(*record, **options)
+        except ValueError as error:
+            facts |= {"verdict": "rejected", "findings": str(error)}
+    whole = curves.assign(peaks.variables).assign(compare(curves, peaks).variables)
+    noise = facts["noise_velocity"]
+    whole = whole.assign(_published_bounds(curves, noise).variables)
+    return whole.assign_attrs({**facts, "estimator": estimator, "damping": damping})
+
+
+def _published_bounds(curves: xr.Dataset, noise: float) -> xr.Dataset:
+    """Scalars `frequency_bound_thesis` and `loss_factor_bound_thesis` of the whole decay."""
+    frequency = loss = np.nan
+    if curves.sizes["point"] > 1:
+        middle_Hz = float(curves["frequency"].median())
+        duration = float(curves["time"][-1] - curves["time"][0])
+        ratio = noise / (2.0 * np.pi * middle_Hz * float(curves["amplitude"][0]))
+        bound = published(
+            middle_Hz, float(curves["loss_factor"].median()), ratio, middle_Hz * duration
+        )
+        frequency, loss = bound.frequency, bound.loss_factor
+    text = "error bound of {} as Appendix F prints it, over the whole decay"
+    return xr.Dataset(
+        {
+            "frequency_bound_thesis": (
+                (), frequency,
+                {"units": "Hz", "long_name": text.format("frequency"), "source": "App. F"},
+            ),
+            "loss_factor_bound_thesis": (
+                (), loss,
+                {"units": "1", "long_name": text.format("loss factor"), "source": "App. F"},
+            ),
+        }
+    )  # fmt: skip

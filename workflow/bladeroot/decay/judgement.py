@@ -1,0 +1,65 @@
+"""What was found wrong in a campaign's records, and how two estimators agree on each."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+# Columns of a record's finding table, as `bladeroot.records.integrity` makes it.
+FINDING = {"id": str, "statistic": float, "threshold": float, "consequence": str, "text": str,
+           "from_s": float, "to_s": float}  # fmt: skip
+OPINION = (
+    "pff_frequency_difference",
+    "pff_frequency_difference_z",
+    "pff_loss_factor_difference",
+    "pff_loss_factor_difference_z",
+    "pff_agrees",
+    "pff_finding",
+)
+
+
+def judgement(records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]) -> xr.Dataset:
+    """The findings of all records in one table, and the second opinion on every record.
+
+    records: free decays with their findings (dim finding). decays: curves of the same records in
+    the same order, with the scalars of `bladeroot.decay.agreement.compare`.
+
+    Returns:
+        dim finding: finding_record and the columns of the findings; dim record: mode, force (N),
+        verdict, masked (part of the decay's samples without weight), and the differences
+        between peak fitting and FREEVIB.
+    """
+    names = [str(record.attrs["record"]) for record in records]
+    columns = {
+        f"finding_{name}": np.concatenate(
+            [np.zeros(0, kind), *(record[f"finding_{name}"].values for record in records)]
+        ).astype(kind)
+        for name, kind in FINDING.items()
+    }
+    owners = np.repeat(names, [record.sizes["finding"] for record in records])
+    first = records[0]
+    made = {
+        name: ("finding", values, first[name].attrs if name in first else {})
+        for name, values in columns.items()
+    }
+    made["finding_record"] = (
+        "finding", owners.astype(str), {"units": "", "long_name": "record of the finding"},
+    )  # fmt: skip
+    for name in OPINION:
+        attrs = decays[0][name].attrs
+        made[name] = ("record", np.array([decay[name].item() for decay in decays]), attrs)
+    facts = {
+        "mode": ("mode", "", [str(record.attrs["mode"]) for record in records]),
+        "force": ("axial force", "N", [float(record.attrs["force_N"]) for record in records]),
+        "verdict": ("usable or rejected", "", [str(decay.attrs["verdict"]) for decay in decays]),
+        "masked": ("part of the samples without weight", "1", [_masked(r) for r in records]),
+    }
+    for name, (text, units, values) in facts.items():
+        made[name] = ("record", np.array(values), {"units": units, "long_name": text})
+    simulated = max(int(record.attrs["simulated"]) for record in records)
+    return xr.Dataset(made, coords={"record": names}, attrs={"simulated": simulated})
+
+
+def _masked(record: xr.Dataset) -> float:
+    usable = record["usable"].values
+    return float(1.0 - usable.mean()) if usable.size else 0.0

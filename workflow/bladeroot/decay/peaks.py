@@ -1,0 +1,110 @@
+"""The extrema of one mode's displacement: the raw material of peak finding and fitting.
+
+The record is integrated and band-passed in one step with a Butterworth filter that looks forward
+in time only (a record turned round, filtered, and turned back): the sudden start of a free decay
+does not ring into its first cycles, and the end, where it would, lies in the noise.
+"""
+
+from functools import cache
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+from numpy import ndarray
+from scipy import fft
+
+ORDER, QUALITY = 4, 2.5  # of the band-pass: -3 dB width = frequency / QUALITY
+REACH = 6.0 * QUALITY  # cycles ahead that the filter still sees
+BRIDGE = 1.0 / 24.0  # of a cycle: a gap as short as this is bridged by a straight line
+_POLES = np.exp(1j * np.pi * (2 * np.arange(1, ORDER + 1) + ORDER - 1) / (2 * ORDER))
+# what the filter delays a slowly varying decay by, in cycles: it sees that much ahead
+DELAY = float(-(1.0 / _POLES).sum().real) * QUALITY / np.pi
+
+
+def band_displacement(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float, tolerance: float
+) -> tuple[float, float, Float[ndarray, " new"]]:
+    """Frequency (Hz) of the strongest line, time step (s), and displacement (m) around that line.
+
+    The displacement has about 32 samples a cycle, whatever the record has.
+    """
+    margin = 20.0 * QUALITY / expected_Hz * sampling_Hz
+    padded = fft.next_fast_len(velocity.size + int(margin) + 1, real=True)
+    spectrum = fft.rfft(velocity, padded)
+    spacing = sampling_Hz / padded
+    low = max(int(expected_Hz * (1.0 - tolerance) / spacing), 1)
+    high = min(int(expected_Hz * (1.0 + tolerance) / spacing) + 2, spectrum.size)
+    centre = low + int(np.argmax(np.abs(spectrum[low:high])))
+    resampled = fft.next_fast_len(32 * centre, real=True)
+    # beyond eight times the frequency the filter leaves nothing
+    size = min(spectrum.size, 8 * centre)
+    kept = np.zeros(resampled // 2 + 1, dtype=complex)
+    place = np.arange(1, size)
+    kept[1:size] = spectrum[1:size] * _gain(place / centre) / (2j * np.pi * spacing * place)
+    step = padded / sampling_Hz / resampled
+    wave = fft.irfft(kept, resampled) * (resampled / padded)
+    return centre * spacing, step, wave[: int(velocity.size / sampling_Hz / step)]
+
+
+def extrema(
+    wave: Float[ndarray, " sample"], step: float
+) -> tuple[Float[ndarray, " peak"], Float[ndarray, " peak"]]:
+    """Times and heights (without sign) of all extrema, each on a quartic through five samples."""
+    size = np.abs(wave)
+    top = 2 + np.flatnonzero((size[2:-2] >= size[1:-3]) & (size[2:-2] > size[3:-1]))
+    near = np.arange(-2, 3)
+    a, b, c, d, e = np.linalg.inv(np.vander(near, 5)) @ wave[top + near[:, None]]
+    x = np.zeros(top.size)
+    for _ in range(3):
+        slope = ((4 * a * x + 3 * b) * x + 2 * c) * x + d
+        bend = (12 * a * x + 6 * b) * x + 2 * c
+        x = np.clip(x - slope / np.where(bend == 0.0, 1.0, bend), -1.0, 1.0)
+    return (top + x) * step, np.abs((((a * x + b) * x + c) * x + d) * x + e)
+
+
+def bridged(
+    velocity: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"], shortest: float
+) -> tuple[Float[ndarray, " sample"], Bool[ndarray, " sample"]]:
+    """Gaps filled by straight lines; those up to `shortest` samples long count as usable."""
+    at = np.arange(velocity.size)
+    filled = np.where(usable, velocity, np.interp(at, at[usable], velocity[usable]))
+    ends = np.flatnonzero(np.diff(usable, prepend=True, append=True))
+    good = usable.copy()
+    for first, stop in ends.reshape(-1, 2):
+        good[first:stop] |= stop - first <= shortest
+    return filled, good
+
+
+def undisturbed(
+    time: Float[ndarray, " peak"],
+    reach: float,
+    good: Bool[ndarray, " sample"],
+    sampling_Hz: float,
+) -> Bool[ndarray, " peak"]:
+    """Whether all samples from a peak to `reach` seconds after it are there and good."""
+    bad = np.concatenate([[0], np.cumsum(~good)])
+    first = np.minimum((time * sampling_Hz).astype(int), good.size)
+    last = ((time + reach) * sampling_Hz).astype(int) + 1
+    return (last <= good.size) & (bad[np.minimum(last, good.size)] == bad[first])
+
+
+@cache
+def correlation(reach: int = 60) -> Float[ndarray, " lag"]:
+    """Correlation of filtered white noise over lags of -reach..reach half cycles."""
+    ratio = np.linspace(0.4, 2.4, 251)
+    power = np.abs(_gain(ratio)) ** 2 / ratio**2
+    wave = np.cos(np.pi * (ratio[:, None] - 1.0) * np.arange(-reach, reach + 1))
+    return power @ wave / power.sum()
+
+
+def noise_bandwidth() -> float:
+    """Width over centre frequency of the ideal band that passes as much white noise."""
+    return float(np.pi / 2 / ORDER / np.sin(np.pi / 2 / ORDER)) / QUALITY
+
+
+def _gain(ratio: Float[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
+    """Gain over frequency / centre; conjugate to the usual filter, for it looks ahead."""
+    along = 1j * QUALITY * (ratio - 1.0 / ratio)
+    gain = np.ones_like(along)
+    for pole in _POLES:
+        gain /= np.conj(along - pole)
+    return gain

@@ -1,0 +1,127 @@
+"""Which laws a decay follows: the stretch that tells, and the search for the onset on it.
+
+The laws (`bladeroot.decay.laws`) are weighed on the stretch from the smallest amplitude to a few
+times the one at which the record shows that it leaves a constant.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.decay.laws import (
+    HINGES,
+    Frame,
+    excess_variance,
+    fits,
+    framed,
+    hinge_shapes,
+    smooth_shapes,
+    sums,
+)
+from bladeroot.decay.posterior import NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
+from bladeroot.decay.stretch import Stretch, first_departure
+
+SHOWN = 0.8  # weight of laws with a plateau at which it is stated: see benchmarks/plateau.py
+DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
+REACH = np.log([4.0, 2.0, 1.5])  # how far above it, in ln A, the laws are weighed, if they hold
+# prior weight of a constant over that of any other kind, where no law's ln evidence gets to that
+NO_DEPARTURE, NOTHING = 30.0, 10.0
+
+
+def weigh(stretch: Stretch) -> Weighed:
+    """Weights of all laws on the informative part of a record.
+
+    That part is the longest of a few on which the laws hold without their greatest doubt; a plateau
+    must show on the longer ones, too, as errors that neighbours share look like a law on a short
+    one. A departure that was only the noise's own wander sends the search further up the record.
+    """
+    detection = DETECTION
+    while True:
+        top = first_departure(stretch, detection)
+        if top is None:
+            return _weighed(stretch)[0]
+        found, excess = _weighed(stretch.below(top + REACH[0]))
+        shown = found.phase.plateau
+        for reach in REACH[1:]:
+            doubtful = max(found.phase.doubtful, found.decline.doubtful) > 0.5
+            if not doubtful or shown < SHOWN:
+                break
+            found, _ = _weighed(stretch.below(top + reach))
+            shown = min(shown, found.phase.plateau)
+        found = replace(found, phase=replace(found.phase, plateau=shown))
+        if min(found.phase.constant, found.decline.constant) < 0.5:
+            return found
+        detection *= 2.0 * excess
+
+
+def _weighed(window: Stretch) -> tuple[Weighed, float]:
+    """Weights on one window, by a search for the onset that refines itself; largest excess."""
+    low, high = float(window.log.min()), float(window.log.max())
+    onsets, frame = np.empty(0), framed(window)
+    new = np.union1d(np.linspace(low, high, 12)[1:-1], _seeds(frame, low, high))
+    total, evidence, best, excess = None, [np.empty(0)] * 2, [-np.inf] * 2, [1.0] * 2
+    for _ in range(4):
+        shape, first = hinge_shapes(window, new)
+        if total is None:
+            smooth, nodes = smooth_shapes(window)
+            shape, first = np.hstack([smooth, shape]), np.concatenate([nodes, first])
+        more = sums(frame, shape, first)
+        total = more if total is None else total.joined(more)
+        onsets = np.concatenate([onsets, new])
+        for channel in range(2):
+            alone = fits(more, channel, 1.0)
+            law, doubt = np.unravel_index(np.argmax(alone.evidence), alone.evidence.shape)
+            if alone.evidence[law, doubt] > best[channel]:
+                best[channel] = float(alone.evidence[law, doubt])
+                here, size = slice(law, law + 1), alone.size[law, doubt]
+                excess[channel] = excess_variance(frame, shape[:, here], first[here], size, channel)
+            highest = alone.evidence.max(axis=1)
+            evidence[channel] = np.concatenate([evidence[channel], highest])
+        new = [_finer(onsets, evidence[k][SMOOTH:] / excess[k], low, high) for k in range(2)]
+        new = np.setdiff1d(np.concatenate(new), onsets)
+        if not new.size:
+            break
+    order = np.argsort(onsets)
+    hinges = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
+    total = total.chosen(np.concatenate([np.arange(SMOOTH), hinges]))
+    both = [fits(total, channel, excess[channel]) for channel in range(2)]
+    constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
+    still = [NO_DEPARTURE if best[k] < NOTHING * excess[k] else 1.0 for k in range(2)]
+    return combined(Catalogue(onsets[order], low, high), both, constant, still, excess), max(excess)
+
+
+def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndarray, " onset"]:
+    """Best onset (ln A0) of each shape, taken at its word, in either channel.
+
+    A law that holds exactly may show on a range of onsets that a coarse search steps over.
+    """
+    onsets = np.linspace(low, high, count + 2)[1:-1]
+    columns = frame.operator @ hinge_shapes(frame.stretch, onsets)[0]
+    gain = (frame.y @ columns) ** 2 / np.maximum((columns**2).sum(axis=0), 1e-300)
+    gain = gain.reshape(2, count, HINGES)
+    best = np.clip(gain.argmax(axis=1), 1, count - 2)
+    around = [np.take_along_axis(gain, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1)]
+    bend = around[0] - 2.0 * around[1] + around[2]
+    bend = np.where(bend < -1e-9 * np.abs(around[1]), bend, -np.inf)
+    vertex = np.clip(0.5 * (around[0] - around[2]) / bend, -1.0, 1.0)
+    return np.unique(onsets[best] + vertex * (onsets[1] - onsets[0]))
+
+
+def _finer(
+    onsets: Float[ndarray, " onset"], evidence: Float[ndarray, " hinge"], low: float, high: float
+) -> Float[ndarray, " more"]:
+    """More onsets between those that matter and beside the best, until there are enough."""
+    order = np.argsort(onsets)
+    around = np.concatenate([[low], onsets[order], [high]])
+    value = evidence.reshape(onsets.size, HINGES).max(axis=1)[order]
+    good = np.flatnonzero(value > value.max() - NEGLIGIBLE)
+    more = np.empty(0)
+    if good.size < 8:
+        more = np.linspace(around[good[0]], around[good[-1] + 2], 10)[1:-1]
+    best = int(np.argmax(value))
+    beside = value[max(best - 1, 0) : best + 2]
+    if beside.max() - beside.min() > 1.0:
+        more = np.concatenate([more, np.linspace(around[best], around[best + 2], 7)[1:-1]])
+    return more

@@ -1,0 +1,65 @@
+"""What reduction and parametric model cost: frequencies against the full model, at every force."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.structure.full import full_frequencies, full_joint
+from bladeroot.structure.geometry import Structure
+from bladeroot.structure.parametric import frequencies, surface_of
+
+
+def accuracy(
+    structure: Structure,
+    mesh: xr.Dataset,
+    prestress: xr.Dataset,
+    model: xr.Dataset,
+    forces: Sequence[float],
+) -> xr.Dataset:
+    """Parametric model against the finite-element model with all dofs: `accuracy.nc`.
+
+    At the softest and the stiffest contact of the model's box (kn = kt), for each axial force (N)
+    and mode of the model. Raises ValueError if a force lies outside the box or a mode is not found
+    in the full model.
+    """
+    surface = surface_of(model)
+    names = [str(name) for name in model["mode"].values]
+    full = full_joint(structure, mesh, prestress)
+    corners = np.exp([surface.low[0], surface.high[0]])
+    exact, found = [], []
+    for k in corners:
+        points = np.column_stack([np.full((len(forces), 2), np.log(k)), forces])
+        found.append(frequencies(surface, points))
+        exact.append(full_frequencies(full, k, k, forces, names))
+    dims = ("contact", "force", "mode")
+    return xr.Dataset(
+        {
+            "stiffness": (
+                "contact",
+                corners,
+                {"units": "N/m", "long_name": "normal and tangential stiffness of a flank"},
+            ),
+            "full_frequency": (
+                dims,
+                np.array(exact),
+                {"units": "Hz", "long_name": "frequency of the model with all dofs"},
+            ),
+            "frequency": (
+                dims,
+                np.array(found),
+                {"units": "Hz", "long_name": "frequency of the parametric reduced model"},
+            ),
+            "residual": (
+                dims,
+                np.array(found) / np.array(exact) - 1.0,
+                {"units": "1", "long_name": "parametric over full, minus one"},
+            ),
+        },
+        coords={
+            "contact": ["softest", "stiffest"],
+            "force": ("force", np.asarray(forces, float), {"units": "N"}),
+            "mode": names,
+        },
+        attrs={"structure": structure.name, "full_dofs": full.mass.shape[0]},
+    )

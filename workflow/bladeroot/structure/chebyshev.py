@@ -1,0 +1,159 @@
+"""Smooth functions of (ln kn, ln kt, F) as sums of Chebyshev polynomials, with derivatives.
+
+A function that is smooth over the box is represented to rounding by a few dozen coefficients a
+coordinate, and is then evaluated, with gradient and Hessian, in about a microsecond a point.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from numpy.polynomial import chebyshev
+
+_CHUNK = 8192  # points at a time: bounds the memory
+_MOST = 64  # coefficients along one coordinate
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Coefficients of several functions over one box; `low` and `high` are its corners."""
+
+    coefficients: Float[ndarray, "function i j l"]
+    low: Float[ndarray, "3"]
+    high: Float[ndarray, "3"]
+
+
+def fit(
+    function: Callable[[Float[ndarray, "point 3"]], Float[ndarray, "function point"]],
+    low: Float[ndarray, "3"],
+    high: Float[ndarray, "3"],
+    tolerance: float,
+) -> Surface:
+    """Interpolate at Chebyshev's nodes, as many along a coordinate as lines through the box need.
+
+    tolerance: what the coefficients left out along such a line may add up to, in the function's own
+    unit. Raises ValueError if 64 do not suffice.
+    """
+    count = [_order(function, low, high, axis, tolerance) for axis in range(3)]
+    nodes = [_nodes(n) for n in count]
+    grid = np.stack(np.meshgrid(*nodes, indexing="ij"), axis=-1).reshape(-1, 3)
+    values = function(0.5 * (low + high) + 0.5 * (high - low) * grid)
+    c = values.reshape(-1, *count)
+    for axis in range(3):
+        c = np.moveaxis(np.tensordot(c, _transform(count[axis]), (axis + 1, 0)), -1, axis + 1)
+    return Surface(c, low, high)
+
+
+def _order(function, low: ndarray, high: ndarray, axis: int, tolerance: float) -> int:
+    """How many coefficients lines along one coordinate need, through the middle and the corners."""
+    if low[axis] == high[axis]:
+        return 1
+    others = np.stack(np.meshgrid([-1.0, 1.0], [-1.0, 1.0]), axis=-1).reshape(-1, 2)
+    others = np.vstack([others, 0.5 * others, np.zeros((1, 2))])
+    for count in (16, 32, _MOST):
+        line = np.empty((len(others), count, 3))
+        line[:, :, axis] = _nodes(count)
+        line[:, :, [k for k in range(3) if k != axis]] = others[:, None]
+        values = function((0.5 * (low + high) + 0.5 * (high - low) * line).reshape(-1, 3))
+        c = values.reshape(-1, len(others), count) @ _transform(count)
+        left = np.abs(c[..., ::-1]).cumsum(axis=-1).max(axis=(0, 1))[::-1]
+        enough = np.flatnonzero(left <= tolerance)
+        if len(enough) and enough[0] <= count - 2:
+            return max(int(enough[0]), 2)
+    raise ValueError(
+        f"the frequencies are not smooth over the box: {_MOST} Chebyshev coefficients along "
+        f"{('ln kn', 'ln kt', 'the force')[axis]} leave {left[-2]:.1e} of ln f where "
+        f"{tolerance:.1e} is asked; narrow the box"
+    )
+
+
+def _transform(count: int) -> Float[ndarray, "node coefficient"]:
+    """From values at Chebyshev's nodes to coefficients."""
+    matrix = chebyshev.chebvander(_nodes(count), count - 1) * (2.0 / count)
+    matrix[:, 0] /= 2.0
+    return matrix
+
+
+def _nodes(count: int) -> Float[ndarray, " node"]:
+    return np.cos(np.pi * (np.arange(count) + 0.5) / count)
+
+
+def at_force(surface: Surface, force: float) -> Surface:
+    """The surface at one axial force (N); its force axis is one node wide."""
+    x = _inside(surface, np.array([[*surface.low[:2], force]]))[0, 2:]
+    c = surface.coefficients @ chebyshev.chebvander(x, surface.coefficients.shape[3] - 1)[0]
+    ends = (np.append(end[:2], force) for end in (surface.low, surface.high))
+    return Surface(c[..., None], *ends)
+
+
+def evaluate(
+    surface: Surface, points: Float[ndarray, "point 3"], order: int = 0
+) -> list[Float[ndarray, "point function ..."]]:
+    """Values, and with order 1 or 2 gradients and Hessians by the coordinates, at many points.
+
+    Raises ValueError for a point outside the box.
+    """
+    x = _inside(surface, points)
+    parts = [
+        _evaluate(surface, x[start : start + _CHUNK], order)
+        for start in range(0, max(len(x), 1), _CHUNK)
+    ]
+    return [np.concatenate(part) for part in zip(*parts, strict=True)]
+
+
+def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> list[ndarray]:
+    functions, *count = surface.coefficients.shape
+    width = surface.high - surface.low
+    scale = 2.0 / np.where(width > 0.0, width, np.inf)
+    basis = [  # [coordinate][derivative]: (point, coefficient)
+        _derivatives(x[:, axis], n, scale[axis], order) for axis, n in enumerate(count)
+    ]
+    flat = surface.coefficients.transpose(1, 0, 2, 3).reshape(count[0], -1)
+    first = [part @ flat for part in basis[0]]
+
+    def term(i: int, j: int, k: int) -> Float[ndarray, "point function"]:
+        left = first[i].reshape(len(x), functions, count[1], count[2])
+        inner = np.einsum("pfjl,pl->pfj", left, basis[2][k])
+        return np.matmul(inner, basis[1][j][:, :, None])[..., 0]
+
+    results = [term(0, 0, 0)]
+    if order > 0:
+        results.append(np.stack([term(1, 0, 0), term(0, 1, 0), term(0, 0, 1)], axis=-1))
+    if order > 1:
+        hessian = np.empty((len(x), functions, 3, 3))
+        for a in range(3):
+            for b in range(a + 1):
+                power = np.bincount([a, b], minlength=3).tolist()
+                hessian[:, :, a, b] = hessian[:, :, b, a] = term(*power)
+        results.append(hessian)
+    return results
+
+
+def _derivatives(x: Float[ndarray, " point"], count: int, scale: float, order: int) -> list:
+    """Chebyshev polynomials and their derivatives by the unscaled coordinate."""
+    basis = chebyshev.chebvander(x, count - 1)
+    results, matrix = [basis], np.eye(count)
+    for _ in range(order):
+        # column k of `matrix` holds T_k's derivative in terms of the T's
+        lower = scale * chebyshev.chebder(matrix)[: count - 1]
+        matrix = np.vstack([lower, np.zeros((1, count))])
+        results.append(basis @ matrix)
+    return results
+
+
+def _inside(surface: Surface, points: Float[ndarray, "point 3"]) -> Float[ndarray, "point 3"]:
+    """Points on the box [-1, 1]^3."""
+    width = surface.high - surface.low
+    slack = 1e-9 * np.maximum(width, 1.0)
+    outside = (points < surface.low - slack) | (points > surface.high + slack)
+    if outside.any():
+        point, axis = np.argwhere(outside)[0]
+        name, value = ("ln kn", "ln kt", "axial force")[axis], points[point, axis]
+        raise ValueError(
+            f"{name} must lie between {surface.low[axis]:.6g} and {surface.high[axis]:.6g}, "
+            f"got {value:.6g}: outside the parametric model"
+        )
+    middle = 0.5 * (surface.low + surface.high)
+    return np.clip((points - middle) * 2.0 / np.where(width > 0.0, width, np.inf), -1.0, 1.0)

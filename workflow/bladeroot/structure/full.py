@@ -1,0 +1,148 @@
+"""The joint without any reduction: beam and slots with springs between them, all dofs.
+
+It says what reduction and parametric model together cost in accuracy, at any force.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.structure import elasticity
+from bladeroot.structure.assembly import find_modes
+from bladeroot.structure.geometry import Structure
+from bladeroot.structure.linear import factor, lowest_eigenpairs
+from bladeroot.structure.mesh import base_nodes, body_mesh
+from bladeroot.structure.prestress import materials_of
+from bladeroot.structure.reduction import beam_model, contact_dofs
+
+_MODES = 12
+_CONVERGED = 1e-10  # of omega^2
+_STEPS = 30
+
+
+@dataclass(frozen=True)
+class FullJoint:
+    """Mass, stiffness and geometric stiffness (per newton) of all free dofs; Kn, Kt of 1 N/m.
+
+    view: dofs of display nodes and of the beam's contact nodes; seen: those as an assembly, by
+    which modes are named.
+    """
+
+    mass: sp.csr_array
+    stiffness: sp.csr_array
+    geometric: sp.csr_array
+    normal: sp.csr_array
+    tangential: sp.csr_array
+    view: ndarray
+    seen: xr.Dataset
+
+
+def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> FullJoint:
+    """Matrices of the beam and both slots, far faces fixed, before contact springs."""
+    beam = beam_model(structure, mesh, prestress)
+    masses, stiffnesses = [beam.mass], [beam.stiffness]
+    held = []
+    for body in (1, 2):
+        slot, start = body_mesh(mesh, body)
+        rule, materials = elasticity.quadrature(slot), materials_of(structure, mesh, body)
+        masses.append(elasticity.mass(slot, rule, materials))
+        stiffnesses.append(elasticity.stiffness(slot, rule, materials))
+        held.append(start + base_nodes(slot))
+    nodes = mesh.sizes["node"]
+    free = contact_dofs(np.setdiff1d(np.arange(nodes), np.concatenate(held)))
+    empty = sp.csr_array((nodes - beam.geometric.shape[0],) * 2)
+    geometric = sp.block_diag([beam.geometric, empty], format="csr")
+    flank, area = mesh.pair_flank.values, mesh.pair_weight.values
+    share = area / np.bincount(flank, area)[flank]
+    frame = mesh.flank_frame.values[flank]
+    contact = [_springs(mesh, share, frame[:, local]) for local in ([0], [1, 2])]
+    whole = [
+        elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
+        sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
+        elasticity.per_axis(sp.csr_array(geometric)),
+        *contact,
+    ]
+    shown = contact_dofs(mesh.display_node.values)
+    touched = contact_dofs(mesh.pair_node.values[:, 0])
+    number = np.full(3 * nodes, -1)
+    number[free] = np.arange(len(free))
+    count = len(shown) // 3
+    shape = np.zeros((count, 3, len(shown) + len(touched)))
+    shape.reshape(len(shown), -1)[:, : len(shown)] = np.eye(len(shown))
+    seen = xr.Dataset(
+        {
+            "display_position": (
+                ("display", "axis"),
+                mesh.node_position.values[mesh.display_node.values],
+            ),
+            "display_shape": (("display", "axis", "dof"), shape),
+            "beam_dof": (
+                ("pair", "axis"),
+                len(shown) + np.arange(len(touched)).reshape(-1, 3),
+            ),
+            "frame": (("pair", "local", "axis"), frame),
+            "weight": ("pair", share),
+        }
+    )
+    parts = (sp.csr_array(matrix[free][:, free]) for matrix in whole)
+    return FullJoint(*parts, number[np.concatenate([shown, touched])], seen)
+
+
+def _springs(mesh: xr.Dataset, share: ndarray, axes: Float[ndarray, "pair k 3"]) -> sp.csr_array:
+    """Contact matrix of 1 N/m of flank stiffness along the given local axes."""
+    pairs, count = axes.shape[:2]
+    dofs = 3 * mesh.pair_node.values[:, :, None] + np.arange(3)  # pair, side, axis
+    values = np.sqrt(share)[:, None, None, None] * np.stack([axes, -axes], axis=2)
+    columns = np.broadcast_to(dofs[:, None], values.shape)
+    rows = np.broadcast_to(np.arange(pairs * count).reshape(pairs, count, 1, 1), values.shape)
+    shape = (pairs * count, 3 * mesh.sizes["node"])
+    gaps = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    return sp.csr_array(gaps.T @ gaps)
+
+
+def full_frequencies(
+    full: FullJoint, kn: float, kt: float, forces: Sequence[float], names: Sequence[str]
+) -> Float[ndarray, "force name"]:
+    """Frequencies (Hz) of named modes of the whole model at several axial forces (N).
+
+    One factor, at the middle force, serves them all: elsewhere it preconditions a Davidson
+    iteration, started from the modes there. ValueError if a mode is not found or does not converge.
+    """
+    middle = 0.5 * (min(forces) + max(forces))
+    contact = full.stiffness + kn * full.normal + kt * full.tangential
+    at_middle = sp.csr_array(contact + middle * full.geometric)
+    solve = factor(at_middle)
+    _, shapes = lowest_eigenpairs(at_middle, full.mass, _MODES, solve=solve)
+    column = find_modes(full.seen, shapes[full.view], names)
+    chosen = [column[name] for name in names]
+    values = [
+        _followed(sp.csr_array(contact + force * full.geometric), full.mass, solve, shapes, chosen)
+        for force in forces
+    ]
+    return np.sqrt(np.array(values)) / (2.0 * np.pi)
+
+
+def _followed(
+    stiffness: sp.csr_array, mass: sp.csr_array, solve, shapes: ndarray, chosen: list[int]
+) -> Float[ndarray, " name"]:
+    """Eigenvalues nearest in shape to the chosen ones of given orthonormal shapes."""
+    basis, wanted = shapes, shapes[:, chosen]
+    for _ in range(_STEPS):
+        projected = basis.T @ (stiffness @ basis)
+        values, combination = np.linalg.eigh(0.5 * (projected + projected.T))
+        places = np.abs(combination.T @ (basis.T @ (mass @ wanted))).argmax(axis=0)
+        wanted, values = basis @ combination[:, places], values[places]
+        residual = stiffness @ wanted - values * (mass @ wanted)
+        step = solve(residual)
+        if np.all(np.einsum("dm,dm->m", residual, step) < _CONVERGED * values):
+            return values
+        for _ in range(2):
+            step = step - basis @ (basis.T @ (mass @ step))
+            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (mass @ step))).T
+        basis = np.hstack([basis, step])
+    raise ValueError(f"modes of the full model did not converge in {_STEPS} steps")

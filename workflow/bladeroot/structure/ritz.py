@@ -1,0 +1,153 @@
+"""One mode of the joint in a small basis of its own: frequency, shape, error bound, derivatives.
+
+The basis holds shapes of one mode, and of lower ones that it mixes with, at many points. There the
+mode keeps its rank, and its frequency, being stationary, is wrong only by the square of what the
+basis misses. Vectors that come after the first `own` serve perturbations: what an added mass or
+another modulus does to the shape.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+_ROUNDING = 1e-12  # of the frequency, where the basis holds the very point
+
+
+@dataclass(frozen=True)
+class Ritz:
+    """Projections of one mode; the projected mass is the identity.
+
+    beam, slots: stiffness without contact and force, 1/s^2. geometric: per newton, 1/(s^2 N).
+    gap, slip: factors whose squares are what 1 N/m of flank stiffness adds, kg^-1/2. beam_mass: the
+    beam's share of the mass. contact: motion across each pair by local axis, display: motion of the
+    display nodes at `display_x` (m), kg^-1/2. residual: factor of the residual's dual norm over
+    (own vector, [K0, Kg, Kn, Kt, M]). own: how many vectors are the mode's own. rank: how many
+    lower modes are in them. amplification: how much the nearest neighbour enlarges the error.
+    """
+
+    beam: Float[ndarray, "vector vector"]
+    slots: Float[ndarray, "vector vector"]
+    geometric: Float[ndarray, "vector vector"]
+    gap: Float[ndarray, "vector vector"]
+    slip: Float[ndarray, "vector vector"]
+    beam_mass: Float[ndarray, "vector vector"]
+    contact: Float[ndarray, "pair 3 vector"]
+    display: Float[ndarray, "display 3 vector"]
+    display_x: Float[ndarray, " display"]
+    residual: Float[ndarray, "row part"]
+    own: int
+    rank: int
+    amplification: float
+
+
+def contact_factor(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector vector"]:
+    """Triangular factor with the square of the given rows."""
+    count = rows.shape[1]
+    return np.linalg.qr(np.vstack([rows, np.zeros((count, count))]), mode="r")
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Eigenpairs of a projected problem at many points.
+
+    value, shape: the mode's omega^2 (1/s^2) and shape of unit modal mass. values, shapes: all of
+    the basis's; place: the mode's column in them.
+    """
+
+    value: Float[ndarray, " point"]
+    shape: Float[ndarray, "point vector"]
+    values: Float[ndarray, "point vector"]
+    shapes: Float[ndarray, "point vector vector"]
+    place: Int[ndarray, " point"]
+
+
+def solve(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Pairs:
+    """Eigenpairs at points (ln kn, ln kt, F) in the mode's own vectors."""
+    kept = slice(0, ritz.own)
+    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip)
+    body, geometric, gap, slip = (part[kept, kept] for part in parts)
+    values, shapes = np.linalg.eigh(_stiffness(body, geometric, gap, slip, points))
+    shape = shapes[:, :, ritz.rank]
+    place = np.full(len(points), ritz.rank)
+    return Pairs(quotient(body, geometric, gap, slip, shape, points), shape, values, shapes, place)
+
+
+def solve_whole(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Pairs:
+    """The same with the vectors for perturbations; the mode is told by its shape."""
+    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip)
+    values, shapes = np.linalg.eigh(_stiffness(*parts, points))
+    place = closest(shapes[:, : ritz.own], solve(ritz, points).shape)
+    shape = shapes[np.arange(len(points)), :, place]
+    return Pairs(quotient(*parts, shape, points), shape, values, shapes, place)
+
+
+def closest(
+    shapes: Float[ndarray, "point part vector"], shape: Float[ndarray, "point part"]
+) -> Int[ndarray, " point"]:
+    """Column of the shapes that is most like a given one."""
+    return np.abs(np.einsum("piv,pi->pv", shapes, shape)).argmax(axis=1)
+
+
+def stiffness_of(
+    ritz: Ritz, points: Float[ndarray, "point 3"]
+) -> Float[ndarray, "point vector vector"]:
+    """Projected stiffness in the whole basis, 1/s^2."""
+    return _stiffness(ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip, points)
+
+
+def _stiffness(body, geometric, gap, slip, points) -> ndarray:
+    kn, kt = np.exp(points[:, :2].T)[:, :, None, None]
+    matrix = body + points[:, 2, None, None] * geometric
+    matrix += kn * (gap.T @ gap)
+    matrix += kt * (slip.T @ slip)
+    return matrix
+
+
+def quotient(
+    body: Float[ndarray, "vector vector"],
+    geometric: Float[ndarray, "vector vector"],
+    gap: Float[ndarray, "row vector"],
+    slip: Float[ndarray, "row2 vector"],
+    shape: Float[ndarray, "point vector"],
+    points: Float[ndarray, "point 3"],
+) -> Float[ndarray, " point"]:
+    """Rayleigh's quotient of shapes of unit mass; the contact's part from the gaps themselves.
+
+    An eigenvalue solver rounds by the largest eigenvalue, a stiff contact's; this does not.
+    """
+    kn, kt = np.exp(points[:, :2].T)
+    return (
+        ((shape @ body) * shape).sum(axis=1)
+        + points[:, 2] * ((shape @ geometric) * shape).sum(axis=1)
+        + kn * ((shape @ gap.T) ** 2).sum(axis=1)
+        + kt * ((shape @ slip.T) ** 2).sum(axis=1)
+    )
+
+
+def frequency(value: Float[ndarray, "*shape"]) -> Float[ndarray, "*shape"]:
+    """Hz, of omega^2."""
+    return np.sqrt(value) / (2.0 * np.pi)
+
+
+def error_bound(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, " point"]:
+    """Bound of the relative error of the frequency against the whole joint, at many points.
+
+    Kato and Temple's bound for K^-1 M, whose eigenvalues are 1/lambda: the relative error of lambda
+    is at most r'K^-1 r / lambda times the amplification, lambda_j / |lambda_j - lambda| of the
+    nearest neighbour j. The residual's dual norm is taken at the softest contact, which bounds it
+    everywhere, as K only rises with kn and kt. Neighbours are those seen at the basis's samples.
+    """
+    pairs = solve(ritz, points)
+    return _ROUNDING + ritz.amplification * residual_bound(ritz.residual, pairs, points)
+
+
+def residual_bound(
+    residual: Float[ndarray, "row part"], pairs: Pairs, points: Float[ndarray, "point 3"]
+) -> Float[ndarray, " point"]:
+    """The bound before amplification, from any factor of the residual's dual norm."""
+    kn, kt = np.exp(points[:, :2].T)
+    weights = np.stack([np.ones_like(kn), points[:, 2], kn, kt, -pairs.value], axis=1)
+    combination = (pairs.shape[:, :, None] * weights[:, None, :]).reshape(len(points), -1)
+    return 0.5 * ((combination @ residual.T) ** 2).sum(axis=1) / pairs.value
