@@ -184,7 +184,7 @@ def test_thesis_slider_stick_part():
     assert found["verdict"] == "plateau"
     assert found["stick_frequency"] == pytest.approx(544.73, rel=1e-4)
     assert found["loss_factor"] == pytest.approx(5e-3, rel=1e-3)
-    assert found["onset_amplitude"] == pytest.approx(100e-6, rel=0.03)
+    assert found["onset_amplitude"] == pytest.approx(100e-6, rel=0.02)
 
 
 def test_slider_follows_harmonic_balance():

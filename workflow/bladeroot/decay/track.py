@@ -44,12 +44,11 @@ def follow(
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
-    fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
+    before, fit = fit, coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
-        before, blocks = blocks, _gathered(frames, blocks, fit)
-        if _same(before, blocks):
+        if _as_known(blocks, before, fit):
             break
-        # what the mode does within a frame was not known well enough
+        before, blocks = fit, _gathered(frames, blocks, fit)
         fit = fine(blocks.time, _parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
@@ -149,8 +148,8 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     guess = log[0] + log[1] * (time - inside)
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
-    # lost, where half of the blocks ahead do not follow what is known
-    astray = np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)
+    # lost, where it is weak and half of the blocks ahead do not follow what is known
+    astray = (np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)) & (blocks.std > 0.03)
     lost = np.flatnonzero(astray & (np.convolve(astray, np.full(8, 0.125))[7:] >= 0.5))
     if lost.size:
         part = slice(0, int(lost[0]))
@@ -164,11 +163,14 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     return Phasors(blocks.time, blocks.log, std)
 
 
-def _same(before: Phasors, after: Phasors) -> bool:
-    """Whether no block has moved by more than its standard error."""
-    if before.time.size != after.time.size:
-        return False
-    return bool((np.abs(after.log - before.log) < 1.5 * after.std).all())
+def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
+    """Whether growth and chirp within frames were known well enough when the blocks were made.
+
+    A cycle's fit answers to a wrong rate with about that over twice the frequency.
+    """
+    rate = now.value(blocks.time)[1]
+    change = np.abs(before.value(blocks.time)[1] - rate).max(axis=0) / (2.0 * rate[1])
+    return bool((change < 0.5 * blocks.std).all())
 
 
 def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
