@@ -28,6 +28,7 @@ include: "workflow/rules/stick.smk"
 include: "workflow/rules/fe_forces.smk"
 include: "workflow/rules/stiffness.smk"
 include: "workflow/rules/theory.smk"
+include: "workflow/rules/ledger.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -173,6 +173,9 @@ rule report:
         score=lambda w: (
             rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
         ),
+        ledger=lambda w: (
+            rules.ledger.output.ledger if of_the_thesis(CAMPAIGNS[w.campaign]) else []
+        ),
         thesis=expand(
             ROOT / "resources" / "thesis" / "{name}",
             name=["table_5_1.csv", "errata.yaml"],

@@ -14,6 +14,7 @@ def main(results, checks, accuracies, figures, thesis, facts, output):
     known = json.loads(facts)
     names = ["stick", "fe_forces", "stiffness", "theory"] + ["score"] * known["simulated"]
     names += ["integrity"] * (known["entry"] == "records")
+    names += ["ledger"] * (known["description"].get("published") == "thesis")
     published, errata = thesis
     page = report(
         known,

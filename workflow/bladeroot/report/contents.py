@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladeroot.report.errata import errata_section
 from bladeroot.report.integrity import integrity_section
+from bladeroot.report.ledger import ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.page import Section, render
 from bladeroot.report.stiffness import stiffness_section
@@ -28,9 +29,9 @@ def report(
     """A campaign's report as one HTML page.
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
-    fe_forces, stiffness, theory; with records, integrity; for simulated ones, score.
-    checks, accuracies: of each structure. figures: SVG text by name. published_5_1 and errata:
-    of the thesis, as shipped.
+    fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
+    thesis's tables, ledger. checks, accuracies: of each structure. figures: SVG text by name.
+    published_5_1 and errata: of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -50,7 +51,7 @@ def report(
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]
     if of_the_thesis:
-        sections.append(errata_section(errata))
+        sections += [ledger_section(stages["ledger"], errata), errata_section(errata)]
     return render(
         facts["description"]["title"],
         f"Campaign {facts['campaign']}: from ring-downs to contact stiffness",
