@@ -16,7 +16,8 @@ PICTURES = {
     "spectra": "Amplitude spectra of the same free decays before and after the mode was separated: "
     "what is left over holds the other modes and the noise, and nothing of the mode.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-    "3.11), every usable record; bands are one standard error.",
+    "3.11), every usable record; bands are one standard error, and points are drawn where it is "
+    "below 0.05 % of the frequency and 20 % of the loss factor.",
     "waterfall": "Mean curve of all records at each force, drawn over its own force: softening "
     "(how far the frequency lies below its value at the smallest amplitudes) and loss factor.",
     "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: linear "
