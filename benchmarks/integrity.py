@@ -49,7 +49,10 @@ def decay(rng, **fixed):
         slip = np.maximum(a / made["onset"] - 1.0, 0.0) / (1.0 / made["onset"] - 1.0)
     else:
         slip = a**2 / (a**2 + made["onset"] ** 2) * (1.0 + made["onset"] ** 2)
-    fall = np.pi * f * made["eta"] * (1.0 + made["more"] * slip)
+    loss = slip
+    if "hump" in made:  # micro-slip: damping largest where the joint slides through
+        loss = np.exp(-0.5 * ((log_a - np.log(made["onset"])) / made["hump"]) ** 2)
+    fall = np.pi * f * made["eta"] * (1.0 + made["more"] * loss)
     turn = 2.0 * np.pi * f * (1.0 - made["soft"] * slip)
     step = -np.diff(log_a)
     t = np.concatenate([[0.0], np.cumsum(step * 0.5 * (1 / fall[1:] + 1 / fall[:-1]))])

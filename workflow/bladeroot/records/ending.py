@@ -12,12 +12,14 @@ from bladeroot.records.turning import kinks
 # of ten samples does so once in a million), and is this part of the mode: less does no harm.
 STRIKE, HARMFUL = 5.0, 0.005
 # The tip's return as a kink: gain over noise (see `release.GAIN`; here every place of a record is
-# tested), and step and bend (over the reach) of the log-phasor. A joint that begins to stick has
-# neither; a frequency that changes at once by 0.15 % bends by 0.2 in two dozen cycles.
-GAIN, MOVED = 30.0, 0.2
-# Frames a point (half cycles), and the ln-fall a kink is looked for in: late in a decay its
-# backbone is straighter than at the release.
-SIZES, DEEPEST = (16, 8, 4, 2, 1), 1.2
+# tested), gain over noise and the ripple that it leaves, or the first alone where it is abrupt.
+GAIN, BARE, ALONE = 30.0, 10.0, 60.0
+# Step and bend (over the reach) of the log-phasor. A joint that begins to stick has neither; a
+# frequency that changes at once by 0.2 % bends by 0.3 in two dozen cycles.
+MOVED = 0.3
+# Frames a point (half cycles), and the fall of ln A before a place up to which a bend is a kink, or
+# an abrupt one: over more, a joint's damping rises to a hump and falls again by itself.
+SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
 # No noise makes the smoothed envelope rise by half, nor a decaying mode by itself.
 RISE = float(np.log(1.5))
 
@@ -84,7 +86,7 @@ def find_end(
         below = np.flatnonzero(calm < ratio**2 * calm[0])
         if below.size:
             ends.append((seen.time[begin + below[0]], f"{ratio:g} of the first envelope"))
-    back = tip_return(seen, noise, begin, last, pace)
+    back = tip_return(seen, noise, begin, last)
     if back is not None:
         ends.append((back, "disturbed"))
     if not ends:
@@ -93,22 +95,23 @@ def find_end(
     return float(time), reason
 
 
-def tip_return(seen: Envelope, noise: float, begin: int, last: int, pace: float) -> float | None:
+def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | None:
     """Time of the first kink in an otherwise smooth decay, found at several scales."""
     # a phase is only known where the mode stands out of the noise
     weak = np.flatnonzero(seen.level[begin : last + 1] < np.log(max(5.0 * noise, 1e-300)))
     stop = begin + int(weak[0]) if weak.size else last + 1
     found: int | None = None
     for size in SIZES:
-        if size > max(1.0, DEEPEST * pace / REACH):
-            continue
         log, std, start = log_points(seen, noise, begin, stop, size)
         reach = min(REACH, log.size // 2)
         if reach < FEWEST:
             continue
         tested = kinks(log, std, reach, -1, max(1.0, OVERLAP / size))
         moved = np.maximum(np.abs(tested.step), np.abs(tested.bend) * reach)
-        real = np.flatnonzero((tested.gain > GAIN) & (moved > MOVED))
+        fall = log.real[tested.place - reach] - log.real[tested.place - 1]
+        kinked = (tested.gain > GAIN) & (tested.bare > BARE) & (fall < STEEPEST)
+        kinked |= (tested.gain > ALONE) & (fall < ABRUPT)
+        real = np.flatnonzero(kinked & (moved > MOVED))
         if real.size:
             near = slice(real[0], real[0] + 2 * reach)
             place = tested.place[near][np.argmax(tested.gain[near])]

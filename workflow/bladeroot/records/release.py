@@ -107,15 +107,25 @@ def _last_kink(
 ) -> _Kink | None:
     """The last kink between two frames, seen at ever finer scales."""
     error = noise * np.exp(-seen.level[middle]) * np.sqrt(0.5 * OVERLAP)
+    coarsest = max(1, int(np.ceil(COARSEST * pace / REACH)))
+    sizes = [coarsest >> k for k in range(coarsest.bit_length())]
+    # a scale is left out when the next finer one would see a release as well
+    fine = [
+        size
+        for size, finer in zip(sizes, [*sizes[1:], 0], strict=True)
+        if not finer or expected_gain(finer / pace, error / finer**0.5, REACH) <= 3.0 * GAIN
+    ]
+    found = _at_scales(seen, noise, first, low, pace, fine)
+    # unless there another mode's ripple hides it
+    return found or _at_scales(seen, noise, first, low, pace, sizes)
+
+
+def _at_scales(
+    seen: Envelope, noise: float, first: int, low: int, pace: float, sizes: list[int]
+) -> _Kink | None:
+    """The last kink at scales (frames a point) from coarse to fine."""
     found, stop = None, low
-    size = 2 * max(1, int(np.ceil(COARSEST * pace / REACH)))
-    while size > 1:
-        size //= 2
-        finer = size // 2
-        # a scale is left out when the next finer one would see a release as well
-        enough = finer and expected_gain(finer / pace, error / finer**0.5, REACH) > 3.0 * GAIN
-        if found is None and enough:
-            continue
+    for size in sizes:
         log, std, start = log_points(seen, noise, first, stop + REACH * size, size)
         reach = min(REACH, log.size // 2)
         if reach < FEWEST:
@@ -124,13 +134,14 @@ def _last_kink(
         best = _latest(tested, reach, BEND * size * reach / pace, (low - start) // size)
         if best is None:
             continue
-        place, sudden = best
+        place, sudden, shift = best
         at = start + place * size
         clean = min(at + size // 2 + FRAME_STEPS // 2 + 1, seen.time.size - 1)
         kink = _Kink(float(seen.time[at]), seen.frame_s, clean, True)
         if not sudden:
             offset, std_points = _bend(log[place - reach : place + reach], std[place:][:reach])
             time = float(seen.time[0] + (at + offset * size - 0.5) * seen.step_s)
+            std_points = np.hypot(std_points, 0.5 * shift)
             kink = _Kink(time, max(std_points * size, LETTING_GO) * seen.step_s, clean, False)
             if found is not None and not found.sudden and found.std_s < kink.std_s:
                 later = time - found.time_s > 3.0 * (kink.std_s + found.std_s)
@@ -157,8 +168,11 @@ def log_points(
     return log, np.maximum(std, 1e-5), first  # no digitiser is better
 
 
-def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, bool] | None:
-    """Place of the last kink up to a place `last`, and whether it is a step rather than a bend."""
+def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, bool, float] | None:
+    """Place of the last kink up to a place `last`; whether it is a step rather than a bend.
+
+    And how many points apart a bend would seem to lie that has such a step beside it.
+    """
     step = np.abs(tested.step)
     stepped = (step > STEP) & (step > 4.0 * tested.step_std)
     bent = (np.abs(tested.bend) * reach > turn) & (tested.bare > GAIN)
@@ -168,8 +182,8 @@ def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, boo
     # a large kink is felt before a place reaches it: it lies where it explains most
     near = np.arange(max(0, real[-1] - 2 * reach), real[-1] + 1)
     best = near[np.argmax(tested.gain[near])]
-    sudden = stepped[best] and step[best] > 2.0 * np.abs(tested.bend[best])
-    return int(tested.place[best]), bool(sudden)
+    shift = step[best] / max(np.abs(tested.bend[best]), 1e-300)
+    return int(tested.place[best]), bool(stepped[best] and shift > 2.0), float(shift)
 
 
 def _bend(log: Complex[ndarray, " point"], std: Float[ndarray, " later"]) -> tuple[float, float]:

@@ -25,44 +25,52 @@ def find(sight: Sight) -> Finding | None:
         return step_finding(sight, at, statistic, THRESHOLD, told(size))
     cycles = 3 * sight.frames.hop
     count = sight.velocity.size
-    for edge, span in ((count, (count - cycles, count)), (0, (0, cycles))):
-        beside, step = _beside(sight, sight.first + edge)
+    reach = int(35 * sight.sampling_Hz / sight.own_Hz)
+    start, stop = sight.first, sight.first + count
+    # the decay's own side of a cut goes no further than the cut
+    ends = (
+        (max(stop - reach, start), stop + reach, (count - cycles, count)),
+        (start - reach, min(start + reach, stop), (0, cycles)),
+    )
+    for low, high, span in ends:
+        if low < 0 or high > sight.whole.size:
+            continue
+        beside, step, moment = _beside(sight, low, high)
         if beside > THRESHOLD:
-            text = f"{told(step)} where the decay was cut"
+            text = f"{told(step)} at {moment:.4g} s, where the decay was cut"
             return Finding(beside, THRESHOLD, "mask", text, (span,))
     return Finding(0.0 if gap(size) else statistic, THRESHOLD, "mask", "")
 
 
-def _beside(sight: Sight, edge: int) -> tuple[float, complex]:
-    """Statistic and size of a step near an edge of the cut, with free decay on both sides.
+def _beside(sight: Sight, low: int, high: int) -> tuple[float, complex, float]:
+    """Statistic, size and time of a step between two samples, with free decay on both sides.
 
     The cut begins and ends where something strikes. If that is the release, the mode did not fall
     before; if it is the tip's return for good, the mode dies at once.
     """
-    reach = int(35 * sight.sampling_Hz / sight.own_Hz)
-    if edge < reach or edge + reach > sight.whole.size:
-        return 0.0, 0j
-    near = replace(sight, velocity=sight.whole[edge - reach : edge + reach], blind=())
+    nothing = 0.0, 0j, 0.0
+    near = replace(sight, velocity=sight.whole[low:high], blind=())
     frames = near.frames
     if frames.clear < frames.log.size:
-        return 0.0, 0j
+        return nothing
     step, scale = near.jumps
     ratio = np.abs(step) / np.maximum(scale, LEAST / THRESHOLD)
     at = int(np.argmax(ratio))
     size = complex(step[at])
     sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
     if abs(size.real) > 0.5 or min(side.size for side in sides) < 8:
-        return 0.0, 0j
+        return nothing
     slopes = []
     for side in sides:
         x = np.arange(side.size)
         for part in (side.real, side.imag):
             fit = np.polyfit(x, part, 2)
             if np.abs(part - np.polyval(fit, x)).max() > 0.3 * abs(size):
-                return 0.0, 0j
+                return nothing
         slopes.append(float(side.real[-1] - side.real[0]) / side.size)
     free = slopes[1] < 0.0 and 0.4 < slopes[0] / slopes[1] < 2.5
-    return (float(ratio[at]), size) if free else (0.0, 0j)
+    moment = sight.seconds(low - sight.first + frames.centre[at])
+    return (float(ratio[at]), size, moment) if free else nothing
 
 
 def told(size: complex) -> str:
