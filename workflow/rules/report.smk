@@ -164,6 +164,10 @@ rule report:
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         figures=rules.figures.output,
+        modes=lambda w: expand(
+            rules.shapes.output.modes,
+            structure=structures_of(CAMPAIGNS[w.campaign])[:1],
+        ),
         drawn=lambda w: (
             rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
         ),
@@ -203,6 +207,6 @@ rule report:
         "report of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
-        " --checks {input.checks:q} --accuracies {input.accuracies:q} --figures {input.figures:q} {input.drawn:q} --thesis {input.thesis:q}"
+        " --checks {input.checks:q} --accuracies {input.accuracies:q} --figures {input.figures:q} {input.modes:q} {input.drawn:q} --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

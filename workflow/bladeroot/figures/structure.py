@@ -2,8 +2,10 @@
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Int
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from numpy import ndarray
 
 from bladeroot.figures.style import PUBLISHED, panels
 
@@ -38,18 +40,15 @@ def side_view(mesh: xr.Dataset) -> Figure:
 
 
 def _outlines(mesh: xr.Dataset, nodes: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Corner polygons of the elements that touch the plane of largest Y, and their colours."""
-    elements = mesh["element_nodes"].values
-    y = nodes[elements, 1]
-    outer = np.isclose(y, nodes[:, 1].max())
-    polygons, colours = [], []
-    for index in np.flatnonzero(outer.sum(axis=1) >= 9):
-        face = nodes[elements[index, outer[index]]][:, [0, 2]]
-        middle = face.mean(axis=0)
-        order = np.argsort(np.arctan2(*(face - middle).T[::-1]))
-        ring = face[order]
-        reach = np.linalg.norm(ring - middle, axis=1)
-        polygons.append(ring[reach > 0.2 * reach.max()])
-        body, part = int(mesh["element_body"][index]), int(mesh["element_part"][index])
-        colours.append(_PAD if part else _FACES[body])
-    return polygons, colours
+    """Outlines of the element faces in the plane of largest Y, and their colours."""
+    front = mesh["element_nodes"].values.reshape(-1, 3, 3, 3)[:, :, 2]
+    shown = np.flatnonzero(np.isclose(nodes[front][..., 1], nodes[:, 1].max()).all(axis=(1, 2)))
+    bodies, parts = mesh["element_body"].values[shown], mesh["element_part"].values[shown]
+    colours = [_PAD if part else _FACES[body] for body, part in zip(bodies, parts, strict=True)]
+    return nodes[ring(front[shown])][..., [0, 2]], colours
+
+
+def ring(faces: Int[ndarray, "face 3 3"]) -> Int[ndarray, "face 8"]:
+    """The eight nodes around each nine-node face."""
+    i, k = np.array([(0, 0), (1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)]).T
+    return faces[:, i, k]

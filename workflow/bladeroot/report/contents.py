@@ -45,7 +45,7 @@ def report(
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
-        structure_section(held, accuracies, figures["structure"]),
+        structure_section(held, accuracies, figures),
         stiffness_section(stages["stiffness"], figures["maps"], score),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),

@@ -18,7 +18,7 @@ from bladeroot.structure.geometry import Structure
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import base_nodes, body_mesh
 from bladeroot.structure.prestress import materials_of
-from bladeroot.structure.reduction import beam_model, contact_dofs
+from bladeroot.structure.reduction import beam_model, contact_dofs, force_stiffness
 
 _MODES = 12
 _CONVERGED = 1e-10  # of omega^2
@@ -55,8 +55,8 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
         held.append(start + base_nodes(slot))
     nodes = mesh.sizes["node"]
     free = contact_dofs(np.setdiff1d(np.arange(nodes), np.concatenate(held)))
-    empty = sp.csr_array((nodes - beam.geometric.shape[0],) * 2)
-    geometric = sp.block_diag([beam.geometric, empty], format="csr")
+    per_newton = force_stiffness(beam)
+    empty = sp.csr_array((3 * nodes - per_newton.shape[0],) * 2)
     flank, area = mesh.pair_flank.values, mesh.pair_weight.values
     share = area / np.bincount(flank, area)[flank]
     frame = mesh.flank_frame.values[flank]
@@ -64,7 +64,7 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
     whole = [
         elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
         sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
-        elasticity.per_axis(sp.csr_array(geometric)),
+        sp.csr_array(sp.block_diag([per_newton, empty], format="csr")),
         *contact,
     ]
     shown = contact_dofs(mesh.display_node.values)
