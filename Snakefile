@@ -19,6 +19,7 @@ rule all:
 
 include: "workflow/rules/structure.smk"
 include: "workflow/rules/assembly.smk"
+include: "workflow/rules/matrices.smk"
 include: "workflow/rules/bench.smk"
 include: "workflow/rules/records.smk"
 include: "workflow/rules/decay.smk"

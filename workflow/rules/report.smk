@@ -166,7 +166,12 @@ rule report:
         figures=rules.figures.output,
         modes=lambda w: expand(
             rules.shapes.output.modes,
-            structure=structures_of(CAMPAIGNS[w.campaign])[:1],
+            # mode shapes are drawn on elements, which given matrices do not have
+            structure=[
+                name
+                for name in structures_of(CAMPAIGNS[w.campaign])[:1]
+                if name not in MATRICES
+            ],
         ),
         drawn=lambda w: (
             rules.figures_records.output if CAMPAIGNS[w.campaign].records else []

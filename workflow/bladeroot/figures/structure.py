@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from jaxtyping import Int
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy import ndarray
@@ -10,20 +11,18 @@ from numpy import ndarray
 from bladeroot.figures.style import PUBLISHED, panels
 
 _FACES = ("#c9d6e2", "#e3e0d6", "#e3e0d6")
+_DOTS = ("#5b7fa3", "#a39c84", "#a39c84")
 _PAD = "#d9c08f"
 
 
 def side_view(mesh: xr.Dataset) -> Figure:
-    """Elements in the X-Z plane: the whole specimen above, one root joint below."""
+    """Elements in the X-Z plane, or nodes alone: the specimen above, one root joint below."""
     drawn, axes = panels(2, 1, 7.4, 5.4, height_ratios=[1, 1.25])
     nodes = 1e3 * mesh["node_position"].values
-    polygons, colours = _outlines(mesh, nodes)
     flanks = nodes[mesh["pair_node"].sel(pair_side="beam").values]
     front = np.isclose(flanks[:, 1], flanks[:, 1].max())
     for axis in axes[:, 0]:
-        axis.add_collection(
-            PolyCollection(polygons, facecolors=colours, edgecolors="#44505c", linewidths=0.35)
-        )
+        _draw_bodies(axis, mesh, nodes)
         axis.plot(flanks[front, 0], flanks[front, 2], ".", color=PUBLISHED, markersize=2.5)
         axis.set_aspect("equal")
         axis.set_ylabel("Z / mm")
@@ -37,6 +36,18 @@ def side_view(mesh: xr.Dataset) -> Figure:
     joint.set_ylim(-17, 17)
     joint.set_xlabel("X / mm (contact nodes in red)")
     return drawn
+
+
+def _draw_bodies(axis: Axes, mesh: xr.Dataset, nodes: np.ndarray) -> None:
+    if "element_nodes" in mesh:
+        polygons, colours = _outlines(mesh, nodes)
+        axis.add_collection(
+            PolyCollection(polygons, facecolors=colours, edgecolors="#44505c", linewidths=0.35)
+        )
+        return
+    for body, colour in enumerate(_DOTS):
+        mine = nodes[mesh["node_body"].values == body]
+        axis.plot(mine[:, 0], mine[:, 2], ".", color=colour, markersize=1.5, rasterized=True)
 
 
 def _outlines(mesh: xr.Dataset, nodes: np.ndarray) -> tuple[np.ndarray, list[str]]:

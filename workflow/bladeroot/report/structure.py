@@ -17,15 +17,15 @@ def structure_section(
     figures: `structure`, the side view, and `modes`, the mode shapes, if there are any.
     """
     parts: list = [
-        "Each structure is compared with what the thesis prints of its dovetail beam, with exact "
-        "identities, and reduced with full. The thesis publishes neither the beam's root block and "
-        "length nor the slots: the shipped structures are effective geometries, fits to some of "
-        "its tables and not metrology, and no single one satisfies all of them. “Within” counts "
-        "the comparisons that have a limit.",
+        "Each dovetail is compared with what the thesis prints of its beam, with exact identities, "
+        "and reduced with full; matrices of another program with exact identities alone. The "
+        "thesis publishes neither the beam's root block and length nor the slots: the shipped "
+        "structures are effective geometries, fits to some of its tables and not metrology, and "
+        "no single one satisfies all of them. “Within” counts the comparisons that have a limit.",
         Picture(
             figures["structure"],
-            f"Structure {next(iter(checks))}: 27-node hexahedra seen from the side. Above the "
-            "beam with the shaker's support and both slots, below one joint.",
+            f"Structure {next(iter(checks))} seen from the side: 27-node hexahedra, or the nodes "
+            "of matrices from another program. Above the beam and both slots, below one joint.",
         ),
     ]
     if "modes" in figures:

@@ -29,8 +29,8 @@ _STEPS = 30
 class FullJoint:
     """Mass, stiffness and geometric stiffness (per newton) of all free dofs; Kn, Kt of 1 N/m.
 
-    view: dofs of display nodes and of the beam's contact nodes; seen: those as an assembly, by
-    which modes are named.
+    number: dof of each node's axis (3 * node + axis), -1 where it is fixed; view: dofs of display
+    nodes and of the beam's contact nodes; seen: those as an assembly, by which modes are named.
     """
 
     mass: sp.csr_array
@@ -38,6 +38,7 @@ class FullJoint:
     geometric: sp.csr_array
     normal: sp.csr_array
     tangential: sp.csr_array
+    number: ndarray
     view: ndarray
     seen: xr.Dataset
 
@@ -57,20 +58,31 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
     free = contact_dofs(np.setdiff1d(np.arange(nodes), np.concatenate(held)))
     per_newton = force_stiffness(beam)
     empty = sp.csr_array((3 * nodes - per_newton.shape[0],) * 2)
-    flank, area = mesh.pair_flank.values, mesh.pair_weight.values
-    share = area / np.bincount(flank, area)[flank]
-    frame = mesh.flank_frame.values[flank]
-    contact = [_springs(mesh, share, frame[:, local]) for local in ([0], [1, 2])]
-    whole = [
+    whole = (
         elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
         sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
         sp.csr_array(sp.block_diag([per_newton, empty], format="csr")),
-        *contact,
-    ]
-    shown = contact_dofs(mesh.display_node.values)
-    touched = contact_dofs(mesh.pair_node.values[:, 0])
+    )
     number = np.full(3 * nodes, -1)
     number[free] = np.arange(len(free))
+    return with_contact(mesh, number, *(sp.csr_array(part[free][:, free]) for part in whole))
+
+
+def with_contact(
+    mesh: xr.Dataset,
+    number: ndarray,
+    mass: sp.csr_array,
+    stiffness: sp.csr_array,
+    geometric: sp.csr_array,
+) -> FullJoint:
+    """Contact springs and display of bodies whose free dofs are numbered by node and axis."""
+    flank, area = mesh.pair_flank.values, mesh.pair_weight.values
+    share = area / np.bincount(flank, area)[flank]
+    frame = mesh.flank_frame.values[flank]
+    size = mass.shape[0]
+    contact = [_springs(mesh, number, size, share, frame[:, local]) for local in ([0], [1, 2])]
+    shown = contact_dofs(mesh.display_node.values)
+    touched = contact_dofs(mesh.pair_node.values[:, 0])
     count = len(shown) // 3
     shape = np.zeros((count, 3, len(shown) + len(touched)))
     shape.reshape(len(shown), -1)[:, : len(shown)] = np.eye(len(shown))
@@ -89,18 +101,24 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
             "weight": ("pair", share),
         }
     )
-    parts = (sp.csr_array(matrix[free][:, free]) for matrix in whole)
-    return FullJoint(*parts, number[np.concatenate([shown, touched])], seen)
+    view = number[np.concatenate([shown, touched])]
+    return FullJoint(mass, stiffness, geometric, *contact, number, view, seen)
 
 
-def _springs(mesh: xr.Dataset, share: ndarray, axes: Float[ndarray, "pair k 3"]) -> sp.csr_array:
+def _springs(
+    mesh: xr.Dataset,
+    number: ndarray,
+    size: int,
+    share: ndarray,
+    axes: Float[ndarray, "pair k 3"],
+) -> sp.csr_array:
     """Contact matrix of 1 N/m of flank stiffness along the given local axes."""
     pairs, count = axes.shape[:2]
-    dofs = 3 * mesh.pair_node.values[:, :, None] + np.arange(3)  # pair, side, axis
+    dofs = number[3 * mesh.pair_node.values[:, :, None] + np.arange(3)]  # pair, side, axis
     values = np.sqrt(share)[:, None, None, None] * np.stack([axes, -axes], axis=2)
     columns = np.broadcast_to(dofs[:, None], values.shape)
     rows = np.broadcast_to(np.arange(pairs * count).reshape(pairs, count, 1, 1), values.shape)
-    shape = (pairs * count, 3 * mesh.sizes["node"])
+    shape = (pairs * count, size)
     gaps = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
     return sp.csr_array(gaps.T @ gaps)
 
