@@ -94,7 +94,7 @@ class Sight:
 
     @cached_property
     def own_Hz(self) -> float:
-        """Frequency of the strongest line near the expected frequency; that one if there is none."""
+        """The strongest line's frequency near the expected one, which stands in for none."""
         frequency, level = self.early
         inside = np.abs(frequency / self.expected_Hz - 1.0) <= TOLERANCE
         found = peak_Hz(frequency, np.where(inside, level, 0.0))
