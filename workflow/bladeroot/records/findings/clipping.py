@@ -24,14 +24,15 @@ def find(sight: Sight) -> Finding:
     """Flat tops of the decay, or else of the cycles before it, which tell of a range too small."""
     found = _flat(sight)
     lead = min(int(LEAD * sight.sampling_Hz / sight.own_Hz), sight.first)
-    if found.counts or not lead:
-        return found
     first = sight.first - lead
     stop = sight.first + min(lead, sight.velocity.size)
+    early, later = (np.abs(x).max(initial=0.0) for x in np.split(sight.whole[first:stop], [lead]))
+    if found.counts or lead < 8.0 * sight.sampling_Hz / sight.own_Hz or early < 0.9 * later:
+        return found
     before = _flat(replace(sight, velocity=sight.whole[first:stop], first=first, blind=()))
     before = replace(before, statistic=before.statistic / DRIVEN)
     if before.counts:
-        text = f"clipped before the release, at {np.abs(sight.whole[first:stop]).max():.4g} m/s"
+        text = f"clipped before the release, at {max(early, later):.4g} m/s"
         return replace(before, consequence="warn", text=text, spans=())
     return found if found.statistic > before.statistic else replace(before, spans=())
 
