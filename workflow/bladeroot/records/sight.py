@@ -121,6 +121,10 @@ class Sight:
         for order in (2, 3):
             if order * f < 0.42 * rate and width >= 24:
                 columns += [np.cos(order * turn), np.sin(order * turn)]
+        for other in self.modes_Hz:
+            # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
+            if width >= 24 and (0.3 < other / f < 0.65 or 1.35 < other / f < 1.7):
+                columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
         root = np.sqrt(np.hanning(width + 2)[1:-1])
         solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
         parts = np.lib.stride_tricks.sliding_window_view(x, width)[::hop] @ solver[:3].T
