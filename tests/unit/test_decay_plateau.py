@@ -218,3 +218,10 @@ def test_rejected_record_says_why():
     )
     assert plateau(empty)["verdict"] == "rejected: clipped"
     assert plateau(empty)["plateau_reached"] == 0
+
+
+@pytest.mark.parametrize("sharp", [0, 5])
+def test_blocks_too_blurred_are_rejected(sharp):
+    decay = sticking(3, 60.0)[0]
+    decay["block_std"][sharp:] = 0.2
+    assert plateau(decay)["verdict"] == "rejected: too few cycles are sharp enough"

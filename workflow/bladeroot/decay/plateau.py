@@ -51,6 +51,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         return result | {"verdict": f"rejected: {reason}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
     within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
+    if within.sum() < 12:
+        return result | {"verdict": "rejected: too few cycles are sharp enough"}
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = np.interp(blocks["time"], time, np.log(amplitude))
