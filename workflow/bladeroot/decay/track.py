@@ -183,6 +183,8 @@ def cut_frames(
     """The record cut into frames of whole cycles, anew where the frequency has moved."""
     grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
+    # where the mode is lost its phase may stand still or even turn back
+    omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
     step = 0.02 / cycles
     class_ = np.round(np.log(omega / np.median(omega)) / step)
     change = np.flatnonzero(np.diff(class_)) + 1
