@@ -32,6 +32,8 @@ def follow(
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
+    hidden = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
+    found, near = found + hidden, near + hidden
     if near:
         velocity = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
         blocks, fit, stretches, _ = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
@@ -56,6 +58,33 @@ def follow(
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+
+
+def _taken_over(
+    rest: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    blocks: Phasors,
+    omega: Float[ndarray, " block"],
+    wide: float = 0.05,
+    loud: float = 0.1,
+) -> list[float]:
+    """A line that outlives the mode, to which the rough phasors went over when the mode was weak.
+
+    The mode's own frequencies are then those of its loud part, in which the other line rings, too.
+    """
+    amplitude = np.exp(blocks.log.real)
+    weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
+    if not weak.size:
+        return []
+    own = np.quantile(omega[: weak[0] + 1], (0.02, 0.98)) / (2.0 * np.pi)
+    own_Hz = (float(own[0]), float(own[1]))
+    later = omega[weak[0] :] / (2.0 * np.pi)
+    if (later > own_Hz[0] * (1.0 - wide)).all() and (later < own_Hz[1] * (1.0 + wide)).all():
+        return []
+    part = rest[: int(blocks.time[weak[0]] * sampling_Hz)]
+    lines = find_lines(part, sampling_Hz, own_Hz, float(amplitude.max()))
+    between = (min(later.min(), own_Hz[0]) * (1.0 - wide), max(later.max(), own_Hz[1]) * (1.0 + wide))
+    return [line for line in lines if between[0] < line < between[1]][:1]
 
 
 def without_near(
