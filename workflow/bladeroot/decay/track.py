@@ -29,11 +29,13 @@ def follow(
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(swept[0]), float(swept[1]))
+    over = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
+    if over is not None:
+        usable = None if usable is None else usable[:over]
+        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable)
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
-    hidden = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
-    found, near = found + hidden, near + hidden
     if near:
         velocity = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
         blocks, fit, stretches, _ = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
@@ -67,24 +69,28 @@ def _taken_over(
     omega: Float[ndarray, " block"],
     wide: float = 0.05,
     loud: float = 0.1,
-) -> list[float]:
-    """A line that outlives the mode, to which the rough phasors went over when the mode was weak.
+) -> int | None:
+    """The sample where the rough phasors go over to a line that outlives the mode, if they do.
 
     The mode's own frequencies are then those of its loud part, in which the other line rings, too.
     """
     amplitude = np.exp(blocks.log.real)
     weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
     if not weak.size:
-        return []
+        return None
     own = np.quantile(omega[: weak[0] + 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(own[0]), float(own[1]))
-    later = omega[weak[0] :] / (2.0 * np.pi)
-    if (later > own_Hz[0] * (1.0 - wide)).all() and (later < own_Hz[1] * (1.0 + wide)).all():
-        return []
+    frequency = omega / (2.0 * np.pi)
+    away = (frequency < own_Hz[0] * (1.0 - wide)) | (frequency > own_Hz[1] * (1.0 + wide))
+    gone = weak[0] + np.flatnonzero(away[weak[0] :])
+    if not gone.size:
+        return None
     part = rest[: int(blocks.time[weak[0]] * sampling_Hz)]
     lines = find_lines(part, sampling_Hz, own_Hz, float(amplitude.max()))
-    between = (min(later.min(), own_Hz[0]) * (1.0 - wide), max(later.max(), own_Hz[1]) * (1.0 + wide))
-    return [line for line in lines if between[0] < line < between[1]][:1]
+    low, high = frequency[gone].min() * (1.0 - wide), frequency[gone].max() * (1.0 + wide)
+    if not any(low < line < high for line in lines):
+        return None
+    return int(blocks.time[gone[0]] * sampling_Hz)
 
 
 def without_near(
