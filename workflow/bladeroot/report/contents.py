@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladeroot.report.errata import errata_section
 from bladeroot.report.integrity import integrity_section
+from bladeroot.report.joint import joint_parts
 from bladeroot.report.ledger import ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.page import Section, render
@@ -14,6 +15,7 @@ from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.structure import structure_section
 from bladeroot.report.summary import summary_section, undecided_section
 from bladeroot.report.theory import theory_section
+from bladeroot.report.thesis_search import thesis_search_parts
 
 
 def report(
@@ -22,6 +24,8 @@ def report(
     checks: Sequence[xr.Dataset],
     accuracies: Sequence[xr.Dataset],
     calibrations: Sequence[xr.Dataset],
+    joints: Sequence[xr.Dataset],
+    thesis_searches: Sequence[xr.Dataset],
     figures: Mapping[str, str],
     published_5_1: pd.DataFrame,
     errata: Sequence[dict],
@@ -31,8 +35,9 @@ def report(
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
     fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
-    thesis's tables, ledger. checks, accuracies: of each structure; calibrations: of those that have
-    one. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    thesis's tables, ledger. checks, accuracies, joints: of each structure; calibrations: of those
+    that have one; thesis_searches: of each structure of a campaign of the thesis. figures: SVG text
+    by name. published_5_1 and errata: of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -40,6 +45,12 @@ def report(
     if of_the_thesis:
         comparison = table_5_1(stages["fe_forces"], published_5_1)
         sticks = Section(sticks.title, [*sticks.parts, *comparison])
+    stiffness = stiffness_section(stages["stiffness"], figures["maps"], score)
+    whole = joint_parts(joints, figures["joint"])
+    if thesis_searches:
+        whole += thesis_search_parts(
+            thesis_searches, figures["solution_sets"], figures["thesis_search"]
+        )
     held = {check.attrs["structure"]: check for check in checks}
     sections = [
         summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
@@ -47,7 +58,7 @@ def report(
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
         structure_section(held, accuracies, calibrations, figures),
-        stiffness_section(stages["stiffness"], figures["maps"], score),
+        Section(stiffness.title, [*stiffness.parts, *whole]),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]
