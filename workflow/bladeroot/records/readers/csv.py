@@ -49,8 +49,9 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
 
     The header is the line above the first row of numbers: `time_s` and, say, `velocity_m/s`,
     `velocity [mm/s]` or `velocity (mm/s)`; or names, and units in the line below them. Lines
-    before it may say `sampling_Hz: 25600`, `unit: mm/s`, `mode: 1B`, `force_N: 12000`. Fields are
-    split at commas, semicolons or tabs; a decimal comma may stand where commas do not split.
+    before it may say `sampling_Hz: 25600`, `fs: 25.6 kHz`, `unit: mm/s`, `mode: 1B`,
+    `force_N: 12000`. Fields are split at commas, semicolons or tabs; a decimal comma may stand
+    where commas do not split.
     A last line without a line end counts as cut off.
     """
     form = _form(path)
