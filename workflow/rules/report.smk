@@ -150,6 +150,15 @@ def report_facts(wildcards):
     )
 
 
+def calibrations_made(wildcards):
+    """Calibrations of the campaign's structures that exist: they are made when asked for."""
+    made = expand(
+        rules.calibrate.output.calibration,
+        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+    )
+    return [path for path in made if Path(path).is_file()]
+
+
 rule report:
     input:
         stick=rules.stick.output.stick,
@@ -163,6 +172,7 @@ rule report:
             rules.accuracy.output.accuracy,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
+        calibrations=calibrations_made,
         figures=rules.figures.output,
         modes=lambda w: expand(
             rules.shapes.output.modes,
@@ -212,6 +222,7 @@ rule report:
         "report of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
-        " --checks {input.checks:q} --accuracies {input.accuracies:q} --figures {input.figures:q} {input.modes:q} {input.drawn:q} --thesis {input.thesis:q}"
+        " --checks {input.checks:q} --accuracies {input.accuracies:q} --calibrations {input.calibrations:q}"
+        " --figures {input.figures:q} {input.modes:q} {input.drawn:q} --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

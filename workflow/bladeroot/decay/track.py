@@ -29,6 +29,10 @@ def follow(
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(swept[0]), float(swept[1]))
+    over = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
+    if over is not None:
+        usable = None if usable is None else usable[:over]
+        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable)
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
@@ -56,6 +60,37 @@ def follow(
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+
+
+def _taken_over(
+    rest: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    blocks: Phasors,
+    omega: Float[ndarray, " block"],
+    wide: float = 0.05,
+    loud: float = 0.1,
+) -> int | None:
+    """The sample where the rough phasors go over to a line that outlives the mode, if they do.
+
+    The mode's own frequencies are then those of its loud part, in which the other line rings, too.
+    """
+    amplitude = np.exp(blocks.log.real)
+    weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
+    if not weak.size:
+        return None
+    own = np.quantile(omega[: weak[0] + 1], (0.02, 0.98)) / (2.0 * np.pi)
+    own_Hz = (float(own[0]), float(own[1]))
+    frequency = omega / (2.0 * np.pi)
+    away = (frequency < own_Hz[0] * (1.0 - wide)) | (frequency > own_Hz[1] * (1.0 + wide))
+    gone = weak[0] + np.flatnonzero(away[weak[0] :])
+    if not gone.size:
+        return None
+    part = rest[: int(blocks.time[weak[0]] * sampling_Hz)]
+    lines = find_lines(part, sampling_Hz, own_Hz, float(amplitude.max()))
+    low, high = frequency[gone].min() * (1.0 - wide), frequency[gone].max() * (1.0 + wide)
+    if not any(low < line < high for line in lines):
+        return None
+    return int(blocks.time[gone[0]] * sampling_Hz)
 
 
 def without_near(
@@ -183,6 +218,8 @@ def cut_frames(
     """The record cut into frames of whole cycles, anew where the frequency has moved."""
     grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
+    # where the mode is lost its phase may stand still or even turn back
+    omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
     step = 0.02 / cycles
     class_ = np.round(np.log(omega / np.median(omega)) / step)
     change = np.flatnonzero(np.diff(class_)) + 1

@@ -21,6 +21,7 @@ def report(
     stages: Mapping[str, xr.Dataset],
     checks: Sequence[xr.Dataset],
     accuracies: Sequence[xr.Dataset],
+    calibrations: Sequence[xr.Dataset],
     figures: Mapping[str, str],
     published_5_1: pd.DataFrame,
     errata: Sequence[dict],
@@ -30,8 +31,8 @@ def report(
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
     fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
-    thesis's tables, ledger. checks, accuracies: of each structure. figures: SVG text by name.
-    published_5_1 and errata: of the thesis, as shipped.
+    thesis's tables, ledger. checks, accuracies: of each structure; calibrations: of those that have
+    one. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -45,7 +46,7 @@ def report(
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
-        structure_section(held, accuracies, figures),
+        structure_section(held, accuracies, calibrations, figures),
         stiffness_section(stages["stiffness"], figures["maps"], score),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
