@@ -250,7 +250,8 @@ def _bounds(stick: xr.Dataset) -> Table:
     return Table(
         "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
         "still bends; the stick frequency lies beyond it. Limit: where the laws that describe "
-        "the record would have it end",
+        "the record, of those no steeper at zero than the square root of the amplitude, would "
+        "have it end",
         ("record", "mode", "force / kN", "frequency / Hz", "limit at zero amplitude / Hz"),
         rows,
     )
