@@ -18,7 +18,9 @@ rule all:
 
 
 include: "workflow/rules/structure.smk"
+include: "workflow/rules/calibrate.smk"
 include: "workflow/rules/assembly.smk"
+include: "workflow/rules/matrices.smk"
 include: "workflow/rules/bench.smk"
 include: "workflow/rules/records.smk"
 include: "workflow/rules/decay.smk"
@@ -28,6 +30,7 @@ include: "workflow/rules/stick.smk"
 include: "workflow/rules/fe_forces.smk"
 include: "workflow/rules/stiffness.smk"
 include: "workflow/rules/theory.smk"
+include: "workflow/rules/ledger.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -218,3 +218,22 @@ def test_rejected_record_says_why():
     )
     assert plateau(empty)["verdict"] == "rejected: clipped"
     assert plateau(empty)["plateau_reached"] == 0
+
+
+@pytest.mark.parametrize("sharp", [0, 5])
+def test_blocks_too_blurred_are_rejected(sharp):
+    decay = sticking(3, 60.0)[0]
+    decay["block_std"][sharp:] = 0.2
+    assert plateau(decay)["verdict"] == "rejected: too few cycles are sharp enough"
+
+
+def test_weak_step_below_the_onset_is_no_plateau():
+    """500 ppm between 0.02 and 0.1, beside 1 % above 0.5; the record ends at 0.03."""
+
+    def law(a):
+        return np.maximum(a - 0.5, 0.0) + 0.05 * np.clip((a - 0.02) / 0.08, 0.0, 1.0)
+
+    for seed in range(6):
+        found = plateau(blocks(seed, law, softening=0.01, noise_db=40.0, lowest=0.03))
+        assert not found["plateau_reached"]
+        assert found["limit_low"] < FREQUENCY_HZ < found["limit_high"]

@@ -109,6 +109,16 @@ def test_direction_is_reported_and_is_not_scatter():
     np.testing.assert_allclose(result["frequency"], 500.0, atol=0.03)
 
 
+@pytest.mark.parametrize(("down", "repeats"), [("a", 1), ("b", 1), ("b", 2)])
+def test_one_up_and_one_down_is_scatter(down, repeats):
+    """A direction that nothing repeats in another hold (or record) is not told from scatter."""
+    sides = [("1B", 1e3, "a", 540.0, 0.001, "up"), ("1B", 1e3, down, 540.1, 0.001, "down")]
+    result = pooled(sides * repeats)
+    assert result["frequency"].item() == pytest.approx(540.05)
+    assert result["frequency_std"].item() == pytest.approx(0.05 * 12.71 / 1.96, rel=0.1)
+    assert np.isnan(result["mode_direction_difference"].item())
+
+
 def test_records_of_one_hold_are_not_replicates():
     rows = [("1B", 1e3, "a", 500.0, 0.01)] * 20 + [("1B", 1e3, "b", 501.0, 0.01)]
     result = pooled(rows)

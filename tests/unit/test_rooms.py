@@ -14,6 +14,7 @@ ALLOWED = {
     "contact": set(),
     "stiffness": {"decay", "structure"},
     "rig": set(),
+    "ledger": {"decay", "structure", "contact"},
     "figures": set(),
     "report": set(),
 }

@@ -48,7 +48,7 @@ def test_contact_of_one_flank_carries_its_whole_stiffness(full):
 
 def test_reduction_costs_little_at_any_force_and_contact(built, full):
     model = built[3]
-    result = accuracy(*built, [0.0, 12e3, 30e3])
+    result = accuracy(full, model, [0.0, 12e3, 30e3])
     assert result["residual"].dims == ("contact", "force", "mode")
     assert np.abs(result["residual"]).max() < 1e-4
     assert result["residual"].min() > -1e-7  # a reduced model is too stiff, never too soft
@@ -59,6 +59,6 @@ def test_reduction_costs_little_at_any_force_and_contact(built, full):
         assert {"units", "long_name"} <= set(result[name].attrs)
 
 
-def test_force_outside_the_model_is_refused(built):
+def test_force_outside_the_model_is_refused(built, full):
     with pytest.raises(ValueError, match="axial force must lie between 0 and 30000"):
-        accuracy(*built, [12e3, 31e3])
+        accuracy(full, built[3], [12e3, 31e3])

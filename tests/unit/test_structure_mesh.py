@@ -1,18 +1,19 @@
 import numpy as np
 import pytest
 from bladeroot.structure import elasticity
-from bladeroot.structure.geometry import flank_ends
+from bladeroot.structure.geometry import flank_ends, structure_from_mapping
 from bladeroot.structure.mesh import (
     FLANKS,
     base_nodes,
     beam_mesh,
+    block,
     build_mesh,
     flank_frames,
     flank_nodes,
     flank_weights,
     slot_mesh,
 )
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_data, coarse_structure
 
 
 def profile_area(points):
@@ -111,3 +112,27 @@ def test_unknown_side_is_refused():
 
 def test_flank_names_follow_the_signs_of_x_and_z():
     assert FLANKS == ("Xn-bottom", "Xn-top", "Xp-bottom", "Xp-top")
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        (((0.0, 1.0), (1.0, 1.0)), ((0.0, 0.0), (1.0, 0.0))),  # upper edge below the lower one
+        (((1.0, 0.0), (0.0, 0.0)), ((1.0, 1.0), (0.0, 1.0))),  # right to left
+        (((0.0, 0.0), (1.0, 0.0)), ((0.0, 1.0), (0.2, 0.2))),  # a corner pushed in
+        (((0.0, 0.0), (1.0, 0.0)), ((1.0, 1.0), (0.0, 1.0))),  # edges that cross
+        (((0.0, 0.0), (0.0, 0.0)), ((0.0, 1.0), (1.0, 1.0))),  # an edge without length
+    ],
+)
+def test_a_block_turned_inside_out_is_refused(low, high):
+    with pytest.raises(ValueError, match=r"^expected a block .* inside out at \(.*\) mm$"):
+        block(low, high, (1, 1))
+
+
+def test_a_geometry_whose_mesh_is_turned_inside_out_is_named():
+    """A tip that tapers below the flank leaves no room for the pocket's ceiling above it."""
+    data = coarse_data()
+    data["beam"]["profile_mm"][-2:] = [[157.58, 7.0], [161.33, 7.0]]
+    structure = structure_from_mapping(data)
+    with pytest.raises(ValueError, match=r"^structure dovetail-H: expected a block .* mm$"):
+        build_mesh(structure)

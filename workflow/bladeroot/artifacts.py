@@ -40,18 +40,18 @@ def save(
         bladeroot_version=__version__,
         settings=settings,
     )
-    with _whole(path) as part:
+    with whole_file(path) as part:
         stamped.to_netcdf(part, engine="netcdf4")
 
 
 def save_text(text: str, path: str | Path) -> None:
     """Write a text file (report, table) whole or not at all."""
-    with _whole(path) as part:
+    with whole_file(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 @contextmanager
-def _whole(path: str | Path) -> Iterator[Path]:
+def whole_file(path: str | Path) -> Iterator[Path]:
     """A temporary name beside `path`, moved there when all has been written, else removed."""
     whole = Path(path)
     whole.parent.mkdir(parents=True, exist_ok=True)

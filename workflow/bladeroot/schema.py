@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import yaml
@@ -14,15 +15,20 @@ def read_yaml(path: str | Path, schema: str) -> dict:
 
     `schema` is a name in workflow/schemas/, without its ending.
     """
+    document = parse_yaml(path)
+    check(document, schema, str(path))
+    return document
+
+
+def parse_yaml(path: str | Path) -> Any:
+    """What a YAML file holds, unchecked; ValueError, one line, if there is none."""
     path = Path(path)
     if not path.is_file():
         raise ValueError(f"file not found: {path}")
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise ValueError(f"not a YAML text: {' '.join(str(error).split())} ({path})") from error
-    check(document, schema, str(path))
-    return document
 
 
 def check(document: object, schema: str, where: str) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.campaign import load_campaign
 from bladeroot.schema import check, read_yaml
+from bladeroot.structure.file import check_structure
 
 ROOT = Path(workflow.basedir)
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -31,7 +32,7 @@ def add_structure(name, campaign, structures):
         ROOT / "resources" / "structures" / f"{name}.yaml",
     )
     path = own if own.is_file() else shared
-    written = read_yaml(path, "structure")["name"]
+    written = check_structure(path)
     if written != name:
         raise ValueError(
             f"name must be {name!r} as the file's, got {written!r} ({path})"

@@ -45,6 +45,33 @@ rule prestress:
         " > {log} 2>&1"
 
 
+rule shapes:
+    input:
+        structure=structure_file,
+        mesh=rules.mesh.output.mesh,
+    output:
+        shapes="results/structures/{structure}/shapes.nc",
+        modes=report(
+            "results/structures/{structure}/modes.svg",
+            caption="../report/modes.rst",
+            category="structures",
+            subcategory="{structure}",
+        ),
+    log:
+        "results/logs/shapes/{structure}.log",
+    benchmark:
+        "results/benchmarks/shapes/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("shapes"),
+    message:
+        "mode shapes of the free beam of {wildcards.structure}"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/shapes.py --structure {input.structure:q} --mesh {input.mesh:q}"
+        " --output {output.shapes} --drawing {output.modes}"
+        " > {log} 2>&1"
+
+
 rule reduced:
     input:
         structure=structure_file,

@@ -6,11 +6,12 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.structure.accuracy import accuracy
 from bladeroot.structure.file import load_structure
+from bladeroot.structure.full import full_joint
 
 
 def main(structure, mesh, prestress, parametric, forces, output):
-    parts = [artifacts.load(part) for part in (mesh, prestress, parametric)]
-    artifacts.save(accuracy(load_structure(structure), *parts, json.loads(forces)), output)
+    full = full_joint(load_structure(structure), artifacts.load(mesh), artifacts.load(prestress))
+    artifacts.save(accuracy(full, artifacts.load(parametric), json.loads(forces)), output)
 
 
 if __name__ == "__main__":

@@ -102,11 +102,11 @@ def _envelope(frames: Frames, still: ndarray) -> tuple[Float[ndarray, " frame"],
     """Amplitude of the frames, from ever more of them as the mode fades; where it has drowned."""
     found, last = np.abs(still), still.size
     for reach in (2, 8, 32):
-        if 4 * reach > found.size:
+        weak = found < 6.0 * frames.std
+        if 4 * reach > found.size or not weak.any():
             break
         count = _moving_sum(np.ones(found.size), reach)
         wider = np.abs(_moving_sum(still, reach)) / count
-        weak = found < 6.0 * frames.std
         drowned = np.flatnonzero(weak & (wider < 3.0 * frames.std / np.sqrt(count)))
         last = int(drowned[0]) if drowned.size else still.size
         found = np.where(weak, wider, found)

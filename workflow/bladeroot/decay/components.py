@@ -24,7 +24,7 @@ class Pooled:
 
     `std` is what a normal distribution needs to have the right 95 % interval. Standard deviations
     are posterior medians, NaN with no degree of freedom. `difference` is up less down over all
-    forces, NaN unless both exist at a force.
+    forces, NaN unless both exist at a force and something else tells the scatter.
     """
 
     mean: Float[ndarray, " force"]
@@ -49,14 +49,16 @@ def pool(
     force, hold: numbers from 0; a hold belongs to one force. direction: 1 up, -1 down, 0 unknown.
     """
     design = (force[:, None] == np.arange(force.max() + 1)).astype(float)
+    member = (hold[:, None] == np.arange(hold.max() + 1)).astype(float)
+    record_freedom, hold_freedom = _freedoms(design, member)
     both = np.column_stack([design, 0.5 * direction])
     directed = bool(np.linalg.matrix_rank(both) > design.shape[1])
     if directed:
-        design = both
-    member = (hold[:, None] == np.arange(hold.max() + 1)).astype(float)
-    hold_freedom = int(np.linalg.matrix_rank(np.hstack([design, member])) -
-                       np.linalg.matrix_rank(design))  # fmt: skip
-    record_freedom = y.size - int(np.linalg.matrix_rank(np.hstack([design, member])))
+        left = _freedoms(both, member)
+        # a difference that takes a scatter's last freedom is not told from that scatter
+        directed = (left[0] > 0) == (record_freedom > 0) and (left[1] > 0) == (hold_freedom > 0)
+    if directed:
+        design, (record_freedom, hold_freedom) = both, left
     level = np.average(y)
     rest = y - level - design @ np.linalg.lstsq(design, y - level, rcond=None)[0]
     scale = float(np.sqrt((rest**2).mean() + (std**2).mean()))
@@ -87,6 +89,15 @@ def pool(
         float(centre[-1]) if directed else np.nan,
         float(half[-1]) / QUANTILE_95 if directed else np.nan,
     )  # fmt: skip
+
+
+def _freedoms(
+    design: Float[ndarray, "record effect"], member: Float[ndarray, "record hold"]
+) -> tuple[int, int]:
+    """Degrees of freedom for the scatter of records and of holds."""
+    effects = int(np.linalg.matrix_rank(design))
+    with_holds = int(np.linalg.matrix_rank(np.hstack([design, member])))
+    return len(design) - with_holds, with_holds - effects
 
 
 def _restricted(

@@ -35,9 +35,7 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
             facts["expected_Hz"],
             facts["noise_velocity"],
         )
-        options = {"damping": damping}
-        if "usable" in cut:  # without it all samples are
-            options["usable"] = cut["usable"].values.astype(bool)
+        options = {"damping": damping, "usable": cut["usable"].values.astype(bool)}
         try:
             curves = ESTIMATORS[estimator](*record, **options)
             peaks = peak_fit(*record, **options)

@@ -16,7 +16,7 @@ import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
 from bladeroot.decay.posterior import Weighed
-from bladeroot.decay.stretch import grouped
+from bladeroot.decay.stretch import Stretch, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
 NUMBERS = (
@@ -51,6 +51,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         return result | {"verdict": f"rejected: {reason}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
     within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
+    if within.sum() < 12:
+        return result | {"verdict": "rejected: too few cycles are sharp enough"}
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = np.interp(blocks["time"], time, np.log(amplitude))
@@ -66,6 +68,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         # what follows a capture needs no law of the slip before it
         after = weigh(stretch.below(sudden[2]))
         found = replace(after, onset=sudden[0], onset_std=sudden[1], departs=1.0)
+    elif found.departs >= 0.5 and found.phase.plateau >= SHOWN:
+        found = _shown_below(found, stretch)
     omega, omega_std = found.phase.mean()
     alpha, alpha_std = found.decline.mean()
     result["plateau_weight"] = found.phase.plateau
@@ -92,6 +96,23 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         "plateau_reached": 1,
         "verdict": "plateau",
     }
+
+
+def _shown_below(found: Weighed, stretch: Stretch) -> Weighed:
+    """The same, but for channels that bend again below the onset: those as they are there.
+
+    Beside a strong departure, a weak one further down passes for errors that neighbours share.
+    """
+    under = stretch.below(found.onset)
+    if under.time.size < 12:
+        return found
+    again = weigh(under)
+    bent = {
+        name: getattr(again, name)
+        for name in ("phase", "decline")
+        if getattr(again, name).plateau < SHOWN <= getattr(found, name).plateau
+    }
+    return replace(found, **bent)
 
 
 def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:

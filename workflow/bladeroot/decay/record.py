@@ -5,6 +5,7 @@ import xarray as xr
 
 from bladeroot.decay.plateau import plateau
 
+LIMIT = "not reached, by tenable laws no steeper there than the square root of the amplitude"
 RECORD = {
     "stick_frequency": ("Hz", "frequency of the stick plateau", "eqs 3.11, 3.20"),
     "stick_frequency_std": ("Hz", "standard error of stick_frequency within the record", "App. F"),
@@ -19,8 +20,8 @@ RECORD = {
     "onset_bound": ("m", "largest amplitude seen, where the record never leaves the plateau", ""),
     "frequency_bound": ("Hz", "frequency at the smallest amplitude, plateau not reached", ""),
     "frequency_bound_std": ("Hz", "standard error of frequency_bound", ""),
-    "limit_low": ("Hz", "least limit at zero amplitude by any tenable law, not reached", ""),
-    "limit_high": ("Hz", "greatest limit at zero amplitude by any tenable law, not reached", ""),
+    "limit_low": ("Hz", f"least limit at zero amplitude, {LIMIT}", ""),
+    "limit_high": ("Hz", f"greatest limit at zero amplitude, {LIMIT}", ""),
     "plateau_reached": ("1", "1 where the record reaches its stick plateau", ""),
 }
 OTHERS = "other modes ring in the record and add to the slip: a lower bound for this mode alone"

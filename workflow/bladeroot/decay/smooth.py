@@ -29,8 +29,9 @@ from bladeroot.decay.penalty import (
 )
 
 # The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
-# Found by simulation over sharp and gradual onsets at 40 and 60 dB (benchmarks/decays.py).
-CALIBRATION = 0.9
+# For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
+# 80 dB (benchmarks/decays.py).
+CALIBRATION = np.array([1.0, 0.88, 0.88])
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ class Spline:
         row = first[:, None] + np.repeat(np.arange(DEGREE + 1), DEGREE + 1)
         column = first[:, None] + np.tile(np.arange(DEGREE + 1), DEGREE + 1)
         error = [(pairs * covariance[row, column]).sum(axis=2) for covariance in self.covariance]
-        return CALIBRATION * np.sqrt(np.maximum(np.stack(error, axis=1), 0.0))
+        return CALIBRATION[:, None, None] * np.sqrt(np.maximum(np.stack(error, axis=1), 0.0))
 
     def _shapes(
         self, x: Float[ndarray, " point"]
@@ -116,7 +117,7 @@ def coarse(
     duration: float,
     prior: Prior | None = None,
     knots: int = 50,
-    iterations: int = 4,
+    iterations: int = 3,
 ) -> Spline:
     """Penalised splines on few knots through independent values that share their errors.
 

@@ -29,6 +29,10 @@ def follow(
     value = fit.value(blocks.time)
     swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
     own_Hz = (float(swept[0]), float(swept[1]))
+    over = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
+    if over is not None:
+        usable = None if usable is None else usable[:over]
+        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable)
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
@@ -44,12 +48,11 @@ def follow(
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
-    fit = coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
+    before, fit = fit, coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
-        before, blocks = blocks, _gathered(frames, blocks, fit)
-        if _same(before, blocks):
+        if _as_known(blocks, before, fit):
             break
-        # what the mode does within a frame was not known well enough
+        before, blocks = fit, _gathered(frames, blocks, fit)
         fit = fine(blocks.time, _parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
@@ -57,6 +60,37 @@ def follow(
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+
+
+def _taken_over(
+    rest: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    blocks: Phasors,
+    omega: Float[ndarray, " block"],
+    wide: float = 0.05,
+    loud: float = 0.1,
+) -> int | None:
+    """The sample where the rough phasors go over to a line that outlives the mode, if they do.
+
+    The mode's own frequencies are then those of its loud part, in which the other line rings, too.
+    """
+    amplitude = np.exp(blocks.log.real)
+    weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
+    if not weak.size:
+        return None
+    own = np.quantile(omega[: weak[0] + 1], (0.02, 0.98)) / (2.0 * np.pi)
+    own_Hz = (float(own[0]), float(own[1]))
+    frequency = omega / (2.0 * np.pi)
+    away = (frequency < own_Hz[0] * (1.0 - wide)) | (frequency > own_Hz[1] * (1.0 + wide))
+    gone = weak[0] + np.flatnonzero(away[weak[0] :])
+    if not gone.size:
+        return None
+    part = rest[: int(blocks.time[weak[0]] * sampling_Hz)]
+    lines = find_lines(part, sampling_Hz, own_Hz, float(amplitude.max()))
+    low, high = frequency[gone].min() * (1.0 - wide), frequency[gone].max() * (1.0 + wide)
+    if not any(low < line < high for line in lines):
+        return None
+    return int(blocks.time[gone[0]] * sampling_Hz)
 
 
 def without_near(
@@ -149,8 +183,8 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     guess = log[0] + log[1] * (time - inside)
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
-    # lost, where half of the blocks ahead do not follow what is known
-    astray = np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)
+    # lost, where it is weak and half of the blocks ahead do not follow what is known
+    astray = (np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)) & (blocks.std > 0.03)
     lost = np.flatnonzero(astray & (np.convolve(astray, np.full(8, 0.125))[7:] >= 0.5))
     if lost.size:
         part = slice(0, int(lost[0]))
@@ -164,11 +198,14 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     return Phasors(blocks.time, blocks.log, std)
 
 
-def _same(before: Phasors, after: Phasors) -> bool:
-    """Whether no block has moved by more than its standard error."""
-    if before.time.size != after.time.size:
-        return False
-    return bool((np.abs(after.log - before.log) < 1.5 * after.std).all())
+def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
+    """Whether growth and chirp within frames were known well enough when the blocks were made.
+
+    A cycle's fit answers to a wrong rate with about that over twice the frequency.
+    """
+    rate = now.value(blocks.time)[1]
+    change = np.abs(before.value(blocks.time)[1] - rate).max(axis=0) / (2.0 * rate[1])
+    return bool((change < 0.5 * blocks.std).all())
 
 
 def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
@@ -181,6 +218,8 @@ def cut_frames(
     """The record cut into frames of whole cycles, anew where the frequency has moved."""
     grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
+    # where the mode is lost its phase may stand still or even turn back
+    omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
     step = 0.02 / cycles
     class_ = np.round(np.log(omega / np.median(omega)) / step)
     change = np.flatnonzero(np.diff(class_)) + 1

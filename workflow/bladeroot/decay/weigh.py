@@ -28,6 +28,7 @@ DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
 REACH = np.log([4.0, 2.0, 1.5])  # how far above it, in ln A, the laws are weighed, if they hold
 # prior weight of a constant over that of any other kind, where no law's ln evidence gets to that
 NO_DEPARTURE, NOTHING = 30.0, 10.0
+MISFIT = 20.0  # excess variance about all laws from which the record does not speak for a constant
 
 
 def weigh(stretch: Stretch) -> Weighed:
@@ -88,7 +89,8 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
     total = total.chosen(np.concatenate([np.arange(SMOOTH), hinges]))
     both = [fits(total, channel, excess[channel]) for channel in range(2)]
     constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
-    still = [NO_DEPARTURE if best[k] < NOTHING * excess[k] else 1.0 for k in range(2)]
+    still = [best[k] < NOTHING * excess[k] and excess[k] < MISFIT for k in range(2)]
+    still = [NO_DEPARTURE if one else 1.0 for one in still]
     return combined(Catalogue(onsets[order], low, high), both, constant, still, excess), max(excess)
 
 

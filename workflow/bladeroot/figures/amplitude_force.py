@@ -5,8 +5,17 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from bladeroot.figures.style import MEASURED, force_colours, note_simulated, nothing, panels
+from bladeroot.figures.style import (
+    MEASURED,
+    drawn_values,
+    force_colours,
+    note_simulated,
+    nothing,
+    panels,
+)
 
+# Points are drawn up to these relative standard errors, which hold the scatter of repeats, too.
+DRAWN = {"frequency": 2e-3, "loss_factor": 0.2}
 AMPLITUDE = "displacement amplitude at the sensor / µm"
 
 
@@ -24,8 +33,9 @@ def waterfall(curves: xr.Dataset) -> Figure:
         force = here["force"].values / 1e3
         colours = force_colours(here["force"].values)
         gap = np.diff(force).min() if force.size > 1 else 1.0
-        softening = 1e2 * (1.0 - here["frequency"].values / _smallest(here, "frequency")[:, None])
-        loss = 1e2 * here["loss_factor"].values
+        frequency = drawn_values(here, "frequency", DRAWN["frequency"])
+        softening = 1e2 * (1.0 - frequency / _smallest(here, "frequency")[:, None])
+        loss = 1e2 * drawn_values(here, "loss_factor", DRAWN["loss_factor"])
         x = 1e6 * here["amplitude"].values
         for axis, height in ((axes[0, column], softening), (axes[1, column], loss)):
             highest = np.nanpercentile(height, 99.5)
@@ -68,7 +78,7 @@ def maps(curves: xr.Dataset) -> Figure:
             (axes[1, column], "loss_factor", 1e2, "loss factor / %"),
         ):
             fine = np.linspace(force.min(), force.max(), 161) if force.size > 1 else force
-            value = scale * between_forces(force, here[name].values, fine)
+            value = scale * between_forces(force, drawn_values(here, name, DRAWN[name]), fine)
             axis.set_xscale("log")
             if force.size < 2 or not np.isfinite(value).any():
                 axis.text(0.5, 0.5, "one force only", transform=axis.transAxes, ha="center")
@@ -119,10 +129,12 @@ def _of_mode(curves: xr.Dataset, mode: str) -> xr.Dataset:
 def _smallest(curves: xr.Dataset, name: str) -> np.ndarray:
     """Mean of each curve over its smallest amplitudes, weighted by its standard errors."""
     found = []
-    for value, std in zip(curves[name].values, curves[f"{name}_std"].values, strict=True):
+    drawn = drawn_values(curves, name, DRAWN[name])
+    for value, std in zip(drawn, curves[f"{name}_std"].values, strict=True):
         known = np.flatnonzero(np.isfinite(value))
         known = known[: max(known.size // 4, 1)]
-        found.append(np.average(value[known], weights=1.0 / std[known] ** 2))
+        mean = np.average(value[known], weights=1.0 / std[known] ** 2) if known.size else np.nan
+        found.append(mean)
     return np.array(found)
 
 

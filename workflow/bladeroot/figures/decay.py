@@ -6,7 +6,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import force_colours, note_simulated, nothing, panels, plain_log_scale
+from bladeroot.figures.style import (
+    drawn_values,
+    force_colours,
+    note_simulated,
+    nothing,
+    panels,
+    plain_log_scale,
+)
+
+# Points are drawn up to these relative standard errors; the artifacts hold them all.
+DRAWN = {"frequency": 5e-4, "loss_factor": 0.2}
 
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
@@ -25,7 +35,7 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
             colour = colours.to_rgba(decay.attrs["force_N"] / 1e3)
             amplitude = 1e6 * decay["amplitude"].values
             for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
-                value = scale * decay[name].values
+                value = scale * drawn_values(decay, name, DRAWN[name])
                 spread = scale * decay[f"{name}_std"].values
                 axis.plot(amplitude, value, color=colour, linewidth=0.9)
                 axis.fill_between(
@@ -45,7 +55,8 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
 
 def _limits(decays: Sequence[xr.Dataset], name: str, scale: float) -> tuple[float, float]:
     """Axis limits that the last, lost points of a few curves cannot stretch."""
-    values = scale * np.concatenate([decay[name].values for decay in decays])
+    values = scale * np.concatenate([drawn_values(decay, name, DRAWN[name]) for decay in decays])
+    values = values[np.isfinite(values)]
     low, high = np.percentile(values, [0.1, 99.9]) if values.size else (1.0, 2.0)
     if name == "loss_factor":
         return 0.6 * low, 1.6 * high

@@ -4,11 +4,14 @@ import io
 from collections.abc import Sequence
 
 import matplotlib as mpl
+import numpy as np
+import xarray as xr
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from numpy import ndarray
 
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
@@ -56,6 +59,12 @@ def svg(drawn: Figure) -> str:
     text = io.StringIO()
     drawn.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()
+
+
+def drawn_values(curves: xr.Dataset, name: str, limit: float) -> ndarray:
+    """Values of a curve, NaN where their relative standard error exceeds what is drawn."""
+    value = curves[name].values
+    return np.where(curves[f"{name}_std"].values < limit * np.abs(value), value, np.nan)
 
 
 def force_colours(forces: Sequence[float]) -> ScalarMappable:

@@ -94,10 +94,11 @@ class Sight:
 
     @cached_property
     def own_Hz(self) -> float:
-        """Frequency of the strongest line near the expected frequency."""
+        """The strongest line's frequency near the expected one, which stands in for none."""
         frequency, level = self.early
         inside = np.abs(frequency / self.expected_Hz - 1.0) <= TOLERANCE
-        return peak_Hz(frequency, np.where(inside, level, 0.0))
+        found = peak_Hz(frequency, np.where(inside, level, 0.0))
+        return found if abs(found / self.expected_Hz - 1.0) <= 1.5 * TOLERANCE else self.expected_Hz
 
     @cached_property
     def quantum(self) -> float:

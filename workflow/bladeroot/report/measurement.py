@@ -16,7 +16,8 @@ PICTURES = {
     "spectra": "Amplitude spectra of the same free decays before and after the mode was separated: "
     "what is left over holds the other modes and the noise, and nothing of the mode.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-    "3.11), every usable record; bands are one standard error.",
+    "3.11), every usable record; bands are one standard error, and points are drawn where it is "
+    "below 0.05 % of the frequency and 20 % of the loss factor.",
     "waterfall": "Mean curve of all records at each force, drawn over its own force: softening "
     "(how far the frequency lies below its value at the smallest amplitudes) and loss factor.",
     "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: linear "
@@ -85,16 +86,78 @@ def stick_section(
         Table(
             "Stick frequencies. Within: propagated standard error of the records (3.21); between: "
             "standard deviation of the records at one force. The stated error counts both, and "
-            "the scatter between holds where there are several.",
+            "the scatter between holds where there are several. The onset is where the whole "
+            "motion begins to slip: other modes in the record add to it, so that it is a lower "
+            "bound for the mode alone.",
             ("mode", "force / kN", "frequency / Hz", "within / Hz", "between / Hz",
              "loss factor / %", "onset of slip / µm", "records / holds"),
             rows,
         ),
     ]  # fmt: skip
+    parts += scatter_parts(stick)
     if score is not None:
         parts += _score_parts(stick, score)
     parts.append(_interpolated(fe_forces))
     return Section("Stick frequencies", parts)
+
+
+def scatter_parts(stick: xr.Dataset) -> list:
+    """What repeats scatter, or what a table's rows scatter beside its printed errors."""
+    if "scatter_ratio" in stick:
+        return [_printed_errors(stick)]
+    rows = []
+    for mode in dict.fromkeys(stick["mode"].values):
+        here = stick.isel(level=int(np.flatnonzero(stick["mode"].values == mode)[0]))
+        rows.append(
+            (
+                str(mode),
+                significant(float(here["between_record_std"]), 2),
+                str(int(here["record_freedom"])),
+                significant(float(here["between_hold_std"]), 2),
+                str(int(here["hold_freedom"])),
+                with_std(
+                    float(here["mode_direction_difference"]),
+                    float(here["mode_direction_difference_std"]),
+                    3,
+                ),
+            )
+        )
+    if not rows:
+        return []
+    header = ("mode", "between records / Hz", "freedom", "between holds / Hz", "freedom",
+              "up less down / Hz")  # fmt: skip
+    return [
+        Table(
+            "What repeats scatter beyond their own errors, told from all forces of a mode: "
+            "standard deviation between the records of a hold and between holds, with degrees of "
+            "freedom, and the difference between loading up and down",
+            header,
+            rows,
+        )
+    ]
+
+
+def _printed_errors(stick: xr.Dataset) -> Table:
+    rows = []
+    for mode in stick["table_mode"].values:
+        cells = [str(mode)]
+        for name in ("scatter_ratio", "loss_factor_scatter_ratio"):
+            low, middle, high = (float(v) for v in stick[name].sel(table_mode=mode))
+            cells.append(
+                f"{significant(middle, 2)} ({significant(low, 2)} to {significant(high, 2)})"
+            )
+        rows.append(tuple(cells))
+    return Table(
+        "How many times the printed errors of the table its own rows scatter about a smooth law "
+        "of the force (median of the rows, 95 % interval): the printed errors are those within a "
+        "record and leave out all that differs between records, holds and readings of the force",
+        ("mode", "stick frequency", "loss factor"),
+        rows,
+    )
+
+
+def _interval(low: float, high: float) -> str:
+    return f"{fixed(low, 2)} to {fixed(high, 2)}" if np.isfinite([low, high]).all() else NONE
 
 
 def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
@@ -181,12 +244,15 @@ def _bounds(stick: xr.Dataset) -> Table:
                 str(here["record_mode"].item()),
                 fixed(float(here["record_force"]) / 1e3, 2),
                 fixed(float(here["frequency_bound"]), 2),
+                _interval(float(here["limit_low"]), float(here["limit_high"])),
             )
         )
     return Table(
         "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
-        "still bends; the stick frequency lies beyond it",
-        ("record", "mode", "force / kN", "frequency / Hz"),
+        "still bends; the stick frequency lies beyond it. Limit: where the laws that describe "
+        "the record, of those no steeper at zero than the square root of the amplitude, would "
+        "have it end",
+        ("record", "mode", "force / kN", "frequency / Hz", "limit at zero amplitude / Hz"),
         rows,
     )
 
@@ -204,7 +270,8 @@ def _score_parts(stick: xr.Dataset, score: xr.Dataset) -> list:
         f"{stick.sizes['record'] - reached} records are reported as not reached or rejected. That "
         "is the error within a record; between clampings the joint itself differs, as the table "
         f"shows. The onset of slip is found at {_onset_ratios(stick, score)} times the amplitude "
-        "at which the bench's first pair of nodes would slip in a pure mode."
+        "at which the bench's first pair of nodes would slip in a pure mode; what is left of the "
+        "other mode in a record slips along with it."
     ]
 
 

@@ -11,11 +11,15 @@ from bladeroot.report.numbers import NONE
 
 @dataclass(frozen=True)
 class Table:
-    """A table of finished texts; a row's cells stand under the header's."""
+    """A table of finished texts; a row's cells stand under the header's.
+
+    A folded one shows its caption only, until it is opened.
+    """
 
     caption: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
+    folded: bool = False
 
     def __post_init__(self) -> None:
         """Drop the columns that hold nothing but dashes."""

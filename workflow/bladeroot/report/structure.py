@@ -5,31 +5,47 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.report.calibration import calibration_parts
 from bladeroot.report.numbers import NONE, percent
 from bladeroot.report.page import Picture, Section, Table
 
 
 def structure_section(
-    checks: Mapping[str, xr.Dataset], accuracies: Sequence[xr.Dataset], side_view: str
+    checks: Mapping[str, xr.Dataset],
+    accuracies: Sequence[xr.Dataset],
+    calibrations: Sequence[xr.Dataset],
+    figures: Mapping[str, str],
 ) -> Section:
-    """A table a structure, checks with residual and limit; then the accuracy of the reduction."""
+    """Checks with residual and limit, a table a structure; accuracy of reduction; dimensions.
+
+    figures: `structure`, the side view, and `modes`, the mode shapes, if there are any.
+    """
     parts: list = [
-        "Each structure is compared with what the thesis prints of its dovetail beam, with exact "
-        "identities, and reduced with full. The thesis publishes neither the beam's root block and "
-        "length nor the slots: the shipped structures are effective geometries, fits to some of "
-        "its tables and not metrology, and no single one satisfies all of them. “Within” counts "
-        "the comparisons that have a limit.",
+        "Each dovetail is compared with what the thesis prints of its beam, with exact identities, "
+        "and reduced with full; matrices of another program with exact identities alone. The "
+        "thesis publishes neither the beam's root block and length nor the slots: the shipped "
+        "structures are effective geometries, fits to some of its tables and not metrology, and "
+        "no single one satisfies all of them. “Within” counts the comparisons that have a limit.",
         Picture(
-            side_view,
-            f"Structure {next(iter(checks))}: 27-node hexahedra seen from the side. Above the "
-            "beam with the shaker's support and both slots, below one joint.",
+            figures["structure"],
+            f"Structure {next(iter(checks))} seen from the side: 27-node hexahedra, or the nodes "
+            "of matrices from another program. Above the beam and both slots, below one joint.",
         ),
     ]
+    if "modes" in figures:
+        parts.append(
+            Picture(
+                figures["modes"],
+                "Its first elastic modes, free and without a load, named by their reflection "
+                "parity: Fy bends about Y, Fz about Z, T twists. Side views show the near face.",
+            )
+        )
     for name, check in checks.items():
         parts.append(Table(f"{name}: {check.attrs['description']}", _HEADER, _rows(check)))
         failed = sorted(set(check["check"].values[check["within"].values == 0]))
         if failed:
             parts.append(f"{name} misses the limit in: {', '.join(failed)}.")
+        parts += _follower(name, check)
     parts.append(
         Table(
             "Reduced and parametric model against the finite-element model with all its degrees of "
@@ -39,6 +55,8 @@ def structure_section(
             [row for accuracy in accuracies for row in _accuracy_rows(accuracy)],
         )
     )
+    for one in calibrations:
+        parts += calibration_parts(one)
     return Section("Structure", parts)
 
 
@@ -52,6 +70,26 @@ def _accuracy_rows(accuracy: xr.Dataset) -> list[tuple[str, ...]]:
             *(f"{float(largest.sel(contact=c, force=force)):.1e}" for c in ("softest", "stiffest")),
         )
         for force in accuracy["force"].values
+    ]
+
+
+def _follower(name: str, check: xr.Dataset) -> list[str]:
+    """What a load that follows the flanks would change, in words, if it was computed."""
+
+    def residuals(title: str) -> dict[str, float]:
+        chosen = check.isel(row=check["check"].values == title)
+        return dict(zip(chosen["mode"].values, chosen["residual"].values, strict=True))
+
+    against = residuals("follower against dead load")
+    left = residuals("follower load, its symmetric part against all of it")
+    if not against:
+        return []
+    return [
+        f"A pressure that turned with the flanks of {name}, instead of a load of fixed direction, "
+        f"would lower the free beam's 1Fy by {percent(-against['1Fy'])} and its 2Fy by "
+        f"{percent(-against['2Fy'])} at 24 kN, and would stiffen no rigid rotation, against Table "
+        "4.2: the thesis's load is dead. Of a follower load's stiffness only the symmetric part is "
+        f"used; the rest moves these frequencies by at most {percent(max(left.values()), 2)}."
     ]
 
 

@@ -5,18 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.structure.full import full_frequencies, full_joint
-from bladeroot.structure.geometry import Structure
+from bladeroot.structure.full import FullJoint, full_frequencies
 from bladeroot.structure.parametric import frequencies, surface_of
 
 
-def accuracy(
-    structure: Structure,
-    mesh: xr.Dataset,
-    prestress: xr.Dataset,
-    model: xr.Dataset,
-    forces: Sequence[float],
-) -> xr.Dataset:
+def accuracy(full: FullJoint, model: xr.Dataset, forces: Sequence[float]) -> xr.Dataset:
     """Parametric model against the finite-element model with all dofs: `accuracy.nc`.
 
     At the softest and the stiffest contact of the model's box (kn = kt), for each axial force (N)
@@ -25,7 +18,6 @@ def accuracy(
     """
     surface = surface_of(model)
     names = [str(name) for name in model["mode"].values]
-    full = full_joint(structure, mesh, prestress)
     corners = np.exp([surface.low[0], surface.high[0]])
     exact, found = [], []
     for k in corners:
@@ -61,5 +53,5 @@ def accuracy(
             "force": ("force", np.asarray(forces, float), {"units": "N"}),
             "mode": names,
         },
-        attrs={"structure": structure.name, "full_dofs": full.mass.shape[0]},
+        attrs={"structure": model.attrs["structure"], "full_dofs": full.mass.shape[0]},
     )

@@ -1,11 +1,33 @@
-"""Reading a structure file."""
+"""Reading a structure file, of a built-in dovetail or of matrices made elsewhere."""
 
 from pathlib import Path
 
-from bladeroot.schema import read_yaml
+from bladeroot.schema import parse_yaml, read_yaml
 from bladeroot.structure.geometry import Structure, structure_from_mapping
 
 
 def load_structure(path: str | Path) -> Structure:
-    """The structure of a YAML file. Raises ValueError with a line a fault, naming the file."""
+    """The dovetail of a YAML file. Raises ValueError with a line a fault, naming the file."""
     return structure_from_mapping(read_yaml(path, "structure"), str(path))
+
+
+def is_matrices(path: str | Path) -> bool:
+    """Whether the file is of kind `matrices`; ValueError if it cannot be read."""
+    document = parse_yaml(path)
+    return isinstance(document, dict) and document.get("kind") == "matrices"
+
+
+def check_structure(path: str | Path) -> str:
+    """Name of the structure, its file and the tables that it names checked; matrices come later.
+
+    Raises ValueError with a line a fault.
+    """
+    if not is_matrices(path):
+        return read_yaml(path, "structure")["name"]
+    # numpy and xarray need not load for the dovetail
+    from bladeroot.structure.external.description import read_description
+    from bladeroot.structure.external.mesh import external_mesh
+
+    description = read_description(path)
+    external_mesh(description)
+    return description.data["name"]

@@ -18,7 +18,7 @@ from bladeroot.structure.geometry import Structure
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import base_nodes, body_mesh
 from bladeroot.structure.prestress import materials_of
-from bladeroot.structure.reduction import beam_model, contact_dofs
+from bladeroot.structure.reduction import beam_model, contact_dofs, force_stiffness
 
 _MODES = 12
 _CONVERGED = 1e-10  # of omega^2
@@ -29,8 +29,8 @@ _STEPS = 30
 class FullJoint:
     """Mass, stiffness and geometric stiffness (per newton) of all free dofs; Kn, Kt of 1 N/m.
 
-    view: dofs of display nodes and of the beam's contact nodes; seen: those as an assembly, by
-    which modes are named.
+    number: dof of each node's axis (3 * node + axis), -1 where it is fixed; view: dofs of display
+    nodes and of the beam's contact nodes; seen: those as an assembly, by which modes are named.
     """
 
     mass: sp.csr_array
@@ -38,6 +38,7 @@ class FullJoint:
     geometric: sp.csr_array
     normal: sp.csr_array
     tangential: sp.csr_array
+    number: ndarray
     view: ndarray
     seen: xr.Dataset
 
@@ -55,22 +56,33 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
         held.append(start + base_nodes(slot))
     nodes = mesh.sizes["node"]
     free = contact_dofs(np.setdiff1d(np.arange(nodes), np.concatenate(held)))
-    empty = sp.csr_array((nodes - beam.geometric.shape[0],) * 2)
-    geometric = sp.block_diag([beam.geometric, empty], format="csr")
+    per_newton = force_stiffness(beam)
+    empty = sp.csr_array((3 * nodes - per_newton.shape[0],) * 2)
+    whole = (
+        elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
+        sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
+        sp.csr_array(sp.block_diag([per_newton, empty], format="csr")),
+    )
+    number = np.full(3 * nodes, -1)
+    number[free] = np.arange(len(free))
+    return with_contact(mesh, number, *(sp.csr_array(part[free][:, free]) for part in whole))
+
+
+def with_contact(
+    mesh: xr.Dataset,
+    number: ndarray,
+    mass: sp.csr_array,
+    stiffness: sp.csr_array,
+    geometric: sp.csr_array,
+) -> FullJoint:
+    """Contact springs and display of bodies whose free dofs are numbered by node and axis."""
     flank, area = mesh.pair_flank.values, mesh.pair_weight.values
     share = area / np.bincount(flank, area)[flank]
     frame = mesh.flank_frame.values[flank]
-    contact = [_springs(mesh, share, frame[:, local]) for local in ([0], [1, 2])]
-    whole = [
-        elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
-        sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
-        elasticity.per_axis(sp.csr_array(geometric)),
-        *contact,
-    ]
+    size = mass.shape[0]
+    contact = [_springs(mesh, number, size, share, frame[:, local]) for local in ([0], [1, 2])]
     shown = contact_dofs(mesh.display_node.values)
     touched = contact_dofs(mesh.pair_node.values[:, 0])
-    number = np.full(3 * nodes, -1)
-    number[free] = np.arange(len(free))
     count = len(shown) // 3
     shape = np.zeros((count, 3, len(shown) + len(touched)))
     shape.reshape(len(shown), -1)[:, : len(shown)] = np.eye(len(shown))
@@ -89,18 +101,24 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
             "weight": ("pair", share),
         }
     )
-    parts = (sp.csr_array(matrix[free][:, free]) for matrix in whole)
-    return FullJoint(*parts, number[np.concatenate([shown, touched])], seen)
+    view = number[np.concatenate([shown, touched])]
+    return FullJoint(mass, stiffness, geometric, *contact, number, view, seen)
 
 
-def _springs(mesh: xr.Dataset, share: ndarray, axes: Float[ndarray, "pair k 3"]) -> sp.csr_array:
+def _springs(
+    mesh: xr.Dataset,
+    number: ndarray,
+    size: int,
+    share: ndarray,
+    axes: Float[ndarray, "pair k 3"],
+) -> sp.csr_array:
     """Contact matrix of 1 N/m of flank stiffness along the given local axes."""
     pairs, count = axes.shape[:2]
-    dofs = 3 * mesh.pair_node.values[:, :, None] + np.arange(3)  # pair, side, axis
+    dofs = number[3 * mesh.pair_node.values[:, :, None] + np.arange(3)]  # pair, side, axis
     values = np.sqrt(share)[:, None, None, None] * np.stack([axes, -axes], axis=2)
     columns = np.broadcast_to(dofs[:, None], values.shape)
     rows = np.broadcast_to(np.arange(pairs * count).reshape(pairs, count, 1, 1), values.shape)
-    shape = (pairs * count, 3 * mesh.sizes["node"])
+    shape = (pairs * count, size)
     gaps = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
     return sp.csr_array(gaps.T @ gaps)
 
@@ -110,27 +128,38 @@ def full_frequencies(
 ) -> Float[ndarray, "force name"]:
     """Frequencies (Hz) of named modes of the whole model at several axial forces (N).
 
-    One factor, at the middle force, serves them all: elsewhere it preconditions a Davidson
+    ValueError if a mode is not found or does not converge.
+    """
+    found = full_modes(full, [(kn, kt, force) for force in forces], names)
+    return np.sqrt(np.array([values for values, _ in found])) / (2.0 * np.pi)
+
+
+def full_modes(
+    full: FullJoint, points: Sequence[tuple[float, float, float]], names: Sequence[str]
+) -> list[tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]]:
+    """Eigenvalues (rad^2/s^2) and shapes of named modes at points (kn, kt in N/m, force in N).
+
+    One factor, in the points' middle, serves them all: elsewhere it preconditions a Davidson
     iteration, started from the modes there. ValueError if a mode is not found or does not converge.
     """
-    middle = 0.5 * (min(forces) + max(forces))
-    contact = full.stiffness + kn * full.normal + kt * full.tangential
-    at_middle = sp.csr_array(contact + middle * full.geometric)
-    solve = factor(at_middle)
-    _, shapes = lowest_eigenpairs(at_middle, full.mass, _MODES, solve=solve)
+
+    def at(kn: float, kt: float, force: float) -> sp.csr_array:
+        contact = full.stiffness + kn * full.normal + kt * full.tangential
+        return sp.csr_array(contact + force * full.geometric)
+
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    middle = at(*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
+    solve = factor(middle)
+    _, shapes = lowest_eigenpairs(middle, full.mass, _MODES, solve=solve)
     column = find_modes(full.seen, shapes[full.view], names)
     chosen = [column[name] for name in names]
-    values = [
-        _followed(sp.csr_array(contact + force * full.geometric), full.mass, solve, shapes, chosen)
-        for force in forces
-    ]
-    return np.sqrt(np.array(values)) / (2.0 * np.pi)
+    return [_followed(at(*point), full.mass, solve, shapes, chosen) for point in points]
 
 
 def _followed(
     stiffness: sp.csr_array, mass: sp.csr_array, solve, shapes: ndarray, chosen: list[int]
-) -> Float[ndarray, " name"]:
-    """Eigenvalues nearest in shape to the chosen ones of given orthonormal shapes."""
+) -> tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]:
+    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes."""
     basis, wanted = shapes, shapes[:, chosen]
     for _ in range(_STEPS):
         projected = basis.T @ (stiffness @ basis)
@@ -140,7 +169,7 @@ def _followed(
         residual = stiffness @ wanted - values * (mass @ wanted)
         step = solve(residual)
         if np.all(np.einsum("dm,dm->m", residual, step) < _CONVERGED * values):
-            return values
+            return values, wanted
         for _ in range(2):
             step = step - basis @ (basis.T @ (mass @ step))
             step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (mass @ step))).T

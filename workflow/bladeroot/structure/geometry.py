@@ -67,7 +67,8 @@ class Structure:
 
     `profile` is the half-profile of the beam at positive x: points (x, half-height) from mid-span
     to the tip, mirrored in X and Z. `flank` names the two profile points that bound the contact.
-    `with_pad` says whether the joint's assembly carries the pad.
+    `with_pad` says whether the joint's assembly carries the pad; `load` is "dead", where the
+    pressure on the flanks keeps its direction, or "follower", where it turns with them.
     """
 
     name: str
@@ -82,6 +83,7 @@ class Structure:
     beam_modes: int
     slot_modes: int
     with_pad: bool
+    load: str = "dead"
 
 
 def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file") -> Structure:
@@ -126,6 +128,7 @@ def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file
         beam_modes=data["reduction"]["beam_modes"],
         slot_modes=data["reduction"]["slot_modes"],
         with_pad=data["loaded_case"] == "with-pad",
+        load=data.get("load", "dead"),
     )
     _check_room(structure, where)
     return structure

@@ -14,20 +14,30 @@ _COLUMNS = 128
 _SMALL = 8  # dofs for each mode up to which a dense solution is faster
 _BLOCK = 10  # columns of a Lanczos block
 _MOST = 12  # vectors for each mode before giving up
+_SINGULAR = 1e12  # growth of a random vector by the inverse, the diagonal scaled to 1
 _CONVERGED = 1e-9  # residual of a shape; its eigenvalue errs by the square
 
 
 def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
     """Factor a symmetric, well-conditioned matrix; the result solves for one or many columns.
 
-    Symmetric mode keeps pivots on the diagonal: half the fill of the general ordering.
+    Symmetric mode keeps pivots on the diagonal: half the fill of the general ordering. ValueError
+    if the matrix is singular, or is but for rounding.
     """
-    lu = spla.splu(
-        matrix.tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        lu = spla.splu(
+            matrix.tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:
+        raise ValueError(_singular(matrix)) from None
+    scale = np.sqrt(np.abs(matrix.diagonal()))  # so that units and stiff springs do not count
+    probe = np.random.default_rng(0).standard_normal(matrix.shape[0])
+    gain = np.linalg.norm(scale * lu.solve(scale * probe)) / np.linalg.norm(probe)
+    if not gain < _SINGULAR:
+        raise ValueError(_singular(matrix))
 
     def solve(right: ndarray) -> ndarray:
         if right.ndim == 1:
@@ -38,6 +48,15 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
         )
 
     return solve
+
+
+def _singular(matrix: sp.csr_array) -> str:
+    empty = np.flatnonzero(matrix.diagonal() == 0)
+    where = f"; dof {empty[0]} has none on the diagonal" if len(empty) else ""
+    return (
+        f"expected a stiffness that holds all {matrix.shape[0]} dofs, got a singular one: "
+        f"a part moves freely or has no stiffness{where}"
+    )
 
 
 def lowest_eigenpairs(

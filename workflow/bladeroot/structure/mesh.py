@@ -57,6 +57,14 @@ def block(
     t = np.interp(np.arange(2 * nz + 1) / 2.0, np.arange(nz + 1), corners)[None, :, None]
     s = np.linspace(0.0, 1.0, 2 * nx + 1)[:, None, None]
     (a, b), (c, d) = np.asarray(low, float), np.asarray(high, float)
+    for here, right, left in ((a, b, c), (b, d, a), (d, c, b), (c, a, d)):
+        (x1, z1), (x2, z2) = right - here, left - here
+        if x1 * z2 <= x2 * z1:
+            around = ", ".join(f"({1e3 * x:g}, {1e3 * z:g})" for x, z in (a, b, d, c))
+            raise ValueError(
+                "expected a block with its corners in turn and no angle of 180 degrees or more, "
+                f"got one turned inside out at {around} mm"
+            )
     return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * c + s * d), part
 
 
@@ -224,8 +232,11 @@ def build_mesh(structure: Structure, with_pad: bool | None = None) -> xr.Dataset
     where they coincide (thesis 4.2).
     """
     with_pad = structure.with_pad if with_pad is None else with_pad
-    beam = beam_mesh(structure, with_pad)
-    bodies = [beam, *(slot_mesh(structure, side) for side in SLOTS)]
+    try:
+        beam = beam_mesh(structure, with_pad)
+        bodies = [beam, *(slot_mesh(structure, side) for side in SLOTS)]
+    except ValueError as error:
+        raise ValueError(f"structure {structure.name}: {error}") from None
     starts = np.cumsum([0, *(len(body.nodes) for body in bodies)])
     pairs = [flank_nodes(structure, beam, k) for k in range(4)]
     partners = [

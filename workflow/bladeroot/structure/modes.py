@@ -64,36 +64,51 @@ def _mirrors(
     return mirrors, whole
 
 
-def separate_null_modes(
+def separate_equal_modes(
     nodes: Float[ndarray, "node 3"],
     weights: Float[ndarray, " node"],
     values: Float[ndarray, " m"],
     shapes: Float[ndarray, "dof m"],
 ) -> Float[ndarray, "dof m"]:
-    """Rotate the modes of zero frequency among themselves until each has pure parity.
+    """Rotate modes of equal frequency among themselves until each has pure parity.
 
-    An eigensolver returns any basis of the rigid motions; at zero force this picks X, Y, Z, Rx, Ry,
-    Rz. Modes count as null below 1e-8 of the largest eigenvalue given.
+    An eigensolver returns any basis of such modes: of the rigid motions at zero force, which this
+    turns into X, Y, Z, Rx, Ry, Rz, and of the two bendings of a square section. Equal means closer
+    than 1e-6 of the eigenvalue, or below 1e-8 of the largest one given.
     """
-    null = np.flatnonzero(abs(values) < 1e-8 * abs(values).max())
-    if len(null) < 2:
-        return shapes
     mirrors, whole = _mirrors(nodes)
-    moves = shapes[:, null].reshape(len(nodes), 3, -1)
-    inner = moves[whole].reshape(-1, len(null)) * np.repeat(weights[whole], 3)[:, None]
-    mass = inner.T @ moves[whole].reshape(-1, len(null))
+    order = np.argsort(values)
+    sorted_values = values[order]
+    near = np.maximum(1e-6 * abs(sorted_values[1:]), 1e-8 * abs(values).max())
+    groups = np.split(order, np.flatnonzero(np.diff(sorted_values) > near) + 1)
+    shapes = shapes.copy()
+    for group in groups:
+        if len(group) > 1:
+            moves = shapes[:, group].reshape(len(nodes), 3, -1)
+            shapes[:, group] = shapes[:, group] @ _pure(moves, weights, mirrors, whole)
+    return shapes
+
+
+def _pure(
+    moves: Float[ndarray, "node 3 k"],
+    weights: Float[ndarray, " node"],
+    mirrors: list[Int[ndarray, " node"]],
+    whole: Int[ndarray, " whole"],
+) -> Float[ndarray, "k k"]:
+    """The combinations of shapes that are even or odd in X, Y and Z."""
+    count = moves.shape[2]
+    inner = moves[whole].reshape(-1, count) * np.repeat(weights[whole], 3)[:, None]
+    mass = inner.T @ moves[whole].reshape(-1, count)
     # Weights 1, 2, 4 give each of the eight parity classes its own eigenvalue.
     mixed = np.zeros_like(mass)
     for axis in range(3):
         sign = np.where(np.arange(3) == axis, -1.0, 1.0)
-        image = (moves[mirrors[axis][whole]] * sign[:, None]).reshape(-1, len(null))
+        image = (moves[mirrors[axis][whole]] * sign[:, None]).reshape(-1, count)
         mixed += 2.0**axis * (inner.T @ image)
     root = np.linalg.cholesky(mass)
     turned = np.linalg.solve(root, np.linalg.solve(root, (mixed + mixed.T) / 2).T)
     _, rotation = np.linalg.eigh(turned)
-    shapes = shapes.copy()
-    shapes[:, null] = shapes[:, null] @ np.linalg.solve(root.T, rotation)
-    return shapes
+    return np.linalg.solve(root.T, rotation)
 
 
 def name_modes(
@@ -106,20 +121,24 @@ def name_modes(
 
     The order within a family follows from the parity in X: 1Fy, 3Fy are even, 2Fy odd. The lowest
     mode of each family must be among those given. A free or a clamped beam may be named; without
-    rigid modes torsion starts even and axial motion odd. A shape with no clear parity is "?".
+    rigid modes torsion starts even and axial motion odd. A shape with no clear parity is "?"; if it
+    is elastic, so is every later one of a family that it might be: its number is not known.
     """
-    shapes = separate_null_modes(nodes, weights, values, shapes)
+    shapes = separate_equal_modes(nodes, weights, values, shapes)
     signs = parities(nodes, weights, shapes)
     # A clamped beam's first bending mode is 0.7 rigid, a stiffened rigid rotation above 0.99.
     rigid = rigid_fraction(nodes, weights, shapes) > 0.9
     free = bool(rigid.any())
     seen: dict[tuple[str, int], int] = {}
+    unclear: list[tuple[int, ...]] = []
     names = []
     for sign, is_rigid in zip(signs, rigid, strict=True):
-        clear = bool((abs(sign) > 0.5).all())
-        key = tuple(int(s) for s in np.sign(sign))
-        if not clear or (is_rigid and key not in _RIGID):
+        key = tuple(int(s) for s in np.where(abs(sign) > 0.5, np.sign(sign), 0))
+        hidden = any(all(a in (0, b) for a, b in zip(one, key, strict=True)) for one in unclear)
+        if 0 in key or (hidden and not is_rigid) or (is_rigid and key not in _RIGID):
             names.append("?")
+            if not is_rigid:
+                unclear.append(key)
         elif is_rigid:
             names.append(_RIGID[key])
         else:

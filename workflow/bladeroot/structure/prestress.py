@@ -53,7 +53,7 @@ def solve_free(
     resultant = rigid.T @ loads.ravel()
     if np.abs(resultant).max() > 1e-9 * max(scale, np.abs(loads).sum()):
         raise ValueError(f"loads must balance, got force and moment {resultant}")
-    held = _supports(mesh)
+    held = supports(mesh.nodes)
     free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), held)
     displacement = np.zeros(3 * len(mesh.nodes))
     displacement[free] = factor(stiffness[free][:, free])(loads.ravel()[free])
@@ -62,9 +62,8 @@ def solve_free(
     return displacement.reshape(-1, 3), reactions
 
 
-def _supports(mesh: Mesh) -> Int[ndarray, "6"]:
-    """Three translations at one node, two at a second, one at a third: no strain is prevented."""
-    nodes = mesh.nodes
+def supports(nodes: Float[ndarray, "node 3"]) -> Int[ndarray, "6"]:
+    """Six dofs that exclude rigid motion and prevent no strain: 3, 2 and 1 of three nodes."""
     first = int(np.argmin(nodes @ [1.0, 1.0, 1.0]))
     second = int(np.argmax(np.linalg.norm(nodes - nodes[first], axis=1)))
     line = (nodes[second] - nodes[first]) / np.linalg.norm(nodes[second] - nodes[first])

@@ -15,6 +15,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.structure import elasticity
+from bladeroot.structure.follower import load_stiffness, symmetric
 from bladeroot.structure.geometry import Structure
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import SLOTS, Mesh, base_nodes, body_mesh
@@ -92,12 +93,16 @@ def contact_dofs(nodes: Int[ndarray, " pair"]) -> Int[ndarray, " dof"]:
 
 @dataclass(frozen=True)
 class BeamModel:
-    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node."""
+    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node.
+
+    `follower`: symmetric load stiffness (per newton) by dof, None for a dead load.
+    """
 
     mesh: Mesh
     stiffness: sp.csr_array
     mass: sp.csr_array
     geometric: sp.csr_array
+    follower: sp.csr_array | None = None
 
 
 def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> BeamModel:
@@ -112,7 +117,22 @@ def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
         elasticity.stiffness(beam, rule, materials),
         elasticity.mass(beam, rule, materials),
         elasticity.geometric_stiffness(beam, rule, prestress.stress.values),
+        symmetric(load_stiffness(mesh)) if structure.load == "follower" else None,
     )
+
+
+def force_stiffness(model: BeamModel) -> sp.csr_array:
+    """Stiffness per newton of axial force (1/m) by dof: of the stress, and of a follower load."""
+    geometric = elasticity.per_axis(model.geometric)
+    return geometric if model.follower is None else sp.csr_array(geometric + model.follower)
+
+
+def project_force(model: BeamModel, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """The reduced stiffness per newton of axial force (1/m), eqs 4.2, 4.12."""
+    geometric = project(model.geometric, basis)
+    if model.follower is None:
+        return geometric
+    return geometric + basis.columns.T @ (model.follower @ basis.columns)
 
 
 def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
@@ -162,10 +182,10 @@ def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Datas
             ),
             "beam_geometric_stiffness": (
                 matrices,
-                project(model.geometric, basis),
+                project_force(model, basis),
                 {
                     "units": "1/m",
-                    "long_name": "reduced geometric stiffness per newton of axial force",
+                    "long_name": f"reduced stiffness per newton of {structure.load} axial force",
                     "source": "eqs 4.2, 4.12",
                 },
             ),

@@ -14,6 +14,8 @@ RATIOS = tuple(
     for ratio in (factor, 1.0 / factor)
 )
 CLOSE = 0.01
+# An axial force moves all bending modes by as much as this: a smaller ratio tells nothing.
+TELLING = 1.2
 
 
 def find(sight: Sight) -> Finding | None:
@@ -26,7 +28,8 @@ def find(sight: Sight) -> Finding | None:
         return None
     lines = _lines(sight)
     at_one = _matches(lines, modes, 1.0)
-    scored = [(_matches(lines, modes, ratio), ratio) for ratio in RATIOS]
+    telling = [ratio for ratio in RATIOS if abs(np.log(ratio)) > np.log(TELLING)]
+    scored = [(_matches(lines, modes, ratio), ratio) for ratio in telling]
     most, ratio = max(scored, key=lambda pair: (pair[0], -abs(np.log(pair[1]))))
     text = (
         f"sampling rate: {most} modes lie at {ratio:.4g} times their expected frequencies; "

@@ -1,0 +1,25 @@
+"""The first mode shapes of the free beam, as numbers and drawn -> shapes.nc, modes.svg."""
+
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.figures.shapes import mode_shapes
+from bladeroot.figures.style import svg
+from bladeroot.structure.file import load_structure
+from bladeroot.structure.shapes import beam_shapes
+
+
+def main(structure, mesh, output, drawing):
+    solid = artifacts.load(mesh)
+    shapes = beam_shapes(load_structure(structure), solid)
+    artifacts.save(shapes, output)
+    artifacts.save_text(svg(mode_shapes(solid, shapes)), drawing)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        structure="structure file (YAML)",
+        mesh="mesh.nc",
+        output="shapes.nc",
+        drawing="modes.svg",
+    )
