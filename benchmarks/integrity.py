@@ -50,7 +50,7 @@ def decay(rng, **fixed):
     else:
         slip = a**2 / (a**2 + made["onset"] ** 2) * (1.0 + made["onset"] ** 2)
     loss = slip
-    if "hump" in made:  # micro-slip: damping largest where the joint slides through
+    if "hump" in made:  # damping is largest where the joint slides through
         loss = np.exp(-0.5 * ((log_a - np.log(made["onset"])) / made["hump"]) ** 2)
     fall = np.pi * f * made["eta"] * (1.0 + made["more"] * loss)
     turn = 2.0 * np.pi * f * (1.0 - made["soft"] * slip)
