@@ -18,6 +18,7 @@ rule all:
 
 
 include: "workflow/rules/structure.smk"
+include: "workflow/rules/calibrate.smk"
 include: "workflow/rules/assembly.smk"
 include: "workflow/rules/matrices.smk"
 include: "workflow/rules/bench.smk"

@@ -51,7 +51,7 @@ def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
     page = (house.folder / "results" / "poor" / "report.html").read_text()
     assert "No record reached its stick plateau" in page
     assert "at least 64 samples" in page
-    assert "Mode 1B and 2B has no stick frequency" in page
+    assert "no stick frequency of 1B and 2B" in page
 
 
 def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):

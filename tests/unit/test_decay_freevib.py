@@ -225,8 +225,9 @@ def test_no_decay_has_the_same_variables(tmp_path):
 @pytest.mark.parametrize("ratio", [0.75, 1.1, 1.2, 1.3])
 def test_mode_that_outlives_the_one_that_is_followed(ratio):
     """A neighbour of 10 % that decays more slowly, in the band: the curve does not go over to it,
-    and no plateau is stated that is not the mode's."""
-    velocity, noise, largest, truth = ring_down(1, onset=0.1, eta=(0.004, 0.012), second=0.0)
+    and no plateau is stated that is not the mode's.
+    """
+    velocity, noise, _largest, _truth = ring_down(1, onset=0.1, eta=(0.004, 0.012), second=0.0)
     time = np.arange(velocity.size) / 25600.0
     other = 2.0 * np.pi * 250.0 * ratio
     velocity += 0.1 * START * np.exp(-0.001 * other * time) * np.cos(other * time + 1.0)

@@ -28,7 +28,7 @@ def late(attrs, truth):
     ("kind", "noise_db", "early", "within"),
     [
         ("shaker", 60, 1, 2), ("shaker", 40, 1, 3), ("shaker beating", 60, 2, 4),
-        ("shaker slow ramp", 40, 2, 3), ("shaker chatter", 60, 4, 4), ("hammer", 60, 0, 1),
+        ("shaker slow ramp", 40, 2, 3), ("shaker chatter", 60, 6, 4), ("hammer", 60, 0, 1),
         ("hammer", 20, 0, 1), ("hammer double", 60, 0, 1), ("hammer several", 60, 0, 3),
         ("step", 60, 0, 1), ("step", 20, 0, 1), ("step offset", 40, 0, 1),
         ("begins in the decay", 40, 0, 0.2),
@@ -45,14 +45,32 @@ def test_starts_soon_after_the_release(kind, noise_db, early, within):
     assert sum(attrs["excitation"] == truth.excitation for attrs, truth in found) >= 10
 
 
-@pytest.mark.parametrize(("back", "missed"), [("hard", 1), ("gentle", 3)])
+@pytest.mark.parametrize(("back", "missed"), [("hard", 2), ("gentle", 6)])
 @pytest.mark.parametrize("noise_db", [60, 40])
 def test_ends_before_the_tip_returns(back, missed, noise_db):
+    """A return that turns the decay no more sharply than a joint's own law may is not seen."""
     over = 0
     for attrs, truth in drawn("shaker", noise_db, back):
         if truth.free[-1][1] < truth.visible:
             over += attrs["end_s"] > truth.free[-1][1]
     assert over <= missed
+
+
+@pytest.mark.parametrize("width", [0.35, 0.6, 1.0])
+@pytest.mark.parametrize("eta", [0.001, 0.004])
+def test_a_hump_of_damping_does_not_end_a_decay(eta, width):
+    rate, f = 20_000.0, 500.0
+    level = np.linspace(0.0, -7.0, 4001)
+    hump = np.exp(-0.5 * ((level + 1.5) / width) ** 2)
+    fall, turn = np.pi * f * eta * (1.0 + 5.0 * hump), 2 * np.pi * f * (1.0 - 0.02 * hump)
+    step = np.diff(level)
+    sums = [np.concatenate([[0.0], np.cumsum(-step * y[1:])]) for y in (1 / fall, turn / fall)]
+    time = np.arange(int(sums[0][-1] * rate)) / rate
+    velocity = np.exp(np.interp(time, sums[0], level)) * np.cos(np.interp(time, *sums))
+    velocity += 1e-3 * np.random.default_rng(0).standard_normal(time.size)
+    attrs = cut(velocity, rate, f).attrs
+    assert attrs["excitation"] == "begins in the decay"
+    assert attrs["end_reason"] != "disturbed"
 
 
 @pytest.mark.parametrize("kind", ["shaker", "hammer", "step"])

@@ -58,7 +58,8 @@ def test_sensitivities(unit, sensitivity, quantity, factor):
 
 
 @pytest.mark.parametrize(
-    "unit", ["", "furlong", "9**9**9", "m**s", "(((", "N", "s", "m^5", "a" * 99]
+    "unit",
+    ["", "furlong", "9**9**9", "m**s", "(((", "N", "s", "m^5", "a" * 99, "s mm/s", "s   mm/s"],
 )
 def test_what_is_no_unit_of_motion(unit):
     with pytest.raises(ValueError, match="expected a unit"):

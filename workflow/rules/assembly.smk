@@ -14,12 +14,30 @@ rule parametric:
     threads: 1
     params:
         settings=settings("parametric"),
+        springs="area",
         code=code("parametric"),
     message:
         "frequencies of {wildcards.structure} over (kn, kt, force), with an error bound (5.4-5.7)"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/parametric.py --reduced {input.reduced:q}"
-        " --settings {params.settings:q} --output {output.parametric} > {log} 2>&1"
+        " --springs {params.springs} --settings {params.settings:q}"
+        " --output {output.parametric} > {log} 2>&1"
+
+
+# The thesis's equal nodal springs, for its own search alone.
+use rule parametric as parametric_equal_nodes with:
+    output:
+        parametric="results/structures/{structure}/parametric_equal_nodes.nc",
+    log:
+        "results/logs/parametric_equal_nodes/{structure}.log",
+    benchmark:
+        "results/benchmarks/parametric_equal_nodes/{structure}.tsv"
+    params:
+        settings=settings("parametric"),
+        springs="equal",
+        code=code("parametric"),
+    message:
+        "frequencies of {wildcards.structure} with equal nodal springs, as in the thesis (5.4-5.7)"
 
 
 def forces_with(wildcards):

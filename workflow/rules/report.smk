@@ -77,6 +77,7 @@ rule figures:
         fe_forces=rules.fe_forces.output.fe_forces,
         searches=searches,
         stiffness=rules.stiffness.output.stiffness,
+        joints=joints,
         theory=rules.theory.output.theory,
         published=ROOT / "resources" / "thesis" / "table_5_2.csv",
         mesh=lambda w: expand(
@@ -98,6 +99,12 @@ rule figures:
         maps=report(
             "results/{campaign}/figures/maps.svg",
             caption="../report/maps.rst",
+            category="{campaign}",
+            subcategory="contact stiffness",
+        ),
+        joint=report(
+            "results/{campaign}/figures/joint.svg",
+            caption="../report/joint.rst",
             category="{campaign}",
             subcategory="contact stiffness",
         ),
@@ -131,9 +138,40 @@ rule figures:
         "figures of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures.py --stick {input.stick:q} --fe_forces {input.fe_forces:q}"
-        " --searches {input.searches:q} --stiffness {input.stiffness:q} --theory {input.theory:q}"
+        " --searches {input.searches:q} --stiffness {input.stiffness:q} --joints {input.joints:q} --theory {input.theory:q}"
         " --published {input.published:q} --mesh {input.mesh:q} --simulated {params.simulated}"
         " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+
+
+rule figures_thesis_search:
+    input:
+        searches=thesis_searches,
+        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+    output:
+        solution_sets=report(
+            "results/{campaign}/figures/solution_sets.svg",
+            caption="../report/solution_sets.rst",
+            category="{campaign}",
+            subcategory="contact stiffness",
+        ),
+        thesis_search=report(
+            "results/{campaign}/figures/thesis_search.svg",
+            caption="../report/thesis_search.rst",
+            category="{campaign}",
+            subcategory="contact stiffness",
+        ),
+    log:
+        "results/logs/figures_thesis_search/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures_thesis_search/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("figures_thesis_search"),
+    message:
+        "figures 5.11 to 5.18 for {wildcards.campaign}"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/figures_thesis_search.py --searches {input.searches:q}"
+        " --published {input.published:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 
 def report_facts(wildcards):
@@ -150,11 +188,25 @@ def report_facts(wildcards):
     )
 
 
+def calibrations_made(wildcards):
+    """Calibrations of the campaign's structures that exist: they are made when asked for."""
+    made = expand(
+        rules.calibrate.output.calibration,
+        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+    )
+    return [path for path in made if Path(path).is_file()]
+
+
 rule report:
     input:
         stick=rules.stick.output.stick,
         fe_forces=rules.fe_forces.output.fe_forces,
         stiffness=rules.stiffness.output.stiffness,
+        joints=joints,
+        thesis_searches=thesis_searches,
+        searched=lambda w: (
+            rules.figures_thesis_search.output if thesis_searches(w) else []
+        ),
         theory=rules.theory.output.theory,
         checks=lambda w: expand(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
@@ -163,6 +215,7 @@ rule report:
             rules.accuracy.output.accuracy,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
+        calibrations=calibrations_made,
         figures=rules.figures.output,
         modes=lambda w: expand(
             rules.shapes.output.modes,
@@ -212,6 +265,9 @@ rule report:
         "report of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
-        " --checks {input.checks:q} --accuracies {input.accuracies:q} --figures {input.figures:q} {input.modes:q} {input.drawn:q} --thesis {input.thesis:q}"
+        " --checks {input.checks:q} --accuracies {input.accuracies:q}"
+        " --calibrations {input.calibrations:q} --joints {input.joints:q}"
+        " --figures {input.figures:q} {input.modes:q} {input.drawn:q} {input.searched:q}"
+        " --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

@@ -9,15 +9,15 @@ def run(stage: Callable[..., None], **options: str) -> None:
     """Call `stage` with one string (or list, for `nargs` given as "many") per option.
 
     `options` maps an option's name to its help; a help that starts with "many:" takes several
-    values, one that starts with "optional:" may be missing. A ValueError ends the script with
-    its text alone: it is an answer to bad input, not a crash.
+    values, with "any:" none or several, one that starts with "optional:" may be missing. A
+    ValueError ends the script with its text alone: it is an answer to bad input, not a crash.
     """
     parser = argparse.ArgumentParser(description=sys.modules["__main__"].__doc__)
     for name, text in options.items():
         parser.add_argument(
             f"--{name}",
             help=text,
-            nargs="+" if text.startswith("many:") else None,
+            nargs={"many": "+", "any": "*"}.get(text.partition(":")[0]),
             required=not text.startswith("optional:"),
         )
     try:

@@ -4,6 +4,7 @@ import pandas as pd
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.contact.published import published_stiffness
+from bladeroot.figures import joint as joint_figures
 from bladeroot.figures import stick as stick_figures
 from bladeroot.figures import stiffness as stiffness_figures
 from bladeroot.figures import structure as structure_figures
@@ -11,7 +12,7 @@ from bladeroot.figures import theory as theory_figures
 from bladeroot.figures.style import svg
 
 
-def main(stick, fe_forces, searches, stiffness, theory, published, mesh, simulated, folder):
+def main(stick, fe_forces, searches, stiffness, joints, theory, published, mesh, simulated, folder):
     marked = simulated == "1"
     table_5_2 = published_stiffness(pd.read_csv(published).to_dict("list"))
     identified, predicted = artifacts.load(stiffness), artifacts.load(theory)
@@ -21,6 +22,9 @@ def main(stick, fe_forces, searches, stiffness, theory, published, mesh, simulat
         "stick": stick_figures.over_force(measured, interpolated, marked),
         "structure": structure_figures.side_view(artifacts.load(mesh)),
         "maps": stiffness_figures.maps(found, table_5_2, marked),
+        "joint": joint_figures.joint(
+            [artifacts.load(found) for found in joints], identified, marked
+        ),
         "tractions": theory_figures.tractions(predicted),
         "against_normal_force": theory_figures.against_normal_force(predicted),
         "compared": theory_figures.compared(predicted, identified, marked),
@@ -36,6 +40,7 @@ if __name__ == "__main__":
         fe_forces="fe_forces.nc",
         searches="many: searches of every structure and force",
         stiffness="stiffness.nc",
+        joints="many: joint inferences with every structure",
         theory="theory.nc",
         published="Table 5.2 as printed (CSV)",
         mesh="mesh.nc of the main structure",

@@ -8,10 +8,10 @@ from bladeroot.structure.joint import joint_of_reduced
 from bladeroot.structure.parametric import parametric_model
 
 
-def main(reduced, settings, output):
+def main(reduced, springs, settings, output):
     asked = json.loads(settings)
     model = parametric_model(
-        joint_of_reduced(artifacts.load(reduced)),
+        joint_of_reduced(artifacts.load(reduced), equal_nodes=springs == "equal"),
         asked["modes"],
         tuple(1e9 * k for k in asked["stiffness_GN_per_m"]),
         tuple(1e3 * force for force in asked["force_kN"]),
@@ -23,6 +23,7 @@ if __name__ == "__main__":
     run(
         main,
         reduced="reduced.nc",
+        springs="area or equal: how a flank's stiffness is shared among its nodes",
         settings="section `parametric` of the configuration (JSON)",
         output="parametric.nc",
     )

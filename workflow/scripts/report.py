@@ -10,17 +10,25 @@ from bladeroot import __version__, artifacts
 from bladeroot.report.contents import report
 
 
-def main(results, checks, accuracies, figures, thesis, facts, output):
+def main(results, checks, accuracies, calibrations, joints, figures, thesis, facts, output):
     known = json.loads(facts)
     names = ["stick", "fe_forces", "stiffness", "theory"] + ["score"] * known["simulated"]
     names += ["integrity"] * (known["entry"] == "records")
     names += ["ledger"] * (known["description"].get("published") == "thesis")
     published, errata = thesis
+    searched = [
+        Path(results) / "thesis_search" / f"{structure}.nc"
+        for structure in known["description"]["structure"]
+        if known["description"].get("published") == "thesis"
+    ]
     page = report(
         known,
         {name: artifacts.load(Path(results) / f"{name}.nc") for name in names},
         [artifacts.load(check) for check in checks],
         [artifacts.load(accuracy) for accuracy in accuracies],
+        [artifacts.load(calibration) for calibration in calibrations],
+        [artifacts.load(joint) for joint in joints],
+        [artifacts.load(search) for search in searched],
         {Path(figure).stem: _inline(Path(figure).read_text()) for figure in figures},
         pd.read_csv(published),
         yaml.safe_load(Path(errata).read_text()),
@@ -40,6 +48,8 @@ if __name__ == "__main__":
         results="the campaign's folder of artifacts",
         checks="many: checks.nc of its structures",
         accuracies="many: accuracy.nc of its structures",
+        calibrations="any: calibration.nc of its structures",
+        joints="many: joint inferences of its structures",
         figures="many: figures (SVG)",
         thesis="many: table_5_1.csv and errata.yaml",
         facts="what is known of the campaign (JSON)",

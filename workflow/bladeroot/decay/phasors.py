@@ -207,7 +207,8 @@ def gather(
     guess: the log-phasor as far as it is known; its amplitude, not the noisy one, sets the
     errors. A block is one frame (or the frames over `most`), and grows where the mode is weak
     until its standard error is about `target`, but not beyond a drop of the envelope by 0.4. The
-    blocks end where the mode is lost: where that is not enough for `worst`.
+    blocks end where the mode is lost: where that is not enough for `worst`. Raises ValueError
+    where it is lost from the start.
     """
     share = std * np.exp(-guess.real)
     fall = -np.gradient(guess.real) if share.size > 1 else np.zeros(1)
@@ -220,6 +221,8 @@ def gather(
     while edges[-1] < time.size and edges[-1] + lengths[edges[-1]] <= time.size:
         edges.append(edges[-1] + lengths[edges[-1]])
     stop = edges[-1]
+    if stop == 0:
+        raise ValueError("expected a mode that stands out of the noise, got none from the start")
     starts = np.array(edges[:-1])
     weight = share[:stop] ** -2.0
     total = np.add.reduceat(weight, starts)

@@ -13,6 +13,8 @@ SHORTEST = 64
 _LISTED = 12
 # A compressed file holds at most about a thousand times its size (deflate's limit).
 _DENSEST = 1100
+# What a channel t is in where it is no time.
+_TEMPERATURE = ("°c", "degc", "celsius", "c", "k", "kelvin", "°f", "degf", "f")
 
 
 @dataclass(frozen=True)
@@ -97,16 +99,31 @@ def split_name(name: str) -> tuple[str, str | None]:
     if match:
         return match[1].strip(), match[2]
     base, _, tail = name.rpartition("_")
-    known = normal_unit(tail) in USUAL or ("/" in tail and quantity_of("", tail)) or seconds(tail)
+    motion = normal_unit(tail) in USUAL or ("/" in tail and quantity_of("", tail))
+    known = motion or (_is_time(base) and seconds(tail))
     return (base, tail) if base and known else (name, None)
 
 
-def time_factor(name: str, unit: str | None = None) -> float | None:
-    """Seconds in a unit of a time channel (time, t, time_ms, Time [s]); None if it is none."""
+def time_factor(name: str, unit: str | None, path: str) -> float | None:
+    """Seconds in a unit of a time channel (time, t, time_ms, Time [s]); None if it is none.
+
+    Raises:
+        ValueError: a time in a unit that is not known.
+    """
     base, own = split_name(name)
-    if base.strip().lower() not in ("time", "t", "zeit", "elapsed time"):
+    unit = unit or own or "s"
+    if not _is_time(base) or (base.strip().lower() == "t" and unit.strip().lower() in _TEMPERATURE):
         return None
-    return seconds(unit or own or "s")
+    factor = seconds(unit)
+    if factor is None:
+        raise ValueError(
+            f"expected times in s, ms, us, ns, min or h, got {unit!r} in {name!r} ({path})"
+        )
+    return factor
+
+
+def _is_time(base: str) -> bool:
+    return base.strip().lower() in ("time", "t", "zeit", "elapsed time")
 
 
 def check_claim(count: int, width: int, path: str) -> None:
@@ -120,20 +137,3 @@ def check_claim(count: int, width: int, path: str) -> None:
         raise ValueError(
             f"the header claims {count} samples of {width} bytes, the file has {size} ({path})"
         )
-
-
-def stated(properties: dict[str, object]) -> dict[str, str | float]:
-    """Mode and force among a file's own properties, by their plain names."""
-    names = {"mode": "mode", "force_n": "force_N", "axial_force_n": "force_N"}
-    facts: dict[str, str | float] = {}
-    for name, value in properties.items():
-        fact = names.get(str(name).strip().lower().replace(" ", "_"))
-        text = str(value).strip()
-        if fact == "mode" and text:
-            facts[fact] = text
-        elif fact == "force_N":
-            try:
-                facts[fact] = float(text)
-            except ValueError:
-                continue
-    return facts

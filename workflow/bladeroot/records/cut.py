@@ -95,6 +95,8 @@ def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) ->
     first = max(0, min(loudest - LOUD_SAMPLES // 2, velocity.size - LOUD_SAMPLES))
     seen = envelope(velocity[first : first + LOUD_SAMPLES], sampling_Hz, expected_Hz)
     loud = seen.level[:-1] > seen.level.max() - np.log(2.0)
+    if not loud.any():
+        return expected_Hz
     turn = np.median(np.diff(seen.log.imag)[loud]) / seen.step_s
     return float(np.clip(expected_Hz + turn / (2.0 * np.pi), 0.5 * expected_Hz, 1.5 * expected_Hz))
 

@@ -14,9 +14,10 @@ STRIKE, HARMFUL = 5.0, 0.005
 # The tip's return as a kink: gain over noise (see `release.GAIN`; here every place of a record is
 # tested), gain over noise and the ripple that it leaves, or the first alone where it is abrupt.
 GAIN, BARE, ALONE = 30.0, 10.0, 60.0
-# Step and bend (over the reach) of the log-phasor. A joint that begins to stick has neither; a
-# frequency that changes at once by 0.2 % bends by 0.3 in two dozen cycles.
-MOVED = 0.3
+# Step and bend (over the reach) of the log-phasor. A joint that begins to stick has neither; the
+# beat of a close mode of 8 % bends by as much, a frequency that changes at once by 0.7 % does so
+# over two dozen cycles, one that changes by 0.17 % over a hundred.
+MOVED = 1.0
 # Frames a point (half cycles), and the fall of ln A before a place up to which a bend is a kink, or
 # an abrupt one: over more, a joint's damping rises to a hump and falls again by itself.
 SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2

@@ -3,6 +3,7 @@
 import dataclasses
 import importlib
 import pkgutil
+import re
 import warnings
 from functools import cache
 from pathlib import Path
@@ -11,12 +12,12 @@ from bladeroot.records import readers
 from bladeroot.records.channel import Channel, split_name
 from bladeroot.records.recording import Recording, recording
 from bladeroot.records.sampling import usual_rate
+from bladeroot.records.statements import FORCES_APART, NO_UNIT, RATES_APART
 from bladeroot.records.units import SI, motion, normal_unit, quantity_of, same
 
 # How far a file's sampling frequency may lie from the sheet's before it is another one, and
 # from where on the difference is told.
-CONTRADICTION, DIFFERENCE = 1e-4, 1e-7
-_NO_UNIT = ("", "1", "-", "none", "n/a", "na", "unknown", "dimensionless", "a.u.")
+CONTRADICTION, DIFFERENCE = RATES_APART, 1e-7
 
 
 @cache
@@ -69,7 +70,7 @@ def read(
     where = f"{path}, channel {found.name!r}"
     notes = list(found.notes)
     unit = _unit(found, unit, quantity, sensitivity, where, notes)
-    _agree(found, mode, force_N, where)
+    _agree(found, mode, force_N, where, notes)
     own = found.sampling_Hz
     record = recording(
         found.samples,
@@ -117,7 +118,7 @@ def _unit(
     notes: list[str],
 ) -> str:
     """The unit that sheet and file agree on."""
-    own = found.unit if found.unit and found.unit.strip().lower() not in _NO_UNIT else None
+    own = found.unit if found.unit and found.unit.strip().lower() not in NO_UNIT else None
     if own and unit:
         try:
             agree = same(own, unit)
@@ -173,13 +174,32 @@ def _sampling(own: float, sampling_Hz: float | None, where: str, notes: list[str
     return sampling_Hz
 
 
-def _agree(found: Channel, mode: str | None, force_N: float | None, where: str) -> None:
-    """Mode and force, where the file states them, are the sheet's."""
+def _agree(
+    found: Channel, mode: str | None, force_N: float | None, where: str, notes: list[str]
+) -> None:
+    """Mode and force, where the file states them, are the sheet's.
+
+    What a file calls its mode may be the instrument's (`continuous`): only a name of the same
+    form as the sheet's, such as 2B for 1B, contradicts it.
+    """
     own = found.facts.get("mode")
     if own is not None and mode is not None and str(own) != mode:
-        raise ValueError(f"mode contradicts: {mode} in records.csv, {own} in the file ({where})")
+        if _form(str(own)) == _form(mode):
+            raise ValueError(
+                f"mode contradicts: {mode} in records.csv, {own} in the file ({where})"
+            )
+        notes.append(f"the file's mode {str(own)[:40]!r} is no name like {mode} and is not judged")
     force = found.facts.get("force_N")
-    if force is not None and force_N is not None and not abs(force - force_N) <= 0.01 * force_N:
+    if (
+        force is not None
+        and force_N is not None
+        and not (abs(force - force_N) <= FORCES_APART * force_N)
+    ):
         raise ValueError(
             f"force_N contradicts: {force_N:g} in records.csv, {force:g} in the file ({where})"
         )
+
+
+def _form(name: str) -> str:
+    """A name with 9 for its numbers and A for its words: 9A for 1B."""
+    return re.sub(r"[^\W\d_]+", "A", re.sub(r"\d+", "9", name))

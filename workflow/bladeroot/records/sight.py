@@ -94,10 +94,11 @@ class Sight:
 
     @cached_property
     def own_Hz(self) -> float:
-        """Frequency of the strongest line near the expected frequency."""
+        """The strongest line's frequency near the expected one, which stands in for none."""
         frequency, level = self.early
         inside = np.abs(frequency / self.expected_Hz - 1.0) <= TOLERANCE
-        return peak_Hz(frequency, np.where(inside, level, 0.0))
+        found = peak_Hz(frequency, np.where(inside, level, 0.0))
+        return found if abs(found / self.expected_Hz - 1.0) <= 1.5 * TOLERANCE else self.expected_Hz
 
     @cached_property
     def quantum(self) -> float:
@@ -120,6 +121,10 @@ class Sight:
         for order in (2, 3):
             if order * f < 0.42 * rate and width >= 24:
                 columns += [np.cos(order * turn), np.sin(order * turn)]
+        for other in self.modes_Hz:
+            # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
+            if width >= 24 and (0.3 < other / f < 0.65 or 1.35 < other / f < 1.7):
+                columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
         root = np.sqrt(np.hanning(width + 2)[1:-1])
         solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
         parts = np.lib.stride_tricks.sliding_window_view(x, width)[::hop] @ solver[:3].T

@@ -22,10 +22,20 @@ USUAL = {
 }
 # What a digitiser says instead of motion; a sensitivity makes motion of it.
 RAW = ("V", "mV", "FS", "count")
-_TIMES = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+_TIMES = {
+    1.0: ("s", "sec", "secs", "second", "seconds"),
+    1e-3: ("ms", "msec", "millisecond", "milliseconds"),
+    1e-6: ("us", "usec", "microsecond", "microseconds"),
+    1e-9: ("ns", "nsec", "nanosecond", "nanoseconds"),
+    60.0: ("min", "minute", "minutes"),
+    3600.0: ("h", "hr", "hour", "hours"),
+    86400.0: ("d", "day", "days"),
+}
 _SPELLINGS = str.maketrans({"µ": "u", "μ": "u", "²": "2", "¹": "1", "⁻": "-", "−": "-", "·": "*"})
 # Names with small powers and nothing else: pint would work out 9**9**9 for ever.
 _WRITTEN = re.compile(r"(?:[A-Za-z_](?:\^-?[1-4])?|[/*().\s])+")
+# A blank multiplies in m s^-1 only: two units beside each other are two units.
+_BLANK = re.compile(r"[\w)]\s+(?![A-Za-z_]+\^-[1-4])")
 _NUMBER = re.compile(r"\s*([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*(.*)")
 # g is the acceleration. Prefixes stop at kilo: Mm/s is a slip of the shift key, no megametre.
 _REGISTRY = """
@@ -54,6 +64,7 @@ def normal_unit(unit: str) -> str:
     text = unit.strip().strip("[]").strip().translate(_SPELLINGS).replace("**", "^")
     text = re.sub(r"([A-Za-z])(-?[1-4])(?![\d.])", r"\1^\2", text)
     text = re.sub(r"\bm\s?s\^-([12])\b", lambda of: "m/s" if of[1] == "1" else "(m/s^2)", text)
+    text = re.sub(r"\s+per\s+", "/", text)
     text = re.sub(r"\s*([/*^])\s*", r"\1", text)
     bare = text.removeprefix("(").removesuffix(")")
     return "g" if bare == "g_n" else bare if bare in USUAL else text
@@ -115,7 +126,8 @@ def quantity_of(name: str, unit: str | None) -> str | None:
 
 def seconds(unit: str) -> float | None:
     """Factor of a unit of time to seconds, None if it is no such unit."""
-    return _TIMES.get(unit.strip().strip("[]()").strip().translate(_SPELLINGS))
+    text = unit.strip().strip("[]()").strip().translate(_SPELLINGS).lower()
+    return next((factor for factor, names in _TIMES.items() if text in names), None)
 
 
 def _sensitivity(text: str) -> tuple[float, str]:
@@ -141,7 +153,7 @@ def _quantity(number: float, unit: str):
     """A pint quantity in base units; files in capitals (MM/S) are understood."""
     spellings = dict.fromkeys((unit, unit.lower())) if len(unit) <= 40 else ()
     for text in spellings:
-        if not _WRITTEN.fullmatch(text):
+        if not _WRITTEN.fullmatch(text) or _BLANK.search(text):
             break
         try:
             return _registry().Quantity(number, text).to_base_units()

@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladeroot.report.errata import errata_section
 from bladeroot.report.integrity import integrity_section
+from bladeroot.report.joint import joint_parts
 from bladeroot.report.ledger import ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.page import Section, render
@@ -14,6 +15,7 @@ from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.structure import structure_section
 from bladeroot.report.summary import summary_section, undecided_section
 from bladeroot.report.theory import theory_section
+from bladeroot.report.thesis_search import thesis_search_parts
 
 
 def report(
@@ -21,6 +23,9 @@ def report(
     stages: Mapping[str, xr.Dataset],
     checks: Sequence[xr.Dataset],
     accuracies: Sequence[xr.Dataset],
+    calibrations: Sequence[xr.Dataset],
+    joints: Sequence[xr.Dataset],
+    thesis_searches: Sequence[xr.Dataset],
     figures: Mapping[str, str],
     published_5_1: pd.DataFrame,
     errata: Sequence[dict],
@@ -30,8 +35,9 @@ def report(
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
     fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
-    thesis's tables, ledger. checks, accuracies: of each structure. figures: SVG text by name.
-    published_5_1 and errata: of the thesis, as shipped.
+    thesis's tables, ledger. checks, accuracies, joints: of each structure; calibrations: of those
+    that have one; thesis_searches: of each structure of a campaign of the thesis. figures: SVG text
+    by name. published_5_1 and errata: of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -39,14 +45,20 @@ def report(
     if of_the_thesis:
         comparison = table_5_1(stages["fe_forces"], published_5_1)
         sticks = Section(sticks.title, [*sticks.parts, *comparison])
+    stiffness = stiffness_section(stages["stiffness"], figures["maps"], score)
+    whole = joint_parts(joints, figures["joint"])
+    if thesis_searches:
+        whole += thesis_search_parts(
+            thesis_searches, figures["solution_sets"], figures["thesis_search"]
+        )
     held = {check.attrs["structure"]: check for check in checks}
     sections = [
         summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
-        structure_section(held, accuracies, figures),
-        stiffness_section(stages["stiffness"], figures["maps"], score),
+        structure_section(held, accuracies, calibrations, figures),
+        Section(stiffness.title, [*stiffness.parts, *whole]),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]

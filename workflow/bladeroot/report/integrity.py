@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, listed, significant
+from bladeroot.report.numbers import NONE, fixed, listed, significant
 from bladeroot.report.page import Section, Table
 
 
@@ -38,13 +38,17 @@ def _findings(judged: xr.Dataset) -> Table:
             str(judged["finding_record"].values[k]),
             str(judged["finding_id"].values[k]),
             str(judged["finding_consequence"].values[k]),
-            f"{judged['finding_from_s'].values[k]:.3f} to {judged['finding_to_s'].values[k]:.3f}",
+            _span(judged["finding_from_s"].values[k], judged["finding_to_s"].values[k]),
             str(judged["finding_text"].values[k]),
         )
         for k in range(judged.sizes["finding"])
     ]
     header = ("record", "finding", "consequence", "time in the decay / s", "what was found")
     return Table("Findings, record by record", header, rows)
+
+
+def _span(first: float, last: float) -> str:
+    return f"{first:.3f} to {last:.3f}" if np.isfinite([first, last]).all() else NONE
 
 
 def _second_opinion(judged: xr.Dataset) -> list:

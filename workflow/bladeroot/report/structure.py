@@ -5,14 +5,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.report.calibration import calibration_parts
 from bladeroot.report.numbers import NONE, percent
 from bladeroot.report.page import Picture, Section, Table
 
 
 def structure_section(
-    checks: Mapping[str, xr.Dataset], accuracies: Sequence[xr.Dataset], figures: Mapping[str, str]
+    checks: Mapping[str, xr.Dataset],
+    accuracies: Sequence[xr.Dataset],
+    calibrations: Sequence[xr.Dataset],
+    figures: Mapping[str, str],
 ) -> Section:
-    """A table a structure, checks with residual and limit; then the accuracy of the reduction.
+    """Checks with residual and limit, a table a structure; accuracy of reduction; dimensions.
 
     figures: `structure`, the side view, and `modes`, the mode shapes, if there are any.
     """
@@ -51,6 +55,8 @@ def structure_section(
             [row for accuracy in accuracies for row in _accuracy_rows(accuracy)],
         )
     )
+    for one in calibrations:
+        parts += calibration_parts(one)
     return Section("Structure", parts)
 
 

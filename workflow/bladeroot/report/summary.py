@@ -15,8 +15,8 @@ def summary_section(stick: xr.Dataset, stiffness: xr.Dataset, theory: xr.Dataset
     if set(stick["mode"].values) != {"1B", "2B"}:
         missing = [mode for mode in ("1B", "2B") if mode not in stick["mode"].values]
         parts.append(
-            f"Mode {listed(missing)} has no stick frequency; without both modes there is no search "
-            "for (kn, kt)."
+            f"There is no stick frequency of {listed(missing)}; without both modes there is no "
+            "search for (kn, kt)."
         )
         return Section("In short", parts)
     for structure in stiffness["structure"].values:
@@ -94,7 +94,8 @@ def _measured(stick: xr.Dataset) -> str:
         ]
         texts.append(f"mode {mode} {' to '.join(dict.fromkeys(ends))}")
     if not texts:
-        return "No record reached its stick plateau: there is no stick frequency, only bounds."
+        bounds = "only bounds" if (stick["verdict"] == "plateau not reached").any() else "no bound"
+        return f"No record reached its stick plateau: there is no stick frequency, {bounds}."
     return f"Stick frequencies (1B and 2B: first and second bending mode): {listed(texts)}."
 
 

@@ -128,27 +128,38 @@ def full_frequencies(
 ) -> Float[ndarray, "force name"]:
     """Frequencies (Hz) of named modes of the whole model at several axial forces (N).
 
-    One factor, at the middle force, serves them all: elsewhere it preconditions a Davidson
+    ValueError if a mode is not found or does not converge.
+    """
+    found = full_modes(full, [(kn, kt, force) for force in forces], names)
+    return np.sqrt(np.array([values for values, _ in found])) / (2.0 * np.pi)
+
+
+def full_modes(
+    full: FullJoint, points: Sequence[tuple[float, float, float]], names: Sequence[str]
+) -> list[tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]]:
+    """Eigenvalues (rad^2/s^2) and shapes of named modes at points (kn, kt in N/m, force in N).
+
+    One factor, in the points' middle, serves them all: elsewhere it preconditions a Davidson
     iteration, started from the modes there. ValueError if a mode is not found or does not converge.
     """
-    middle = 0.5 * (min(forces) + max(forces))
-    contact = full.stiffness + kn * full.normal + kt * full.tangential
-    at_middle = sp.csr_array(contact + middle * full.geometric)
-    solve = factor(at_middle)
-    _, shapes = lowest_eigenpairs(at_middle, full.mass, _MODES, solve=solve)
+
+    def at(kn: float, kt: float, force: float) -> sp.csr_array:
+        contact = full.stiffness + kn * full.normal + kt * full.tangential
+        return sp.csr_array(contact + force * full.geometric)
+
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    middle = at(*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
+    solve = factor(middle)
+    _, shapes = lowest_eigenpairs(middle, full.mass, _MODES, solve=solve)
     column = find_modes(full.seen, shapes[full.view], names)
     chosen = [column[name] for name in names]
-    values = [
-        _followed(sp.csr_array(contact + force * full.geometric), full.mass, solve, shapes, chosen)
-        for force in forces
-    ]
-    return np.sqrt(np.array(values)) / (2.0 * np.pi)
+    return [_followed(at(*point), full.mass, solve, shapes, chosen) for point in points]
 
 
 def _followed(
     stiffness: sp.csr_array, mass: sp.csr_array, solve, shapes: ndarray, chosen: list[int]
-) -> Float[ndarray, " name"]:
-    """Eigenvalues nearest in shape to the chosen ones of given orthonormal shapes."""
+) -> tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]:
+    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes."""
     basis, wanted = shapes, shapes[:, chosen]
     for _ in range(_STEPS):
         projected = basis.T @ (stiffness @ basis)
@@ -158,7 +169,7 @@ def _followed(
         residual = stiffness @ wanted - values * (mass @ wanted)
         step = solve(residual)
         if np.all(np.einsum("dm,dm->m", residual, step) < _CONVERGED * values):
-            return values
+            return values, wanted
         for _ in range(2):
             step = step - basis @ (basis.T @ (mass @ step))
             step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (mass @ step))).T

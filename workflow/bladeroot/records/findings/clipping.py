@@ -1,5 +1,7 @@
 """Flat tops: the record stops at the largest value that the converter or the sensor can give."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from bladeroot.records.finding import Finding
@@ -12,7 +14,30 @@ THRESHOLD = 3.0
 OTHER = 1.5
 
 
+# So many cycles before the cut are looked at too: the loudest cycles may end with the release.
+LEAD = 30
+# A steadily driven wave with overtones piles up at its top too, by up to twice the threshold.
+DRIVEN = 3.0
+
+
 def find(sight: Sight) -> Finding:
+    """Flat tops of the decay, or else of the cycles before it, which tell of a range too small."""
+    found = _flat(sight)
+    lead = min(int(LEAD * sight.sampling_Hz / sight.own_Hz), sight.first)
+    first = sight.first - lead
+    stop = sight.first + min(lead, sight.velocity.size)
+    early, later = (np.abs(x).max(initial=0.0) for x in np.split(sight.whole[first:stop], [lead]))
+    if found.counts or lead < 8.0 * sight.sampling_Hz / sight.own_Hz or early < 0.9 * later:
+        return found
+    before = _flat(replace(sight, velocity=sight.whole[first:stop], first=first, blind=()))
+    before = replace(before, statistic=before.statistic / DRIVEN)
+    if before.counts:
+        text = f"clipped before the release, at {max(early, later):.4g} m/s"
+        return replace(before, consequence="warn", text=text, spans=())
+    return found if found.statistic > before.statistic else replace(before, spans=())
+
+
+def _flat(sight: Sight) -> Finding:
     """Samples within a step, or three times the noise, of the largest or smallest value.
 
     An unclipped decay is there on the tops of its first cycles only, for as long as the envelope

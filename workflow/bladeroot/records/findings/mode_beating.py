@@ -1,5 +1,7 @@
 """A close mode: amplitude and phase are modulated at the difference of two frequencies."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import fft
 
@@ -10,21 +12,33 @@ STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the m
 THRESHOLD = 10.0
 # A modulation below this does no harm, one above SEVERE leaves no curve to use.
 LEAST, SEVERE = 0.01, 0.25
+# The later half has fewer lines: their median, and what leaks from other modes, is less sure.
+SHORTER = 1.5
 # Periods that must fit into the decay, and the degree of the trend taken off.
 FEWEST, DEGREE = 4.0, 9
 
 
 def find(sight: Sight) -> Finding | None:
-    """The strongest line within a sixth of the mode's frequency.
+    """The strongest line within a sixth of the mode's frequency, in all and in the later half.
+
+    Where the mode's frequency changes much with amplitude, only the later half shows a line.
 
     A second mode of relative amplitude r adds ln(1 + r exp(i d t)) to the log-phasor, which has
     lines on one side of zero only; laws of frequency and damping change it smoothly.
     """
-    frames = sight.frames
-    count = min(frames.clear, 4096)
+    count = min(sight.frames.clear, 4096)
     if count < 40:
         return None
-    used = slice(2, count)
+    whole, later = _line(sight, slice(2, count)), _line(sight, slice(count // 2, count))
+    if later is not None:
+        later = replace(later, statistic=later.statistic / SHORTER)
+    found = [finding for finding in (whole, later) if finding is not None]
+    return max(found, key=lambda finding: finding.statistic, default=None)
+
+
+def _line(sight: Sight, used: slice) -> Finding | None:
+    """The strongest line over some frames."""
+    frames = sight.frames
     log = frames.log[used].copy()
     whole = frames.whole[used]
     if np.count_nonzero(whole) < 38:

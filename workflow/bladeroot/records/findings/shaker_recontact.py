@@ -23,23 +23,33 @@ def find(sight: Sight) -> Finding | None:
     at, size, statistic = largest(sight)
     if at is not None and statistic > THRESHOLD and not gap(size):
         return step_finding(sight, at, statistic, THRESHOLD, told(size))
-    cycles = 3 * sight.frames.hop
-    count = sight.velocity.size
+    statistic = 0.0 if gap(size) else statistic
+    beside = at_ends(sight)
+    if beside is not None and not gap(beside[1]):
+        statistic, step, moment, span = beside
+        text = f"{told(step)} at {moment:.4g} s, where the decay was cut"
+        return Finding(statistic, THRESHOLD, "mask", text, (span,))
+    return Finding(statistic, THRESHOLD, "mask", "")
+
+
+def at_ends(sight: Sight) -> tuple[float, complex, float, tuple[int, int]] | None:
+    """Statistic, size and time of a step for which the decay was cut, and the samples at the cut.
+
+    Looked for at the end and at the start; the decay's own side goes no further than the cut.
+    """
+    count, margin = sight.velocity.size, 3 * sight.frames.hop
     reach = int(35 * sight.sampling_Hz / sight.own_Hz)
     start, stop = sight.first, sight.first + count
-    # the decay's own side of a cut goes no further than the cut
     ends = (
-        (max(stop - reach, start), stop + reach, (count - cycles, count)),
-        (start - reach, min(start + reach, stop), (0, cycles)),
+        (max(stop - reach, start), stop + reach, (count - margin, count)),
+        (start - reach, min(start + reach, stop), (0, margin)),
     )
     for low, high, span in ends:
-        if low < 0 or high > sight.whole.size:
-            continue
-        beside, step, moment = _beside(sight, low, high)
-        if beside > THRESHOLD:
-            text = f"{told(step)} at {moment:.4g} s, where the decay was cut"
-            return Finding(beside, THRESHOLD, "mask", text, (span,))
-    return Finding(0.0 if gap(size) else statistic, THRESHOLD, "mask", "")
+        if low >= 0 and high <= sight.whole.size:
+            statistic, step, moment = _beside(sight, low, high)
+            if statistic > THRESHOLD:
+                return statistic, step, moment, span
+    return None
 
 
 def _beside(sight: Sight, low: int, high: int) -> tuple[float, complex, float]:

@@ -7,14 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bladeroot.records.channel import (
-    Channel,
-    Entry,
-    pick,
-    split_name,
-    stated,
-    time_factor,
-)
+from bladeroot.records.channel import Channel, Entry, pick, split_name, time_factor
+from bladeroot.records.statements import one_time, one_unit, statements
 from bladeroot.records.text import encoding_of, separator_of
 from bladeroot.records.units import normal_unit, quantity_of, seconds
 
@@ -25,7 +19,15 @@ _BLOCK = 1 << 24
 _NUMBER = re.compile(r"[-+]?((\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?|nan|inf)", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _COMMENTS = ("#", "%", "//")
-_SAMPLING = re.compile(r"(sampling|sampl(e|ing) rate|sampling_hz|fs)(\s*[\[(]?hz[\])]?)?")
+# A word and what it is: a text, or a number with commas and its unit in a field of its own.
+_WORD = re.compile(
+    r"[#%/\s]*([\w .\[\]()]+?)\s*[:=;,\t]\s*"
+    r"([^;,\t]+?|[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*[;,\t]?\s*[a-z/]*)[\s;,]*",
+    re.IGNORECASE,
+)
+# Units that channels beside motion and time have in the line below the names.
+_OTHERS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "mbar",
+           "°C", "degC", "K", "%", "-")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -47,40 +49,36 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
 
     The header is the line above the first row of numbers: `time_s` and, say, `velocity_m/s`,
     `velocity [mm/s]` or `velocity (mm/s)`; or names, and units in the line below them. Lines
-    before it may say `sampling_Hz: 25600`, `unit: mm/s`, `mode: 1B`, `force_N: 12000`. Fields are
-    split at commas, semicolons or tabs; a decimal comma may stand where commas do not split.
+    before it may say `sampling_Hz: 25600`, `fs: 25.6 kHz`, `unit: mm/s`, `mode: 1B`,
+    `force_N: 12000`. Fields are split at commas, semicolons or tabs; a decimal comma may stand
+    where commas do not split.
     A last line without a line end counts as cut off.
     """
     form = _form(path)
     columns = list(zip(form.names, form.units, strict=True))
-    factors = [time_factor(name, unit) for name, unit in columns]
+    factors = [time_factor(name, unit, path) for name, unit in columns]
     entries = [
         Entry(k + 1, name, unit or split_name(name)[1], timelike=factors[k] is not None)
         for k, (name, unit) in enumerate(columns)
     ]
     entry = pick(entries, channel, quantity, path)
     times = [k for k, factor in enumerate(factors) if factor is not None and k != entry.number - 1]
-    wanted = [entry.number - 1, *times[:1]]
-    values = _numbers(path, form, wanted)
+    values = _numbers(path, form, [entry.number - 1, *times])
+    said = statements(form.words.items(), path)
+    clocks = {
+        f"{k + 1}: {form.names[k]}": values[:, 1 + j] * factors[k] for j, k in enumerate(times)
+    }
+    units = {"in the column": entry.unit, "above the table": form.words.get("unit")}
     return Channel(
         name=entry.name,
         samples=values[:, 0],
-        unit=entry.unit or form.words.get("unit"),
+        unit=one_unit(units, path),
         quantity=form.words.get("quantity"),
-        time=values[:, 1] * factors[times[0]] if times else None,
-        sampling_Hz=_stated_sampling(form.words, path),
-        facts=stated(form.words),
+        time=one_time(clocks, path),
+        sampling_Hz=said.sampling_Hz,
+        facts=said.facts,
+        notes=said.notes,
     )
-
-
-def _stated_sampling(words: dict[str, str], path: str) -> float | None:
-    for name, value in words.items():
-        if _SAMPLING.fullmatch(name):
-            try:
-                return float(value.split()[0])
-            except (ValueError, IndexError) as error:
-                raise ValueError(f"{name} must be a number, got {value!r} ({path})") from error
-    return None
 
 
 def _form(path: str) -> _Form:
@@ -95,16 +93,16 @@ def _form(path: str) -> _Form:
     separator = separator_of(lines[first])
     fields = _fields(lines[first], separator)
     above = [k for k in range(first) if lines[k].strip() and not lines[k].startswith(_COMMENTS)]
-    words = _words(lines[:first])
     commas = separator != "," and any(
         _COMMA.fullmatch(field) for line in lines[first:] for field in _fields(line, separator)
     )
     heads = [[name.strip('" ') for name in _fields(lines[k], separator)] for k in above[-2:]]
     names = heads[-1] if heads else []
+    used = above[-1:] if len(fields) > 1 else []
     units: list[str | None] = [None] * len(fields)
     bare = [name.strip("[]() ") for name in names]
     if len(heads) > 1 and len(names) == len(fields) and all(map(_unit, bare)):
-        units, names = list(bare), heads[0]
+        units, names, used = list(bare), heads[0], above[-2:]
     if not above:
         names = [f"column {k + 1}" for k in range(len(fields))]
     if len(names) != len(fields):
@@ -112,6 +110,8 @@ def _form(path: str) -> _Form:
             f"expected a name for each of the {len(fields)} columns, got {', '.join(names)} "
             f"({path}, row {above[-1] + 1})"
         )
+    # the names of columns are no words
+    words = _words([line for k, line in enumerate(lines[:first]) if k not in used])
     return _Form(
         encoding,
         first,
@@ -145,15 +145,14 @@ def _numeric(field: str) -> bool:
 
 
 def _unit(text: str) -> bool:
-    return bool(seconds(text) or normal_unit(text) in ("V", "mV", "N") or quantity_of("", text))
+    return bool(seconds(text) or normal_unit(text) in _OTHERS or quantity_of("", text))
 
 
 def _words(lines: list[str]) -> dict[str, str]:
     """What the lines above the table say as `name: value` or `name = value`."""
     words = {}
     for line in lines:
-        match = re.fullmatch(r"[#%/\s]*([\w .\[\]()]+?)\s*[:=;,\t]\s*([^;,\t]+?)[\s;,]*", line)
-        if match:
+        if match := _WORD.fullmatch(line):
             words[match[1].strip().lower()] = match[2].strip()
     return words
 

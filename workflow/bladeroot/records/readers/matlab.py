@@ -4,18 +4,16 @@ Time is a vector `time` or `t`, a rising first column or cell, or a number `fs` 
 `dt`, ...) beside the samples or above them; likewise `unit`, `quantity`, `mode`, `force_N`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from bladeroot.records.channel import Channel, Entry, check_claim, pick, stated, time_factor
+from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
 from bladeroot.records.hdf5 import length_notes, try_first
+from bladeroot.records.statements import one_time, statements
 
 SUFFIXES = (".mat",)
-RATES = ("sampling_hz", "fs", "fsample", "samplerate", "sample_rate", "samplingrate",
-         "sampling_rate", "f_s", "sampling_frequency")  # fmt: skip
-STEPS = ("dt", "ts", "delta_t", "t_s", "time_step")
 MOST_COLUMNS = 64
 # Variables nested deeper, or more of them, are no record.
 _DEEPEST, _MOST = 8, 20_000
@@ -42,32 +40,31 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     series = [leaf for leaf in leaves if isinstance(leaf.value, np.ndarray)]
     words = {leaf.name: leaf for leaf in leaves if not isinstance(leaf.value, np.ndarray)}
     entries = [
-        Entry(k + 1, leaf.name, _near(words, leaf, ("unit", "units")), timelike=_timelike(leaf))
+        Entry(
+            k + 1, leaf.name, _near(words, leaf, ("unit", "units")), timelike=_timelike(leaf, path)
+        )
         for k, leaf in enumerate(series)
     ]
     entry = pick(entries, channel, quantity, path)
     leaf = series[entry.number - 1]
-    times = [
-        one
+    times = {
+        one.name: one.value * (time_factor(one.key, None, path) or 1.0)
         for one, other in zip(series, entries, strict=True)
         if other.timelike and _above(one.group, leaf.group) and one.value.size == leaf.value.size
-    ]
-    time, rate = None, _number(_near(words, leaf, RATES), path)
-    if times:
-        nearest = max(times, key=lambda one: len(one.group))
-        time = nearest.value * (time_factor(nearest.key) or 1.0)
-    elif rate is None and (step := _number(_near(words, leaf, STEPS), path)):
-        rate = 1.0 / step
-    near = {key: _near(words, leaf, (key,)) for key in ("mode", "force_n", "axial_force_n")}
+    }
+    above = [word for word in words.values() if _above(word.group, leaf.group)]
+    above.sort(key=lambda word: len(word.group))
+    # ts is a step in MATLAB; elsewhere it may be a time of day
+    said = statements([(word.key, word.value) for word in above], path, steps=("ts",))
     return Channel(
         name=entry.name,
         samples=leaf.value,
         unit=entry.unit,
         quantity=_near(words, leaf, ("quantity",)),
-        time=time,
-        sampling_Hz=rate,
-        facts=stated({key: value for key, value in near.items() if value is not None}),
-        notes=length_notes(path) if new else (),
+        time=one_time(times, path),
+        sampling_Hz=said.sampling_Hz,
+        facts=said.facts,
+        notes=(*(length_notes(path) if new else ()), *said.notes),
     )
 
 
@@ -81,23 +78,16 @@ def _near(words: dict[str, _Leaf], leaf: _Leaf, keys: tuple[str, ...]) -> str | 
     return str(max(found, key=lambda word: len(word.group)).value) if found else None
 
 
-def _number(text: str | None, path: str) -> float | None:
-    try:
-        return None if text is None else float(text)
-    except ValueError as error:
-        raise ValueError(f"expected a sampling frequency, got {text!r} ({path})") from error
-
-
 def _above(group: str, other: str) -> bool:
     """Whether a group is another one, or holds it."""
     inside = tuple(f"{group}{sign}" for sign in ".{(")
     return group in ("", other) or other.startswith(inside)
 
 
-def _timelike(leaf: _Leaf) -> bool:
+def _timelike(leaf: _Leaf, path: str) -> bool:
     """A vector called time; or a column or cell without a name that rises in equal steps."""
     if leaf.key[:1] not in "({":
-        return time_factor(leaf.key) is not None
+        return time_factor(leaf.key, None, path) is not None
     steps = np.diff(leaf.value.astype(float))
     return bool((steps > 0.0).all() and steps.max() < 1.5 * steps.min())
 
@@ -115,6 +105,11 @@ def _arrays(name: str, key: str, group: str, value: np.ndarray) -> Iterator[_Lea
         for k in range(table.shape[1]):
             place = f"(:,{k + 1})" if table is value else f"({k + 1},:)"
             yield _Leaf(f"{name}{place}", place, name, table[:, k])
+
+
+def _rows(rows: Iterable[str]) -> str:
+    """A matrix of characters as one text; several rows stay apart, so that they are no unit."""
+    return "; ".join(filter(None, (row.strip() for row in rows)))
 
 
 def _version_5(path: str) -> Iterator[_Leaf]:
@@ -141,7 +136,7 @@ def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterato
             row = f"{name}{{{place[0] + 1}" if len(place) > 1 else name
             yield from _walk(f"{name}{cell}", cell, row, value[place], depth + 1)
     elif value.dtype.kind == "U":
-        yield _Leaf(name, key, group, "".join(map(str, value.reshape(-1))).strip())
+        yield _Leaf(name, key, group, _rows(map(str, value.reshape(-1))))
     else:
         yield from _arrays(name, key, group, value)
 
@@ -181,6 +176,7 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
     value = np.asarray(item[()]).T
     if item.attrs.get("MATLAB_class") == b"char":
         if value.size <= _MOST:
-            yield _Leaf(name, key, group, "".join(map(chr, value.T.reshape(-1))).strip())
+            rows = np.atleast_2d(value)
+            yield _Leaf(name, key, group, _rows("".join(map(chr, row)) for row in rows))
     else:
         yield from _arrays(name, key, group, value)

@@ -1,10 +1,13 @@
 """NetCDF: `time` (s) and `velocity`, `displacement` or `acceleration`, packed or not."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from bladeroot.records.channel import Channel, Entry, check_claim, pick, stated, time_factor
+from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
 from bladeroot.records.hdf5 import length_notes, try_first
-from bladeroot.records.units import SI
+from bladeroot.records.statements import one_time, statements
+from bladeroot.records.units import quantity_of
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
 
@@ -12,8 +15,8 @@ SUFFIXES = (".nc", ".nc4", ".cdf")
 def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
     """Read one variable; scale_factor and add_offset are applied, fill values refused.
 
-    `channel` names the variable; its `units` hold, SI where it is called after its quantity and
-    has none. Time is a variable `time` of the same length, or the attribute `sampling_Hz`.
+    `channel` names the variable, in a group `group/variable`. Time is a variable `time` of the
+    same length in its group or above it, or an attribute such as `sampling_Hz`.
     """
     with open(path, "rb") as raw:
         classic = raw.read(3) == b"CDF"
@@ -32,31 +35,52 @@ def _read(path: str, channel: str | None, quantity: str | None) -> Channel:
     except OSError as error:
         raise ValueError(f"expected a NetCDF file, got: {error} ({path})") from error
     with file:
-        series = [one for one in file.variables.values() if _is_series(one)]
-        factors = [time_factor(one.name, _unit(one)) for one in series]
+        series = [one for group in _groups(file) for one in group.variables.values()]
+        series = [one for one in series if _is_series(one)]
+        factors = [time_factor(one.name, _unit(one), path) for one in series]
         entries = [
-            Entry(k + 1, one.name, _unit(one), timelike=factors[k] is not None)
+            Entry(
+                k + 1,
+                _name(one),
+                _unit(one),
+                quantity_of(one.name, _unit(one)),
+                factors[k] is not None,
+            )
             for k, one in enumerate(series)
         ]
         entry = pick(entries, channel, quantity, path)
         wanted = series[entry.number - 1]
-        words = {name: file.getncattr(name) for name in file.ncattrs()}
-        words |= {name: wanted.getncattr(name) for name in wanted.ncattrs()}
-        samples = _values(wanted, path)
-        time = None
-        for one, factor in zip(series, factors, strict=True):
-            if factor is not None and one.size == wanted.size and time is None:
-                time = _values(one, path) * factor
-        rate = words.get("sampling_Hz")
+        above = [wanted.group()]
+        while above[0].parent is not None:
+            above.insert(0, above[0].parent)
+        words = [(name, one.getncattr(name)) for one in (*above, wanted) for name in one.ncattrs()]
+        said = statements(words, path)
+        times = {
+            _name(one): _values(one, path) * factor
+            for one, factor in zip(series, factors, strict=True)
+            if factor is not None and one.size == wanted.size and one.group() in above
+        }
         return Channel(
             name=entry.name,
-            samples=samples,
-            unit=entry.unit or SI.get(entry.name),
-            time=time,
-            sampling_Hz=None if rate is None else float(rate),
-            facts=stated(words),
-            notes=length_notes(path),
+            samples=_values(wanted, path),
+            unit=entry.unit,
+            time=one_time(times, path),
+            sampling_Hz=said.sampling_Hz,
+            facts=said.facts,
+            notes=(*length_notes(path), *said.notes),
         )
+
+
+def _groups(group) -> Iterator:
+    """A group and all below it."""
+    yield group
+    for part in group.groups.values():
+        yield from _groups(part)
+
+
+def _name(variable) -> str:
+    """`velocity`, or in a group `run/velocity`."""
+    return f"{variable.group().path}/{variable.name}".lstrip("/")
 
 
 def _is_series(variable) -> bool:

@@ -4,7 +4,8 @@ import logging
 import struct
 from pathlib import Path
 
-from bladeroot.records.channel import Channel, Entry, check_claim, pick, stated, time_factor
+from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
+from bladeroot.records.statements import one_time, statements
 
 SUFFIXES = (".tdms",)
 # bit of a segment's table of contents; its byte is the lowest in either order
@@ -14,7 +15,8 @@ _BIG_ENDIAN = 1 << 6
 def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
     """Read one channel, named `group/channel`, by its last part, or by its number.
 
-    Time is `wf_increment` (and `wf_start_offset`), or a channel called time in the same group.
+    Time is `wf_increment` (and `wf_start_offset`), or a channel called time in the same group;
+    where there are both, they must agree.
     """
     import nptdms
     from nptdms.log import log_manager
@@ -30,32 +32,40 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
                 k + 1,
                 f"{one.group_name}/{one.name}",
                 _unit(one),
-                timelike=time_factor(one.name, _unit(one)) is not None,
+                timelike=time_factor(one.name, _unit(one), path) is not None,
             )
             for k, one in enumerate(channels)
         ]
         entry = pick(entries, channel, quantity, path)
         wanted = channels[entry.number - 1]
         check_claim(len(wanted), wanted.dtype.itemsize, path)
-        words = {**file.properties, **file[wanted.group_name].properties, **wanted.properties}
         step = wanted.properties.get("wf_increment")
+        places = (file.properties, file[wanted.group_name].properties, wanted.properties)
+        # an increment of 0 is what a channel without one has
+        words = [
+            (name, value)
+            for place in places
+            for name, value in place.items()
+            if name != "wf_increment" or value
+        ]
+        said = statements(words, path)
         times = [
             one
             for one, other in zip(channels, entries, strict=True)
             if other.timelike and one.group_name == wanted.group_name and len(one) == len(wanted)
         ]
-        time = None
-        if not step and times:
-            check_claim(len(times[0]), times[0].dtype.itemsize, path)
-            time = times[0][:] * time_factor(times[0].name, _unit(times[0]))
+        for one in times:
+            check_claim(len(one), one.dtype.itemsize, path)
+        clocks = {one.name: one[:] * time_factor(one.name, _unit(one), path) for one in times}
         return Channel(
             name=entry.name,
             samples=wanted[:],
             unit=entry.unit,
-            time=time,
-            sampling_Hz=1.0 / float(step) if step else None,
-            start_s=float(words.get("wf_start_offset", 0.0)) if step else 0.0,
-            facts=stated(words),
+            time=one_time(clocks, path),
+            sampling_Hz=said.sampling_Hz,
+            start_s=float(dict(words).get("wf_start_offset", 0.0)) if step else 0.0,
+            facts=said.facts,
+            notes=said.notes,
         )
 
 

@@ -1,0 +1,162 @@
+"""Do the regions of (ln kn, ln kt) hold simulated truths as often as they say?
+
+    python benchmarks/coverage.py [draws] [seed]
+
+A truth is another mesh of the structure with a law of stiffness, biases of the frequencies, a
+gauge's offset and gain, and a scatter of every clamping, all drawn from the priors that the
+inference states. Beside the joint posterior stands the thesis's way: two frequencies interpolated
+to one force, the root nearest to the truth, and the covariance of the measurement alone (5.8-5.24).
+"""
+
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import numpy as np
+import yaml
+from bladeroot.stiffness.interpolation import interpolate_to
+from bladeroot.stiffness.joint import ln_stiffness, trimmed
+from bladeroot.stiffness.laws import LAWS, REFERENCE_FORCE
+from bladeroot.stiffness.levels import Levels
+from bladeroot.stiffness.map import all_frequencies
+from bladeroot.stiffness.posterior import log_posterior, predict, problem_of
+from bladeroot.stiffness.roots import newton
+from bladeroot.stiffness.search import ln_covariance
+from bladeroot.stiffness.summit import climb, find_summit
+from bladeroot.structure.chebyshev import at_force
+from bladeroot.structure.geometry import structure_from_mapping
+from bladeroot.structure.joint import joint_of_reduced
+from bladeroot.structure.mesh import build_mesh
+from bladeroot.structure.parametric import parametric_model, surface_of
+from bladeroot.structure.prestress import prestress
+from bladeroot.structure.reduction import reduce_structure
+
+ROOT = Path(__file__).resolve().parents[1]
+FORCES = {"1B": [5370, 6802, 7697, 10382, 12530, 16110, 24165],
+          "2B": [5370, 6265, 7160, 8950, 10740, 12530, 14320, 16110, 18795, 21480, 23449]}  # fmt: skip # noqa: E501
+NOISE = 1e-4  # of the frequency
+BIAS, GAUGE = np.array([0.005, 0.005]), (1253.0, 0.01)
+SHARES = (0.68, 0.95)
+CHI2 = [-2.0 * np.log(1.0 - share) for share in SHARES]  # two degrees of freedom
+OTHER_MESH = {"span_element_mm": 20.0, "jaw_elements": 3}
+
+
+def surface(changes: dict):
+    """The parametric model of geometry HB on its own mesh, or with a part of it changed."""
+    data = yaml.safe_load((ROOT / "resources/structures/dovetail-HB.yaml").read_text())
+    data["mesh"] = data["mesh"] | changes
+    structure = structure_from_mapping(data)
+    mesh = build_mesh(structure)
+    reduced = reduce_structure(structure, mesh, prestress(structure, mesh))
+    return trimmed(surface_of(parametric_model(joint_of_reduced(reduced))))
+
+
+def levels() -> Levels:
+    mode = np.repeat([0, 1], [len(FORCES["1B"]), len(FORCES["2B"])])
+    force = np.array(FORCES["1B"] + FORCES["2B"], float)
+    count = len(force)
+    return Levels(
+        ("1B", "2B"), mode, force, np.zeros(count), np.full(count, NOISE), np.arange(count),
+        np.ones(count), np.zeros(2), np.zeros(2),
+    )  # fmt: skip
+
+
+def draw(problem, rng):
+    """A truth from the priors and what would be measured of it."""
+    while True:
+        u = rng.standard_normal(len(problem.names))
+        said = predict(problem, u[None])
+        if said.allowed[0]:
+            break
+    theta = problem.mean + problem.std * u
+    scatter = np.exp(theta[-1]) * rng.standard_normal((len(said.force[0]), 2))
+    noise = NOISE * rng.standard_normal(len(scatter))
+    measured = said.ln_frequency[0] + (said.slope[0, :, :2] * scatter).sum(axis=1) + noise
+    return theta, measured
+
+
+def joint_region(problem, truth):
+    """Twice the drop of the log posterior from its summit to the best point at the true kn, kt; the
+    squared distance by Laplace's covariance; and the std of ln kn, ln kt.
+    """
+    summit = find_summit(problem, (-0.6, 0.6))
+    held = np.zeros(len(summit.u), bool)
+    held[:2] = True
+    best = -np.inf
+    for start in (summit.u, np.zeros(len(summit.u))):
+        u = start.copy()
+        u[:2] = (truth - problem.mean[:2]) / problem.std[:2]
+        if np.isfinite(log_posterior(problem, u[None])[0]):
+            best = max(best, climb(problem, u, held)[1].value)
+    off = truth - summit.theta[:2]
+    covariance = summit.theta_covariance[:2, :2]
+    distance = off @ np.linalg.solve(covariance, off)
+    return 2.0 * (summit.value - best), distance, np.sqrt(np.diag(covariance))
+
+
+def thesis_region(model, data: Levels, truth):
+    """Squared distance of the truth from the root at 12 kN by the covariance of (5.22); or nan."""
+    target, std = np.empty(2), np.empty(2)
+    for m in range(2):
+        own = data.mode == m
+        f = np.exp(data.ln_frequency[own])
+        lines = interpolate_to(np.array([REFERENCE_FORCE]), data.force[own], f)
+        target[m] = lines.value[0]
+        std[m] = np.sqrt(lines.covariance(NOISE * f, 0.01 * data.force[own])[0, 0])
+    cut = at_force(model, REFERENCE_FORCE)
+    box = (float(cut.low[0]), float(cut.high[0]))
+    ends, good = newton(cut, target[None], truth[None], box)
+    if not good[0]:
+        return np.nan, std
+    jacobian = all_frequencies(cut, ends)[1][0]
+    covariance = ln_covariance(jacobian, target, std, np.zeros(2))[0]
+    off = truth - ends[0]
+    return off @ np.linalg.solve(covariance, off), np.sqrt(np.diag(covariance))
+
+
+def main(draws: int, seed: int) -> None:
+    start = time.process_time()
+    model, other = surface({}), surface(OTHER_MESH)
+    blank = levels()
+    law = LAWS["two powers"]
+    ours = problem_of(model, blank, law, BIAS, np.zeros(2), GAUGE)
+    theirs = replace(ours, surface=other)
+    between = predict(theirs, np.zeros((1, len(ours.names)))).ln_frequency
+    between = between - predict(ours, np.zeros((1, len(ours.names)))).ln_frequency
+    print(f"models built in {time.process_time() - start:.0f} s; the other mesh's frequencies are "
+          f"{100 * between.min():+.3f} to {100 * between.max():+.3f} % off")  # fmt: skip
+    start = time.process_time()
+    rows = []
+    for k in range(draws):
+        rng = np.random.default_rng([seed, k])
+        theta, measured = draw(theirs, rng)
+        data = replace(blank, ln_frequency=measured)
+        truth = ln_stiffness(ours, theta[None], np.array([REFERENCE_FORCE]))[0, 0]
+        drop, ellipse, std = joint_region(replace(ours, levels=data), truth)
+        thesis, thesis_std = thesis_region(model, data, truth)
+        rows.append([drop, ellipse, thesis, *std, *thesis_std])
+    rows = np.array(rows)
+    print(f"{draws} truths, seed {seed}, {time.process_time() - start:.0f} s")
+    print("regions of (ln kn, ln kt) at 12 kN that hold the truth     68 %   95 %")
+    for name, column in (("joint posterior, chi-square region", 0), ("joint, Laplace's ellipse", 1),
+                         ("per force, measurement error only", 2)):  # fmt: skip
+        inside = [100 * np.mean(np.nan_to_num(rows[:, column], nan=np.inf) < c) for c in CHI2]
+        print(f"{name:55s} {inside[0]:6.1f} {inside[1]:6.1f}")
+    rooted = np.isfinite(rows[:, 2])
+    inside = [100 * np.mean(rows[rooted, 2] < c) for c in CHI2]
+    print(f"{'  the same, of the ' + str(rooted.sum()) + ' with a root':55s} "
+          f"{inside[0]:6.1f} {inside[1]:6.1f}")  # fmt: skip
+    error = 100 * np.sqrt(0.25 / draws)
+    print(f"sampling error of a share: up to {error:.1f} points")
+    print("median std of ln kn, ln kt: joint "
+          f"{np.median(rows[:, 3]):.2f}, {np.median(rows[:, 4]):.2f}; per force "
+          f"{np.median(rows[rooted, 5]):.3f}, {np.median(rows[rooted, 6]):.3f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    numbers = [int(text) for text in sys.argv[1:]]
+    main(*(numbers + [200, 20261121][len(numbers) :]))

@@ -1,0 +1,157 @@
+"""What a file says of a record beside its numbers: sampling frequency, force and mode.
+
+A file may say a thing more than once (`fs`, `dt`, `sampling rate [kHz]`); all must agree.
+"""
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy import ndarray
+
+from bladeroot.records.units import same, seconds
+
+# How far two statements of a sampling frequency, or of a force, may lie apart.
+RATES_APART, FORCES_APART = 1e-4, 1e-2
+_RATES = ("fs", "fsample", "sampling", "samplingrate", "samplerate", "samplingfrequency",
+          "samplefrequency")  # fmt: skip
+_STEPS = ("dt", "deltat", "timestep", "samplinginterval", "wfincrement")
+_FORCES = ("force", "axialforce")
+_HERTZ = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "1/s": 1.0, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0}
+_NEWTON = {"n": 1.0, "kn": 1e3}
+NO_UNIT = ("", "1", "-", "none", "n/a", "na", "unknown", "dimensionless", "a.u.")
+_AMOUNT = re.compile(r"([-+]?(?:\d+(?:[.,]\d+)*[.,]?|\.\d+)(?:e[-+]?\d+)?)[\s;,]*(.*)", re.I)
+
+
+@dataclass(frozen=True)
+class Statements:
+    """What a file states, None or missing where it does not; `notes` on what is not understood."""
+
+    sampling_Hz: float | None = None
+    facts: dict[str, str | float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def statements(
+    said: Iterable[tuple[str, object]], path: str, steps: tuple[str, ...] = ()
+) -> Statements:
+    """Sampling frequency, force and mode among a file's own properties.
+
+    Args:
+        said: names and values as they stand in the file; the mode said last counts.
+        path: what to name in messages.
+        steps: further names of a time step, in small letters without blanks or underscores.
+
+    Raises:
+        ValueError: a frequency or force that is none, or two of them that differ.
+    """
+    rates, forces, facts, notes = {}, {}, {}, []
+    for name, value in said:
+        key, unit = _key(str(name))
+        text = _text(value)
+        if key == "mode" and text:
+            facts["mode"] = text
+        try:
+            if key in _RATES:
+                rates[f"{name} {text}"] = _amount(text, unit or "hz", _HERTZ)
+            elif key in (*_STEPS, *steps):
+                rates[f"{name} {text}"] = 1.0 / _amount(text, unit or "s", None)
+            elif key in _FORCES:
+                forces[f"{name} {text}"] = _amount(text, unit, _NEWTON)
+        except (ValueError, ZeroDivisionError) as error:
+            notes.append(f"{name} {text[:40]!r} of the file is not taken: {error}")
+    for told, rate in rates.items():
+        if not 0.0 < rate < math.inf:
+            raise ValueError(f"expected a positive sampling frequency, got {told} ({path})")
+    sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path)
+    force = _one(forces, FORCES_APART, "force_N", path)
+    if force is not None:
+        facts["force_N"] = force
+    return Statements(sampling_Hz, facts, tuple(notes))
+
+
+def one_unit(units: dict[str, str | None], path: str) -> str | None:
+    """The unit that all places of a file agree on, by where it stands; None if there is none.
+
+    Raises:
+        ValueError: two differ.
+    """
+    told = {where: unit for where, unit in units.items() if unit and unit.strip() not in NO_UNIT}
+    first = next(iter(told.values()), None)
+    for unit in told.values():
+        if not _same(first, unit):
+            listed = ", ".join(f"{text!r} {where}" for where, text in told.items())
+            raise ValueError(f"unit contradicts inside the file: {listed} ({path})")
+    return first
+
+
+def one_time(times: dict[str, ndarray], path: str) -> ndarray | None:
+    """The times in seconds that all time channels of a record agree on; None if there is none.
+
+    Raises:
+        ValueError: they take different spans.
+    """
+    spans = {name: float(time[-1]) - float(time[0]) for name, time in times.items()}
+    _one(spans, RATES_APART, "the span of the times (s)", path)
+    return next(iter(times.values()), None)
+
+
+def _one(told: dict[str, float], apart: float, what: str, path: str) -> float | None:
+    """The first of several numbers that must be the same."""
+    first = next(iter(told.values()), None)
+    if first is not None and any(abs(one - first) > apart * abs(first) for one in told.values()):
+        listed = ", ".join(f"{value:.9g} from {name}" for name, value in told.items())
+        raise ValueError(f"{what} contradicts inside the file: {listed} ({path})")
+    return first
+
+
+def _same(unit: str, other: str) -> bool:
+    try:
+        return same(unit, other)
+    except ValueError:
+        return False
+
+
+def _key(name: str) -> tuple[str, str]:
+    """A name in small letters without blanks, and its unit: `Sampling rate [kHz]`, `force_N`."""
+    match = re.fullmatch(r"(.*?)\s*[\[(]\s*(.+?)\s*[\])]\s*", name)
+    base, unit = (match[1], match[2].lower()) if match else (name, "")
+    key = re.sub(r"[\s_]+", "", base).lower()
+    parts = re.fullmatch(r"(.+?)[\s_]+(k?hz|k?n|m?s)", base.strip().lower())
+    if parts and not unit:
+        known = re.sub(r"[\s_]+", "", parts[1])
+        if known in (*_RATES, *_STEPS, *_FORCES):
+            return known, parts[2]
+    return key, unit
+
+
+def _text(value: object) -> str:
+    """A property as text; an array of one number is that number."""
+    numbers = np.ravel(value) if isinstance(value, np.ndarray) else None
+    return str(numbers[0] if numbers is not None and numbers.size == 1 else value).strip()
+
+
+def _amount(text: str, unit: str, units: dict[str, float] | None) -> float:
+    """A number in base units; a unit behind it counts more than one in the name. None: times."""
+    match = _AMOUNT.fullmatch(text)
+    if match is None:
+        return float(text)  # nan and inf are numbers, and are refused as such
+    unit = match[2].strip() or unit
+    factor = seconds(unit) if units is None else units.get(unit.lower())
+    if factor is None:
+        raise ValueError(f"its unit {unit!r} is not known")
+    return _number(match[1], factor == 1.0) * factor
+
+
+def _number(text: str, whole: bool) -> float:
+    """A number with a decimal comma, or commas between thousands where `whole` units are meant."""
+    if "," in text and "." in text:
+        thousands = min(",.", key=text.rfind)
+        return float(text.replace(thousands, "").replace(",", "."))
+    if re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", text):
+        if not whole:
+            raise ValueError("a comma before three digits may be a decimal one or not")
+        return float(text.replace(",", ""))
+    return float(text.replace(",", "."))

@@ -1,0 +1,189 @@
+"""The part of the report on the joint posterior: all forces at once, and what would help."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.numbers import fixed, listed, percent, significant
+from bladeroot.report.page import Picture, Table
+
+_HEADER = (
+    "structure", "force / kN", "kn / GN/m", "kn, 95 %", "kt / GN/m", "kt, 95 %", "std ln kn",
+    "std ln kt", "Laplace's", "correlation", "stiff combination", "its std", "sloppy one",
+    "its std",
+)  # fmt: skip
+
+
+def joint_parts(found: Sequence[xr.Dataset], picture: str) -> list:
+    """Posterior of kn(F), kt(F), laws, misfit, what it rests on, what would help."""
+    full = [one for one in found if one.attrs["law"]]
+    if not full:
+        return []
+    first = full[0]
+    least = first.attrs["least_force_N"]
+    parts: list = [
+        "All forces at once. Every measured stick frequency"
+        + (f" from {least / 1e3:g} kN up" if least else "")
+        + " is explained together: kn and kt follow a law over the force, the model has one bias "
+        "in each mode, the gauge one offset and gain for all its readings, and kn and kt scatter "
+        "from clamping to clamping. All of them are unknown, with priors that the artifact lists. "
+        "Each frequency is compared at its own force, so nothing is interpolated.",
+        *[_said(one) for one in full],
+        Picture(
+            picture,
+            "Left and middle: kn and kt over force; bands hold 68 and 95 % of the joint posterior. "
+            "Dots: the root of each force by itself, where there is one. Right: draws of the "
+            "posterior at 12 kN with the ellipses of a normal distribution.",
+        ),
+        Table(
+            "Joint posterior: median and 95 % interval; standard deviations of ln kn and ln kt by "
+            "draws and by curvature (Laplace); the combinations of ln kn and ln kt that the data "
+            "fix best (stiff) and least (sloppy)",
+            _HEADER,
+            [_row(one, f) for one in full for f in _ends(one.sizes["force"])],
+        ),
+        _laws(full),
+        _worth(full),
+        _variations(full),
+    ]
+    return parts
+
+
+def _said(one: xr.Dataset) -> str:
+    """The outcome with one structure in words."""
+    quantile = one["reference_quantile"]
+    texts = []
+    for name in ("kn", "kt"):
+        low, middle, high = (
+            significant(1e-9 * float(quantile.sel(stiffness=name, quantile=q)), 2)
+            for q in (0.16, 0.5, 0.84)
+        )
+        texts.append(f"{name} {middle} ({low} to {high}) GN/m")
+    biases = []
+    for name in one["parameter"].values:
+        if str(name).startswith("bias_"):
+            here = one.sel(parameter=name)
+            biases.append(
+                f"{100 * float(here['posterior_mean']):+.2f} ± "
+                f"{100 * float(here['posterior_std']):.2f} % in {str(name)[5:]}"
+            )
+    z = one["level_misfit"] / one["level_misfit_std"]
+    worst = int(np.abs(z.values).argmax())
+    rms = float(np.sqrt((one["level_misfit"] ** 2).mean()))
+    text = (
+        f"{one.attrs['structure']}, law {one.attrs['law']}: at 12 kN {listed(texts)}, 68 % "
+        f"intervals, with a bias of the model of {listed(biases)}. The {one.sizes['level']} levels "
+        f"miss their predictions by {percent(rms, 2)} "
+        f"rms; the worst, {one['level_mode'].values[worst]} at "
+        f"{float(one['level_force'][worst]) / 1e3:.1f} kN, by "
+        f"{significant(abs(float(z[worst])), 2)} of its standard deviations. The draws "
+        f"are worth {one.attrs['independent_draws']:.0f} independent ones."
+    )
+    prior = [
+        abs(float(one.sel(parameter=n)["posterior_mean"] / one.sel(parameter=n)["prior_std"]))
+        for n in one["parameter"].values
+        if str(n).startswith("bias_")
+    ]
+    if max(prior) > 2.0:
+        text += (
+            f" The model's bias comes out at {significant(max(prior), 2)} of its own standard "
+            "deviations: this structure agrees with the measurement only if it is more wrong than "
+            "was assumed."
+        )
+    return text
+
+
+def _ends(count: int) -> list[int]:
+    """First, middle and last of a row of forces."""
+    return sorted({0, count // 2, count - 1})
+
+
+def _row(one: xr.Dataset, f: int) -> tuple[str, ...]:
+    here = one.isel(force=f)
+    cells = [one.attrs["structure"], f"{float(here['force']) / 1e3:g}"]
+    for name in ("kn", "kt"):
+        low, middle, high = (
+            significant(1e-9 * float(here["k_quantile"].sel(stiffness=name, quantile=q)), 2)
+            for q in (0.025, 0.5, 0.975)
+        )
+        cells += [middle, f"{low} to {high}"]
+    cells += [fixed(float(v), 2) for v in here["ln_std"]]
+    cells.append(", ".join(fixed(float(v), 2) for v in here["ln_laplace_std"]))
+    cells.append(fixed(float(here["correlation"]), 2))
+    for name in ("stiff", "sloppy"):
+        weights = here["combination_weight"].sel(combination=name).values
+        cells.append(f"{weights[0]:.2f} ln kn {weights[1]:+.2f} ln kt")
+        cells.append(fixed(float(here["combination_std"].sel(combination=name)), 2))
+    return tuple(cells)
+
+
+def _laws(full: Sequence[xr.Dataset]) -> Table:
+    rows = [
+        (
+            one.attrs["structure"],
+            str(law),
+            fixed(float(here["log_evidence"] - one["log_evidence"].max()), 1),
+            *(fixed(1e-9 * float(k), 2) for k in here["law_k"]),
+            *(fixed(float(s), 2) for s in here["law_ln_std"]),
+            percent(float(here["law_scatter"]), 0),
+        )
+        for one in full
+        for law in one["law"].values
+        for here in [one.sel(law=law)]
+    ]
+    return Table(
+        "Laws of stiffness over force: log evidence less that of the best (a difference of 3 is 20 "
+        "to 1), most probable kn and kt at 12 kN, and how much ln k scatters about the law, by "
+        "clamping or because the law is wrong",
+        ("structure", "law", "log evidence", "kn / GN/m", "kt / GN/m", "std ln kn", "std ln kt",
+         "scatter"),
+        rows,
+    )  # fmt: skip
+
+
+def _worth(full: Sequence[xr.Dataset]) -> Table:
+    rows = []
+    for one in full:
+        base = one["worth_ln_std"].isel(option=0)
+        for option in one["option"].values:
+            here = one.sel(option=option)
+            std = here["worth_ln_std"]
+            rows.append(
+                (
+                    one.attrs["structure"],
+                    str(option),
+                    *(fixed(float(v), 2) for v in std),
+                    *(percent(float(v), 0) for v in 1.0 - std / base),
+                    fixed(float(here["worth_correlation"]), 2),
+                    *(fixed(float(v), 2) for v in here["worth_combination_std"]),
+                )
+            )
+    return Table(
+        "What would help: expected standard deviations of ln kn and ln kt at 12 kN, by Fisher's "
+        "information at the most probable parameters. A further mode is taken as measured where "
+        "the mode with the most levels was, equally well, with a bias of the model of its own",
+        ("structure", "change", "std ln kn", "std ln kt", "kn better by", "kt better by",
+         "correlation", "stiff", "sloppy"),
+        rows,
+    )  # fmt: skip
+
+
+def _variations(full: Sequence[xr.Dataset]) -> Table:
+    rows = [
+        (
+            one.attrs["structure"],
+            str(variation),
+            *(fixed(1e-9 * float(k), 2) for k in here["variation_k"]),
+            *(fixed(float(s), 2) for s in here["variation_ln_std"]),
+        )
+        for one in full
+        for variation in one["variation"].values
+        for here in [one.sel(variation=variation)]
+    ]
+    return Table(
+        "What the answer rests on: most probable kn and kt at 12 kN and their standard deviations "
+        "(Laplace) when an assumption is changed",
+        ("structure", "assumption", "kn / GN/m", "kt / GN/m", "std ln kn", "std ln kt"),
+        rows,
+    )

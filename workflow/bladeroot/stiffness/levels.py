@@ -1,0 +1,98 @@
+"""Measured stick frequencies as the joint inference takes them: each with its own noise, and
+which of them share clampings.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+
+@dataclass(frozen=True)
+class Levels:
+    """One entry a mode and force.
+
+    mode: number of the mode in `modes`. std: relative, without what a new clamping changes.
+    clamping: levels of one number were measured on the same clampings, of which there were `holds`.
+    hold_std, hold_freedom: what each mode's repeats say of the scatter between clampings, relative,
+    and with how many degrees of freedom (0: nothing).
+    """
+
+    modes: tuple[str, ...]
+    mode: Int[ndarray, " level"]
+    force: Float[ndarray, " level"]
+    ln_frequency: Float[ndarray, " level"]
+    std: Float[ndarray, " level"]
+    clamping: Int[ndarray, " level"]
+    holds: Float[ndarray, " level"]
+    hold_std: Float[ndarray, " mode"]
+    hold_freedom: Float[ndarray, " mode"]
+
+
+def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
+    """The levels of `bladeroot.decay.stick` that belong to the given modes.
+
+    With repeats in several clampings a level's own noise is that within records and between records
+    of a clamping; without them it is `frequency_std`. Two modes at one force share their clampings
+    if the records say so. Raises ValueError if there is no level or a frequency has no error.
+    """
+    name, frequency = stick["mode"].values.astype(str), stick["frequency"].values
+    chosen = np.flatnonzero(np.isin(name, modes) & np.isfinite(frequency))
+    if not len(chosen):
+        raise ValueError(f"no stick frequency of modes {', '.join(modes)}")
+    here = stick.isel(level=chosen)
+    mode = np.array([modes.index(one) for one in name[chosen]])
+    force, frequency = here["force"].values.astype(float), here["frequency"].values.astype(float)
+    repeated = here["hold_freedom"].values > 0
+    records = np.maximum(here["records"].values, 1)
+    scatter = np.nan_to_num(here["between_record_std"].values) / np.sqrt(records)
+    own = np.where(
+        repeated, np.hypot(here["within_std"].values, scatter), here["frequency_std"].values
+    )
+    if not np.all(own > 0.0):
+        bad = int(np.flatnonzero(~(own > 0.0))[0])
+        raise ValueError(
+            f"a stick frequency must have a positive error, got {own[bad]} for mode "
+            f"{modes[mode[bad]]} at {force[bad]:g} N"
+        )
+    hold_std, freedom = np.zeros(len(modes)), np.zeros(len(modes))
+    for m in range(len(modes)):
+        of_mode = np.flatnonzero((mode == m) & repeated)
+        if len(of_mode):
+            relative = here["between_hold_std"].values[of_mode] / frequency[of_mode]
+            hold_std[m] = np.sqrt(np.mean(relative**2))
+            freedom[m] = float(here["hold_freedom"].values[of_mode].max())
+    return Levels(
+        modes,
+        mode,
+        force,
+        np.log(frequency),
+        own / frequency,
+        _clampings(stick, here, mode, force),
+        np.maximum(here["holds"].values, 1).astype(float),
+        hold_std,
+        freedom,
+    )
+
+
+def _clampings(stick: xr.Dataset, here: xr.Dataset, mode: ndarray, force: ndarray) -> ndarray:
+    """Numbers of clampings; two modes at one force have the same if their records name one hold."""
+    held: list[tuple[float, set[str]]] = []
+    numbers = np.empty(len(force), dtype=int)
+    for i in range(len(force)):
+        own = (
+            (stick["record_force"].values == force[i])
+            & (stick["record_mode"].values.astype(str) == str(here["mode"].values[i]))
+            & (stick["plateau_reached"].values == 1)
+        )
+        names = {hold for hold in stick["hold"].values[own].astype(str) if hold}
+        shared = [k for k, (f, known) in enumerate(held) if f == force[i] and known & names]
+        if shared:
+            numbers[i] = shared[0]
+            held[shared[0]][1].update(names)
+        else:
+            numbers[i] = len(held)
+            held.append((float(force[i]), names))
+    return numbers
