@@ -72,7 +72,7 @@ def _taken_over(
 ) -> int | None:
     """The sample where the rough phasors go over to a line that outlives the mode, if they do.
 
-    The mode's own frequencies are then those of its loud part, in which the other line rings, too.
+    The mode's own frequencies are then those of its loud part; the other line rings before, too.
     """
     amplitude = np.exp(blocks.log.real)
     weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
@@ -85,12 +85,12 @@ def _taken_over(
     gone = weak[0] + np.flatnonzero(away[weak[0] :])
     if not gone.size:
         return None
-    part = rest[: int(blocks.time[weak[0]] * sampling_Hz)]
-    lines = find_lines(part, sampling_Hz, own_Hz, float(amplitude.max()))
+    until = int(blocks.time[gone[0]] * sampling_Hz)
+    lines = find_lines(rest[:until], sampling_Hz, own_Hz, float(amplitude.max()))
     low, high = frequency[gone].min() * (1.0 - wide), frequency[gone].max() * (1.0 + wide)
     if not any(low < line < high for line in lines):
         return None
-    return int(blocks.time[gone[0]] * sampling_Hz)
+    return until
 
 
 def without_near(
