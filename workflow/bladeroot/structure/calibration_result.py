@@ -31,7 +31,7 @@ JOINT = (12.0e3, (33 * 41428.6e3, 33 * 64285.7e3))
 _SEEN = 0.99
 
 
-def calibration(problem: Problem, fitted: Sequence[str], refinements: int = 1) -> xr.Dataset:
+def calibration(problem: Problem, fitted: Sequence[str], refinements: int = 3) -> xr.Dataset:
     """Fit the tables named by `fitted`, judge all of the problem's: `calibration.nc`.
 
     ValueError if the fit does not settle or leads to a shape that cannot be.

@@ -14,6 +14,8 @@ from bladeroot.structure.calibration import Linear, Problem, linearise, posterio
 # within that many of its prior.
 MET = 2.0
 POSSIBLE = 3.0
+# Largest step at once, in prior standard deviations.
+_REACH = 1.5
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,7 @@ def incompatible_sets(problem: Problem, linear: Linear, refinements: int) -> lis
     """Smallest sets of tables that no geometry within the priors meets, fewest tables first.
 
     The linear model proposes a set; up to `refinements` solutions of the whole model, each near the
-    last, then look for a geometry that meets it after all. A set counts if none does.
+    best so far, then look for a geometry that meets it after all. A set counts if none does.
     """
     names = list(dict.fromkeys(problem.tables))
     found: list[Incompatible] = []
@@ -72,10 +74,10 @@ def incompatible_sets(problem: Problem, linear: Linear, refinements: int) -> lis
                 continue
             chosen = np.isin(problem.tables, tables)
             part = Linear(linear.point, linear.values[chosen], linear.jacobian[chosen])
-            point, worst = _minimax(problem.of(tables), part)
+            _, worst = _minimax(problem.of(tables), part)
             if worst <= MET:
                 continue
-            point, refined = _refine(problem.of(tables), point, refinements)
+            point, refined = _refine(problem.of(tables), part, refinements)
             if refined > MET:
                 found.append(Incompatible(tables, refined / MET, worst / MET, point))
     return found
@@ -93,24 +95,27 @@ def pair_inflation(problem: Problem, linear: Linear) -> Float[ndarray, "table ta
     return result
 
 
-def _refine(problem: Problem, point: ndarray, count: int) -> tuple[ndarray, float]:
-    """Least worst misfit of the whole model, by linear programs within a shrinking reach."""
-    best, least, reach = point, np.inf, 1.5
-    for step in range(count + 1):
-        try:
-            linear = linearise(problem, point)
-        except ValueError:  # a shape that cannot be: the linear program went too far
-            point, reach = 0.5 * (point + problem.prior_mean), 0.5 * reach
-            continue
-        worst = float(np.abs((linear.values - problem.reference) / problem.tolerance).max())
-        if worst < least:
-            best, least = point, worst
-        else:
-            reach *= 0.5
-        if least <= MET or step == count:
+def _refine(problem: Problem, linear: Linear, count: int) -> tuple[ndarray, float]:
+    """Least worst misfit of the whole model, by linear programs within a limited reach."""
+
+    def misfit(there: Linear) -> float:
+        return float(np.abs((there.values - problem.reference) / problem.tolerance).max())
+
+    least, reach = misfit(linear), _REACH
+    for _ in range(count):
+        if least <= MET:
             break
         point, _ = _minimax(problem, linear, reach)
-    return best, least
+        try:
+            there = linearise(problem, point)
+        except ValueError:  # a shape that cannot be, or that loses a mode
+            reach *= 0.5
+            continue
+        if misfit(there) < least:
+            linear, least = there, misfit(there)
+        else:
+            reach *= 0.5
+    return linear.point, least
 
 
 def _minimax(
