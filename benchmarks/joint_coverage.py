@@ -1,6 +1,6 @@
 """Do the regions of (ln kn, ln kt) hold simulated truths as often as they say?
 
-    python benchmarks/coverage.py [draws] [seed]
+    python benchmarks/joint_coverage.py [draws] [seed]
 
 A truth is another mesh of the structure with a law of stiffness, biases of the frequencies, a
 gauge's offset and gain, and a scatter of every clamping, all drawn from the priors that the
