@@ -87,7 +87,7 @@ def freevib(
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
     keep = (std[0, 0] < 0.3) & np.isfinite(omega_n)
-    result = _dataset(
+    result = decay_dataset(
         [values[keep] for values in (*curves, *errors)],
         [blocks.time, blocks.log.real, blocks.log.imag, blocks.std],
     )
@@ -117,7 +117,7 @@ def natural(
 
 def no_decay() -> xr.Dataset:
     """The empty result of a rejected record: the variables of `freevib`, no points."""
-    return _dataset([np.empty(0)] * len(POINT), [np.empty(0)] * len(BLOCK))
+    return decay_dataset([np.empty(0)] * len(POINT), [np.empty(0)] * len(BLOCK))
 
 
 def search_band(
@@ -155,7 +155,8 @@ def _trusted(std: Float[ndarray, " block"], reach: int = 9, limit: float = 5.0) 
     return first, last
 
 
-def _dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
+def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
+    """Curves and blocks as a Dataset, from columns in the order of `POINT` and `BLOCK`."""
     made = {}
     for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
         for (name, units, long_name, source), values in zip(table, columns, strict=True):

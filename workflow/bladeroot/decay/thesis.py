@@ -21,7 +21,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.error_bounds import two_points
-from bladeroot.decay.freevib import BLOCK, POINT, natural
+from bladeroot.decay.freevib import POINT, decay_dataset, natural
 from bladeroot.decay.peaks import BRIDGE, bridged
 
 RIPPLE_DB = 80.0
@@ -116,7 +116,7 @@ def thesis_freevib(
     ratio, good = ratio[alive], good[alive]
     blocks, excess = _blocks(time, log, ratio, good, filters)
     curve = _means(time, rate, change, log, ratio * excess, good, points, centre_Hz, damping)
-    result = _dataset(curve, blocks)
+    result = decay_dataset(curve, blocks)
     result.attrs["band_low_Hz"] = float(centre_Hz - stop_Hz)
     result.attrs["band_high_Hz"] = float(centre_Hz + stop_Hz)
     result.attrs["damping"] = damping
@@ -286,12 +286,3 @@ def _means(
     )  # fmt: skip
     found = np.isfinite(frequency)
     return [column[found] for column in columns]
-
-
-def _dataset(points: list[ndarray], blocks: list[ndarray]) -> xr.Dataset:
-    result = xr.Dataset()
-    for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
-        for (name, units, long_name, source), values in zip(table, columns, strict=True):
-            attrs = {"units": units, "long_name": long_name}
-            result[name] = (dim, values, attrs | {"source": source} if source else attrs)
-    return result
