@@ -87,6 +87,8 @@ def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
             outputs[0],
             "--plateau",
             outputs[1],
+            "--settings",
+            '{"damping":"hysteretic","estimator":"blocks"}',
         ],
         check=True,
         env=house.environment,
