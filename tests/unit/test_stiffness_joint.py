@@ -131,6 +131,7 @@ def test_straight_surface_gives_the_closed_form():
     np.testing.assert_allclose(np.linalg.inv(information), exact, rtol=1e-6, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_summit_is_one_and_draws_agree_where_the_posterior_is_normal():
     made, _ = problem("constant", bent=0.0, noise=1e-3)
     summit = find_summit(made, (0.0,))
