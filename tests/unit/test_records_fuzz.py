@@ -148,11 +148,17 @@ def _alike(name, other):
     return name == other or any(f in name and f in other for f in families)
 
 
-@pytest.mark.parametrize("name", FORMATS)
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        (name, value)
+        for name in FORMATS
+        for value in (np.nan, np.inf, -np.inf, 1e300)
+        # the writer of universal files replaces what is not finite
+        if np.isfinite(value) or not name.startswith("universal")
+    ],
+)
 def test_values_that_are_none(tmp_path, name, value):
-    if name.startswith("universal") and not np.isfinite(value):
-        pytest.skip("the writer replaces them")
     suffix, write, told = FORMATS[name]
     samples = WAVE.copy()
     samples[300] = value

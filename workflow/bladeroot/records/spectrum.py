@@ -1,29 +1,9 @@
-"""Spectral views of a record: a band's analytic signal and the level of white noise."""
+"""The level of white noise in a record's spectrum."""
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
-
-
-def band_signal(
-    velocity: Float[ndarray, " sample"], sampling_Hz: float, low_Hz: float, high_Hz: float
-) -> Complex[ndarray, " sample"]:
-    """Analytic signal (3.1) of what lies between two frequencies.
-
-    The band is a zero-phase filter with cosine edges a quarter of the band wide, set in Hz. Near
-    the ends of the record it rings for about one over the band's width; the record is padded by
-    forty times that, so that a strong start does not ring round into a weak end.
-    """
-    count = velocity.size
-    padded = fft.next_fast_len(count + int(40 * sampling_Hz / (high_Hz - low_Hz)) + 1)
-    spectrum = fft.fft(velocity, padded)
-    frequency = fft.fftfreq(padded, 1.0 / sampling_Hz)
-    edge = (high_Hz - low_Hz) / 4.0
-    rise = np.clip((frequency - low_Hz) / edge, 0.0, 1.0)
-    fall = np.clip((high_Hz - frequency) / edge, 0.0, 1.0)
-    gain = 2.0 * np.sin(0.5 * np.pi * rise) ** 2 * np.sin(0.5 * np.pi * fall) ** 2
-    return fft.ifft(spectrum * gain)[:count]
 
 
 def white_noise(velocity: Float[ndarray, " sample"]) -> float:

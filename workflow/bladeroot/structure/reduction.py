@@ -5,7 +5,7 @@ Because the basis spans the whole space of contact displacements exactly, only t
 modes are an approximation.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,74 +149,77 @@ def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Datas
     equals removing them afterwards (eqs 5.1, 5.2). Display rows are recovered, not kept as masters.
     """
     model = beam_model(structure, mesh, prestress)
-    beam = model.mesh
     basis = beam_basis(model, mesh, structure.beam_modes)
-    shown = mesh.display_node.values
-    slots = _reduce_slots(structure, mesh)
-    pairs = len(mesh.pair) // 2
-    matrices = ("beam_dof", "beam_dof_")
-    slot_matrices = ("slot", "slot_dof", "slot_dof_")
+    return reduced_dataset(
+        mesh,
+        (
+            project(model.mass, basis),
+            project_stiffness(model.stiffness, basis),
+            project_force(model, basis),
+        ),
+        basis.columns.reshape(-1, 3, basis.columns.shape[1])[mesh.display_node.values],
+        _reduce_slots(structure, mesh),
+        {"beam_modes": structure.beam_modes, "slot_modes": structure.slot_modes},
+    )
+
+
+def reduced_dataset(
+    mesh: xr.Dataset,
+    beam: tuple[ndarray, ndarray, ndarray],
+    display_shape: Float[ndarray, "display axis beam_dof"],
+    slots: Sequence[tuple[ndarray, ndarray]],
+    modes: Mapping[str, int],
+) -> xr.Dataset:
+    """`reduced.nc` from the reduced matrices, whoever made them.
+
+    beam: mass (kg), stiffness at zero force (N/m) and stiffness per newton of axial force (1/m).
+    display_shape: displacement of the display nodes per reduced dof. slots: mass and stiffness of
+    each. modes: how many fixed-interface modes were kept, `beam_modes` and `slot_modes`.
+    """
+    pairs = mesh.pair_node.values
+    matrices, slot_matrices = ("beam_dof", "beam_dof_"), ("slot", "slot_dof", "slot_dof_")
+
+    def var(dims, values, units, text, source=""):
+        attrs = {"units": units, "long_name": text}
+        return dims, values, attrs | ({"source": source} if source else {})
+
     return xr.Dataset(
         {
-            "pair_position": (
-                ("pair", "axis"),
-                beam.nodes[mesh.pair_node.values[:, 0]],
-                {"units": "m", "long_name": "position of each contact pair"},
+            "pair_position": var(
+                ("pair", "axis"), mesh.node_position.values[pairs[:, 0]], "m",
+                "position of each contact pair",
             ),
             "pair_flank": mesh.pair_flank,
             "pair_weight": mesh.pair_weight,
             "flank_frame": mesh.flank_frame,
-            "beam_mass": (
-                matrices,
-                project(model.mass, basis),
-                {"units": "kg", "long_name": "reduced mass of the beam", "source": "eq. 4.12"},
+            "beam_mass": var(matrices, beam[0], "kg", "reduced mass of the beam", "eq. 4.12"),
+            "beam_stiffness": var(
+                matrices, beam[1], "N/m", "reduced stiffness of the beam at zero force",
+                "eqs 4.5, 4.12",
             ),
-            "beam_stiffness": (
-                matrices,
-                project_stiffness(model.stiffness, basis),
-                {
-                    "units": "N/m",
-                    "long_name": "reduced stiffness of the beam at zero force",
-                    "source": "eq. 4.12",
-                },
+            "beam_geometric_stiffness": var(
+                matrices, beam[2], "1/m", "reduced stiffness per newton of axial force",
+                "eqs 4.2, 4.12",
             ),
-            "beam_geometric_stiffness": (
-                matrices,
-                project_force(model, basis),
-                {
-                    "units": "1/m",
-                    "long_name": f"reduced stiffness per newton of {structure.load} axial force",
-                    "source": "eqs 4.2, 4.12",
-                },
+            "display_position": var(
+                ("display", "axis"), mesh.node_position.values[mesh.display_node.values], "m",
+                "nodes along the beam that show its modes",
             ),
-            "display_position": (
-                ("display", "axis"),
-                beam.nodes[shown],
-                {"units": "m", "long_name": "nodes on the middle line of the upper face"},
+            "display_shape": var(
+                ("display", "axis", "beam_dof"), display_shape, "1",
+                "displacement of display nodes per reduced dof",
             ),
-            "display_shape": (
-                ("display", "axis", "beam_dof"),
-                basis.columns.reshape(-1, 3, basis.columns.shape[1])[shown],
-                {"units": "1", "long_name": "displacement of display nodes per reduced dof"},
+            "slot_mass": var(
+                slot_matrices, np.stack([mass for mass, _ in slots]), "kg",
+                "reduced mass of each slot", "eq. 4.12",
             ),
-            "slot_mass": (
-                slot_matrices,
-                np.stack([one for one, _ in slots]),
-                {"units": "kg", "long_name": "reduced mass of each slot", "source": "eq. 4.12"},
+            "slot_stiffness": var(
+                slot_matrices, np.stack([stiffness for _, stiffness in slots]), "N/m",
+                "reduced stiffness of each slot", "eqs 4.12, 5.2",
             ),
-            "slot_stiffness": (
-                slot_matrices,
-                np.stack([other for _, other in slots]),
-                {
-                    "units": "N/m",
-                    "long_name": "reduced stiffness of each slot",
-                    "source": "eqs 4.12, 5.2",
-                },
-            ),
-            "slot_pairs": (
-                ("slot", "slot_pair"),
-                np.arange(2 * pairs).reshape(2, pairs),
-                {"units": "1", "long_name": "pair index of each slot's contact nodes"},
+            "slot_pairs": var(
+                ("slot", "slot_pair"), np.arange(len(pairs)).reshape(2, -1), "1",
+                "pair index of each slot's contact nodes",
             ),
         },
         coords={
@@ -226,13 +229,10 @@ def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Datas
             "slot": list(SLOTS),
         },
         attrs={
-            "structure": structure.name,
-            "description": structure.description,
-            "with_pad": mesh.attrs["with_pad"],
-            "beam_modes": structure.beam_modes,
-            "slot_modes": structure.slot_modes,
+            **{key: mesh.attrs[key] for key in ("structure", "description", "with_pad")},
+            **modes,
         },
-    )
+    )  # fmt: skip
 
 
 def _reduce_slots(

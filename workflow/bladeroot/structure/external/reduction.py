@@ -10,8 +10,12 @@ from numpy import ndarray
 from bladeroot.structure.assembly import assemble, assembly_modes, find_modes
 from bladeroot.structure.external.bodies import Body, load_bodies
 from bladeroot.structure.external.description import Description
-from bladeroot.structure.mesh import SLOTS
-from bladeroot.structure.reduction import Basis, craig_bampton, project_stiffness
+from bladeroot.structure.reduction import (
+    Basis,
+    craig_bampton,
+    project_stiffness,
+    reduced_dataset,
+)
 
 # Stiffness of a flank (N/m) at which the two modes are looked for, and how many modes are tried.
 _CONTACT, _TRIED = 1.0e9, 24
@@ -37,82 +41,13 @@ def reduce_matrices(description: Description, mesh: xr.Dataset) -> xr.Dataset:
         _reduced(slot, _basis(slot, pairs[rows, 1] - start, settings["slot_modes"]))
         for slot, rows, start in zip(slots, (slice(0, half), slice(half, None)), first, strict=True)
     ]
-    mass, stiffness = _reduced(beam, basis)
     shown = mesh.display_node.values
-    matrices, slot_matrices = ("beam_dof", "beam_dof_"), ("slot", "slot_dof", "slot_dof_")
-    reduced = xr.Dataset(
-        {
-            "pair_position": (
-                ("pair", "axis"),
-                mesh.node_position.values[pairs[:, 0]],
-                {"units": "m", "long_name": "contact pair position"},
-            ),
-            "pair_flank": mesh.pair_flank,
-            "pair_weight": mesh.pair_weight,
-            "flank_frame": mesh.flank_frame,
-            "beam_mass": (
-                matrices,
-                mass,
-                {"units": "kg", "long_name": "reduced mass of the beam", "source": "eq. 4.12"},
-            ),
-            "beam_stiffness": (
-                matrices,
-                stiffness,
-                {
-                    "units": "N/m",
-                    "long_name": "reduced stiffness of the beam without load",
-                    "source": "eqs 4.5, 4.12",
-                },
-            ),
-            "beam_geometric_stiffness": (
-                matrices,
-                _projected(beam.geometric, basis),
-                {
-                    "units": "1/m",
-                    "long_name": "reduced geometric stiffness per newton of axial force",
-                    "source": "eqs 4.2, 4.12",
-                },
-            ),
-            "display_position": (
-                ("display", "axis"),
-                mesh.node_position.values[shown],
-                {"units": "m", "long_name": "nodes along the beam that show its modes"},
-            ),
-            "display_shape": (
-                ("display", "axis", "beam_dof"),
-                basis.columns[beam.dof[shown, :3]],
-                {"units": "1", "long_name": "displacement of display nodes per reduced dof"},
-            ),
-            "slot_mass": (
-                slot_matrices,
-                np.stack([one for one, _ in reduced_slots]),
-                {"units": "kg", "long_name": "reduced mass of each slot", "source": "eq. 4.12"},
-            ),
-            "slot_stiffness": (
-                slot_matrices,
-                np.stack([other for _, other in reduced_slots]),
-                {
-                    "units": "N/m",
-                    "long_name": "reduced stiffness of each slot",
-                    "source": "eqs 4.12, 5.2",
-                },
-            ),
-            "slot_pairs": (
-                ("slot", "slot_pair"),
-                np.arange(len(pairs)).reshape(2, half),
-                {"units": "1", "long_name": "pair index of each slot's contact nodes"},
-            ),
-        },
-        coords={
-            "axis": list("XYZ"),
-            "flank": mesh.flank.values,
-            "local": ["normal", "along Y", "along slope"],
-            "slot": list(SLOTS),
-        },
-        attrs={
-            **{key: mesh.attrs[key] for key in ("structure", "description", "with_pad")},
-            **settings,
-        },
+    reduced = reduced_dataset(
+        mesh,
+        (*_reduced(beam, basis), _projected(beam.geometric, basis)),
+        basis.columns[beam.dof[shown, :3]],
+        reduced_slots,
+        settings,
     )
     _check_modes(reduced, str(description.path))
     return reduced
