@@ -7,6 +7,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.settling import unsettled
+
 CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
 KINDS = {
     "": "mean over records of",
@@ -20,26 +22,33 @@ def mean_curves(decays: Sequence[xr.Dataset], points_a_decade: int = 40) -> xr.D
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. At each amplitude the mean over the records that reach it is weighted by within-
-    and between-record variance (DerSimonian-Laird); nothing is extrapolated.
+    and between-record variance (DerSimonian-Laird); nothing is extrapolated. First cycles that
+    decay unlike all records which pass them later (`settling`) are left out.
 
     Returns:
         dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
-        standard errors and the scatter between records (NaN for one record alone), and `records`,
-        how many reach the amplitude.
+        standard errors and the scatter between records (NaN for one record alone), `records`,
+        how many reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
     decays = [decay for decay in decays if decay.sizes["point"] > 1]
     level_of = [(str(d.attrs["mode"]), float(d.attrs["force_N"])) for d in decays]
     levels = sorted(set(level_of))
-    ladder = _ladder(decays, points_a_decade)
+    ladder = ladder_of(decays, points_a_decade)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
-    count = np.zeros((len(levels), ladder.size), dtype=int)
+    count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
     for k, level in enumerate(levels):
         here = [decay for decay, own in zip(decays, level_of, strict=True) if own == level]
+        start = np.array([float(decay["amplitude"].max()) for decay in here])
+        read = {
+            name: np.array([on_ladder(decay, name, ladder) for decay in here])
+            for name in (*CURVES, *(f"{name}_std" for name in CURVES))
+        }
+        doubted = np.logical_or.reduce(
+            [unsettled(ladder, start, read[name], read[f"{name}_std"]) for name in CURVES]
+        )
+        left_out[k] = doubted.sum(axis=0)
         for name in CURVES:
-            value, std = (
-                np.array([_on_ladder(decay, part, ladder) for decay in here])
-                for part in (name, f"{name}_std")
-            )
+            value, std = (np.where(doubted, np.nan, read[part]) for part in (name, f"{name}_std"))
             mean, mean_std, scatter = _mean(value, std)
             values[name][k], values[f"{name}_std"][k] = mean, mean_std
             values[f"{name}_scatter"][k] = scatter
@@ -60,7 +69,12 @@ def mean_curves(decays: Sequence[xr.Dataset], points_a_decade: int = 40) -> xr.D
         attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)},
     )  # fmt: skip
     return curves.assign(
-        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"})
+        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
+        unsettled=(
+            ("level", "amplitude"),
+            left_out,
+            {"units": "1", "long_name": "records whose first cycles are left out"},
+        ),
     )
 
 
@@ -75,7 +89,7 @@ def _attrs(name: str) -> dict[str, str]:
     return {"units": units, "long_name": f"{kind} {text}", "source": "eq. 3.11"}
 
 
-def _ladder(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
+def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
     """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
     if not decays:
         return np.zeros(0)
@@ -86,7 +100,7 @@ def _ladder(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray
     return 10.0 ** (np.arange(first, last + 1) / points_a_decade)
 
 
-def _on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
+def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
     """A record's curve at the ladder's amplitudes, NaN beyond what it reaches."""
     value, amplitude = decay[name].values, decay["amplitude"].values
     known = np.isfinite(value) & np.isfinite(amplitude)

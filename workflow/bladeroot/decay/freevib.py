@@ -161,5 +161,6 @@ def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Da
     for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
         for (name, units, long_name, source), values in zip(table, columns, strict=True):
             attrs = {"units": units, "long_name": long_name}
-            made[name] = (dim, values, attrs | {"source": source} if source else attrs)
+            attrs |= {"source": source} if source else {}
+            made[name] = xr.Variable(dim, values, attrs)
     return xr.Dataset(made)

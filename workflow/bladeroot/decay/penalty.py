@@ -1,10 +1,13 @@
-"""The sums of a penalised spline, and the step by which its penalty is found."""
+"""The sums of a penalised spline, and the iteration by which its penalty is found."""
+
+from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
+from numba import njit
 from numpy import ndarray
-from scipy.linalg import lapack
 
+from bladeroot.decay.banded import factored, inverse_band, solved
 from bladeroot.decay.bsplines import derivative_rows
 
 DEGREE = 5
@@ -12,110 +15,166 @@ ORDER = 3
 # A region is made no stiffer once it has fewer degrees of freedom: the errors of a stretch that
 # looks exactly straight would come out too small.
 FEWEST_FREEDOM = 0.25
+# Furthest that the log-precision of a region is moved above its softest.
+STIFFEST = 50.0
 
 
+@njit(cache=True)
+@no_type_check
 def normal_sums(
-    x: ndarray, y: ndarray, std: ndarray, shape: ndarray, first: ndarray, count: int
-) -> tuple[ndarray, ndarray, ndarray]:
-    """Normal equations (lower triangle) of the values less a straight line, and the line."""
+    x: Float[ndarray, " value"],
+    y: Float[ndarray, "part value"],
+    std: Float[ndarray, " value"],
+    shape: Float[ndarray, "value alive"],
+    first: Int[ndarray, " value"],
+    count: int,
+) -> tuple[Float[ndarray, "n width"], Float[ndarray, "part n"], Float[ndarray, "part 2"]]:
+    """Normal equations (lower band) of the values less a straight line, and the line."""
+    parts, alive = y.shape[0], shape.shape[1]
     weight = 1.0 / std**2
     total = weight.sum()
-    mean, level = weight @ x / total, y @ weight / total
-    slope = ((y - level[:, None]) @ (weight * (x - mean))) / (weight @ (x - mean) ** 2)
-    trend = np.stack([slope, level - slope * mean], axis=1)
-    about = y - slope[:, None] * x - trend[:, 1:]
-    starts = np.flatnonzero(np.diff(first, prepend=-1))
-    cell = first[starts]
-    weighted = shape * weight[:, None]
-    row, column = np.tril_indices(DEGREE + 1)
-    pairs = np.add.reduceat(weighted[:, row] * shape[:, column], starts, axis=0)
-    sums = np.add.reduceat(weighted * about[:, :, None], starts, axis=1)
-    gram, right = np.zeros((count, count)), np.zeros((y.shape[0], count))
-    for a in range(DEGREE + 1):
-        right[:, cell + a] += sums[:, :, a]
-    for k, (a, b) in enumerate(zip(row, column, strict=True)):
-        gram[cell + a, cell + b] += pairs[:, k]
+    mean = (weight * x).sum() / total
+    level = np.array([(weight * y[part]).sum() / total for part in range(parts)])
+    lever = weight * (x - mean)
+    gram, right, trend = np.zeros((count, alive)), np.zeros((parts, count)), np.empty((parts, 2))
+    about = np.empty_like(y)
+    for part in range(parts):
+        slope = (lever * (y[part] - level[part])).sum() / (lever * (x - mean)).sum()
+        trend[part, 0], trend[part, 1] = slope, level[part] - slope * mean
+        about[part] = weight * (y[part] - slope * x - trend[part, 1])
+    for v in range(x.size):
+        j = first[v]
+        for a in range(alive):
+            weighted = weight[v] * shape[v, a]
+            for b in range(a, alive):
+                gram[j + a, b - a] += weighted * shape[v, b]
+            for part in range(parts):
+                right[part, j + a] += about[part, v] * shape[v, a]
     return gram, right, trend
 
 
 def penalty_rows(
     knots: Float[ndarray, " knot"],
-) -> tuple[list[Float[ndarray, " row"]], Float[ndarray, " row"]]:
+) -> tuple[Float[ndarray, "row alive"], Float[ndarray, " row"]]:
     """The third derivative's coefficients, of unit variance where it is white; where they lie.
 
-    The weights of the spline's coefficients j ... j + ORDER in row j, one array each.
+    Row j weighs the spline's coefficients j ... j + ORDER.
     """
     rows = derivative_rows(knots, DEGREE, ORDER)
     reach = DEGREE - ORDER + 1
     inside = knots[ORDER : knots.size - ORDER]
     # a white derivative has coefficients of variance intensity over spacing
     spacing = (inside[reach:] - inside[:-reach]) / reach
-    penalty = [np.ascontiguousarray(column) for column in (rows * np.sqrt(spacing)[:, None]).T]
     centre = sum(inside[k : k + rows.shape[0]] for k in range(reach + 1)) / (reach + 1)
-    return penalty, centre
+    return rows * np.sqrt(spacing)[:, None], centre
 
 
+@njit(cache=True)
+@no_type_check
 def penalised(
-    gram: Float[ndarray, "n n"], penalty: list[ndarray], precision: Float[ndarray, " row"]
-) -> Float[ndarray, "n n"]:
-    """Lower triangle of gram + P' diag(precision) P, with the rows of P as of `penalty_rows`."""
-    matrix, count = gram.copy(), gram.shape[0]
-    for a in range(ORDER + 1):
-        weighted = precision * penalty[a]
-        for b in range(a + 1):
-            matrix.reshape(-1)[a * count + b :: count + 1][: precision.size] += (
-                weighted * penalty[b]
-            )
-    return matrix
+    gram: Float[ndarray, "n width"],
+    rows: Float[ndarray, "row alive"],
+    precision: Float[ndarray, " row"],
+) -> Float[ndarray, "n width"]:
+    """Lower band of gram + P' diag(precision) P, with the rows of P as of `penalty_rows`."""
+    band = gram.copy()
+    for j in range(rows.shape[0]):
+        for a in range(rows.shape[1]):
+            weighted = precision[j] * rows[j, a]
+            for b in range(a, rows.shape[1]):
+                band[j + a, b - a] += weighted * rows[j, b]
+    return band
 
 
-def step(
-    inverse: Float[ndarray, "n n"],
+@njit(cache=True)
+@no_type_check
+def posterior(
+    gram: Float[ndarray, "n width"],
     right: Float[ndarray, " n"],
-    penalty: list[ndarray],
-    tent: Float[ndarray, "row node"],
+    rows: Float[ndarray, "row alive"],
+    place: Float[ndarray, " row"],
     log_precision: Float[ndarray, " node"],
-) -> tuple[Float[ndarray, " node"], bool]:
+    softest: Float[ndarray, " node"],
+    iterations: int,
+) -> tuple[Float[ndarray, " node"], Float[ndarray, " n"], Float[ndarray, "n width"], bool]:
+    """Log-precisions after some steps, coefficients, their covariance in the band, and success.
+
+    place: where each row of the penalty lies among the nodes, in nodes.
+    """
+    found = log_precision.copy()
+    for _ in range(iterations):
+        precision = _at_rows(place, found)
+        scale, factor, good = factored(penalised(gram, rows, precision))
+        if not good:
+            break
+        inverse = inverse_band(scale, factor)
+        change, moving = _step(
+            inverse, solved(scale, factor, right), rows, place, precision, found.size
+        )
+        for k in range(found.size):
+            stiffest = softest[k] + STIFFEST
+            found[k] = min(max(found[k] + change[k], softest[k]), stiffest)
+        if not moving:
+            break
+    # where the curve bends is known no better than to a region
+    precision = _at_rows(place, _spread(found))
+    scale, factor, good = factored(penalised(gram, rows, precision))
+    if not good:
+        return found, right, gram, False
+    return found, solved(scale, factor, right), inverse_band(scale, factor), True
+
+
+@njit(cache=True)
+@no_type_check
+def _at_rows(place, log_precision):
+    """Precision of each row: its logarithm runs straight from node to node."""
+    precision = np.empty(place.size)
+    for j in range(place.size):
+        left = min(int(place[j]), log_precision.size - 2)
+        share = place[j] - left
+        precision[j] = np.exp((1.0 - share) * log_precision[left] + share * log_precision[left + 1])
+    return precision
+
+
+@njit(cache=True)
+@no_type_check
+def _step(inverse, value, rows, place, precision, nodes):
     """Fellner and Schall's step of the log-precisions, and whether it matters to the curve."""
-    rows, count = tent.shape[0], right.size
-    value = inverse @ right
-    variance, bend = np.zeros(rows), np.zeros(rows)
-    for a in range(ORDER + 1):
-        bend += penalty[a] * value[a : a + rows]
-        for b in range(a + 1):
-            own = inverse.reshape(-1)[a * count + b :: count + 1][:rows]
-            variance += (1.0 if a == b else 2.0) * penalty[a] * penalty[b] * own
-    precision = np.exp(tent @ log_precision)
-    freedom = np.maximum(1.0 - precision * variance, 0.0) @ tent + 1e-12
-    roughness = (precision * bend**2) @ tent
-    step = np.log(freedom / np.maximum(roughness, 1e-30))
-    # a stretch that is straight already gains nothing by being stiffer
-    step = np.where(freedom < FEWEST_FREEDOM, np.minimum(step, 0.0), step)
-    step = np.clip(2.0 * step, -4.0, 4.0)  # twice the step: it is known to creep
-    return step, bool((np.abs(step) * np.minimum(freedom, 1.0)).max() > 0.2)
+    freedom, roughness = np.full(nodes, 1e-12), np.zeros(nodes)
+    for j in range(rows.shape[0]):
+        bend, variance = 0.0, 0.0
+        for a in range(rows.shape[1]):
+            bend += rows[j, a] * value[j + a]
+            variance += rows[j, a] ** 2 * inverse[j + a, 0]
+            for b in range(a + 1, rows.shape[1]):
+                variance += 2.0 * rows[j, a] * rows[j, b] * inverse[j + a, b - a]
+        free = max(1.0 - precision[j] * variance, 0.0)
+        rough = precision[j] * bend**2
+        left = min(int(place[j]), nodes - 2)
+        share = place[j] - left
+        freedom[left] += (1.0 - share) * free
+        freedom[left + 1] += share * free
+        roughness[left] += (1.0 - share) * rough
+        roughness[left + 1] += share * rough
+    change, moving = np.empty(nodes), False
+    for k in range(nodes):
+        own = np.log(freedom[k] / max(roughness[k], 1e-30))
+        # a stretch that is straight already gains nothing by being stiffer
+        if freedom[k] < FEWEST_FREEDOM:
+            own = min(own, 0.0)
+        change[k] = min(max(2.0 * own, -4.0), 4.0)  # twice the step: it is known to creep
+        moving |= abs(change[k]) * min(freedom[k], 1.0) > 0.2
+    return change, moving
 
 
-def spread(log_precision: Float[ndarray, " node"]) -> Float[ndarray, " node"]:
+@njit(cache=True)
+@no_type_check
+def _spread(log_precision):
     """Intensities averaged with a half of each neighbour's."""
-    stiffest = log_precision.max()
-    intensity = np.pad(np.exp(stiffest - log_precision), 1, mode="edge")
-    mean = 0.25 * intensity[:-2] + 0.5 * intensity[1:-1] + 0.25 * intensity[2:]
-    return stiffest - np.log(mean)
-
-
-def inverse_of(lower: Float[ndarray, "n n"]) -> Float[ndarray, "n n"]:
-    """Inverse of a positive definite matrix from its lower triangle, balanced first."""
-    scale = 1.0 / np.sqrt(lower.diagonal())
-    balanced = lower * scale[:, None]
-    balanced *= scale
-    balanced.reshape(-1)[:: scale.size + 1] += 1e-13
-    # LAPACK stores by columns: its upper triangle is our lower
-    factor, fault = lapack.dpotrf(balanced.T, lower=0, overwrite_a=1)
-    if fault:
-        raise ValueError("the spline's equations are singular: values without finite errors?")
-    half = lapack.dpotri(factor, lower=0, overwrite_c=1)[0].T
-    full = half + half.T
-    full.reshape(-1)[:: scale.size + 1] *= 0.5
-    full *= scale[:, None]
-    full *= scale
-    return full
+    stiffest, last = log_precision.max(), log_precision.size - 1
+    intensity = np.exp(stiffest - log_precision)
+    mean = np.empty(log_precision.size)
+    for k in range(log_precision.size):
+        beside = intensity[max(k - 1, 0)] + intensity[min(k + 1, last)]
+        mean[k] = stiffest - np.log(0.25 * beside + 0.5 * intensity[k])
+    return mean

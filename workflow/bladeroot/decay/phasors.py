@@ -9,9 +9,11 @@ everything that follows (derivatives, plateau) is then ordinary weighted regress
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
+from numba import njit
 from numpy import ndarray
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
@@ -69,20 +71,26 @@ def fit_frames(
     mode exp(other t), other in rad/s, that differs by most of a cycle in a frame. The standard
     error is that of white noise with rms `noise`.
     """
-    parts = []
+    total = sum(stretch.frames for stretch in stretches)
+    time, std, omega = np.empty((3, total))
+    phasor, apart = np.empty(total, complex), np.full((len(others), total), np.nan, complex)
+    own, image = np.empty((2, total, TAYLOR), complex)
+    at = 0
     for stretch in stretches:
+        here = slice(at, at + stretch.frames)
+        at = here.stop
         stop = stretch.first + stretch.frames * stretch.length
         pieces = velocity[stretch.first : stop].reshape(stretch.frames, stretch.length)
         local = np.arange(stretch.length) - 0.5 * (stretch.length - 1)
-        time = local / sampling_Hz
-        omega = stretch.angle * sampling_Hz
-        columns, told = _columns(time, omega, others)
-        powers = time[:, None] ** np.arange(1, TAYLOR + 1) / np.cumprod(np.arange(1, TAYLOR + 1.0))
+        moment = local / sampling_Hz
+        omega[here] = stretch.angle * sampling_Hz
+        columns, told = _columns(moment, stretch.angle * sampling_Hz, others)
+        powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR + 1), axis=1)
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
         solver = _solver(columns)
-        z = pieces @ solver.T
+        z = pieces @ np.ascontiguousarray(solver.T)
         spread = np.full(stretch.frames, 0.5 * (solver[:2] ** 2).sum())
-        own, image = (np.tile(part, (stretch.frames, 1)) for part in _answers(solver @ waves))
+        own[here], image[here] = _answers(solver @ waves)
         if usable is not None:
             good = usable[stretch.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
@@ -92,25 +100,16 @@ def fit_frames(
                 z[k] = solver @ pieces[k, good[k]]
                 # amplitude and phase are known unequally: the worse counts
                 spread[k] = np.linalg.eigvalsh(solver[:2] @ solver[:2].T)[1]
-                own[k], image[k] = _answers(solver @ waves[good[k]])
+                own[here][k], image[here][k] = _answers(solver @ waves[good[k]])
         middle = stretch.first + np.arange(stretch.frames) * stretch.length + local[-1]
-        apart = np.full((stretch.frames, len(others)), np.nan, complex)
-        apart[:, told] = z[:, 3::2] + 1j * z[:, 4::2]
-        parts.append(
-            (
-                middle / sampling_Hz,
-                z[:, 0] + 1j * z[:, 1],
-                noise * np.sqrt(spread),
-                np.full(stretch.frames, omega),
-                own,
-                image,
-                apart,
-            )
-        )
-    values = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    seen = np.isfinite(values[2])
-    time, phasor, std, angular, own, image, apart = (column[seen] for column in values)
-    return Frames(time, phasor, std, angular, own, image, apart.T)
+        time[here], std[here] = middle / sampling_Hz, noise * np.sqrt(spread)
+        phasor[here] = z[:, 0] + 1j * z[:, 1]
+        apart[told, here] = (z[:, 3::2] + 1j * z[:, 4::2]).T
+    values = (time, phasor, std, omega, own, image, apart)
+    seen = np.isfinite(std)
+    if seen.all():
+        return Frames(*values)
+    return Frames(*(column[seen] for column in values[:-1]), apart[:, seen])
 
 
 def _answers(
@@ -173,24 +172,33 @@ def corrected(
 
     rate, change: first and second derivative of the log-phasor in the middle of each frame.
     """
-    phasor = frames.phasor[near]
     delta = rate - 1j * frames.omega[near]
-    terms = np.stack(
-        [
-            delta,
-            delta**2 + change,
-            delta**3 + 3 * delta * change,
-            delta**4 + 6 * delta**2 * change + 3 * change**2,
-        ],
-        axis=1,
-    )
-    own = (frames.own[near] * terms).sum(axis=1)
-    image = (frames.image[near] * terms.conj()).sum(axis=1)
-    share = 1.0 + own
-    for _ in range(2):
-        true = phasor / share
-        share = 1.0 + own + image * true.conj() / true
-    return phasor / share
+    return _corrected(frames.phasor[near], frames.own[near], frames.image[near], delta, change)
+
+
+@njit(cache=True)
+@no_type_check
+def _corrected(phasor, own, image, delta, change):
+    true = np.empty_like(phasor)
+    for k in range(phasor.size):
+        d, c = delta[k], change[k]
+        square = d * d
+        terms = (
+            d,
+            square + c,
+            d * (square + 3.0 * c),
+            square * (square + 6.0 * c) + 3.0 * c * c,
+        )
+        grown, mirrored = 1.0 + 0.0j, 0.0j
+        for power in range(TAYLOR):
+            grown += own[k, power] * terms[power]
+            mirrored += image[k, power] * terms[power].conjugate()
+        share = grown
+        for _ in range(2):
+            guess = phasor[k] / share
+            share = grown + mirrored * guess.conjugate() / guess
+        true[k] = phasor[k] / share
+    return true
 
 
 def gather(
@@ -211,26 +219,38 @@ def gather(
     where it is lost from the start.
     """
     share = std * np.exp(-guess.real)
-    fall = -np.gradient(guess.real) if share.size > 1 else np.zeros(1)
-    length = np.minimum((share / target) ** 2, 0.4 / np.maximum(fall, 1e-12))
-    length = np.maximum(np.ceil(length), np.ceil(time.size / most)).astype(int)
-    longer = np.flatnonzero(length > 1)
-    single = int(longer[0]) if longer.size else time.size
-    edges = list(range(single + 1))
-    lengths = length.tolist()
-    while edges[-1] < time.size and edges[-1] + lengths[edges[-1]] <= time.size:
-        edges.append(edges[-1] + lengths[edges[-1]])
+    edges = _edges(share, guess.real, target, -(-time.size // most))
     stop = edges[-1]
     if stop == 0:
         raise ValueError("expected a mode that stands out of the noise, got none from the start")
-    starts = np.array(edges[:-1])
+    starts = edges[:-1]
     weight = share[:stop] ** -2.0
-    total = np.add.reduceat(weight, starts)
-    relative = np.add.reduceat(weight * phasor[:stop] * np.exp(-guess[:stop]), starts) / total
-    known = np.add.reduceat(weight * guess[:stop], starts) / total
-    centre = np.add.reduceat(weight * time[:stop], starts) / total
+    sums = np.add.reduceat(
+        weight * np.stack([phasor[:stop] * np.exp(-guess[:stop]), guess[:stop]]), starts, axis=1
+    )
+    total, centre = np.add.reduceat(weight * np.stack([np.ones(stop), time[:stop]]), starts, axis=1)
+    relative, known = sums / total
+    centre = centre / total
     miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
     spread = total**-0.5
     lost = np.flatnonzero(spread > worst)
     keep = slice(0, int(lost[0]) if lost.size else None)
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]
+
+
+@njit(cache=True)
+@no_type_check
+def _edges(share, level, target, fewest):
+    """First frames of the blocks and one past the last: each as long as its first frame asks."""
+    edges = [0]
+    last = share.size - 1
+    while edges[-1] <= last:
+        k = edges[-1]
+        before, after = max(k - 1, 0), min(k + 1, last)
+        fall = (level[before] - level[after]) / max(after - before, 1)
+        length = min((share[k] / target) ** 2, 0.4 / max(fall, 1e-12))
+        length = max(np.ceil(length), fewest)
+        if k + length > last + 1:
+            break
+        edges.append(k + int(length))
+    return np.array(edges)

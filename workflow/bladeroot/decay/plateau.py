@@ -3,10 +3,11 @@
 On the plateau the log-phasor of the displacement is a straight line in time: its phase rises by
 omega, its log-amplitude by A'/A. What the rates do above is not known, so a catalogue of laws is
 weighed by evidence on the independent blocks of cycles (`bladeroot.decay.laws`, `.weigh`), where
-least squares is efficient and its errors hold. A record has a plateau when at least four fifths of
-the weight is on laws with a constant stretch of a factor of two or more in amplitude, or without
-any slope at small amplitude (A^2 and flatter), and the rest of the laws' spread is in the standard
-error. Otherwise the plateau is not reached: the record gives a bound, and nothing is extrapolated.
+least squares is efficient and its errors hold; the rates of laws with an onset come from below it.
+A record has a plateau when at least four fifths of the weight is on laws with a constant stretch of
+a factor of two or more in amplitude, or without any slope at small amplitude (A^2 and flatter), and
+the rest of the laws' spread is in the standard error. Otherwise the plateau is not reached: the
+record gives a bound, and nothing is extrapolated.
 """
 
 from dataclasses import replace
@@ -16,7 +17,7 @@ import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
 from bladeroot.decay.posterior import Weighed
-from bladeroot.decay.stretch import Stretch, grouped
+from bladeroot.decay.stretch import cubic, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
 NUMBERS = (
@@ -55,11 +56,11 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
-    smooth = np.interp(blocks["time"], time, np.log(amplitude))
+    smooth = cubic(blocks["time"], time, np.log(amplitude))
     # the curve is sharper than a block, but for where it rounds off a sudden end of slip
     rounded = np.abs(both[0] - smooth) > np.maximum(5.0 * blocks["std"], 0.003)
     log = np.where(rounded | (blocks["std"] < 1e-3), both[0], smooth)
-    stretch = grouped(blocks["time"], both, blocks["std"], np.exp(log))
+    stretch = grouped(blocks["time"], both, blocks["std"], log)
     if stretch.time.size < 12:
         return result | {"verdict": "rejected: too few cycles of falling amplitude"}
     found = weigh(stretch)
@@ -68,8 +69,6 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         # what follows a capture needs no law of the slip before it
         after = weigh(stretch.below(sudden[2]))
         found = replace(after, onset=sudden[0], onset_std=sudden[1], departs=1.0)
-    elif found.departs >= 0.5 and found.phase.plateau >= SHOWN:
-        found = _shown_below(found, stretch)
     omega, omega_std = found.phase.mean()
     alpha, alpha_std = found.decline.mean()
     result["plateau_weight"] = found.phase.plateau
@@ -96,23 +95,6 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         "plateau_reached": 1,
         "verdict": "plateau",
     }
-
-
-def _shown_below(found: Weighed, stretch: Stretch) -> Weighed:
-    """The same, but for channels that bend again below the onset: those as they are there.
-
-    Beside a strong departure, a weak one further down passes for errors that neighbours share.
-    """
-    under = stretch.below(found.onset)
-    if under.time.size < 12:
-        return found
-    again = weigh(under)
-    bent = {
-        name: getattr(again, name)
-        for name in ("phase", "decline")
-        if getattr(again, name).plateau < SHOWN <= getattr(found, name).plateau
-    }
-    return replace(found, **bent)
 
 
 def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:

@@ -10,11 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.special import ndtr
 
 from bladeroot.decay.laws import BENDING, DOUBT, FLAT, HINGES, Fits
 
 SHORTEST = np.log(2.0)  # a constant stretch that is no shorter, in ln A, counts as shown
-BETWEEN = 0.005  # error of ln A0 by a slip between the catalogue's shapes, as in simulation
+# error of ln A0, over the doubt about a law, by a slip between its shapes, as in simulation
+BETWEEN = 0.02
+EXACT = 4e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
 NEGLIGIBLE = 8.0  # in ln of the evidence
 STEEPEST = 0.5  # least power of A that is believed down to A = 0
 SMOOTH = len(BENDING) + len(FLAT)
@@ -27,9 +30,10 @@ class Channel:
 
     `weight` sums to one over all laws: the constant, the smooth ones and the hinges, in all their
     doubts. `rate` and `variance` belong to them, at zero shape and at the smallest amplitude.
-    `tenable` marks those from sqrt(A) upwards that fit no worse than the best law's own misfit
-    excuses. `plateau` is the weight of laws with a plateau long enough to be shown,
-    `doubtful` that of the greatest doubt.
+    `tenable` marks those from sqrt(A) upwards that fit no worse than the best of those that bend
+    all the way down, as far as the misfit of that one excuses. `plateau` is the weight of laws
+    with a plateau long enough to be shown, `doubtful` that of the greatest doubt. `bent`: by how
+    much the misfit of the best of those that bend, taken at its word, exceeds the variances.
     """
 
     weight: Float[ndarray, " law"]
@@ -39,19 +43,39 @@ class Channel:
     plateau: float
     constant: float
     doubtful: float
+    bent: float
 
     def mean(self, lowest: bool = False) -> tuple[float, float]:
         """Rate of the plateau, or at the smallest amplitude; the laws' spread in its error."""
-        rate, variance = self.rate[int(lowest)], self.variance[int(lowest)]
-        mean = self.weight @ rate
-        return float(mean), float(np.sqrt(self.weight @ (variance + (rate - mean) ** 2)))
+        return middle(self.weight, self.rate[int(lowest)], self.variance[int(lowest)])
 
     def limits(self) -> tuple[float, float]:
         """Lowest and highest limit at zero amplitude of any tenable law, 1.96 errors included."""
         if not self.tenable.any():
             return np.nan, np.nan
-        rate, std = self.rate[0, self.tenable], np.sqrt(self.variance[0, self.tenable])
+        rate, std = self.rate[0, self.tenable], np.sqrt(self.bent * self.variance[0, self.tenable])
         return float((rate - 1.96 * std).min()), float((rate + 1.96 * std).max())
+
+
+def middle(
+    weight: Float[ndarray, " part"],
+    mean: Float[ndarray, " part"],
+    variance: Float[ndarray, " part"],
+) -> tuple[float, float]:
+    """Median of a mixture of normal parts, and a standard error that serves for its intervals.
+
+    Between the one that holds 68 % of the mixture and 1/1.96 of what holds 95 %. The variance would
+    hang on parts of hardly any weight that are far away.
+    """
+    some = weight > 1e-6 * weight.max()
+    weight, mean, std = weight[some] / weight[some].sum(), mean[some], np.sqrt(variance[some])
+    share = ndtr(np.array([-1.96, -1.0, 0.0, 1.0, 1.96]))
+    low, high = (np.full(5, one) for one in ((mean - 3.0 * std).min(), (mean + 3.0 * std).max()))
+    for _ in range(50):
+        at = 0.5 * (low + high)
+        under = ndtr((at[:, None] - mean) / std) @ weight < share
+        low, high = np.where(under, at, low), np.where(under, high, at)
+    return float(at[2]), float(np.sqrt(0.5 * (at[3] - at[1]) * (at[4] - at[0]) / 3.92))
 
 
 @dataclass(frozen=True)
@@ -94,15 +118,16 @@ def combined(
     both: list[Fits],
     constant: list[tuple[float, float]],
     still: list[float],
-    excess: list[float],
+    bent: list[float],
 ) -> Weighed:
     """Posterior over the laws of both channels, their onsets tied in half of the prior.
 
     By channel, constant: its rate and variance; still: its prior weight over another kind's;
-    excess: on the stated variances.
+    bent: misfit's variance of the law that bends all the way down best, taken at its word, over
+    that of the best of all.
     """
     alone = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
-    by_onset = [hinge.sum(axis=(1, 2)) for _, hinge in alone]
+    by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in alone]
     channels = []
     for one, (smooth, hinge) in enumerate(alone):
         # an onset of the other channel speaks for the same one here
@@ -110,11 +135,25 @@ def combined(
         tie = 1.0 - 0.5 * other.sum() + 0.5 * other / catalogue.prior
         weight = np.concatenate([smooth, (hinge * tie[:, None, None]).ravel()])
         channels.append(
-            _channel(catalogue, both[one], weight / weight.sum(), constant[one], excess[one])
+            _channel(catalogue, both[one], weight / weight.sum(), constant[one], bent[one])
         )
-    onset, onset_std, departs = _onset(catalogue.onsets, catalogue.prior, by_onset)
     low, high = catalogue.low, catalogue.high
+    onset, onset_std, departs = _onset(
+        catalogue.onsets, catalogue.prior, catalogue.prior * (high - low), by_onset
+    )
     return Weighed(channels[0], channels[1], onset, onset_std, departs, low, high)
+
+
+def _blurred(
+    catalogue: Catalogue, weight: Float[ndarray, "onset doubt"]
+) -> Float[ndarray, " onset"]:
+    """Weight of each onset, known no better than its laws are believed."""
+    apart = catalogue.onsets[:, None] - catalogue.onsets
+    total = np.zeros(catalogue.onsets.size)
+    for part, doubt in zip(weight.T, DOUBT, strict=True):
+        blur = catalogue.prior[:, None] * np.exp(-0.5 * (apart / (BETWEEN * doubt)) ** 2)
+        total += (blur / blur.sum(axis=0)) @ part
+    return total
 
 
 def _weights(
@@ -137,7 +176,7 @@ def _channel(
     found: Fits,
     weight: Float[ndarray, " law"],
     constant: tuple[float, float],
-    excess: float,
+    bent: float,
 ) -> Channel:
     """What the weights make of one channel."""
     rate, variance = (
@@ -148,9 +187,10 @@ def _channel(
     tenable = np.ones(evidence.size, dtype=bool)
     tenable[1 : 1 + DOUBTS * int(np.sum(np.array(BENDING) < STEEPEST))] = False
     tenable[DOUBTS::DOUBTS] = False  # the greatest doubt extrapolates to anywhere
-    tenable &= evidence > evidence[tenable].max() - NEGLIGIBLE * excess
+    bending = np.arange(evidence.size) <= DOUBTS * len(BENDING)
+    tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE * bent
     doubtful = float(weight[DOUBTS::DOUBTS].sum())
-    one = Channel(weight, rate, variance, tenable, 0.0, float(weight[0]), doubtful)
+    one = Channel(weight, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
     # a flat law is a plateau when its rest at the smallest amplitude is within the error
     flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
     shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
@@ -164,6 +204,7 @@ def _channel(
 def _onset(
     at: Float[ndarray, " onset"],
     prior: Float[ndarray, " onset"],
+    width: Float[ndarray, " onset"],
     by_onset: list[Float[ndarray, " onset"]],
 ) -> tuple[float, float, float]:
     """Mean and standard deviation of ln A0, where the first of both leaves, and its weight."""
@@ -177,6 +218,4 @@ def _onset(
     total = whole + not_one * not_two
     if not whole > 1e-300:
         return np.nan, np.nan, 0.0
-    mean = weight @ at / whole
-    spread = np.hypot(np.sqrt(weight @ (at - mean) ** 2 / whole), BETWEEN)
-    return float(mean), float(spread), float(whole / total)
+    return *middle(weight, at, width**2 / 12.0 + EXACT**2), float(whole / total)

@@ -12,21 +12,15 @@ bends. The cost does not grow with the number of values but for the sums over th
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
+from numba import njit
 from numpy import ndarray
 
-from bladeroot.decay.bsplines import alive_splines, derivative_rows
-from bladeroot.decay.penalty import (
-    DEGREE,
-    inverse_of,
-    normal_sums,
-    penalised,
-    penalty_rows,
-    spread,
-    step,
-)
+from bladeroot.decay.bsplines import alive_splines, derivative_rows, polynomials
+from bladeroot.decay.penalty import DEGREE, normal_sums, penalty_rows, posterior
 
 # The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
 # For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
@@ -45,14 +39,18 @@ class Prior:
 
 @dataclass(frozen=True)
 class Spline:
-    """Posterior of the curves of all parts: coefficients and their covariance."""
+    """Posterior of the curves of all parts: coefficients and their covariance.
+
+    The covariance is kept of coefficients that share a piece only: row j holds those of the
+    coefficient j with j, j + 1, ... j + DEGREE.
+    """
 
     origin: float
     scale: float
     knots: Float[ndarray, " knot"]
     trend: Float[ndarray, "part 2"]
     coefficient: Float[ndarray, "part coefficient"]
-    covariance: Float[ndarray, "part coefficient coefficient"]
+    covariance: Float[ndarray, "part coefficient alive"]
     prior: Prior
 
     def value(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
@@ -60,15 +58,7 @@ class Spline:
         start, power = self._polynomials
         x = (time - self.origin) / self.scale
         cell = np.clip(np.searchsorted(start, x, side="right") - 1, 0, start.size - 1)
-        s = x - start[cell]
-        own = power[:, :, cell]
-        value = np.zeros((3, self.trend.shape[0], time.size))
-        for k in range(DEGREE, -1, -1):
-            if k > 1:
-                value[2] = value[2] * s + k * (k - 1) * own[k]
-            if k > 0:
-                value[1] = value[1] * s + k * own[k]
-            value[0] = value[0] * s + own[k]
+        value = _horner(x - start[cell], cell, power)
         value[0] += self.trend[:, :1] * x + self.trend[:, 1:]
         value[1] += self.trend[:, :1]
         value[1] /= self.scale
@@ -77,37 +67,56 @@ class Spline:
 
     @cached_property
     def _polynomials(self) -> tuple[ndarray, ndarray]:
-        """Where each polynomial piece starts, and its coefficients (power, part, piece)."""
-        start = self.knots[DEGREE : -DEGREE - 1]
-        width = self.knots[DEGREE + 1 : -DEGREE] - start
-        at = np.arange(DEGREE + 1) / DEGREE  # places within a piece, both ends among them
-        inside = (start + at[:, None] * width * (1.0 - 1e-12)).ravel()
-        shape, first = alive_splines(inside, self.knots, DEGREE)
-        alive = self.coefficient[:, first[:, None] + np.arange(DEGREE + 1)]
-        value = (alive * shape).sum(axis=2).reshape(-1, DEGREE + 1, start.size)
-        power = np.linalg.inv(np.vander(at, increasing=True)) @ value
-        return start, power.transpose(1, 0, 2) / width ** np.arange(DEGREE + 1)[:, None, None]
+        return polynomials(self.knots, self.coefficient, DEGREE)
 
     def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """Standard errors of `value`."""
-        shape, first = self._shapes((time - self.origin) / self.scale)
-        pairs = (shape[..., :, None] * shape[..., None, :]).reshape(3, time.size, -1)
-        row = first[:, None] + np.repeat(np.arange(DEGREE + 1), DEGREE + 1)
-        column = first[:, None] + np.tile(np.arange(DEGREE + 1), DEGREE + 1)
-        error = [(pairs * covariance[row, column]).sum(axis=2) for covariance in self.covariance]
-        return CALIBRATION[:, None, None] * np.sqrt(np.maximum(np.stack(error, axis=1), 0.0))
-
-    def _shapes(
-        self, x: Float[ndarray, " point"]
-    ) -> tuple[Float[ndarray, "3 point alive"], Int[ndarray, " point"]]:
-        shape = np.zeros((3, x.size, DEGREE + 1))
+        x = (time - self.origin) / self.scale
+        error = np.zeros((3, self.covariance.shape[0], time.size))
         for d in range(3):
             value, first = alive_splines(x, self.knots[d : self.knots.size - d], DEGREE - d)
-            rows = derivative_rows(self.knots, DEGREE, d)
-            for j in range(DEGREE + 1 - d):
-                shape[d, :, j : j + d + 1] += value[:, j : j + 1] * rows[first + j]
-            shape[d] /= self.scale**d
-        return shape, first
+            rows = derivative_rows(self.knots, DEGREE, d) / self.scale**d
+            error[d] = _errors(value, first, rows, self.covariance)
+        return CALIBRATION[:, None, None] * error
+
+
+@njit(cache=True)
+@no_type_check
+def _errors(value, first, rows, covariance):
+    """Standard errors (part, point) of a derivative: splines alive, and what makes it of ours."""
+    parts, _, width = covariance.shape
+    error, shape = np.empty((parts, first.size)), np.empty(width)
+    for p in range(first.size):
+        shape[:] = 0.0
+        for a in range(value.shape[1]):
+            for b in range(rows.shape[1]):
+                shape[a + b] += value[p, a] * rows[first[p] + a, b]
+        for part in range(parts):
+            total = 0.0
+            for a in range(width):
+                own = covariance[part, first[p] + a]
+                total += shape[a] ** 2 * own[0]
+                for b in range(a + 1, width):
+                    total += 2.0 * shape[a] * shape[b] * own[b - a]
+            error[part, p] = np.sqrt(max(total, 0.0))
+    return error
+
+
+@njit(cache=True)
+@no_type_check
+def _horner(s, cell, power):
+    """Polynomials and their first two derivatives, (order, part, point)."""
+    terms, parts, _ = power.shape
+    value = np.empty((3, parts, s.size))
+    for part in range(parts):
+        for p in range(s.size):
+            level = slope = bend = 0.0
+            for k in range(terms - 1, -1, -1):
+                bend = bend * s[p] + 2.0 * slope
+                slope = slope * s[p] + level
+                level = level * s[p] + power[k, part, cell[p]]
+            value[0, part, p], value[1, part, p], value[2, part, p] = level, slope, bend
+    return value
 
 
 def coarse(
@@ -183,25 +192,19 @@ def _fit(
     shape, first = alive_splines(x, knots, DEGREE)
     gram, right, trend = normal_sums(x, y, std, shape, first, count)
     penalty, centre = penalty_rows(knots)
-    place = np.interp(centre, prior.node, np.arange(prior.node.size))
-    tent = np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(prior.node.size)))
-    coefficient, covariance = np.empty((y.shape[0], count)), np.empty((y.shape[0], count, count))
-    found = prior.log_precision.copy()
-    for part in range(y.shape[0]):
-        softest = prior.softest[part]
-        for _ in range(iterations):
-            inverse = inverse_of(penalised(gram, penalty, np.exp(tent @ found[part])))
-            change, moving = step(inverse, right[part], penalty, tent, found[part])
-            found[part] = np.clip(found[part] + change, softest, softest + 50.0)
-            if not moving:
-                break
-        # where the curve bends is known no better than to a region
-        precision = np.exp(tent @ spread(found[part]))
-        covariance[part] = inverse_of(penalised(gram, penalty, precision))
-        coefficient[part] = covariance[part] @ right[part]
+    place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
+    found = [
+        posterior(gram, own, penalty, place, before, softest, iterations)
+        for own, before, softest in zip(right, prior.log_precision, prior.softest, strict=True)
+    ]
+    if not all(good for *_, good in found):
+        raise ValueError("the spline's equations are singular: values without finite errors?")
+    log_precision, coefficient, covariance = (
+        np.stack([part[k] for part in found]) for k in range(3)
+    )
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,
-        Prior(prior.node, found, prior.softest),
+        Prior(prior.node, log_precision, prior.softest),
     )  # fmt: skip
 
 

@@ -6,37 +6,47 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
+FEWEST = 8  # groups through which a straight line is laid
+
 
 @dataclass(frozen=True)
 class Stretch:
     """Groups of blocks in time order; `y` holds log-amplitude and phase, `log` ln A for the laws.
 
     `width` is the variance of the times in a group, whose mean is not the value at its middle.
+    `path` is ln A at the groups and at `CELLS` - 1 even steps in time between each two.
     """
 
     time: Float[ndarray, " group"]
     y: Float[ndarray, "2 group"]
     std: Float[ndarray, " group"]
-    log: Float[ndarray, " group"]
     width: Float[ndarray, " group"]
+    path: Float[ndarray, " step"]
+
+    @property
+    def log(self) -> Float[ndarray, " group"]:
+        """Ln A at the groups."""
+        return self.path[::CELLS]
 
     def below(self, log: float) -> "Stretch":
-        """The groups up to an amplitude, given as ln A."""
-        keep = self.log <= log + 1e-9
+        """The groups from where the amplitude, given as ln A, is not exceeded any more."""
+        first = int(np.max(np.flatnonzero(self.log > log + 1e-9), initial=-1)) + 1
         return Stretch(
-            self.time[keep], self.y[:, keep], self.std[keep], self.log[keep], self.width[keep]
-        )
+            self.time[first:], self.y[:, first:], self.std[first:], self.width[first:],
+            self.path[CELLS * first :],
+        )  # fmt: skip
 
 
 def grouped(
     time: Float[ndarray, " block"],
     y: Float[ndarray, "2 block"],
     std: Float[ndarray, " block"],
-    amplitude: Float[ndarray, " block"],
+    log: Float[ndarray, " block"],
     most: int = 200,
 ) -> Stretch:
     """Neighbouring blocks joined so that every group falls by about the same in ln A."""
-    fallen = np.maximum.accumulate(np.log(amplitude[0] / amplitude))
+    fallen = np.maximum.accumulate(log[0] - log)
     step = max(fallen[-1] / most, 1e-9)
     start = np.flatnonzero(np.diff(np.floor(fallen / step), prepend=-1.0) > 0)
     weight = std**-2.0
@@ -47,16 +57,41 @@ def grouped(
 
     centre = mean(time)
     width = np.maximum(mean(time**2) - centre**2, 0.0)
-    return Stretch(centre, mean(y), total**-0.5, mean(np.log(amplitude)), width)
+    number = np.arange(CELLS * (centre.size - 1) + 1) / CELLS
+    steps = np.interp(number, np.arange(centre.size), centre)
+    return Stretch(centre, mean(y), total**-0.5, width, cubic(steps, time, log))
 
 
-def integral(stretch: Stretch, rate: Float[ndarray, "group law"]) -> Float[ndarray, "group law"]:
-    """Integral of rates over time as the groups see it, zero at the record's end."""
-    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(stretch.time)[:, None]
-    total = np.zeros_like(rate)
-    total[:-1] = -np.cumsum(steps[::-1], axis=0)[::-1]
-    slope = (rate[2:] - rate[:-2]) / (stretch.time[2:] - stretch.time[:-2])[:, None]
-    total[1:-1] += 0.5 * stretch.width[1:-1, None] * slope
+def cubic(
+    at: Float[ndarray, " step"], time: Float[ndarray, " value"], y: Float[ndarray, " value"]
+) -> Float[ndarray, " step"]:
+    """Hermite's interpolation, level beyond the ends; straight lines round off what bends."""
+    slope = np.gradient(y, time)
+    left = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
+    step = time[left + 1] - time[left]
+    s = np.clip((at - time[left]) / step, 0.0, 1.0)
+    start, end = step * slope[left], step * slope[left + 1]
+    rise = y[left + 1] - y[left]
+    return y[left] + s * (rise + (1.0 - s) * ((1.0 - s) * (start - rise) - s * (end - rise)))
+
+
+def over_cells(stretch: Stretch, rate: Float[ndarray, "step law"]) -> Float[ndarray, "cell law"]:
+    """Integral over time from each group to the next, by Simpson's rule."""
+    share = np.where(np.arange(CELLS) % 2, 4.0, 2.0) / (3.0 * CELLS)
+    inner = np.einsum("s,csl->cl", share, rate[:-1].reshape(stretch.time.size - 1, CELLS, -1))
+    rate = rate[::CELLS]
+    return (inner + (rate[1:] - rate[:-1]) / (3.0 * CELLS)) * np.diff(stretch.time)[:, None]
+
+
+def integral(stretch: Stretch, cells: Float[ndarray, "cell law"]) -> Float[ndarray, "group law"]:
+    """Integral over time as the groups see it, zero at the record's end, from that of each cell."""
+    total = np.zeros((stretch.time.size, cells.shape[1]))
+    total[:-1] = -np.cumsum(cells[::-1], axis=0)[::-1]
+    length = np.diff(stretch.time)
+    rate = cells / length[:, None]
+    slope = (rate[1:] - rate[:-1]) / (0.5 * (length[1:] + length[:-1]))[:, None]
+    slope = np.concatenate([slope[:1], slope, slope[-1:]])
+    total += 0.5 * stretch.width[:, None] * slope
     return total
 
 
@@ -72,6 +107,27 @@ def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray,
     return q / length, np.array([0.0, 1.0 / length[1]])
 
 
+def lines_below(
+    stretch: Stretch, onsets: Float[ndarray, " onset"]
+) -> tuple[Float[ndarray, "2 onset"], Float[ndarray, " onset"]]:
+    """Slopes of straight lines through the groups below each onset (ln A0), and their variance.
+
+    The variance is infinite where they are fewer than `FEWEST`.
+    """
+    # what lies below an onset begins after the last group above it
+    first = np.searchsorted(-np.maximum.accumulate(stretch.log[::-1])[::-1], -onsets)
+    first = np.minimum(first, stretch.time.size - FEWEST)
+    weight = stretch.std**-2.0
+    time = stretch.time - stretch.time[-1]
+    y = stretch.y - stretch.y[:, -1:]
+    terms = np.stack([np.ones_like(time), time, time**2, *y, *(y * time)]) * weight
+    one, t, tt, *rest = np.cumsum(terms[:, ::-1], axis=1)[:, ::-1][:, first]
+    y, ty = np.stack(rest[:2]), np.stack(rest[2:])
+    spread = np.maximum(tt - t**2 / one, 1e-300)
+    few = stretch.log[first] > onsets
+    return (ty - t * y / one) / spread, np.where(few, np.inf, 1.0 / spread)
+
+
 def first_departure(stretch: Stretch, detection: float) -> float | None:
     """Smallest ln A up to which the record shows that it leaves a constant rate, or None.
 
@@ -80,14 +136,14 @@ def first_departure(stretch: Stretch, detection: float) -> float | None:
     """
     low, high = stretch.log.min(), stretch.log.max()
     onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
-    hinges = integral(stretch, np.maximum(0.0, np.exp(stretch.log[:, None] - onsets) - 1.0))
+    hinges = np.maximum(0.0, np.exp(stretch.path[:, None] - onsets) - 1.0)
+    hinges = integral(stretch, over_cells(stretch, hinges))
     for index in range(3, onsets.size):
-        keep = stretch.log <= onsets[index] + 1e-9
-        if keep.sum() < 10 or onsets[index] < low + 0.4:
-            continue
         window = stretch.below(onsets[index])
+        if window.time.size < 10 or onsets[index] < low + 0.4:
+            continue
         q, _ = line_of(window)
-        columns = hinges[keep][:, :index] / window.std[:, None]
+        columns = hinges[-window.time.size :, :index] / window.std[:, None]
         columns -= q @ (q.T @ columns)
         y = (window.y - window.y.mean(axis=1, keepdims=True)) / window.std
         y -= (y @ q) @ q.T

@@ -1,14 +1,14 @@
 """Follow one mode through a record, other modes fitted along with it."""
 
-from collections.abc import Sequence
-
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.decay.carrier import rough_phasors, strongest_line
-from bladeroot.decay.lines import find_lines, remainder
-from bladeroot.decay.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather, refined
+from bladeroot.decay.carrier import strongest_line
+from bladeroot.decay.close_modes import CLOSE, SPOILT_BEATS, near_waves, outlived_s, within
+from bladeroot.decay.lines import find_lines
+from bladeroot.decay.phasors import Frames, Phasors, corrected, fit_frames, gather, refined
+from bladeroot.decay.rough import cut_frames, parts, roughly
 from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
 
@@ -23,7 +23,7 @@ def follow(
     """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
     duration = velocity.size / sampling_Hz
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
-    blocks, fit, stretches, rest = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+    blocks, fit, stretches, rest = roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     stop = int(blocks.time[-1] * sampling_Hz)
     rest = rest[:stop] if usable is None else _longest(rest[:stop], usable[:stop])
     value = fit.value(blocks.time)
@@ -36,9 +36,18 @@ def follow(
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
+    first_s, last_s = 0.0, duration
     if near:
-        velocity = without_near(velocity, sampling_Hz, line_Hz, near, noise, usable)
-        blocks, fit, stretches, _ = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+        waves = near_waves(velocity, sampling_Hz, line_Hz, near, noise, usable)
+        velocity = velocity - sum(waves)
+        blocks, fit, stretches, _ = roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+        gaps = {k: abs(other - line_Hz) for k, other in enumerate(near)}
+        close = [k for k, gap in gaps.items() if gap < CLOSE * line_Hz]
+        if close:
+            beat_s = 1.0 / min(gaps[k] for k in close)
+            first_s = SPOILT_BEATS * beat_s
+            taken = sum(waves[k] for k in close)
+            last_s = outlived_s(taken, sampling_Hz, fit, beat_s) - first_s
     cycles = _cycles(others, line_Hz, duration)
     if cycles > 1:
         stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
@@ -48,18 +57,19 @@ def follow(
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
     blocks = _gathered(frames, blocks, fit)
-    before, fit = fit, coarse(blocks.time, _parts(blocks.log), blocks.std, duration, fit.prior)
+    before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
         if _as_known(blocks, before, fit):
             break
         before, blocks = fit, _gathered(frames, blocks, fit)
-        fit = fine(blocks.time, _parts(blocks.log), blocks.std, fit)
+        fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
     value = fit.value(blocks.time)
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    return blocks, fine(blocks.time, _parts(blocks.log), blocks.std, fit), found
+    fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
+    return within(blocks, first_s, last_s), fit, found
 
 
 def _taken_over(
@@ -91,59 +101,6 @@ def _taken_over(
     if not any(low < line < high for line in lines):
         return None
     return until
-
-
-def without_near(
-    velocity: Float[ndarray, " sample"],
-    sampling_Hz: float,
-    line_Hz: float,
-    near: Sequence[float],
-    noise: float,
-    usable: Bool[ndarray, " sample"] | None = None,
-    rounds: int = 6,
-) -> Float[ndarray, " sample"]:
-    """The record less lines that frames of few cycles cannot tell from the mode or from a mean.
-
-    Each is followed in what the rest leave over and taken off, some times round. Lines whose beat
-    with the mode is as slow as its own curves bend cannot be told apart in this way.
-    """
-    waves = [np.zeros_like(velocity) for _ in near]
-    rest = velocity
-    for _ in range(rounds):
-        left = _roughly(rest, sampling_Hz, line_Hz, noise, usable)[-1]
-        for k, other_Hz in enumerate(near):
-            alone = left + waves[k]
-            try:
-                left = _roughly(alone, sampling_Hz, other_Hz, noise, usable)[-1]
-            except ValueError:  # a line that cannot be followed is no mode
-                left = alone
-            waves[k] = alone - left
-        rest = velocity - sum(waves)
-    return rest
-
-
-def _roughly(
-    velocity: Float[ndarray, " sample"],
-    sampling_Hz: float,
-    line_Hz: float,
-    noise: float,
-    usable: Bool[ndarray, " sample"] | None,
-) -> tuple[Phasors, Spline, list[Stretch], Float[ndarray, " sample"]]:
-    """Rough blocks of the mode near a line, their spline, its frames, and what it leaves over."""
-    blocks, phase = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
-    scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
-    std = blocks.std * np.maximum(scatter, 0.1)
-    duration = velocity.size / sampling_Hz
-    fit = coarse(blocks.time, _parts(blocks.log), std, duration, knots=32, iterations=2)
-    stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, 1)
-    middle = np.concatenate([_middles(one, sampling_Hz) for one in stretches])
-    value = fit.value(np.minimum(middle, blocks.time[-1]))
-    log = value[:, 0] + 1j * value[:, 1]
-    log[0, middle > blocks.time[-1]] = -np.inf
-    rest = remainder(velocity, sampling_Hz, stretches, log)
-    if usable is not None:
-        rest = np.where(usable, rest, 0.0)
-    return blocks, fit, stretches, rest
 
 
 def _longest(
@@ -191,7 +148,7 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
         blocks, miss = Phasors(blocks.time[part], blocks.log[part], blocks.std[part]), miss[part]
     if blocks.time.size < 8:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
-    off = _parts(miss)
+    off = parts(miss)
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
     # a clock and a digitiser are never better than a millionth of a radian
     std = without_knocks(off, np.hypot(std, 1e-6))
@@ -206,40 +163,6 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
     rate = now.value(blocks.time)[1]
     change = np.abs(before.value(blocks.time)[1] - rate).max(axis=0) / (2.0 * rate[1])
     return bool((change < 0.5 * blocks.std).all())
-
-
-def _parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
-    return np.stack([log.real, log.imag])
-
-
-def cut_frames(
-    fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float, cycles: int
-) -> list[Stretch]:
-    """The record cut into frames of whole cycles, anew where the frequency has moved."""
-    grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
-    omega = fit.value(grid)[1, 1]
-    # where the mode is lost its phase may stand still or even turn back
-    omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
-    step = 0.02 / cycles
-    class_ = np.round(np.log(omega / np.median(omega)) / step)
-    change = np.flatnonzero(np.diff(class_)) + 1
-    found: list[Stretch] = []
-    first = 0
-    starts = np.concatenate([[0], change])
-    ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
-    for start, end in zip(starts, ends, strict=True):
-        angle = float(np.median(omega) * np.exp(class_[start] * step)) / sampling_Hz
-        length = max(round(cycles * 2.0 * np.pi / angle), 8)
-        frames = int(min(end, samples) - first) // length
-        if frames > 0:
-            found.append(Stretch(first, length, frames, angle))
-            first += frames * length
-    return found
-
-
-def _middles(stretch: Stretch, sampling_Hz: float) -> Float[ndarray, " frame"]:
-    middle = stretch.first + 0.5 * (stretch.length - 1)
-    return (middle + np.arange(stretch.frames) * stretch.length) / sampling_Hz
 
 
 def _cycles(others: list[float], line_Hz: float, duration: float) -> int:

@@ -11,17 +11,20 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.laws import (
+    BENDING,
     HINGES,
     Frame,
     excess_variance,
     fits,
     framed,
     hinge_shapes,
+    misfit,
     smooth_shapes,
     sums,
+    with_lines_below,
 )
-from bladeroot.decay.posterior import NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
-from bladeroot.decay.stretch import Stretch, first_departure
+from bladeroot.decay.posterior import DOUBTS, NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
+from bladeroot.decay.stretch import Stretch, first_departure, over_cells
 
 SHOWN = 0.8  # weight of laws with a plateau at which it is stated: see benchmarks/plateau.py
 DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
@@ -34,9 +37,10 @@ MISFIT = 20.0  # excess variance about all laws from which the record does not s
 def weigh(stretch: Stretch) -> Weighed:
     """Weights of all laws on the informative part of a record.
 
-    That part is the longest of a few on which the laws hold without their greatest doubt; a plateau
-    must show on the longer ones, too, as errors that neighbours share look like a law on a short
-    one. A departure that was only the noise's own wander sends the search further up the record.
+    That part is the longest of a few on which the laws hold without their greatest doubt. A plateau
+    must show on the longer ones, too, up to the first on which the phase's laws hold, as errors
+    that neighbours share look like a law on a short one. A departure that was only the noise's own
+    wander sends the search further up the record.
     """
     detection = DETECTION
     while True:
@@ -44,13 +48,13 @@ def weigh(stretch: Stretch) -> Weighed:
         if top is None:
             return _weighed(stretch)[0]
         found, excess = _weighed(stretch.below(top + REACH[0]))
-        shown = found.phase.plateau
+        shown, unsure = found.phase.plateau, True
         for reach in REACH[1:]:
-            doubtful = max(found.phase.doubtful, found.decline.doubtful) > 0.5
-            if not doubtful or shown < SHOWN:
+            unsure &= found.phase.doubtful > 0.5
+            if max(found.phase.doubtful, found.decline.doubtful) <= 0.5 or shown < SHOWN:
                 break
             found, _ = _weighed(stretch.below(top + reach))
-            shown = min(shown, found.phase.plateau)
+            shown = min(shown, found.phase.plateau) if unsure else shown
         found = replace(found, phase=replace(found.phase, plateau=shown))
         if min(found.phase.constant, found.decline.constant) < 0.5:
             return found
@@ -64,20 +68,20 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
     new = np.union1d(np.linspace(low, high, 12)[1:-1], _seeds(frame, low, high))
     total, evidence, best, excess = None, [np.empty(0)] * 2, [-np.inf] * 2, [1.0] * 2
     for _ in range(4):
-        shape, first = hinge_shapes(window, new)
+        laws = hinge_shapes(window, new)
         if total is None:
-            smooth, nodes = smooth_shapes(window)
-            shape, first = np.hstack([smooth, shape]), np.concatenate([nodes, first])
-        more = sums(frame, shape, first)
+            smooth = smooth_shapes(window)
+            laws = smooth.joined(laws)
+        more = sums(frame, laws)
         total = more if total is None else total.joined(more)
         onsets = np.concatenate([onsets, new])
         for channel in range(2):
             alone = fits(more, channel, 1.0)
-            law, doubt = np.unravel_index(np.argmax(alone.evidence), alone.evidence.shape)
+            law, doubt = _best(alone.evidence)
             if alone.evidence[law, doubt] > best[channel]:
                 best[channel] = float(alone.evidence[law, doubt])
-                here, size = slice(law, law + 1), alone.size[law, doubt]
-                excess[channel] = excess_variance(frame, shape[:, here], first[here], size, channel)
+                rest = misfit(frame, laws.one(law), alone.size[law, doubt], channel)
+                excess[channel] = excess_variance(rest)
             highest = alone.evidence.max(axis=1)
             evidence[channel] = np.concatenate([evidence[channel], highest])
         new = [_finer(onsets, evidence[k][SMOOTH:] / excess[k], low, high) for k in range(2)]
@@ -88,10 +92,22 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
     hinges = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
     total = total.chosen(np.concatenate([np.arange(SMOOTH), hinges]))
     both = [fits(total, channel, excess[channel]) for channel in range(2)]
+    both = [with_lines_below(both[k], window, onsets[order], k) for k in range(2)]
     constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
     still = [best[k] < NOTHING * excess[k] and excess[k] < MISFIT for k in range(2)]
     still = [NO_DEPARTURE if one else 1.0 for one in still]
-    return combined(Catalogue(onsets[order], low, high), both, constant, still, excess), max(excess)
+    bent = []
+    for channel in range(2):
+        law = int(np.argmax(both[channel].evidence[: len(BENDING), 0]))
+        rest = misfit(frame, smooth.one(law), both[channel].size[law, 0], channel)
+        bent.append(max(excess_variance(rest), excess[channel]) / excess[channel])
+    found = combined(Catalogue(onsets[order], low, high), both, constant, still, bent)
+    return found, max(excess)
+
+
+def _best(evidence: Float[ndarray, "law doubt"]) -> tuple[int, int]:
+    """The best law and its doubt; what only the greatest explains may be errors that are alike."""
+    return divmod(int(np.argmax(evidence[:, :-1])), DOUBTS - 1)
 
 
 def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndarray, " onset"]:
@@ -100,7 +116,7 @@ def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndar
     A law that holds exactly may show on a range of onsets that a coarse search steps over.
     """
     onsets = np.linspace(low, high, count + 2)[1:-1]
-    columns = frame.operator @ hinge_shapes(frame.stretch, onsets)[0]
+    columns = frame.seen(over_cells(frame.stretch, hinge_shapes(frame.stretch, onsets).shape))[0]
     gain = (frame.y @ columns) ** 2 / np.maximum((columns**2).sum(axis=0), 1e-300)
     gain = gain.reshape(2, count, HINGES)
     best = np.clip(gain.argmax(axis=1), 1, count - 2)

@@ -21,7 +21,8 @@ _TEMPERATURE = ("°c", "degc", "celsius", "c", "k", "kelvin", "°f", "degf", "f"
 class Channel:
     """Numbers as they stand in the file, and what the file says of them.
 
-    A number of `samples` times `scale` is in `unit`. `facts` holds what else the file states and
+    A number of `samples` times `scale` is in `unit`. `sampling_error` is what the digits of
+    `sampling_Hz` leave open, relative. `facts` holds what else the file states and
     records.csv may contradict: mode, force_N.
     """
 
@@ -32,6 +33,7 @@ class Channel:
     quantity: str | None = None
     time: ndarray | None = None
     sampling_Hz: float | None = None
+    sampling_error: float = 0.0
     start_s: float = 0.0
     facts: dict[str, str | float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()

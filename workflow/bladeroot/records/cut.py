@@ -5,14 +5,17 @@ freely, and later the tip returns; or the decay follows a hammer's blow (or seve
 release, or the record begins in it.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.records.beating import beat, without_beat
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
-from bladeroot.records.release import find_release
+from bladeroot.records.release import Release, find_release
 from bladeroot.records.spectrum import white_noise
 from bladeroot.records.turning import clean_falls
 
@@ -23,6 +26,10 @@ LEAST_FALL = 2.0
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
 # followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
 SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
+# One decay under a beat falls by more than this many times what it falls by within a beat.
+DEEPER = 1.5
+# A release so many frames after the loudest one may be a beat's.
+LATE = 16
 # Longest stretch (samples) from which the mode's own frequency is taken, for cost.
 LOUD_SAMPLES = 65536
 
@@ -113,28 +120,31 @@ def _span(
     """First sample and one past the last of the decay, or what is amiss."""
     floor = seen.noise(noise, sampling_Hz)
     broken = strikes(seen, noise)
-    best = None
-    for frames, above in SMOOTHING:
-        least = max(above * floor, 1e-12 * np.exp(seen.level.max()), 1e-150)
-        level = 0.5 * np.log(np.maximum(running_power(seen, frames), least**2))
-        found = clean_falls(level, RISE, broken)
-        fall = level[found[0][0]] - level[found[0][1]]
-        if best is None or fall > best[0]:
-            best = fall, level, found
-        if fall > np.log(4.0) or 16 * frames > level.size:
-            break
-    fall, level, found = best
-    peak, trough = found[0]
-    if fall < np.log(LEAST_FALL):
+    ratio = 0.0 if end == "noise" else float(end)
+    one = _decay(velocity, sampling_Hz, seen, floor, broken, ratio)
+    loudest = int(np.argmax(one.level))
+    if one.reason == "disturbed" or one.begin > loudest + LATE:
+        # a deep beat looks like many decays, or like a release
+        period = beat(seen, floor, loudest)
+        if period is not None:
+            calm = without_beat(seen, loudest, period)
+            whole = _decay(velocity, sampling_Hz, calm, floor, broken, ratio)
+            if whole.fall > DEEPER * one.fall or _free_before(whole, one.begin, period):
+                one = whole
+    fall, found, release = one.fall, one.found, one.release
+    if release is None:
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
             f"factor of {np.exp(fall):.3g}, at least {LEAST_FALL:g} is needed"
         )
-    release = find_release(velocity, sampling_Hz, seen, floor, level, peak, trough)
+    level, end_s, reason = one.level, one.end_s, one.reason
     start_s = release.time_s + 2.0 * release.std_s
-    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
-    ratio = 0.0 if end == "noise" else float(end)
-    end_s, reason = find_end(seen, floor, level, broken, begin, trough, ratio)
+    period = beat(seen, floor, one.begin) if reason == "disturbed" else None
+    if period is not None:
+        # a beat rises and bends as a disturbance does; under its mean a real one still shows
+        calm = without_beat(seen, one.begin, period)
+        _, course, later = _falls(calm, floor, broken, one.begin)
+        end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -152,6 +162,70 @@ def _span(
     return (first, stop), ""
 
 
+@dataclass(frozen=True)
+class _Decay:
+    """Smoothed level, its falls (the largest by `fall`), release, first frame, end and why."""
+
+    fall: float
+    level: Float[ndarray, " frame"]
+    found: list[tuple[int, int]]
+    release: Release | None = None
+    begin: int = 0
+    end_s: float = 0.0
+    reason: str = ""
+
+
+def _decay(
+    velocity: ndarray,
+    sampling_Hz: float,
+    seen: Envelope,
+    noise: float,
+    broken: ndarray,
+    ratio: float,
+) -> _Decay:
+    """The deepest decay in an envelope; without a release if none is deep enough."""
+    fall, level, found = _falls(seen, noise, broken)
+    if fall < np.log(LEAST_FALL):
+        return _Decay(fall, level, found)
+    peak, trough = found[0]
+    release = find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
+    start_s = release.time_s + 2.0 * release.std_s
+    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
+    end_s, reason = find_end(seen, noise, level, broken, begin, trough, ratio)
+    return _Decay(fall, level, found, release, begin, end_s, reason)
+
+
+def _free_before(calm: _Decay, begin: int, period: float) -> bool:
+    """Whether a decay without its beat falls before a frame as it does after it."""
+    before = begin - calm.begin
+    if calm.release is None or before < period:
+        return False
+    after = min(begin + before, calm.level.size - 1)
+    fallen, falls = (
+        calm.level[calm.begin] - calm.level[begin],
+        calm.level[begin] - calm.level[after],
+    )
+    return bool(fallen > 0.5 * falls > 0.0)
+
+
+def _falls(
+    seen: Envelope, noise: float, broken: ndarray, first: int = 0
+) -> tuple[float, Float[ndarray, " frame"], list[tuple[int, int]]]:
+    """Largest fall of ln A from frame `first` on, the smoothed level that shows it, all falls."""
+    best = None
+    for frames, above in SMOOTHING:
+        least = max(above * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
+        level = 0.5 * np.log(np.maximum(running_power(seen, frames), least**2))
+        found = clean_falls(level[first:], RISE, broken[first:])
+        found = [(first + p, first + t) for p, t in found]
+        fall = level[found[0][0]] - level[found[0][1]]
+        if best is None or fall > best[0]:
+            best = fall, level, found
+        if fall > np.log(4.0) or 16 * frames > level.size:
+            break
+    return best
+
+
 def _dataset(
     velocity: ndarray,
     sampling_Hz: float,
@@ -160,7 +234,8 @@ def _dataset(
     bins: int,
 ) -> xr.Dataset:
     piece = velocity[span[0] : span[1]]
-    edges = np.unique(np.linspace(0, velocity.size, min(bins, velocity.size) + 1).astype(int))
+    count = max(min(bins, velocity.size), 1)
+    edges = np.arange(count + 1 if velocity.size else 1) * velocity.size // count
     at = edges[:-1]
     low, high = (
         (extreme.reduceat(velocity, at) if at.size else np.zeros(0))

@@ -184,10 +184,10 @@ def _dataset(
         if name.endswith("_s"):
             attrs["long_name"] += " concerned, since the start of the cut"
         made[f"finding_{name}"] = ("finding", np.array(values, dtype=kind), attrs)
-    judged = decay.assign(made)
-    judged["velocity"] = decay["velocity"].copy(data=velocity)
+    made["velocity"] = ("time", velocity, decay["velocity"].attrs)
     about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
-    judged["usable"] = ("time", usable, about)
+    made["usable"] = ("time", usable, about)
+    judged = decay.assign(made)
     judged.attrs["findings"] = "; ".join(f.text for _, f in found)
     dropped = any(f.consequence == "drop" for _, f in found)
     judged.attrs["verdict"] = "rejected" if dropped else "usable"

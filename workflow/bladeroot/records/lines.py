@@ -31,7 +31,7 @@ def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) 
 
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:
     """The four-term taper whose side lobes lie 92 dB down."""
-    turn = 2.0 * np.pi * np.arange(count) / count
-    return (
-        0.35875 - 0.48829 * np.cos(turn) + 0.14128 * np.cos(2 * turn) - 0.01168 * np.cos(3 * turn)
-    )
+    once = np.cos(2.0 * np.pi / count * np.arange(count))
+    # cosines of the double and triple angle, in powers of the single one's
+    even = 0.35875 + 0.14128 * (2.0 * once**2 - 1.0)
+    return even - once * (0.48829 + 0.01168 * (4.0 * once**2 - 3.0))

@@ -72,6 +72,8 @@ def read(
     unit = _unit(found, unit, quantity, sensitivity, where, notes)
     _agree(found, mode, force_N, where, notes)
     own = found.sampling_Hz
+    if own is None and sampling_Hz is None and found.time is None and found.notes:
+        raise ValueError(f"expected a sampling frequency; {'; '.join(found.notes)} ({where})")
     record = recording(
         found.samples,
         unit,
@@ -84,10 +86,13 @@ def read(
         found.scale,
     )
     rate = record.sampling_Hz
-    if own is not None and not abs(own / rate - 1.0) <= CONTRADICTION:
+    room = CONTRADICTION + found.sampling_error
+    if own is not None and not abs(own / rate - 1.0) <= room:
         raise ValueError(f"the file says {own:.9g} Hz, its times {rate:.9g} Hz ({where})")
     if own is not None or found.time is not None:
-        rate = _sampling(rate, sampling_Hz, where, notes)
+        # times tell the frequency better than a statement's few digits
+        room = CONTRADICTION if found.time is not None else room
+        rate = _sampling(rate, sampling_Hz, room, where, notes)
     return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
 
 
@@ -154,7 +159,9 @@ def _unit(
     return chosen
 
 
-def _sampling(own: float, sampling_Hz: float | None, where: str, notes: list[str]) -> float:
+def _sampling(
+    own: float, sampling_Hz: float | None, room: float, where: str, notes: list[str]
+) -> float:
     """The sampling frequency of file and sheet; the sheet's where they differ by rounding."""
     if sampling_Hz is None:
         if usual_rate(own) is None:
@@ -164,7 +171,7 @@ def _sampling(own: float, sampling_Hz: float | None, where: str, notes: list[str
             )
         return own
     apart = abs(own / sampling_Hz - 1.0)
-    if not apart <= CONTRADICTION:
+    if not apart <= room:
         raise ValueError(
             f"sampling_Hz contradicts: {sampling_Hz:.9g} in records.csv, {own:.9g} in the file "
             f"({where})"

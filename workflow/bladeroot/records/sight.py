@@ -127,7 +127,10 @@ class Sight:
                 columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
         root = np.sqrt(np.hanning(width + 2)[1:-1])
         solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
-        parts = np.lib.stride_tricks.sliding_window_view(x, width)[::hop] @ solver[:3].T
+        pieces = np.lib.stride_tricks.sliding_window_view(x, width)[::hop]
+        # pieces overlap; as copies, some thousand at a time, they are multiplied far faster
+        rows = (np.ascontiguousarray(pieces[k : k + 2048]) for k in range(0, len(pieces), 2048))
+        parts = np.concatenate([some @ solver[:3].T for some in rows])
         phasor = parts[:, 0] - 1j * parts[:, 1]
         centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
         carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi

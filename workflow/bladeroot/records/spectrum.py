@@ -19,7 +19,9 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     start = np.linspace(0, velocity.size - segment, count).astype(int)
     taper = np.hanning(segment)
     pieces = velocity[start[:, None] + np.arange(segment)]
-    pieces = (pieces - pieces.mean(axis=1, keepdims=True)) * taper
-    power = np.abs(fft.rfft(pieces, axis=1)) ** 2 / (taper**2).sum()
-    floor = np.median(power[:, segment // 50 + 2 : -2], axis=1) / np.log(2.0)
+    pieces -= pieces.mean(axis=1, keepdims=True)
+    pieces *= taper
+    spectra = fft.rfft(pieces, axis=1)[:, segment // 50 + 2 : -2]
+    power = spectra.real**2 + spectra.imag**2
+    floor = np.median(power, axis=1) / (np.log(2.0) * (taper**2).sum())
     return float(np.sqrt(np.quantile(floor, 0.25)))

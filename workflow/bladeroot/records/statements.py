@@ -13,8 +13,11 @@ from numpy import ndarray
 
 from bladeroot.records.units import same, seconds
 
-# How far two statements of a sampling frequency, or of a force, may lie apart.
-RATES_APART, FORCES_APART = 1e-4, 1e-2
+# How far two statements of a sampling frequency, or of a force, may lie apart; and what a number
+# of few digits may be off at most.
+RATES_APART, FORCES_APART, COARSEST = 1e-4, 1e-2, 0.02
+# A sampling frequency below this that is no whole number needs its unit: 25.6 may be kHz.
+UNSURE_HZ = 1000.0
 _RATES = ("fs", "fsample", "sampling", "samplingrate", "samplerate", "samplingfrequency",
           "samplefrequency")  # fmt: skip
 _STEPS = ("dt", "deltat", "timestep", "samplinginterval", "wfincrement")
@@ -27,9 +30,13 @@ _AMOUNT = re.compile(r"([-+]?(?:\d+(?:[.,]\d+)*[.,]?|\.\d+)(?:e[-+]?\d+)?)[\s;,]
 
 @dataclass(frozen=True)
 class Statements:
-    """What a file states, None or missing where it does not; `notes` on what is not understood."""
+    """What a file states, None or missing where it does not; `notes` on what is not understood.
+
+    `sampling_error` is what the digits given leave open, relative.
+    """
 
     sampling_Hz: float | None = None
+    sampling_error: float = 0.0
     facts: dict[str, str | float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -47,7 +54,7 @@ def statements(
     Raises:
         ValueError: a frequency or force that is none, or two of them that differ.
     """
-    rates, forces, facts, notes = {}, {}, {}, []
+    rates, errors, forces, facts, notes = {}, {}, {}, {}, []
     for name, value in said:
         key, unit = _key(str(name))
         text = _text(value)
@@ -55,7 +62,10 @@ def statements(
             facts["mode"] = text
         try:
             if key in _RATES:
-                rates[f"{name} {text}"] = _amount(text, unit or "hz", _HERTZ)
+                rate = _amount(text, unit or "hz", _HERTZ)
+                if not unit and _bare(text) and 0.0 < rate < UNSURE_HZ and rate != round(rate):
+                    raise ValueError("without a unit it may be in Hz or in kHz")
+                rates[f"{name} {text}"] = rate
             elif key in (*_STEPS, *steps):
                 rates[f"{name} {text}"] = 1.0 / _amount(text, unit or "s", None)
             elif key in _FORCES:
@@ -65,11 +75,15 @@ def statements(
     for told, rate in rates.items():
         if not 0.0 < rate < math.inf:
             raise ValueError(f"expected a positive sampling frequency, got {told} ({path})")
-    sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path)
+    errors = {told: _open(told) for told in rates}
+    # the one with the most digits is taken
+    rates = dict(sorted(rates.items(), key=lambda one: errors[one[0]]))
+    sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path, errors)
     force = _one(forces, FORCES_APART, "force_N", path)
     if force is not None:
         facts["force_N"] = force
-    return Statements(sampling_Hz, facts, tuple(notes))
+    error = min(errors.values(), default=0.0)
+    return Statements(sampling_Hz, error, facts, tuple(notes))
 
 
 def one_unit(units: dict[str, str | None], path: str) -> str | None:
@@ -98,10 +112,20 @@ def one_time(times: dict[str, ndarray], path: str) -> ndarray | None:
     return next(iter(times.values()), None)
 
 
-def _one(told: dict[str, float], apart: float, what: str, path: str) -> float | None:
-    """The first of several numbers that must be the same."""
+def _one(
+    told: dict[str, float],
+    apart: float,
+    what: str,
+    path: str,
+    errors: dict[str, float] | None = None,
+) -> float | None:
+    """The first of several numbers that must be the same, as far as their digits tell."""
     first = next(iter(told.values()), None)
-    if first is not None and any(abs(one - first) > apart * abs(first) for one in told.values()):
+    errors = errors or {}
+    room = {name: apart + errors.get(name, 0.0) for name in told}
+    if first is not None and any(
+        abs(one - first) > room[name] * abs(first) for name, one in told.items()
+    ):
         listed = ", ".join(f"{value:.9g} from {name}" for name, value in told.items())
         raise ValueError(f"{what} contradicts inside the file: {listed} ({path})")
     return first
@@ -131,6 +155,21 @@ def _text(value: object) -> str:
     """A property as text; an array of one number is that number."""
     numbers = np.ravel(value) if isinstance(value, np.ndarray) else None
     return str(numbers[0] if numbers is not None and numbers.size == 1 else value).strip()
+
+
+def _bare(text: str) -> bool:
+    """Whether a text is a number and nothing behind it."""
+    match = _AMOUNT.fullmatch(text)
+    return match is not None and not match[2].strip()
+
+
+def _open(told: str) -> float:
+    """What the digits of the number in a text leave open, relative: half of the last one's step."""
+    match = re.search(r"(\d+)(?:[.,](\d+))?(e-\d+)?(?:e\+?\d+)?[^\d]*$", told, re.IGNORECASE)
+    if match is None or not ((match[2] or "").strip("0") or match[3]):
+        return 0.0  # whole numbers are exact
+    digits = int(match[1] + (match[2] or ""))
+    return min(0.5 / max(digits, 1), COARSEST)
 
 
 def _amount(text: str, unit: str, units: dict[str, float] | None) -> float:

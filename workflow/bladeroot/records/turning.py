@@ -62,7 +62,14 @@ def _extremes(level: Float[ndarray, " frame"], broken: Bool[ndarray, " frame"]) 
         first + rows.argmax(axis=1), first + rows.argmin(axis=1), np.flatnonzero(broken),
         np.arange(whole, level.size),
     )  # fmt: skip
-    return np.unique(np.concatenate(chosen)).tolist()
+    at = np.unique(np.concatenate(chosen))
+    # amid a rise or a fall, and not beside what is broken, nothing turns
+    before, here, after = level[at[:-2]], level[at[1:-1]], level[at[2:]]
+    amid = ((before < here) & (here < after)) | ((before > here) & (here > after))
+    beside = broken[at[:-2]] | broken[at[1:-1]] | broken[at[2:]]
+    keep = np.ones(at.size, bool)
+    keep[1:-1] = ~amid | beside
+    return at[keep].tolist()
 
 
 @dataclass(frozen=True)
@@ -104,14 +111,9 @@ def kinks(
         return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
     basis, jumps, off = _weights(reach)
 
-    def slide_all(weights: ndarray) -> ndarray:
-        return np.convolve(log_phasor, weights[::-1], mode="valid")
-
-    def slide(weights: ndarray) -> ndarray:
-        return slide_all(weights)[: place.size]
-
-    explained = sum(np.abs(slide(column)) ** 2 for column in basis.T)
-    scatter = sum(np.abs(slide_all(row)) ** 2 for row in off) * correlation / (2.0 * (reach - 3))
+    explained = _squares(log_phasor, basis.T)
+    scatter = _squares(log_phasor, off) * correlation / (2.0 * (reach - 3))
+    step, bend = (np.convolve(log_phasor, row[::-1], mode="valid") for row in jumps)
     known = np.convolve(std**2, np.full(reach, 1.0 / reach), mode="valid")
     early, late = slice(0, place.size), slice(reach, reach + place.size)
     smooth_part, other = (late, early) if smooth_side > 0 else (early, late)
@@ -121,10 +123,23 @@ def kinks(
         place=place,
         gain=explained / (4.0 * variance),
         bare=explained / (4.0 * np.maximum(variance, ripple)),
-        step=slide(jumps[0]),
+        step=step,
         step_std=np.sqrt(2.0 * variance * (jumps[0] @ jumps[0])),
-        bend=slide(jumps[1]),
+        bend=bend,
     )
+
+
+def _squares(
+    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, "row wide"], most: int = 8192
+) -> Float[ndarray, " window"]:
+    """Sum of the squares of weighted sums over each window of the points, some at a time."""
+    parts = np.stack([log_phasor.real, log_phasor.imag])
+    windows = np.lib.stride_tricks.sliding_window_view(parts, weights.shape[1], axis=1)
+    total = np.zeros(windows.shape[1])
+    for first in range(0, total.size, most):
+        some = np.ascontiguousarray(windows[:, first : first + most]) @ weights.T
+        total[first : first + most] = np.einsum("pwr,pwr->w", some, some)
+    return total
 
 
 def expected_gain(bend: float, std: float, reach: int) -> float:

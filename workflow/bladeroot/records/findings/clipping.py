@@ -72,13 +72,14 @@ def _reaches(sight: Sight) -> tuple[float, float]:
 def _piled(sight: Sight, sign: float) -> float:
     """Samples at one extreme over those expected."""
     x, frames = sight.velocity, sight.frames
-    top = float((sign * x).max())
+    top = float(x.max() if sign > 0.0 else -x.min())
     if top <= 0.0:
         return 0.0
     envelope = frames.amplitude * (top / frames.amplitude.max())
     ratio = 0.0
     for reach in _reaches(sight):
         angle = np.arccos(np.clip((top - reach) / envelope, -1.0, 1.0))
-        count = np.count_nonzero(sign * x >= top - reach)
+        limit = sign * (top - reach)
+        count = np.count_nonzero(x >= limit if sign > 0.0 else x <= limit)
         ratio = max(ratio, float(count / (1.0 + frames.hop / np.pi * angle.sum())))
     return ratio

@@ -12,14 +12,20 @@ STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the m
 THRESHOLD = 10.0
 # A modulation below this does no harm, one above SEVERE leaves no curve to use.
 LEAST, SEVERE = 0.01, 0.25
+# With fewer beats than this while ln A falls by one, two modes are not told apart; then this swing
+# is too much already.
+TOLD_APART, ALIKE = 3.0, 0.03
 # The later half has fewer lines: their median, and what leaks from other modes, is less sure.
 SHORTER = 1.5
 # Periods that must fit into the decay, and the degree of the trend taken off.
 FEWEST, DEGREE = 4.0, 9
+# The first frames alone show a mode that dies sooner than this one; fewer periods and a plainer
+# trend do there.
+EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
 
 
 def find(sight: Sight) -> Finding | None:
-    """The strongest line within a sixth of the mode's frequency, in all and in the later half.
+    """The strongest line within a sixth of the mode's frequency, in all or in a part.
 
     Where the mode's frequency changes much with amplitude, only the later half shows a line.
 
@@ -30,13 +36,23 @@ def find(sight: Sight) -> Finding | None:
     if count < 40:
         return None
     whole, later = _line(sight, slice(2, count)), _line(sight, slice(count // 2, count))
-    if later is not None:
-        later = replace(later, statistic=later.statistic / SHORTER)
-    found = [finding for finding in (whole, later) if finding is not None]
+    early = [
+        _line(sight, slice(2, 2 + length), EARLY_FEWEST, EARLY_DEGREE)
+        for length in EARLY
+        if length < count // 2
+    ]
+    less = [
+        replace(finding, statistic=finding.statistic / SHORTER)
+        for finding in (later, *early)
+        if finding is not None
+    ]
+    found = [whole, *less] if whole is not None else less
     return max(found, key=lambda finding: finding.statistic, default=None)
 
 
-def _line(sight: Sight, used: slice) -> Finding | None:
+def _line(
+    sight: Sight, used: slice, fewest: float = FEWEST, degree: int = DEGREE
+) -> Finding | None:
     """The strongest line over some frames."""
     frames = sight.frames
     log = frames.log[used].copy()
@@ -44,7 +60,7 @@ def _line(sight: Sight, used: slice) -> Finding | None:
     if np.count_nonzero(whole) < 38:
         return None
     x = np.linspace(-1.0, 1.0, log.size)
-    trend = np.polynomial.chebyshev.chebvander(x, DEGREE)
+    trend = np.polynomial.chebyshev.chebvander(x, degree)
     weight = whole / np.maximum(frames.std[used], 3e-4)
     weighted = trend * weight[:, None]
     fit = np.linalg.pinv(weighted.T @ weighted) @ (weighted.T @ (log * weight))
@@ -56,7 +72,7 @@ def _line(sight: Sight, used: slice) -> Finding | None:
     # the frames' own taper weakens a line at this distance from the mode
     local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
     span = np.abs(turns) * cycle
-    inside = (np.abs(turns) * log.size >= FEWEST) & (span <= 0.16)
+    inside = (np.abs(turns) * log.size >= fewest) & (span <= 0.16)
     if not inside.any():
         return None
     level = np.where(inside, np.abs(line), 0.0)
@@ -75,4 +91,8 @@ def _line(sight: Sight, used: slice) -> Finding | None:
         f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
         f"{100 * size:.2g} %"
     )
+    rate = -np.polyfit(np.arange(log.size), log.real, 1, w=weight)[0]  # of ln A, a frame
+    if abs(turns[k]) < TOLD_APART * rate and size > ALIKE:
+        text += "; they are too close to be told apart"
+        return Finding(float(statistic), THRESHOLD, "drop", text)
     return Finding(float(statistic), THRESHOLD, "drop" if size > SEVERE else "warn", text)

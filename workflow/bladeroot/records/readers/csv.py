@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladeroot.records.channel import Channel, Entry, pick, split_name, time_factor
+from bladeroot.records.numbers import check_commas, check_thousands, numeric
 from bladeroot.records.statements import one_time, one_unit, statements
 from bladeroot.records.text import encoding_of, separator_of
 from bladeroot.records.units import normal_unit, quantity_of, seconds
@@ -16,7 +17,7 @@ SUFFIXES = (".csv", ".txt", ".tsv", ".asc")
 # The header stands in the first lines; a comment starts with one of these.
 _HEAD = 1 << 16
 _BLOCK = 1 << 24
-_NUMBER = re.compile(r"[-+]?((\d+[.,]?\d*|[.,]\d+)(e[-+]?\d+)?|nan|inf)", re.IGNORECASE)
+
 _COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _COMMENTS = ("#", "%", "//")
 # A word and what it is: a text, or a number with commas and its unit in a field of its own.
@@ -52,6 +53,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     before it may say `sampling_Hz: 25600`, `fs: 25.6 kHz`, `unit: mm/s`, `mode: 1B`,
     `force_N: 12000`. Fields are split at commas, semicolons or tabs; a decimal comma may stand
     where commas do not split.
+    Signs between thousands are refused, and commas that may be such.
     A last line without a line end counts as cut off.
     """
     form = _form(path)
@@ -76,6 +78,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         quantity=form.words.get("quantity"),
         time=one_time(clocks, path),
         sampling_Hz=said.sampling_Hz,
+        sampling_error=said.sampling_error,
         facts=said.facts,
         notes=said.notes,
     )
@@ -88,6 +91,10 @@ def _form(path: str) -> _Form:
     text = start.decode(encoding, errors="replace")
     lines = re.split(r"\r\n|\n|\r", text)
     first = next((k for k, line in enumerate(lines) if _is_row(line)), None)
+    rows = [
+        [] if line.startswith(_COMMENTS) else _fields(line, separator_of(line)) for line in lines
+    ]
+    check_thousands(rows, path)
     if first is None:
         raise ValueError(f"expected a header and rows of numbers, got no row of numbers ({path})")
     separator = separator_of(lines[first])
@@ -96,6 +103,8 @@ def _form(path: str) -> _Form:
     commas = separator != "," and any(
         _COMMA.fullmatch(field) for line in lines[first:] for field in _fields(line, separator)
     )
+    if commas:
+        check_commas([_fields(line, separator) for line in lines[first:]], first, path)
     heads = [[name.strip('" ') for name in _fields(lines[k], separator)] for k in above[-2:]]
     names = heads[-1] if heads else []
     used = above[-1:] if len(fields) > 1 else []
@@ -135,13 +144,7 @@ def _fields(line: str, separator: str | None) -> list[str]:
 def _is_row(line: str) -> bool:
     """Whether a line is a row of numbers; cells at its end may be empty."""
     fields = _fields(line, separator_of(line))
-    return bool(fields) and not line.startswith(_COMMENTS) and all(map(_numeric, fields))
-
-
-def _numeric(field: str) -> bool:
-    return bool(
-        re.fullmatch(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|[-+]?(nan|inf)", field, re.I)
-    )
+    return bool(fields) and not line.startswith(_COMMENTS) and all(map(numeric, fields))
 
 
 def _unit(text: str) -> bool:

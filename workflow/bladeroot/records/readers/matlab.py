@@ -63,6 +63,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         quantity=_near(words, leaf, ("quantity",)),
         time=one_time(times, path),
         sampling_Hz=said.sampling_Hz,
+        sampling_error=said.sampling_error,
         facts=said.facts,
         notes=(*(length_notes(path) if new else ()), *said.notes),
     )

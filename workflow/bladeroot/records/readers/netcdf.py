@@ -66,6 +66,7 @@ def _read(path: str, channel: str | None, quantity: str | None) -> Channel:
             unit=entry.unit,
             time=one_time(times, path),
             sampling_Hz=said.sampling_Hz,
+            sampling_error=said.sampling_error,
             facts=said.facts,
             notes=(*length_notes(path), *said.notes),
         )

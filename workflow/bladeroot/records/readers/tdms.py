@@ -63,6 +63,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
             unit=entry.unit,
             time=one_time(clocks, path),
             sampling_Hz=said.sampling_Hz,
+            sampling_error=said.sampling_error,
             start_s=float(dict(words).get("wf_start_offset", 0.0)) if step else 0.0,
             facts=said.facts,
             notes=said.notes,
