@@ -80,6 +80,7 @@ def assemble(reduced: xr.Dataset, force: float) -> xr.Dataset:
                 {"units": "1", "long_name": "share of the flank's area"},
             ),
             "flank": ("pair", flank, {"units": "1", "long_name": "flank of each pair"}),
+            "pair_position": reduced.pair_position,
             "display_position": reduced.display_position,
             "display_shape": (
                 ("display", "axis", "dof"),

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
+from bladeroot.structure.outline import MM, Edge, Point, cut, outline
 
-MM = 1.0e-3
 GPA = 1.0e9
 
 
@@ -66,7 +65,8 @@ class Structure:
     """A beam with two dovetail ends and the slots that hold them.
 
     `profile` is the half-profile of the beam at positive x: points (x, half-height) from mid-span
-    to the tip, mirrored in X and Z. `flank` names the two profile points that bound the contact.
+    to the tip, mirrored in X and Z; `fillets` are numbers of its corners that are rounded, and
+    their radii. `flank` names the two profile points that bound the contact.
     `with_pad` says whether the joint's assembly carries the pad; `load` is "dead", where the
     pressure on the flanks keeps its direction, or "follower", where it turns with them.
     """
@@ -74,7 +74,8 @@ class Structure:
     name: str
     description: str
     material: Material
-    profile: tuple[tuple[float, float], ...]
+    profile: tuple[Point, ...]
+    fillets: tuple[tuple[int, float], ...]
     flank: tuple[int, int]
     width: float
     pad: Pad | None
@@ -105,6 +106,7 @@ def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file
         description=" ".join(data["description"].split()),
         material=steel,
         profile=profile,
+        fillets=_fillets(data["beam"], where),
         flank=flank,
         width=data["beam"]["width_mm"] * MM,
         pad=None
@@ -165,8 +167,28 @@ def _check_profile(beam: Mapping[str, Any], where: str) -> None:
         )
 
 
+def _fillets(beam: Mapping[str, Any], where: str) -> tuple[tuple[int, float], ...]:
+    """Corners and radii (m); no corner twice, none at an end of the flank."""
+    found: dict[int, float] = {}
+    for one in beam.get("fillets", []):
+        point = one["point"]
+        if point in found:
+            raise ValueError(f"{where}, beam/fillets: point {point} must have one fillet, got two")
+        if point in beam["flank_points"]:
+            raise ValueError(
+                f"{where}, beam/fillets: the flank's ends ({beam['flank_points']}) must stay "
+                f"corners, got a fillet at point {point}"
+            )
+        found[point] = one["radius_mm"] * MM
+    return tuple(found.items())
+
+
 def _check_room(structure: Structure, where: str) -> None:
-    """The lip must fit the throat, the pocket the tip, and the pad the straight span."""
+    """Fillets must fit their edges, the lip the throat, the pocket the tip, the pad the span."""
+    try:
+        span = profile_edges(structure)[0]
+    except ValueError as error:
+        raise ValueError(f"{where}, beam/fillets: {error}") from None
     profile, flank = structure.profile, structure.flank[0]
     throat = flank
     while throat > 1 and profile[throat - 1][1] <= profile[throat][1]:
@@ -177,16 +199,16 @@ def _check_room(structure: Structure, where: str) -> None:
             f"{where}, slot/lip_mm: the throat leaves room for {room / MM:.2f} mm, "
             f"got {structure.slot.lip / MM:.2f}"
         )
-    face = jaw_inner_face(structure)
-    if face[-1][0] <= face[-2][0]:
+    pocket = jaw_inner_face(structure)[-1]
+    if pocket.end[0] <= pocket.start[0]:
         raise ValueError(
             f"{where}, slot/clearance_mm: the pocket's corner would lie behind its end, "
-            f"at x = {face[-2][0] / MM:.2f} mm of {face[-1][0] / MM:.2f}"
+            f"at x = {pocket.start[0] / MM:.2f} mm of {pocket.end[0] / MM:.2f}"
         )
-    if structure.pad is not None and structure.pad.length / 2 >= structure.profile[1][0]:
+    if structure.pad is not None and structure.pad.length / 2 >= span.end[0]:
         raise ValueError(
             f"{where}, pad/length_mm: the pad must sit on the straight span, got "
-            f"{structure.pad.length / MM:.2f} mm on 2 x {structure.profile[1][0] / MM:.2f} mm"
+            f"{structure.pad.length / MM:.2f} mm on 2 x {span.end[0] / MM:.2f} mm"
         )
 
 
@@ -195,22 +217,24 @@ def flank_ends(structure: Structure) -> tuple[tuple[float, float], tuple[float, 
     return structure.profile[structure.flank[0]], structure.profile[structure.flank[1]]
 
 
-def jaw_inner_face(structure: Structure) -> list[tuple[float, float]]:
-    """The jaw's inner face at positive x and z: points (x, z) in m from the lip to the pocket.
+def profile_edges(structure: Structure) -> list[Edge]:
+    """The half-profile at positive x, fillets as arcs, from mid-span to the tip."""
+    return outline(structure.profile, dict(structure.fillets))
+
+
+def jaw_inner_face(structure: Structure) -> list[Edge]:
+    """The jaw's inner face at positive x and z, from the lip to the pocket's end.
 
     It follows the beam's own profile from the lip to the flank (without touching it in the model:
     contact is on the flank alone), then leaves it along the flank's line up to the pocket.
     """
-    slot, profile = structure.slot, structure.profile
-    (x0, z0), (x1, z1) = flank_ends(structure)
-    tip_x, tip_h = profile[-1]
-    face = []
-    if slot.lip > 0:
-        nose = x0 - slot.lip
-        xs, hs = zip(*profile, strict=True)
-        face.append((nose, float(np.interp(nose, xs, hs))))
-        face += [(x, h) for x, h in profile[: structure.flank[0]] if x > nose + 1e-6]
+    slot = structure.slot
+    inner, outer = flank_ends(structure)
+    (x0, z0), (x1, z1) = inner, outer
+    tip_x, tip_h = structure.profile[-1]
+    throat = cut(cut(profile_edges(structure), x0)[0], x0 - slot.lip)[1]
     ceiling = tip_h + slot.clearance
     slope = (x1 - x0) / (z1 - z0)
     leave = (x1 + slope * (ceiling - z1), ceiling)
-    return [*face, (x0, z0), (x1, z1), leave, (tip_x + slot.clearance, ceiling)]
+    end = (tip_x + slot.clearance, ceiling)
+    return [*throat, Edge(inner, outer), Edge(outer, leave), Edge(leave, end)]

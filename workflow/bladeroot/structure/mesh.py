@@ -5,14 +5,14 @@ five along the width puts 3 x 11 = 33 nodes on it.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.structure.geometry import Structure, flank_ends, jaw_inner_face
+from bladeroot.structure.geometry import Structure, flank_ends, jaw_inner_face, profile_edges
+from bladeroot.structure.outline import Edge, cut
 
 FLANKS = ("Xn-bottom", "Xn-top", "Xp-bottom", "Xp-top")
 SLOTS = ("Xn", "Xp")
@@ -40,32 +40,41 @@ Block = tuple[Float[ndarray, "_ _ 2"], int]
 
 
 def block(
-    low: tuple[tuple[float, float], tuple[float, float]],
-    high: tuple[tuple[float, float], tuple[float, float]],
+    low: Edge,
+    high: Edge,
     elements: tuple[int, int],
     part: int = 0,
     growth: float = 1.0,
 ) -> Block:
-    """A quadrilateral with nodes on a bilinear grid, shape (2 nx + 1, 2 nz + 1, 2), in m.
+    """A quadrilateral with nodes on straight lines between two edges, (2 nx + 1, 2 nz + 1, 2), m.
 
-    `low` and `high` are the lower and upper edge, each from small to large x; `growth` is the ratio
-    of the last element's height to the first's.
+    `low` and `high` are the lower and upper edge, each from small to large x; middle nodes lie on
+    them, so that an arc is followed. `growth` is the ratio of the last element's height to the
+    first's.
     """
     nx, nz = elements
     sizes = growth ** (np.arange(nz) / max(nz - 1, 1))
     corners = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
     t = np.interp(np.arange(2 * nz + 1) / 2.0, np.arange(nz + 1), corners)[None, :, None]
-    s = np.linspace(0.0, 1.0, 2 * nx + 1)[:, None, None]
-    (a, b), (c, d) = np.asarray(low, float), np.asarray(high, float)
-    for here, right, left in ((a, b, c), (b, d, a), (d, c, b), (c, a, d)):
-        (x1, z1), (x2, z2) = right - here, left - here
-        if x1 * z2 <= x2 * z1:
-            around = ", ".join(f"({1e3 * x:g}, {1e3 * z:g})" for x, z in (a, b, d, c))
-            raise ValueError(
-                "expected a block with its corners in turn and no angle of 180 degrees or more, "
-                f"got one turned inside out at {around} mm"
-            )
-    return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * c + s * d), part
+    share = np.linspace(0.0, 1.0, 2 * nx + 1)
+    grid = (1 - t) * low.at(share)[:, None] + t * high.at(share)[:, None]
+    ring = np.stack([grid[:-2:2, :-2:2], grid[2::2, :-2:2], grid[2::2, 2::2], grid[:-2:2, 2::2]])
+    ahead, behind = np.roll(ring, -1, axis=0) - ring, np.roll(ring, 1, axis=0) - ring
+    turned = ahead[..., 0] * behind[..., 1] <= ahead[..., 1] * behind[..., 0]
+    if turned.any():
+        bad = ring[:, *np.argwhere(turned.any(axis=0))[0]]
+        around = ", ".join(f"({1e3 * x:g}, {1e3 * z:g})" for x, z in bad)
+        raise ValueError(
+            "expected a block with its corners in turn and no angle of 180 degrees or more, "
+            f"got one turned inside out at {around} mm"
+        )
+    return grid, part
+
+
+def _mirrored(grid: Block, sign_x: int, sign_z: int) -> Block:
+    """A block on another side of the planes x = 0 and z = 0."""
+    nodes, part = grid
+    return nodes[::sign_x, ::sign_z] * [sign_x, sign_z], part
 
 
 def extrude(blocks: list[Block], width: float, elements: int) -> Mesh:
@@ -102,39 +111,36 @@ def extrude(blocks: list[Block], width: float, elements: int) -> Mesh:
 
 def beam_mesh(structure: Structure, with_pad: bool) -> Mesh:
     """The beam (part 0), with the pad (part 1) glued under it if asked for."""
-    stations = _stations(structure)
-    blocks = []
-    for sign in (-1, 1):
-        for (x0, h0), (x1, h1), count in stations:
-            ends = sorted([(sign * x0, h0), (sign * x1, h1)])
-            low = tuple((x, -h) for x, h in ends)
-            blocks.append(block(low, tuple(ends), (count, structure.density.thickness)))
+    density, pad = structure.density, structure.pad
+    edges = profile_edges(structure)
+    if pad is not None:
+        edges = [edge for part in cut(edges, pad.length / 2) for edge in part]
+    right = [
+        block(_below(edge), edge, (_elements(structure, edge), density.thickness)) for edge in edges
+    ]
     if with_pad:
-        if structure.pad is None:
+        if pad is None:
             raise ValueError(f"structure {structure.name} has no pad to mesh")
-        (_, h), (x, _), count = stations[0]
-        floor = -h - structure.pad.thickness
-        for x0, x1 in ((-x, 0.0), (0.0, x)):
-            blocks.append(
-                block(((x0, floor), (x1, floor)), ((x0, -h), (x1, -h)), (count, 1), part=1)
-            )
-    return extrude(blocks, structure.width, structure.density.width)
+        (start, h), (end, _) = edges[0].start, edges[0].end
+        floor = Edge((start, -h - pad.thickness), (end, -h - pad.thickness))
+        right.append(block(floor, _below(edges[0]), (_elements(structure, edges[0]), 1), part=1))
+    blocks = [_mirrored(one, sign, 1) for sign in (-1, 1) for one in right]
+    return extrude(blocks, structure.width, density.width)
 
 
-def _stations(structure: Structure) -> list:
-    """Profile segments (start, end, number of elements), cut at the pad's end."""
-    points = list(structure.profile)
-    flank = structure.flank[0]
-    if structure.pad is not None:
-        points.insert(1, (structure.pad.length / 2, points[0][1]))
-        flank += 1
-    stations = []
-    for k, (one, other) in enumerate(pairwise(points)):
-        straight = one[1] == other[1] == structure.profile[0][1]
-        size = structure.density.span_size if straight else structure.density.root_size
-        count = max(1, int(np.ceil((other[0] - one[0]) / size - 1e-9)))
-        stations.append((one, other, 1 if k == flank else count))
-    return stations
+def _below(edge: Edge) -> Edge:
+    """An edge mirrored in z = 0."""
+    points = (edge.start, edge.end, edge.centre)
+    return Edge(*(None if point is None else (point[0], -point[1]) for point in points))
+
+
+def _elements(structure: Structure, edge: Edge) -> int:
+    """How many elements along an edge of the beam."""
+    if edge.start == flank_ends(structure)[0]:
+        return 1
+    straight = edge.start[1] == edge.end[1] == structure.profile[0][1]
+    density = structure.density
+    return edge.elements(density.span_size if straight else density.root_size)
 
 
 def slot_mesh(structure: Structure, side: str) -> Mesh:
@@ -144,25 +150,22 @@ def slot_mesh(structure: Structure, side: str) -> Mesh:
     """
     slot, density = structure.slot, structure.density
     inner = jaw_inner_face(structure)
-    back, ceiling = inner[-1]
+    back, ceiling = inner[-1].end
     top, end = ceiling + slot.jaw_depth, back + slot.base_depth
-    start = flank_ends(structure)[0]
     base = (density.base, density.jaw)
     blocks = []
-    for one, other in pairwise(inner):
-        high = ((one[0], top), (other[0], top))
-        count = max(1, round((other[0] - one[0]) / density.root_size))
-        count = 1 if one == start else count
-        blocks.append(block((one, other), high, (count, density.jaw), growth=8.0))
-    blocks.append(
-        block(((back, ceiling), (end, ceiling)), ((back, top), (end, top)), base, growth=8.0)
-    )
-    blocks += [(grid[:, ::-1] * [1, -1], part) for grid, part in blocks]
-    blocks.append(
-        block(((back, -ceiling), (end, -ceiling)), ((back, ceiling), (end, ceiling)), (base[0], 2))
-    )
+    for edge in inner:
+        high = Edge((edge.start[0], top), (edge.end[0], top))
+        size = density.root_size
+        count = max(edge.elements(np.inf), round((edge.end[0] - edge.start[0]) / size))
+        count = 1 if edge.start == flank_ends(structure)[0] else count
+        blocks.append(block(edge, high, (count, density.jaw), growth=8.0))
+    floor, roof = (Edge((back, z), (end, z)) for z in (ceiling, top))
+    blocks.append(block(floor, roof, base, growth=8.0))
+    blocks += [_mirrored(one, 1, -1) for one in blocks]
+    blocks.append(block(_below(floor), floor, (base[0], 2)))
     if side == "Xn":
-        blocks = [(grid[::-1] * [-1, 1], part) for grid, part in blocks]
+        blocks = [_mirrored(one, -1, 1) for one in blocks]
     elif side != "Xp":
         raise ValueError(f"side must be one of {SLOTS}, got {side!r}")
     return extrude(blocks, structure.width, density.width)
