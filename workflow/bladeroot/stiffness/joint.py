@@ -13,10 +13,11 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.laws import LAWS, PRIORS, REFERENCE_FORCE, powers
+from bladeroot.stiffness.laws import LAWS, REFERENCE_FORCE, Law
 from bladeroot.stiffness.levels import Levels, levels_of
 from bladeroot.stiffness.posterior import Problem, predict, problem_of
-from bladeroot.stiffness.sampler import STEPS, WALKERS, sample
+from bladeroot.stiffness.region import share_within
+from bladeroot.stiffness.sampler import STEPS, sample, walkers
 from bladeroot.stiffness.summit import Summit, find_summit
 from bladeroot.stiffness.worth import stiffness_rows, worth
 from bladeroot.structure.chebyshev import Surface
@@ -26,6 +27,7 @@ QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 COMBINATIONS = ("stiff", "sloppy")
 _KEPT = 2000  # draws in the artifact
 _CURVE = 60
+_PLANE = 80  # points along each axis of the plane of (ln kn, ln kt)
 STIFFNESS = ("kn", "kt")
 
 
@@ -38,67 +40,114 @@ def joint(
     fe_offset: Mapping[str, float] | None = None,
     least_force: float = 0.0,
     steps: int = STEPS,
+    extension: Law | None = None,
 ) -> xr.Dataset:
     """Posterior of (ln kn, ln kt) under every law, and in full under the one of most evidence.
 
     model: from `bladeroot.structure.parametric`. stick: from `bladeroot.decay.stick`. forces: N,
     where kn and kt are wanted. fe_bias, fe_offset: standard deviation and known part of the model's
     relative error in frequency, by mode; modes without one are not used. least_force: N, below
-    which contact is not full and frequencies are left out. steps: of the sampler.
+    which contact is not full and frequencies are left out. steps: of the sampler. extension: a law
+    that a named cause asks for; it is compared with the others, and the result is in full under it.
 
     Without any stick frequency the result is empty and its `law` is "". Raises ValueError if a mode
     of `fe_bias` is not in the model or all frequencies lie below `least_force`.
     """
-    modes = tuple(fe_bias)
-    missing = set(modes) - set(model["mode"].values)
-    if missing:
-        raise ValueError(f"the parametric model lacks modes {', '.join(sorted(missing))}")
-    others = [str(mode) for mode in model["mode"].values if mode not in modes]
-    every = trimmed(surface_of(model.sel(mode=[*modes, *others])))
-    surface, extra = (
-        replace(every, coefficients=part) for part in np.split(every.coefficients, [len(modes)])
-    )
-    if not np.isin(stick["mode"].values.astype(str), modes).any():
+    if not np.isin(stick["mode"].values.astype(str), tuple(fe_bias)).any():
         return xr.Dataset(attrs={"structure": model.attrs["structure"], "law": ""})
-    levels = _from(levels_of(stick, modes), least_force)
-    bias = np.array([fe_bias[mode] for mode in modes])
-    offset = np.array([(fe_offset or {}).get(mode, 0.0) for mode in modes])
-    full_scale = gauge.primary == "full-scale"
-    errors = (gauge.full_scale_std if full_scale else 0.0, gauge.relative_std)
-    problems = {
-        name: problem_of(surface, levels, law, bias, offset, errors) for name, law in LAWS.items()
-    }
+    laws = LAWS if extension is None else {**LAWS, extension.name: extension}
+    problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force, laws)
     summits = {name: find_summit(problem) for name, problem in problems.items()}
-    best = max(summits, key=lambda name: summits[name].log_evidence)
-    summit = summits[best]
-    draws, time = sample(summit, steps=steps)
+    found, summit = posterior_of(
+        summits, forces, steps, None if extension is None else extension.name
+    )
+    modes = summit.problem.levels.modes
+    _, extra, others = surfaces_of(model, modes)
     parts = [
-        _laws(summits),
-        _parameters(summit, draws),
-        _at_forces(summit, draws, np.asarray(forces, float)),
-        _curve(summit, draws, surface.high[2]),
-        _levels(summit, draws),
-        worth(summit.problem, summit.theta, REFERENCE_FORCE, extra, tuple(others)),
+        found,
+        worth(summit.problem, summit.theta, REFERENCE_FORCE, extra, others),
         _variations(summit, stick, modes, least_force),
     ]
     whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
     return whole.assign_attrs(
         structure=model.attrs["structure"],
         springs=model.attrs["springs"],
-        law=best,
         least_force_N=least_force,
-        reference_force_N=REFERENCE_FORCE,
         force_error=gauge.primary,
-        autocorrelation_steps=time,
-        independent_draws=float(len(summit.u) * WALKERS * steps / time),
         error_bound=float(model["error_bound"].sel(mode=list(modes)).max()),
-    )  # fmt: skip
+        **found.attrs,
+    )
 
 
-def trimmed(surface: Surface, tolerance: float = 1e-6) -> Surface:
+def problems_of(
+    model: xr.Dataset,
+    stick: xr.Dataset,
+    gauge: ForceGauge,
+    fe_bias: Mapping[str, float],
+    fe_offset: Mapping[str, float] | None = None,
+    least_force: float = 0.0,
+    laws: Mapping[str, Law] = LAWS,
+) -> dict[str, Problem]:
+    """The posterior of every law of stiffness; arguments and errors as of `joint`."""
+    modes = tuple(fe_bias)
+    missing = set(modes) - set(model["mode"].values)
+    if missing:
+        raise ValueError(f"the parametric model lacks modes {', '.join(sorted(missing))}")
+    surface, _, _ = surfaces_of(model, modes)
+    levels = _from(levels_of(stick, modes), least_force)
+    bias = np.array([fe_bias[mode] for mode in modes])
+    offset = np.array([(fe_offset or {}).get(mode, 0.0) for mode in modes])
+    full_scale = gauge.primary == "full-scale"
+    errors = (gauge.full_scale_std if full_scale else 0.0, gauge.relative_std)
+    return {
+        name: problem_of(surface, levels, law, bias, offset, errors) for name, law in laws.items()
+    }
+
+
+def posterior_of(
+    summits: Mapping[str, Summit],
+    forces: Sequence[float],
+    steps: int = STEPS,
+    law: str | None = None,
+) -> tuple[xr.Dataset, Summit]:
+    """Every law beside the others, and in full a given one or that of most evidence.
+
+    The summit is that of the law in full.
+    """
+    best = law or max(summits, key=lambda name: summits[name].log_evidence)
+    summit = summits[best]
+    draws, time = sample(summit, steps=steps)
+    parts = [
+        _laws(summits),
+        _parameters(summit, draws),
+        _at_forces(summit, draws, np.asarray(forces, float)),
+        _plane(summit, draws),
+        _curve(summit, draws, summit.problem.surface.high[2]),
+        _levels(summit, draws),
+    ]
+    whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+    return whole.assign_attrs(
+        law=best,
+        reference_force_N=REFERENCE_FORCE,
+        autocorrelation_steps=time,
+        independent_draws=float(walkers(summit.problem) * steps / time),
+    ), summit
+
+
+def surfaces_of(
+    model: xr.Dataset, modes: tuple[str, ...]
+) -> tuple[Surface, Surface, tuple[str, ...]]:
+    """Surfaces of the modes that are used and of the others, of one size, and the others' names."""
+    others = tuple(str(mode) for mode in model["mode"].values if mode not in modes)
+    every = trimmed(surface_of(model.sel(mode=[*modes, *others])))
+    used, rest = np.split(every.coefficients, [len(modes)])
+    return replace(every, coefficients=used), replace(every, coefficients=rest), others
+
+
+def trimmed(surface: Surface, tolerance: float = 1e-5) -> Surface:
     """The surface without trailing coefficients that change no frequency by more than a part of it.
 
-    The posterior asks for a hundred thousand points and does not see a millionth.
+    The posterior asks for a hundred thousand points and does not see a hundred-thousandth.
     """
     c = surface.coefficients
     for axis in (1, 2, 3):
@@ -125,9 +174,8 @@ def ln_stiffness(
     problem: Problem, theta: Float[ndarray, "draw parameter"], force: Float[ndarray, " force"]
 ) -> Float[ndarray, "draw force 2"]:
     """(ln kn, ln kt) of draws of the parameters at axial forces (N)."""
-    law = problem.law
-    count = len(law.parameters)
-    return np.einsum("fb,kbt,dt->dfk", powers(force), law.matrix, theta[:, :count])
+    weights = problem.law.weights(theta[:, : len(problem.law.parameters)])
+    return np.einsum("fb,dkb->dfk", problem.law.functions(force), weights)
 
 
 def combinations(covariance: Float[ndarray, "2 2"]) -> tuple[ndarray, ndarray]:
@@ -183,7 +231,9 @@ def _parameters(summit: Summit, draws: ndarray) -> xr.Dataset:
     origin = {"force_offset": "the gauge's accuracy", "force_gain": "the gauge's accuracy",
               "ln_scatter": "re-clamping changes k by 2 to 14 %"}  # fmt: skip
     sources = [
-        PRIORS[name][2] if name in PRIORS else origin.get(name, "search.fe_bias_percent")
+        problem.law.priors[name][2]
+        if name in problem.law.parameters
+        else origin.get(name, "search.fe_bias_percent")
         for name in problem.names
     ]
     return xr.Dataset(
@@ -248,6 +298,30 @@ def _at_forces(summit: Summit, draws: ndarray, forces: ndarray) -> xr.Dataset:
             "combination": list(COMBINATIONS),
         },
     )
+
+
+def _plane(summit: Summit, draws: ndarray) -> xr.Dataset:
+    """Regions of (ln kn, ln kt) at 12 kN, by the share of the draws that lie denser."""
+    some = draws[:: max(1, len(draws) // _KEPT)]
+    ln_k = ln_stiffness(summit.problem, some, np.array([REFERENCE_FORCE]))[:, 0]
+    low, high = np.quantile(ln_k, (0.005, 0.995), axis=0)
+    margin = 0.2 * (high - low)
+    axes = np.linspace(low - margin, high + margin, _PLANE).T
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    share = share_within(ln_k, points.reshape(-1, 2)).reshape(points.shape[:2])
+    return xr.Dataset(
+        {
+            "region_share": _var(
+                ("region_kn", "region_kt"), share, "1",
+                "share of the posterior in the region of highest density of (ln kn, ln kt) at "
+                "12 kN on whose edge the point lies: where it is below 0.95 is the 95 % region",
+            )
+        },
+        coords={
+            f"region_{name}": _var(f"region_{name}", np.exp(axis), "N/m", f"{name} of a flank")
+            for name, axis in zip(STIFFNESS, axes, strict=True)
+        },
+    )  # fmt: skip
 
 
 def _curve(summit: Summit, draws: ndarray, highest: float) -> xr.Dataset:

@@ -1,10 +1,11 @@
 """Laws of contact stiffness over axial force, and what is thought of their parameters beforehand.
 
-ln kn and ln kt are polynomials in x = ln(F / 12 kN). A law's matrix says which of its parameters
-stands before which power of x.
+The laws that are compared are polynomials of ln k in x = ln(F / 12 kN). A law's matrix says which
+of its parameters stands before which function of the force; an extension brings its own functions.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
@@ -32,13 +33,44 @@ PRIORS = {
 }
 
 
+def powers(force: Float[ndarray, "*point"]) -> Float[ndarray, "*point 3"]:
+    """1, x and x^2 with x = ln(F / 12 kN)."""
+    x = np.log(force / REFERENCE_FORCE)
+    return np.stack([np.ones_like(x), x, x**2], axis=-1)
+
+
+def slopes(force: Float[ndarray, "*point"]) -> Float[ndarray, "*point 3"]:
+    """Derivatives of `powers` by force, 1/N."""
+    x = np.log(force / REFERENCE_FORCE)
+    return np.stack([np.zeros_like(x), np.ones_like(x), 2.0 * x], axis=-1) / force[..., None]
+
+
+Functions = Callable[[Float[ndarray, "*point"]], Float[ndarray, "*point function"]]
+
+
 @dataclass(frozen=True)
 class Law:
-    """ln k = sum over parameters and powers of matrix * parameter * x^power."""
+    """ln k = sum over functions of the force of (matrix * parameters + constant) * function.
+
+    The first two parameters are ln kn and ln kt at the reference force. constant: what no parameter
+    stands before; None: nothing. functions, their slopes: of axial forces (N). priors: mean,
+    standard deviation and origin of each parameter.
+    """
 
     name: str
     parameters: tuple[str, ...]
-    matrix: Float[ndarray, "stiffness power parameter"]
+    matrix: Float[ndarray, "stiffness function parameter"]
+    constant: Float[ndarray, "stiffness function"] | None = None
+    functions: Functions = powers
+    slopes: Functions = slopes
+    priors: Mapping[str, tuple[float, float, str]] = field(default_factory=lambda: PRIORS)
+
+    def weights(
+        self, theta: Float[ndarray, "*draw parameter"]
+    ) -> Float[ndarray, "*draw stiffness function"]:
+        """What stands before each function, in ln kn and ln kt."""
+        with_parameters = np.einsum("kbt,...t->...kb", self.matrix, theta)
+        return with_parameters if self.constant is None else with_parameters + self.constant
 
 
 def _law(name: str, kn: tuple[str, ...], kt: tuple[str, ...]) -> Law:
@@ -61,15 +93,3 @@ LAWS = {
         ),
     )
 }
-
-
-def powers(force: Float[ndarray, "*point"]) -> Float[ndarray, "*point 3"]:
-    """1, x and x^2 with x = ln(F / 12 kN)."""
-    x = np.log(force / REFERENCE_FORCE)
-    return np.stack([np.ones_like(x), x, x**2], axis=-1)
-
-
-def slopes(force: Float[ndarray, "*point"]) -> Float[ndarray, "*point 3"]:
-    """Derivatives of `powers` by force, 1/N."""
-    x = np.log(force / REFERENCE_FORCE)
-    return np.stack([np.zeros_like(x), np.ones_like(x), 2.0 * x], axis=-1) / force[..., None]

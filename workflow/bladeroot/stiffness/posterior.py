@@ -1,12 +1,13 @@
 """The joint posterior of a law of contact stiffness, given all measured stick frequencies.
 
-    ln f_i = ln f_model(ln kn(F_i), ln kt(F_i), F_i) - ln(1 + bias of the mode) + clamping + noise
+    ln f_i = ln f_model(ln kn(F_i), ln kt(F_i), F_i) - bias of the mode + clamping + noise
     F_i = (1 + gain) * reading + offset
 
 Unknown are the law's parameters, the model's bias of each mode, gain and offset of the gauge, which
 all its readings share, and by how much ln kn and ln kt scatter from clamping to clamping; the
 slopes of the model carry that to the frequencies. All are counted in standard deviations of their
-priors, which makes the prior a unit normal.
+priors, which makes the prior a unit normal. Amplitude curves, where there are any, add what they
+say of (ln kn, ln kt, ln F) of the levels.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
+from bladeroot.stiffness.curve_term import CurveTerm, log_likelihood
+from bladeroot.stiffness.laws import Law
 from bladeroot.stiffness.levels import Levels
 from bladeroot.structure import chebyshev
 from bladeroot.structure.chebyshev import Surface
@@ -26,7 +28,11 @@ SCATTER = (np.log(0.05), 1.0)  # ln of the scatter of ln k between clampings: 2 
 
 @dataclass(frozen=True)
 class Problem:
-    """Model, data and priors. surface: ln f of the modes of `levels`, in their order."""
+    """Model, data and priors.
+
+    surface: ln f of the modes of `levels`, in their order. curves: what amplitude curves say of the
+    levels; None without any.
+    """
 
     surface: Surface
     levels: Levels
@@ -34,6 +40,7 @@ class Problem:
     names: tuple[str, ...]
     mean: Float[ndarray, " parameter"]
     std: Float[ndarray, " parameter"]
+    curves: CurveTerm | None = None
 
 
 def problem_of(
@@ -51,7 +58,7 @@ def problem_of(
     """
     biases = tuple(f"bias_{mode}" for mode in levels.modes)
     names = (*law.parameters, *biases, "force_offset", "force_gain", "ln_scatter")
-    of_law = np.array([PRIORS[name][:2] for name in law.parameters])
+    of_law = np.array([law.priors[name][:2] for name in law.parameters])
     mean = np.concatenate([of_law[:, 0], offset, [0.0, 0.0, SCATTER[0]]])
     known = np.maximum(gauge, (1e-3, 1e-9))  # a gauge without an offset still has a parameter
     std = np.concatenate([of_law[:, 1], bias, known, [SCATTER[1]]])
@@ -67,6 +74,7 @@ class Prediction:
     model's box.
     """
 
+    ln_k: Float[ndarray, "point level 2"]
     force: Float[ndarray, "point level"]
     ln_frequency: Float[ndarray, "point level"]
     slope: Float[ndarray, "point level 3"]
@@ -83,9 +91,8 @@ def predict(problem: Problem, u: Float[ndarray, "point parameter"], order: int =
     offset, gain = theta[:, -3, None], theta[:, -2, None]
     read = (1.0 + gain) * levels.force + offset
     force = np.clip(read, max(LEAST_FORCE, surface.low[2]), surface.high[2])
-    ln_k = np.einsum(
-        "pib,kbt,pt->pik", powers(force), problem.law.matrix, theta[:, :count], optimize=True
-    )
+    weights = problem.law.weights(theta[:, :count])
+    ln_k = np.einsum("pib,pkb->pik", problem.law.functions(force), weights, optimize=True)
     inside = np.clip(ln_k, surface.low[:2], surface.high[:2])
     points = np.concatenate([inside, force[..., None]], axis=-1)
     value, slope = np.empty(force.shape), np.empty((*force.shape, 3))
@@ -95,35 +102,68 @@ def predict(problem: Problem, u: Float[ndarray, "point parameter"], order: int =
         one = Surface(surface.coefficients[m : m + 1], surface.low, surface.high)
         parts = chebyshev.evaluate(one, points[:, own].reshape(-1, 3), order)
         shape = (len(u), int(own.sum()))
-        value[:, own] = parts[0].reshape(shape) - np.log1p(biases[:, m, None])
+        value[:, own] = parts[0].reshape(shape) - biases[:, m, None]
         slope[:, own] = parts[1].reshape(*shape, 3)
         if bend is not None:
             bend[:, own] = parts[2].reshape(*shape, 3, 3)
     allowed = (inside == ln_k).all(axis=(1, 2)) & (force == read).all(axis=1)
-    return Prediction(force, value, slope, bend, allowed)
+    return Prediction(inside, force, value, slope, bend, allowed)
 
 
 def log_posterior(problem: Problem, u: Float[ndarray, "point parameter"]) -> ndarray:
-    """Logarithm of likelihood times prior at many points; minus infinity outside the model's box.
+    """Log likelihood times prior at many points; minus infinity outside the model's box."""
+    said = predict(problem, u)
+    misfit = (problem.levels.ln_frequency - said.ln_frequency)[:, None]
+    product, determinant = inner_products(problem, said.slope, u[:, -1], misfit)
+    log = -0.5 * (product[:, 0, 0] + determinant + (u**2).sum(axis=1))
+    log = log - 0.5 * (misfit.shape[2] + u.shape[1]) * np.log(2.0 * np.pi)
+    log = log + of_repeats(problem, said.slope, u[:, -1]) + of_curves(problem, said)
+    return np.where(said.allowed, log, -np.inf)
+
+
+def inner_products(
+    problem: Problem,
+    slope: Float[ndarray, "point level 3"],
+    u_scatter: Float[ndarray, " point"],
+    columns: Float[ndarray, "point column level"],
+) -> tuple[Float[ndarray, "point column column"], Float[ndarray, " point"]]:
+    """Columns' products by the inverse covariance of the measured ln f, and its ln determinant.
 
     The scatter of a clamping is of rank two, for ln kn and ln kt, in the frequencies that share it.
     """
-    levels, said = problem.levels, predict(problem, u)
-    size, root_holds = len(levels.force), np.sqrt(levels.holds)
-    square = np.exp(2.0 * (problem.mean[-1] + problem.std[-1] * u[:, -1]))
+    levels = problem.levels
+    square = _scatter_square(problem, u_scatter)[:, None]
     member = (levels.clamping[:, None] == np.arange(levels.clamping.max() + 1)).astype(float)
-    rest = (levels.ln_frequency - said.ln_frequency) / levels.std
-    part = said.slope[..., :2] / (root_holds * levels.std)[:, None]
+    part = slope[..., :2] / (np.sqrt(levels.holds) * levels.std)[:, None]
     n, t = part[..., 0], part[..., 1]
-    a, b, c = (1.0 + square[:, None] * (n * n @ member), square[:, None] * (n * t @ member),
-               1.0 + square[:, None] * (t * t @ member))  # fmt: skip
-    v, w = (n * rest) @ member, (t * rest) @ member
-    determinant = a * c - b * b
-    taken = square[:, None] * (c * v * v - 2.0 * b * v * w + a * w * w) / determinant
-    log = -0.5 * ((rest**2).sum(axis=1) - taken.sum(axis=1) + np.log(determinant).sum(axis=1))
-    log = log - 0.5 * (size + u.shape[1]) * np.log(2.0 * np.pi) - np.log(levels.std).sum()
-    log = log + _of_repeats(problem, said.slope, square) - 0.5 * (u**2).sum(axis=1)
-    return np.where(said.allowed, log, -np.inf)
+    nn, nt, tt = (n * n) @ member, (n * t) @ member, (t * t) @ member
+    # not (1 + s nn)(1 + s tt) - (s nt)^2, which is lost in rounding where the scatter s is large
+    determinant = 1.0 + square * (nn + tt) + square**2 * np.maximum(nn * tt - nt * nt, 0.0)
+    a, b, c = 1.0 + square * nn, square * nt, 1.0 + square * tt
+    columns = columns / levels.std
+    v, w = (n[:, None] * columns) @ member, (t[:, None] * columns) @ member
+    a, b, c = (square / determinant * one for one in (a, b, c))
+    v_back, w_back = v.transpose(0, 2, 1), w.transpose(0, 2, 1)
+    taken = (c[:, None] * v - b[:, None] * w) @ v_back + (a[:, None] * w - b[:, None] * v) @ w_back
+    whole = columns @ columns.transpose(0, 2, 1) - taken
+    return whole, np.log(determinant).sum(axis=1) + 2.0 * np.log(levels.std).sum()
+
+
+def _scatter_square(problem: Problem, u_scatter: Float[ndarray, " point"]) -> ndarray:
+    """Variance of ln k between clampings."""
+    return np.exp(2.0 * (problem.mean[-1] + problem.std[-1] * u_scatter))
+
+
+def of_curves(problem: Problem, said: Prediction) -> Float[ndarray, " point"]:
+    """Log-likelihood of the amplitude curves; zero without any."""
+    if problem.curves is None:
+        return np.zeros(len(said.force))
+    return log_likelihood(problem.curves, coordinates(said))
+
+
+def coordinates(said: Prediction) -> Float[ndarray, "point level 3"]:
+    """(ln kn, ln kt, ln F) of every level."""
+    return np.concatenate([said.ln_k, np.log(said.force)[..., None]], axis=2)
 
 
 def _repeats(problem: Problem) -> list[tuple[ndarray, float, float]]:
@@ -140,8 +180,13 @@ def _repeats(problem: Problem) -> list[tuple[ndarray, float, float]]:
     ]
 
 
-def _of_repeats(problem: Problem, slope: ndarray, square: ndarray) -> ndarray:
+def of_repeats(
+    problem: Problem,
+    slope: Float[ndarray, "point level 3"],
+    u_scatter: Float[ndarray, " point"],
+) -> Float[ndarray, " point"]:
     """Log-likelihood of the scatter that repeats show, chi-square about the one expected."""
+    square = _scatter_square(problem, u_scatter)
     log = np.zeros_like(square)
     for own, freedom, observed in _repeats(problem):
         expected = square * (slope[:, own, :2] ** 2).sum(axis=2).mean(axis=1)
@@ -170,11 +215,11 @@ def local(problem: Problem, u: Float[ndarray, " parameter"]) -> Local:
     said = predict(problem, u[None], order=2)
     theta = problem.mean + problem.std * u
     count, force, slope, bend = len(law.parameters), said.force[0], said.slope[0], said.bend[0]
-    basis, basis_slope = powers(force), slopes(force)
+    basis, basis_slope = law.functions(force), law.slopes(force)
     # x = (ln kn, ln kt, F) of each level, and its derivatives by the parameters
     x = np.zeros((len(force), 3, len(u)))
     x[:, :2, :count] = np.einsum("ib,kbt->ikt", basis, law.matrix)
-    rise = np.einsum("ib,kbt,t->ik", basis_slope, law.matrix, theta[:count])
+    rise = basis_slope @ law.weights(theta[:count]).T
     for column, weight in ((-3, np.ones_like(force)), (-2, levels.force)):
         x[:, :2, column] = rise * weight[:, None]
         x[:, 2, column] = weight
@@ -182,7 +227,7 @@ def local(problem: Problem, u: Float[ndarray, " parameter"]) -> Local:
     design = np.einsum("ix,ixp->ip", slope, x)
     for m in range(len(levels.modes)):
         own = levels.mode == m
-        design[own, count + m] -= problem.std[count + m] / (1.0 + theta[count + m])
+        design[own, count + m] -= problem.std[count + m]
     place = 2 * levels.clamping[:, None] + np.arange(2)
     rows = np.arange(len(force))[:, None]
     part = np.zeros((len(force), place.max() + 1))
@@ -214,5 +259,13 @@ def local(problem: Problem, u: Float[ndarray, " parameter"]) -> Local:
         relative[-1] += 2.0 * problem.std[-1]
         gradient = gradient + 0.5 * freedom * (observed / (square * gain) - 1.0) * relative
         information = information + 0.5 * freedom * np.outer(relative, relative)
+    if problem.curves is not None:
+        turn = (x / np.where(np.arange(3) == 2, force[:, None], 1.0)[:, :, None]).reshape(
+            -1, len(u)
+        )
+        away = (coordinates(said)[0] - problem.curves.center).ravel()
+        pull = problem.curves.gradient - problem.curves.information @ away
+        gradient = gradient + turn.T @ pull
+        information = information + turn.T @ problem.curves.information @ turn
     value = float(log_posterior(problem, u[None])[0])
     return Local(value, gradient, information, design, covariance)

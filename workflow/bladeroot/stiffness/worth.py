@@ -11,7 +11,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.laws import Law, powers
+from bladeroot.stiffness.laws import Law
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.posterior import Problem, local
 from bladeroot.structure.chebyshev import Surface
@@ -22,7 +22,7 @@ def stiffness_rows(
 ) -> Float[ndarray, "force 2 parameter"]:
     """Derivatives of (ln kn, ln kt) at axial forces by all parameters in their own units."""
     rows = np.zeros((len(force), 2, parameters))
-    rows[:, :, : len(law.parameters)] = np.einsum("fb,kbt->fkt", powers(force), law.matrix)
+    rows[:, :, : len(law.parameters)] = np.einsum("fb,kbt->fkt", law.functions(force), law.matrix)
     return rows
 
 

@@ -1,0 +1,251 @@
+"""kn, kt and friction from stick frequencies and amplitude curves together.
+
+The frequencies fix one combination of kn and kt well. Slip takes tangential springs away: how far
+frequency falls and damping rises says how much of the motion goes through them, which is another
+combination. The friction's own parameters are found with them and integrated out.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.nonlinear.fast_loading import softening_curve
+from bladeroot.nonlinear.pictures import pictures
+from bladeroot.nonlinear.system import System, system_of
+from bladeroot.nonlinear.uneven import uneven_sliders
+from bladeroot.stiffness.curve_errors import DISCREPANCY
+from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
+from bladeroot.stiffness.interpolation import ForceGauge
+from bladeroot.stiffness.joint import posterior_of, problems_of
+from bladeroot.stiffness.posterior import Problem, coordinates, predict
+from bladeroot.stiffness.sampler import STEPS
+from bladeroot.stiffness.simulated_curves import FRICTION, friction_of
+from bladeroot.stiffness.softening import Softening, softening_of
+from bladeroot.stiffness.summit import Summit, find_summit
+from bladeroot.structure.joint import Joint
+
+_ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
+_MAP = np.geomspace(2e-7, 2e-5, 41)  # m
+_PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
+
+
+def amplitude(
+    joint: Joint,
+    model: xr.Dataset,
+    stick: xr.Dataset,
+    decays: Mapping[str, xr.Dataset],
+    lasers: Mapping[str, float],
+    gauge: ForceGauge,
+    forces: Sequence[float],
+    fe_bias: Mapping[str, float],
+    fe_offset: Mapping[str, float] | None = None,
+    least_force: float = 0.0,
+    discrepancy: float = DISCREPANCY,
+    steps: int = STEPS,
+) -> xr.Dataset:
+    """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
+
+    joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force,
+    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
+    record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
+    largest effect.
+
+    The law is the freest of those that are at most twenty times less probable than the best one:
+    kn and kt that are tied together by too poor a law look better known than they are.
+
+    Returns the variables of `joint` without its variations, the friction, the curves measured and
+    simulated, and `shrinkage`: the standard deviation of ln k without curves over that with them.
+    Without curves that soften, or without frequencies, it is empty and its `law` is "".
+    """
+    nothing = xr.Dataset(attrs={"structure": model.attrs["structure"], "law": ""})
+    if not np.isin(stick["mode"].values.astype(str), tuple(fe_bias)).any():
+        return nothing
+    problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force)
+    levels = level_names(next(iter(problems.values())))
+    softening = softening_of(decays, stick, levels)
+    if not len(softening.level):
+        return nothing
+    alone = {name: find_summit(problem) for name, problem in problems.items()}
+    fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, discrepancy)
+    together = {
+        name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
+    }
+    law = freest(together)
+    found, summit = posterior_of(together, forces, steps, law)
+    before, _ = posterior_of(alone, forces, steps, law)
+    parts = [
+        found,
+        _gained(before, found),
+        _friction(fit),
+        _points(softening, levels, fit),
+        _simulated(joint, summit, levels, lasers, fit, softening),
+    ]
+    whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+    return whole.assign_attrs(
+        structure=model.attrs["structure"],
+        discrepancy=discrepancy,
+        rounds=fit.rounds,
+        converged=int(fit.converged),
+        **found.attrs,
+    )
+
+
+def freest(summits: Mapping[str, Summit]) -> str:
+    """The law with most parameters among those that the evidence does not drop."""
+    best = max(summit.log_evidence for summit in summits.values())
+    kept = {name: s for name, s in summits.items() if s.log_evidence > best - _ODDS}
+    return max(
+        kept, key=lambda name: (len(kept[name].problem.law.parameters), kept[name].log_evidence)
+    )
+
+
+def level_names(problem: Problem) -> list[tuple[str, float]]:
+    """Mode and force as read of every level."""
+    levels = problem.levels
+    return [
+        (levels.modes[mode], float(force))
+        for mode, force in zip(levels.mode, levels.force, strict=True)
+    ]
+
+
+def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
+    attrs = {"units": units, "long_name": long_name}
+    return (dims, values, attrs | ({"source": source} if source else {}))
+
+
+def _gained(before: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
+    """Standard deviations without curves, and by how much they are larger than with them."""
+    area = [
+        one["ln_std"].prod("stiffness") * np.sqrt(1.0 - one["correlation"] ** 2)
+        for one in (before, found)
+    ]
+    of_k = ("force", "stiffness")
+    return xr.Dataset(
+        {
+            "frequencies_ln_std": _var(
+                of_k, before["ln_std"].values, "1", "standard deviation of ln k without curves"
+            ),
+            "frequencies_k_quantile": _var(
+                (*of_k, "quantile"),
+                before["k_quantile"].values,
+                "N/m",
+                "quantiles of k without curves",
+            ),
+            "shrinkage": _var(
+                of_k,
+                (before["ln_std"] / found["ln_std"]).values,
+                "1",
+                "standard deviation of ln k without curves over that with them",
+            ),
+            "area_shrinkage": _var(
+                "force",
+                (area[0] / area[1]).values,
+                "1",
+                "area of the ellipse of ln kn, ln kt without curves over that with them",
+            ),
+        },
+        coords={
+            "force": found["force"],
+            "stiffness": found["stiffness"],
+            "quantile": found["quantile"],
+        },
+    )
+
+
+def _friction(fit: CurveFit) -> xr.Dataset:
+    std = np.sqrt(np.diag(fit.friction_covariance))
+    prior = np.array([entry[:2] for entry in FRICTION.values()])
+    return xr.Dataset(
+        {
+            "friction_value": _var(
+                "friction", np.exp(fit.friction), "1", "most probable value at the stiffness found"
+            ),
+            "friction_ln_std": _var(
+                "friction", std, "1", "standard deviation of its logarithm there"
+            ),
+            "friction_prior": _var("friction", np.exp(prior[:, 0]), "1", "median of the prior"),
+            "friction_prior_ln_std": _var(
+                "friction", prior[:, 1], "1", "standard deviation of the prior's logarithm"
+            ),
+            "friction_origin": _var(
+                "friction",
+                [entry[2] for entry in FRICTION.values()],
+                "",
+                "where the prior comes from",
+            ),
+        },
+        coords={"friction": [name.removeprefix("ln_") for name in FRICTION]},
+    )
+
+
+def _points(softening: Softening, levels: list[tuple[str, float]], fit: CurveFit) -> xr.Dataset:
+    """Measured and simulated curves at the points that were fitted."""
+    (fall, rise), (fall_std, rise_std) = (part.reshape(2, -1) for part in (fit.value, fit.std))
+    return xr.Dataset(
+        {
+            "point_mode": _var("point", [levels[k][0] for k in softening.level], "", "mode"),
+            "point_force": _var(
+                "point", [levels[k][1] for k in softening.level], "N", "axial force as read"
+            ),
+            "point_amplitude": _var("point", softening.amplitude, "m", "amplitude at the laser"),
+            "fall": _var("point", softening.fall, "1", "measured f / f_stick - 1", "eq. 3.11"),
+            "rise": _var("point", softening.rise, "1", "measured eta - eta_stick", "eq. 3.11"),
+            "fall_simulated": _var("point", fall, "1", "simulated f / f_stick - 1"),
+            "rise_simulated": _var("point", rise, "1", "simulated loss factor of friction"),
+            "fall_std": _var(
+                "point", fall_std, "1", "standard deviation of measured less simulated"
+            ),
+            "rise_std": _var(
+                "point", rise_std, "1", "standard deviation of measured less simulated"
+            ),
+        }
+    )
+
+
+def _simulated(
+    joint: Joint,
+    summit: Summit,
+    levels: list[tuple[str, float]],
+    lasers: Mapping[str, float],
+    fit: CurveFit,
+    softening: Softening,
+) -> xr.Dataset:
+    """Curves of every level on one ladder, and pictures of the level that softens most."""
+    z = coordinates(predict(summit.problem, summit.u[None]))[0]
+    law = friction_of(fit.friction)
+
+    def made(level: int) -> tuple[System, float]:
+        force = float(np.exp(z[level, 2]))
+        mode = levels[level][0]
+        return system_of(joint, np.array([*z[level, :2], force]), mode, lasers[mode]), force
+
+    curves = np.empty((2, len(levels), len(_MAP)))
+    for level in range(len(levels)):
+        system, force = made(level)
+        curves[:, level] = softening_curve(system, uneven_sliders(joint, system, force, law), _MAP)[
+            0
+        ]
+    most = int(softening.level[np.argmin(softening.fall)])
+    largest = float(softening.amplitude[softening.level == most].max())
+    system, force = made(most)
+    shown = pictures(
+        joint, system, uneven_sliders(joint, system, force, law), [p * largest for p in _PICTURES]
+    )
+    over: tuple[str, str] = ("level", "amplitude")
+    values: dict[str, tuple] = {
+        "map_fall": _var(over, curves[0], "1", "simulated f / f_stick - 1"),
+        "map_rise": _var(over, curves[1], "1", "simulated loss factor of friction"),
+    }
+    ladder: Float[ndarray, " amplitude"] = _MAP
+    coords = {
+        "amplitude": ("amplitude", ladder, {"units": "m", "long_name": "amplitude at the laser"})
+    }
+    return (
+        xr.Dataset(values, coords=coords)
+        .assign(shown.variables)
+        .assign_attrs(shown.attrs, picture_force_N=levels[most][1])
+    )

@@ -1,0 +1,118 @@
+"""The friction that the curves want, and what they then say of the stiffness.
+
+In each round friction is fitted to the curves at the present stiffness (Levenberg and Marquardt's
+method); there the curves are made linear, friction is integrated out of them, and the joint
+posterior with what is left is climbed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.stiffness.curve_errors import covariance
+from bladeroot.stiffness.curve_term import CurveTerm, curve_term
+from bladeroot.stiffness.posterior import coordinates, predict
+from bladeroot.stiffness.simulated_curves import FRICTION, Simulated, levels_at, simulate, values
+from bladeroot.stiffness.softening import Softening
+from bladeroot.stiffness.summit import Summit, climb
+from bladeroot.structure.joint import Joint
+
+_ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
+_LONGEST = 0.4  # change of ln k in one round
+_FITS, _GAIN = 25, 1e-2  # steps of the friction, and the least gain in log posterior to go on
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """Where the rounds ended.
+
+    friction: parameters in the order of `FRICTION`, with their covariance at the stiffness found.
+    value: simulated falls and rises; std: standard deviation of measured less simulated, the
+    model's error included. converged: whether the last round changed nothing that matters.
+    """
+
+    term: CurveTerm
+    friction: Float[ndarray, " parameter"]
+    friction_covariance: Float[ndarray, "parameter parameter"]
+    value: Float[ndarray, " number"]
+    std: Float[ndarray, " number"]
+    rounds: int
+    converged: bool
+
+
+def fit_curves(
+    joint: Joint,
+    summit: Summit,
+    softening: Softening,
+    levels: list[tuple[str, float]],
+    lasers: Mapping[str, float],
+    discrepancy: float,
+) -> CurveFit:
+    """Start from the summit of the frequencies alone."""
+    prior = np.array([entry[:2] for entry in FRICTION.values()])
+    spread = np.diag(prior[:, 1] ** 2)
+    measured = np.concatenate([softening.fall, softening.rise])
+    errors = covariance(softening, levels, discrepancy)
+    precision = np.linalg.inv(errors)
+    row = np.arange(len(measured))
+    friction, u, problem = prior[:, 0], summit.u, summit.problem
+    largest, rounds = np.inf, 0
+    while largest > _CLOSE and rounds < _ROUNDS:
+        rounds += 1
+        z = coordinates(predict(problem, u[None]))[0]
+        at = levels_at(joint, softening, levels, lasers, z)
+        friction, said = _fit_friction(joint, at, measured, precision, prior, friction)
+        by_level = np.zeros((len(measured), len(levels), 3))
+        by_level[row, np.tile(softening.level, 2)] = said.by_level
+        by_level = by_level.reshape(len(measured), -1)
+        by_friction = said.by_friction
+        rest = measured - said.value - by_friction @ (prior[:, 0] - friction)
+        whole = errors + by_friction @ spread @ by_friction.T
+        term = curve_term(z, rest, by_level, whole)
+        climbed, _ = climb(replace(problem, curves=term), u)
+        away = coordinates(predict(problem, climbed[None]))[0] - z
+        largest = float(np.abs(away).max())
+        u = u + min(1.0, _LONGEST / max(largest, _LONGEST)) * (climbed - u)
+    information = by_friction.T @ precision @ by_friction + np.linalg.inv(spread)
+    return CurveFit(
+        term,
+        friction,
+        np.linalg.inv(information),
+        said.value,
+        np.sqrt(np.diag(errors)),
+        rounds,
+        largest <= _CLOSE,
+    )
+
+
+def _fit_friction(
+    joint, at, measured, precision, prior, friction
+) -> tuple[Float[ndarray, " parameter"], Simulated]:
+    """The most probable friction at given stiffness, and the curves there."""
+
+    def misfit(trial: ndarray, value: ndarray) -> float:
+        away = (trial - prior[:, 0]) / prior[:, 1]
+        return 0.5 * float((measured - value) @ precision @ (measured - value) + away @ away)
+
+    said = simulate(joint, at, friction)
+    now, damping = misfit(friction, said.value), 1.0
+    for _ in range(_FITS):
+        pull = said.by_friction.T @ precision @ (measured - said.value)
+        pull -= (friction - prior[:, 0]) / prior[:, 1] ** 2
+        bend = said.by_friction.T @ precision @ said.by_friction + np.diag(prior[:, 1] ** -2)
+        step = np.linalg.solve(bend + damping * np.diag(np.diag(bend)), pull)
+        step *= min(1.0, 1.0 / np.abs(step).max())
+        trial = misfit(friction + step, values(joint, at, friction + step))
+        if trial < now:
+            gained, now, friction = now - trial, trial, friction + step
+            said, damping = simulate(joint, at, friction), 0.2 * damping
+            if gained < _GAIN:
+                break
+        else:
+            damping *= 5.0
+            if damping > 1e6:
+                break
+    return friction, said
