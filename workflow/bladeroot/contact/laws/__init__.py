@@ -1,0 +1,1 @@
+"""Contact laws: each file makes the `Sliders` of one law; force and Jacobian are shared."""

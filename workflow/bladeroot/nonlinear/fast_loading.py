@@ -1,0 +1,68 @@
+"""First loading and Masing's rules for many curves: what inference asks for thousands of times.
+
+The states are those of `quasi_static`, with the mode's own frequency in its inertia kept at that of
+sticking; they are found by the sweeps of the time integration, which is ten times as fast.
+"""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.interpolate import PchipInterpolator
+
+from bladeroot.contact.laws.sliders import Sliders, at_rest, parts
+from bladeroot.nonlinear.marching import SWEEPS, correct, settle
+from bladeroot.nonlinear.masing import first_harmonic
+from bladeroot.nonlinear.system import System
+
+_A_DECADE, _BELOW = 24, 8.0
+_TOLERANCE = 1e-6
+
+
+def softening_curve(
+    system: System, sliders: Sliders, amplitudes: Float[ndarray, " amplitude"]
+) -> tuple[Float[ndarray, "2 amplitude"], Float[ndarray, "2 amplitude"]]:
+    """Fall of the frequency f / f_stick - 1 and friction's loss factor, and both's slope by ln A.
+
+    amplitudes: m, at the laser, rising. sliders: of constant normal load. ValueError for another
+    law; RuntimeError if a state does not settle.
+    """
+    if sliders.varies:
+        raise ValueError("first loading with Masing's rules needs constant normal load")
+    low, high = amplitudes[0] / _BELOW, 1.3 * amplitudes[-1]
+    count = 2 + int(_A_DECADE * np.log10(high / low))
+    master = np.geomspace(low, high, count) / abs(system.laser[0])
+    load, laser = states(system, sliders, master)
+    slope = np.array([system.values[0], system.laser[0]])
+    cosine, sine = first_harmonic(master, np.column_stack([load, laser]), slope)
+    value = cosine[:, 0] / master
+    rows = np.stack([np.sqrt(value / system.values[0]) - 1.0, -sine[:, 0] / cosine[:, 0]])
+    fit = PchipInterpolator(np.log(np.abs(cosine[:, 1])), rows, axis=1)
+    at = np.log(amplitudes)
+    return fit(at), fit.derivative()(at)
+
+
+def states(system: System, sliders: Sliders, master: ndarray) -> tuple[ndarray, ndarray]:
+    """Load on the master coordinate (N kg^-1/2) and motion of the laser (m) on first loading.
+
+    master: rising coordinates, m kg^1/2.
+    """
+    k = system.stiffness[:, [1, 1]].copy()
+    shape = system.shape[:, 1:].reshape(k.size, -1)
+    pushed = shape * np.repeat(system.count, 2)[:, None]
+    others = 1.0 / (system.values[1:] - system.values[0])
+    give = system.flexibility[:, 1:][..., 1:].reshape(k.size, k.size)
+    give = (give + (shape[:, 1:] * others) @ pushed[:, 1:].T).T.copy()
+    at_laser = system.laser_flexibility[:, 1:].ravel()
+    at_laser = at_laser + pushed[:, 1:] @ (others * system.laser[1:])
+    law = (*(np.ascontiguousarray(one, float) for one in parts(sliders)[:4]), False)
+    w, g = at_rest(sliders), np.zeros_like(k)
+    tension = np.zeros_like(w)
+    load, laser = np.empty(len(master)), np.empty(len(master))
+    for i, q in enumerate(master):
+        u = (shape[:, 0] * q + g.ravel() @ give).reshape(k.shape)
+        if not 0 < correct(*law, k, give, _TOLERANCE * np.abs(u).max(), w, u, g) < SWEEPS:
+            raise RuntimeError(f"the contacts did not settle at a coordinate of {q:.3g} m kg^1/2")
+        settle(*law, system.count, u, w, tension)
+        load[i] = system.values[0] * q - g.ravel() @ pushed[:, 0]
+        laser[i] = system.laser[0] * q + g.ravel() @ at_laser
+    return load, laser

@@ -1,0 +1,64 @@
+"""Nonlinear modes by harmonic balance with the alternating frequency-time method."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.contact.laws.sliders import Sliders
+from bladeroot.nonlinear.aft import TIMES, contact_forces, cycle
+from bladeroot.nonlinear.balance import Solution, solve
+from bladeroot.nonlinear.continuation import Branch, follow
+from bladeroot.nonlinear.response import harmonic
+from bladeroot.nonlinear.system import System
+
+_FADES = 6  # rounds in which the decay and its own damping ratio come to agree
+_SAME_FADE = 1e-4  # moves the loss factor by 0.03 % of itself
+
+
+def nonlinear_mode(
+    system: System,
+    sliders: Sliders,
+    amplitudes: Float[ndarray, " amplitude"],
+    harmonics: Sequence[int] = (0, 1, 2, 3),
+    times: int = TIMES,
+    decaying: bool = True,
+) -> Branch:
+    """Motions at rising amplitudes (m) of the first harmonic at the laser.
+
+    Under constant normal load reversed motion reverses the force, so even harmonics vanish and are
+    left out. decaying: whether the contacts move as in the free decay that the mode is in, or as in
+    steady vibration of constant amplitude. Each solution's slip is the part of the cycle in which a
+    slider slips.
+    """
+    if not sliders.varies:
+        harmonics = [h for h in harmonics if h % 2]
+    balance = harmonic(harmonics)
+
+    last = 0.0  # damping ratio of the last motion found, where the next one begins
+
+    def at(amplitude: float, guess: ndarray, across=None) -> Solution | None:
+        nonlocal last
+        fade = last
+        for _ in range(_FADES):
+            samples = cycle(harmonics, times, fade)
+            evaluate = partial(contact_forces, sliders, samples=samples)
+            found = solve(system, balance, evaluate, amplitude, guess, across)
+            if found is None or not decaying:
+                break
+            ratio = 0.5 * found.decay / found.value
+            if abs(ratio - fade) < _SAME_FADE:
+                last = fade
+                break
+            fade, guess, amplitude = ratio, found.motion, found.amplitude
+        return found
+
+    def at_laser(solution: Solution) -> float:
+        return float(np.hypot(*solution.laser[balance.first : balance.first + 2]))
+
+    first = amplitudes[0] / abs(system.laser[0])
+    stuck = np.zeros((len(system.count), 3, balance.size))
+    stuck[:, :, balance.first] = first * system.shape[:, :, 0]
+    return follow(at, amplitudes, at(first, stuck), at_laser)

@@ -1,0 +1,260 @@
+"""The kernel of the time integration: stuck modes stepped on, friction solved within each step.
+
+Prediction and correction as in section 3.3.3: a step is first made as if no friction point moved;
+if one would slip, the contacts' corrections are solved together with the motion, one contact after
+the other by Newton's method until none changes. A contact's correction is what its springs would
+bear beyond its law, g = k u - f(u): it is constant while the contact sticks.
+
+Motions have three components a contact (normal, two tangential), or the two tangential ones alone
+where the law leaves the normal spring linear.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from bladeroot.contact.laws.sliders import slide
+
+SWEEPS, NEWTON = 500, 40
+
+
+@njit(cache=True)
+@no_type_check
+def contact_force(kn, kt, n0, mu, varies, u, w, force, tangent):
+    """Force and Jacobian of one contact's sliders at u; says whether one slips or is lifted off."""
+    one = u.size - 2  # place of the first tangential component
+    force[:] = 0.0
+    tangent[:] = 0.0
+    un = u[0] if one else 0.0
+    moving = False
+    for s in range(kn.size):
+        normal, slope, limit, steeper, size, e1, e2, slips = slide(
+            kn[s], kt[s], n0[s], mu[s], varies, un, u[one], u[one + 1], w[s, 0], w[s, 1]
+        )
+        if one:
+            force[0] += normal
+            tangent[0, 0] += slope
+            moving = moving or slope != kn[s]
+        if slips:
+            moving = True
+            turn = limit / size
+            force[one] += limit * e1
+            force[one + 1] += limit * e2
+            if one:
+                tangent[1, 0] += steeper * e1
+                tangent[2, 0] += steeper * e2
+            tangent[one, one] += turn * e2 * e2
+            tangent[one, one + 1] -= turn * e1 * e2
+            tangent[one + 1, one] -= turn * e1 * e2
+            tangent[one + 1, one + 1] += turn * e1 * e1
+        else:
+            force[one] += kt[s] * e1
+            force[one + 1] += kt[s] * e2
+            tangent[one, one] += kt[s]
+            tangent[one + 1, one + 1] += kt[s]
+    return moving
+
+
+@njit(cache=True)
+@no_type_check
+def solve_small(lead, x):
+    """Gauss's elimination in place, without exchange of rows: near one times a stiff contact."""
+    for a in range(x.size):
+        for b in range(a + 1, x.size):
+            part = lead[b, a] / lead[a, a]
+            for c in range(a + 1, x.size):
+                lead[b, c] -= part * lead[a, c]
+            x[b] -= part * x[a]
+    for a in range(x.size - 1, -1, -1):
+        for c in range(a + 1, x.size):
+            x[a] -= lead[a, c] * x[c]
+        x[a] /= lead[a, a]
+
+
+@njit(cache=True)
+@no_type_check
+def local_solve(kn, kt, n0, mu, varies, stuck, give, free, w, u, force, tangent, step, lead):
+    """Solve u = free + give (stuck u - f(u)) of one contact in place; says whether it settled."""
+    for _ in range(NEWTON):
+        contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
+        for a in range(u.size):
+            step[a] = free[a] - u[a]
+            for b in range(u.size):
+                step[a] += give[a, b] * (stuck[b] * u[b] - force[b])
+                lead[a, b] = -give[a, b] * stuck[b]
+                for c in range(u.size):
+                    lead[a, b] += give[a, c] * tangent[c, b]
+            lead[a, a] += 1.0
+        solve_small(lead, step)
+        size, reach = 0.0, 0.0
+        for a in range(u.size):
+            u[a] += step[a]
+            size += step[a] ** 2
+            reach += (u[a] - free[a]) ** 2 + u[a] ** 2
+        if size <= 1e-24 * reach:
+            contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
+            return True
+    return False
+
+
+@njit(cache=True)
+@no_type_check
+def correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g):
+    """Sweep over the contacts until none changes its motion u by more than the tolerance (m).
+
+    u and g (contact, component) are changed in place; u must hold the motion for the g given. give:
+    row k is the motion of all by correction k. Returns the number of sweeps; SWEEPS if they did not
+    settle, and minus one if Newton's method did not.
+    """
+    contacts, size = u.shape
+    force, step, free, place, more = np.empty((5, size))
+    tangent, lead = np.empty((2, size, size))
+    flat = u.reshape(-1)
+    for sweep in range(1, SWEEPS + 1):
+        change = 0.0
+        for c in range(contacts):
+            moving = contact_force(kn[c], kt[c], n0[c], mu[c], varies, u[c], w[c], force, tangent)
+            for a in range(size):
+                more[a] = stuck[c, a] * u[c, a] - force[a] - g[c, a]
+                moving = moving or abs(more[a]) > 1e-13 * stuck[c, a] * abs(u[c, a])
+            if not moving:
+                continue
+            first = size * c
+            block = give[first : first + size, first : first + size].T
+            for a in range(size):
+                place[a] = u[c, a]
+                free[a] = u[c, a]
+                for b in range(size):
+                    free[a] -= block[a, b] * g[c, b]
+            if not local_solve(
+                kn[c], kt[c], n0[c], mu[c], varies, stuck[c], block, free, w[c], place, force,
+                tangent, step, lead,
+            ):  # fmt: skip
+                return -1
+            moved = 0.0
+            for a in range(size):
+                more[a] = stuck[c, a] * place[a] - force[a] - g[c, a]
+                g[c, a] += more[a]
+                moved += (place[a] - u[c, a]) ** 2
+            if moved == 0.0:
+                continue
+            change = max(change, moved)
+            for a in range(size):
+                row, amount = give[first + a], more[a]
+                for k in range(flat.size):
+                    flat[k] += row[k] * amount
+        if change <= tolerance**2:
+            return sweep
+    return SWEEPS
+
+
+@njit(cache=True)
+@no_type_check
+def settle(kn, kt, n0, mu, varies, count, u, w, tension):
+    """Move the friction points to where u leaves them; the work they take by the mean tension."""
+    one = u.shape[1] - 2
+    work = 0.0
+    for c in range(u.shape[0]):
+        un = u[c, 0] if one else 0.0
+        for s in range(kn.shape[1]):
+            k = kt[c, s]
+            _, _, limit, _, _, e1, e2, slips = slide(
+                kn[c, s], k, n0[c, s], mu[c, s], varies, un, u[c, one], u[c, one + 1],
+                w[c, s, 0], w[c, s, 1],
+            )  # fmt: skip
+            pull = limit if slips else k
+            t1, t2 = pull * e1, pull * e2
+            if slips:
+                new1, new2 = u[c, one] - t1 / k, u[c, one + 1] - t2 / k
+                gain = (t1 + tension[c, s, 0]) * (new1 - w[c, s, 0])
+                gain += (t2 + tension[c, s, 1]) * (new2 - w[c, s, 1])
+                work += 0.5 * count[c] * gain
+                w[c, s, 0], w[c, s, 1] = new1, new2
+            tension[c, s, 0], tension[c, s, 1] = t1, t2
+    return work
+
+
+@njit(cache=True)
+@no_type_check
+def any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
+    """Whether a contact leaves its stuck state, or is not in it."""
+    for c in range(u.shape[0]):
+        if contact_force(kn[c], kt[c], n0[c], mu[c], varies, u[c], w[c], force, tangent):
+            return True
+        if varies and g[c, 0] != 0.0:
+            return True
+    return False
+
+
+@njit(cache=True)
+@no_type_check
+def march(
+    kn, kt, n0, mu, varies, stuck, count, shape, residual, step, loss, tolerance, steps, every,
+    laser, watched, r, v, w, u, g, tension,
+):  # fmt: skip
+    """Step on; r, v, w, u, g and the sliders' tension are changed in place.
+
+    count: images of each contact, which all push. shape (mode, motion). residual: row k is the
+    motion of all, by the modes not kept, for correction k on all its images. Returns velocity at
+    the samples, motion and force of the watched contact there, the work of damping and of friction
+    (J), the most sweeps of a step and the number of steps made: fewer than asked if one did not
+    settle.
+    """
+    modes = shape.shape[0]
+    size = u.shape[1]
+    samples = steps // every + 1
+    velocity = np.zeros(samples)
+    seen = np.zeros((2, samples, size))
+    damped, rubbed, most = 0.0, 0.0, 0
+    push = shape * np.repeat(count, size)
+    give = residual + (push.T * step[:, 0, 3]) @ shape
+    flat, flat_g = u.reshape(-1), g.reshape(-1)
+    held = flat_g.copy()
+    back = flat - shape.T @ r  # what the corrections move through the residual
+    load0 = push @ flat_g
+    load1, ahead = load0.copy(), np.empty(modes)
+    z = np.empty(4)
+    force, tangent = np.empty(size), np.empty((size, size))
+    for n in range(steps + 1):
+        if n % every == 0:
+            at = n // every
+            velocity[at] = laser @ v
+            seen[0, at] = u[watched]
+            seen[1, at] = stuck[watched] * u[watched] - g[watched]
+        if n == steps:
+            break
+        flat[:] = back
+        for m in range(modes):
+            ahead[m] = (
+                step[m, 0, 0] * r[m]
+                + step[m, 0, 1] * v[m]
+                + (step[m, 0, 2] + step[m, 0, 3]) * load0[m]
+            )
+            for k in range(flat.size):
+                flat[k] += shape[m, k] * ahead[m]
+        if any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
+            sweeps = correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g)
+            if sweeps < 0 or sweeps == SWEEPS:
+                return velocity, seen, damped, rubbed, most, n
+            most = max(most, sweeps)
+            back[:] = flat
+            for m in range(modes):
+                for k in range(flat.size):
+                    load1[m] += push[m, k] * (flat_g[k] - held[k])
+                ahead[m] += step[m, 0, 3] * (load1[m] - load0[m])
+                for k in range(flat.size):
+                    back[k] -= shape[m, k] * ahead[m]
+            held[:] = flat_g
+            rubbed += settle(kn, kt, n0, mu, varies, count, u, w, tension)
+        else:
+            settle(kn, kt, n0, mu, varies, count, u, w, tension)
+        for m in range(modes):
+            z[0], z[1], z[2], z[3] = r[m], v[m], load0[m], load1[m]
+            fast = 0.0
+            for a in range(4):
+                fast += step[m, 1, a] * z[a]
+                for b in range(4):
+                    damped += z[a] * loss[m, a, b] * z[b]
+            r[m], v[m], load0[m] = ahead[m], fast, load1[m]
+    return velocity, seen, damped, rubbed, most, steps

@@ -1,0 +1,88 @@
+"""What goes on in the flanks at some amplitudes: loops of the mode, and where slip is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.contact.laws.sliders import Sliders
+from bladeroot.nonlinear.curves import mode_curve
+from bladeroot.nonlinear.fast_loading import states
+from bladeroot.nonlinear.system import System
+from bladeroot.structure.joint import Joint
+
+_STATES = 80
+
+
+def pictures(
+    joint: Joint, system: System, sliders: Sliders, amplitudes: Sequence[float]
+) -> xr.Dataset:
+    """Hysteresis loops of a mode and slip of every pair at amplitudes (m) at the laser.
+
+    The loop's motion is that at the laser (m); its force is what the stuck mode's restoring force
+    would be more than it is, referred to the laser (N), so that a stuck cycle is a flat line.
+    """
+    laser = abs(system.laser[0])
+    motion, force = [], []
+    for amplitude in amplitudes:
+        master = np.linspace(0.0, amplitude / laser, _STATES + 1)[1:]
+        load, _ = states(system, sliders, master)
+        q, f = loop(master, load)
+        motion.append(q * laser)
+        force.append((system.values[0] * q - f) / laser)
+    rising = np.unique(np.asarray(amplitudes, float))
+    slip = mode_curve(system, sliders, rising).slip[:, system.image]
+    order = np.searchsorted(rising, amplitudes)
+    flank = joint.assembly["flank"].values
+    along = np.einsum(
+        "pla,pa->pl",
+        joint.assembly["frame"].values[:, 1:],
+        joint.assembly["pair_position"].values,
+    )
+    dims = ("picture_amplitude", "sample")
+    return xr.Dataset(
+        {
+            "loop_motion": (
+                dims,
+                np.array(motion),
+                {"units": "m", "long_name": "motion at the laser"},
+            ),
+            "loop_force": (
+                dims,
+                np.array(force),
+                {"units": "N", "long_name": "modal force that slip takes away, at the laser"},
+            ),
+            "slip": (
+                ("picture_amplitude", "pair"),
+                slip[order],
+                {"units": "1", "long_name": "share of each pair's tangential stiffness that slips"},
+            ),
+            "pair_flank": ("pair", flank, {"units": "1", "long_name": "flank of each pair"}),
+            "pair_along": (
+                ("pair", "direction"),
+                along,
+                {"units": "m", "long_name": "place on the flank, along Y and the slope"},
+            ),
+        },
+        coords={
+            "picture_amplitude": (
+                "picture_amplitude",
+                np.asarray(amplitudes, float),
+                {"units": "m", "long_name": "amplitude at the laser"},
+            ),
+            "direction": ["along Y", "along slope"],
+        },
+        attrs={"picture_mode": system.mode},
+    )
+
+
+def loop(
+    motion: Float[ndarray, " point"], loading: Float[ndarray, " point"], points: int = 200
+) -> tuple[Float[ndarray, " sample"], Float[ndarray, " sample"]]:
+    """The closed loop (motion, force) of a cycle, from its first loading by Masing's rule."""
+    rise = np.linspace(0.0, 2.0 * motion[-1], points)
+    doubled = 2.0 * np.interp(0.5 * rise, np.append(0.0, motion), np.append(0.0, loading))
+    down, force = motion[-1] - rise, loading[-1] - doubled
+    return np.concatenate([down, -down]), np.concatenate([force, -force])

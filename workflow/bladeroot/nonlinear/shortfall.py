@@ -1,0 +1,101 @@
+"""Where slip begins against how pressure is spread over the flanks, and what the source saw.
+
+With uniform pressure and Coulomb friction nothing slips before a whole flank is near slipping. The
+source sees frequency fall from a fiftieth of that amplitude on (sections 3.5, 6.2). This asks which
+pressure would do that: less of it at the edges, by an exponent, or contact on a part of the flank.
+"""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.contact.laws.distributed import distributed
+from bladeroot.contact.laws.jenkins import jenkins
+from bladeroot.contact.laws.profiles import Profile, power_profile
+from bladeroot.nonlinear.curves import first_slip
+from bladeroot.nonlinear.fast_loading import softening_curve
+from bladeroot.nonlinear.flanks import even_preload, width_places
+from bladeroot.nonlinear.system import system_of
+from bladeroot.structure.joint import Joint
+
+FALL = 2e-4  # of the frequency: the source reads its onset off a curve
+EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
+SHARES = (0.95, 0.9, 0.8, 0.6)
+LOOSE = (0.05, 0.02, 0.01, 0.005)
+SEEN = 2e-6  # m, section 3.5
+# ln kn, ln kt (N/m) and F (N); kn and kt as they fit measured frequencies near 4 kN.
+POINT = np.array([np.log(0.5e9), np.log(0.9e9), 4e3])
+_STRIPS = 12
+
+
+def onset_table(
+    joint: Joint,
+    point: Float[ndarray, "3"],
+    mode: str = "1B",
+    laser_x: float = 0.0,
+    friction: float = 0.42,
+) -> xr.Dataset:
+    """Amplitudes (m) at the laser where the first place slips and where the frequency has fallen.
+
+    point: (ln kn, ln kt, F). By `exponent` of the pressure over the whole width (0 uniform, 0.5
+    elliptic); and for partial contact by the `share` of the width that bears the load evenly, but
+    for the part `loose` of it that stays spread over all, so that the joint still sticks at rest.
+    """
+    system = system_of(joint, point, mode, laser_x)
+    whole = jenkins(
+        *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], friction
+    )
+    place = width_places(joint)[system.pair]
+    uniform = first_slip(system, whole)
+    ladder = np.geomspace(1e-4 * uniform, 2.0 * uniform, 130)
+
+    def onsets(profile: Profile) -> tuple[float, float]:
+        sliders = distributed(whole, place, profile, _STRIPS)
+        fall = -softening_curve(system, sliders, ladder)[0][0]
+        past = int(np.argmax(fall > FALL))
+        at = np.array([past - 1, past])
+        onset = np.exp(np.interp(FALL, fall[at], np.log(ladder[at])))
+        return first_slip(system, sliders), float(onset)
+
+    full = np.array([onsets(power_profile(exponent)) for exponent in EXPONENTS])
+    even = power_profile(0.0)
+    partial = np.array(
+        [[onsets(partial_contact(even, share, loose)) for loose in LOOSE] for share in SHARES]
+    )
+    first = {"units": "m", "long_name": "amplitude where the first place slips"}
+    fallen = {"units": "m", "long_name": "amplitude where the frequency has fallen by 200 ppm"}
+    return xr.Dataset(
+        {
+            "first_slip": ("exponent", full[:, 0], first),
+            "onset": ("exponent", full[:, 1], fallen),
+            "partial_first_slip": (("share", "loose"), partial[..., 0], first),
+            "partial_onset": (("share", "loose"), partial[..., 1], fallen),
+        },
+        coords={"exponent": list(EXPONENTS), "share": list(SHARES), "loose": list(LOOSE)},
+        attrs={
+            "structure": joint.assembly.attrs["structure"],
+            "mode": mode,
+            "friction": friction,
+            "force_N": float(point[2]),
+            "kn": float(np.exp(point[0])),
+            "kt": float(np.exp(point[1])),
+            "seen_m": SEEN,
+        },
+    )
+
+
+def partial_contact(inner: Profile, share: float, loose: float) -> Profile:
+    """A profile on the middle `share` of the width; a part `loose` of the load is uniform on all.
+
+    Raises ValueError unless 0 < share <= 1 and 0 <= loose < 1.
+    """
+    if not (0.0 < share <= 1.0 and 0.0 <= loose < 1.0):
+        raise ValueError(f"expected a share in (0, 1] and loose in [0, 1), got {share}, {loose}")
+    rim = 0.5 * (1.0 - share)
+
+    def profile(place):
+        within = np.clip((np.asarray(place, float) - rim) / share, 0.0, 1.0)
+        return loose * np.asarray(place, float) + (1.0 - loose) * inner(within)
+
+    return profile

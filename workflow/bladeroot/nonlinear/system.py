@@ -1,0 +1,185 @@
+"""One mode of the joint as a small system around its stuck state.
+
+While all contacts stick the joint is linear. What a slipping contact fails to carry acts on it as a
+load; the answer is a sum over the lowest modes, of the stuck joint and of the sliding one, with the
+static flexibility of all others added, so that local slip is as soft as in the whole joint. Mirror
+images of a contact move alike, so that one of each orbit is kept.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.structure.joint import Joint, described, exact_modes, stable_factor, stiffness_at
+
+_SAME = 1e-5  # of the largest motion: how well a mirror image must agree
+_LOOSE = 1e3  # tangential stiffness over that of the sliding joint whose modes are kept, too
+_INDEPENDENT = 1e-8  # of the largest mass of a combination of shapes
+
+
+@dataclass(frozen=True)
+class System:
+    """A mode's stuck system, reduced to one contact pair of each set of mirror images.
+
+    values: omega^2 of the kept modes, 1/s^2, the named one first. loss: material loss factors.
+    shape: relative motion of each contact (normal, along Y, along slope) per modal coordinate,
+    kg^-1/2. flexibility: of the modes that are not kept, m/N, for loads on all images at once.
+    laser: its motion per modal coordinate, kg^-1/2; laser_flexibility: by the modes not kept, m/N.
+    count: images of each contact. stiffness: normal and tangential while stuck, N/m. image: of
+    every pair, its contact and the signs (normal, along Y, along slope) of its motion against it.
+    """
+
+    mode: str
+    values: Float[ndarray, " mode"]
+    loss: Float[ndarray, " mode"]
+    shape: Float[ndarray, "contact 3 mode"]
+    flexibility: Float[ndarray, "contact 3 contact 3"]
+    laser: Float[ndarray, " mode"]
+    laser_flexibility: Float[ndarray, "contact 3"]
+    count: Float[ndarray, " contact"]
+    stiffness: Float[ndarray, "contact 2"]
+    pair: Int[ndarray, " contact"]
+    image: Int[ndarray, " pair"]
+    sign: Float[ndarray, "pair 3"]
+
+
+def system_of(
+    joint: Joint,
+    point: Float[ndarray, "3"],
+    mode: str,
+    laser_x: float = 0.0,
+    loss: float = 0.0,
+    odd_force: bool = True,
+) -> System:
+    """The system of a named mode at (ln kn, ln kt, F).
+
+    laser_x: m, the laser's place along the beam. loss: material loss factor of every mode.
+    odd_force: whether reversed motion reverses the contact forces, as it does under constant normal
+    load; without it, only images that move alike are joined. Raises ValueError if the joint is not
+    stable there or the mode is not found.
+    """
+    modes = exact_modes(joint, point, [mode])
+    rows = contact_rows(joint)
+    image, sign = _images(joint, np.einsum("cad,d->ca", rows, modes.shapes[:, 0]), odd_force)
+    pair = np.unique(image)
+    image = np.searchsorted(pair, image)
+    count = np.bincount(image).astype(float)
+    # loads on a contact and all its images at once
+    joined = np.zeros((3 * len(pair), rows.shape[2]))
+    np.add.at(joined.reshape(len(pair), 3, -1), image, sign[:, :, None] * rows)
+    loose = exact_modes(joint, point - [0.0, np.log(_LOOSE), 0.0], [mode])
+    stiffness = stiffness_at(joint, point)
+    values, shapes = _kept(
+        joint,
+        stiffness,
+        joined,
+        modes.shapes[:, 0],
+        np.hstack([modes.all_shapes, loose.all_shapes]),
+    )
+    own = np.einsum("cad,dm->cam", rows[pair], shapes)
+    factor = stable_factor(stiffness, described(point))
+    pushed = scipy.linalg.cho_solve((factor, True), joined.T, check_finite=False)
+    pushed -= shapes @ ((joined @ shapes) / values).T
+    laser = _laser_row(joint, mode, laser_x)
+    kn, kt = np.exp(point[:2])
+    weight = joint_weight(joint)[pair]
+    return System(
+        mode=mode,
+        values=values,
+        loss=np.full(len(values), loss),
+        shape=own,
+        flexibility=np.einsum("cad,de->cae", rows[pair], pushed).reshape(
+            len(pair), 3, len(pair), 3
+        ),
+        laser=laser @ shapes,
+        laser_flexibility=(laser @ pushed).reshape(len(pair), 3),
+        count=count,
+        stiffness=np.stack([kn * weight, kt * weight], axis=1),
+        pair=pair,
+        image=image,
+        sign=sign,
+    )
+
+
+def joint_weight(joint: Joint) -> Float[ndarray, " pair"]:
+    """Share of the flank's stiffness that each pair carries."""
+    frame = joint.assembly["frame"].values[:, 0]
+    dofs = joint.assembly["beam_dof"].values
+    return (np.take_along_axis(joint.gap, dofs, axis=1) * frame).sum(axis=1) ** 2
+
+
+def contact_rows(joint: Joint) -> Float[ndarray, "pair 3 dof"]:
+    """Rows that give the beam's motion against the slot at each pair by local axis."""
+    pairs = len(joint.gap)
+    rows = np.concatenate([joint.gap[:, None], joint.slip.reshape(pairs, 2, -1)], axis=1)
+    return rows / np.sqrt(joint_weight(joint))[:, None, None]
+
+
+def _kept(
+    joint: Joint, stiffness: ndarray, joined: ndarray, master: ndarray, shapes: ndarray
+) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
+    """omega^2 and shapes of the joint in the span of shapes, the master first.
+
+    Only shapes that loads on the joined contacts move. The master and every stuck mode among the
+    shapes come out as they are.
+    """
+    moved = joined @ shapes
+    scale = np.abs(moved).max()
+    shapes = shapes[:, np.abs(moved).max(axis=0) > _SAME * scale]
+    weight, vectors = np.linalg.eigh(shapes.T @ joint.mass @ shapes)
+    good = weight > _INDEPENDENT * weight[-1]
+    shapes = shapes @ (vectors[:, good] / np.sqrt(weight[good]))
+    values, vectors = np.linalg.eigh(shapes.T @ stiffness @ shapes)
+    shapes = shapes @ vectors
+    overlap = master @ joint.mass @ shapes
+    place = int(np.abs(overlap).argmax())
+    order = np.append(place, np.delete(np.arange(len(values)), place))
+    shapes[:, place] *= np.sign(overlap[place])
+    return values[order], shapes[:, order]
+
+
+def _images(joint: Joint, motion: ndarray, odd_force: bool) -> tuple[ndarray, ndarray]:
+    """The first image of each pair, and the signs of its motion against that image's."""
+    place = joint.assembly["pair_position"].values
+    frame = joint.assembly["frame"].values
+    image, sign = np.arange(len(place)), np.ones((len(place), 3))
+    for axis in range(3):
+        flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+        distance = np.abs(place[:, None] * flip - place[None]).max(axis=2)
+        other = distance.argmin(axis=1)
+        if distance.min(axis=1).max() > 1e-7:
+            continue
+        turn = np.einsum("pla,a,pma->plm", frame[other], flip, frame)
+        if not np.allclose(np.abs(turn), np.eye(3), atol=1e-9):
+            continue
+        turned = np.einsum("pll->pl", turn)
+        for parity in (1.0, -1.0) if odd_force else (1.0,):
+            mirrored = parity * turned * motion
+            if np.abs(motion[other] - mirrored).max() < _SAME * np.abs(motion).max():
+                first = np.minimum(image, image[other])
+                against = parity * turned[other]
+                sign = np.where((first != image)[:, None], against * sign[other], sign)
+                # a pair on the mirror does not move across it
+                sign[(other == np.arange(len(place)))[:, None] & (against < 0.0)] = 0.0
+                image = first
+                break
+    return image, sign
+
+
+def _laser_row(joint: Joint, mode: str, x: float) -> Float[ndarray, " dof"]:
+    """Row of the laser: across the beam in the mode's direction, between the display nodes."""
+    place = joint.assembly["display_position"].values[:, 0]
+    order = np.argsort(place)
+    if not place[order[0]] <= x <= place[order[-1]]:
+        raise ValueError(
+            f"the laser must stand on the beam, {place.min():g} to {place.max():g} m, got {x:g}"
+        )
+    axis = 2 if mode.endswith("B") else 1
+    shape = joint.assembly["display_shape"].values[order, axis]
+    after = int(np.clip(np.searchsorted(place[order], x), 1, len(place) - 1))
+    low, high = place[order][after - 1], place[order][after]
+    part = (x - low) / (high - low)
+    return (1.0 - part) * shape[after - 1] + part * shape[after]

@@ -1,0 +1,78 @@
+"""Friction of flanks whose pressure falls towards all their edges and is uneven in between.
+
+A family that inference can move through: how much pressure the edges keep, how fast it falls to
+them, and how unevenly it is spread at random, as by waviness and roughness. Uniform pressure is its
+limit; the punch of section 6.2 lies near an exponent of one half without any left at the edges.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.special import ndtri
+
+from bladeroot.contact.laws.jenkins import jenkins
+from bladeroot.contact.laws.sliders import Sliders
+from bladeroot.nonlinear.flanks import even_preload
+from bladeroot.nonlinear.system import System
+from bladeroot.structure.joint import Joint
+
+PARTS = 6  # of a contact, each with its own share of the unevenness
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+@dataclass(frozen=True)
+class Uneven:
+    """friction: coefficient. Pressure goes with (keep + 1 - d^2)^exponent, where d is 1 at the
+    edges and 0 in the middle. spread: standard deviation of ln pressure about that, from place to
+    place.
+    """
+
+    friction: float = 0.42
+    keep: float = 0.05
+    exponent: float = 0.5
+    spread: float = 0.3
+
+
+def edge_distance(joint: Joint) -> Float[ndarray, " pair"]:
+    """Of each pair from the middle of its flank, 1 at the nearest edge (along Y or the slope)."""
+    assembly = joint.assembly
+    along = np.einsum(
+        "pla,pa->pl", assembly["frame"].values[:, 1:], assembly["pair_position"].values
+    )
+    flank, far = assembly["flank"].values, np.zeros(len(along))
+    for one in np.unique(flank):
+        here = flank == one
+        low, high = along[here].min(axis=0), along[here].max(axis=0)
+        half = np.where(high > low, 0.5 * (high - low), 1.0)
+        far[here] = np.abs((along[here] - 0.5 * (low + high)) / half).max(axis=1)
+    return far
+
+
+def relative_pressure(joint: Joint, law: Uneven) -> Float[ndarray, " pair"]:
+    """Pressure at each pair over its flank's mean, without the spread."""
+    raw = (law.keep + np.maximum(1.0 - edge_distance(joint) ** 2, 0.0)) ** law.exponent
+    flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
+    return raw * (np.bincount(flank, share) / np.bincount(flank, share * raw))[flank]
+
+
+def uneven_sliders(joint: Joint, system: System, force: float, law: Uneven) -> Sliders:
+    """Sliders of a system's contacts under an axial force (N), of constant normal load.
+
+    The unevenness takes even quantiles of its distribution, dealt out over places in a fixed order.
+    """
+    load = (even_preload(joint, force) * relative_pressure(joint, law))[system.pair]
+    whole = jenkins(*system.stiffness.T, load, law.friction)
+    shape = (len(load), PARTS)
+    dealt = ndtri((_GOLDEN * np.arange(1, load.size * PARTS + 1)) % 1.0).reshape(shape)
+    uneven = np.exp(law.spread * dealt)
+    uneven /= (system.count * load) @ uneven.mean(axis=1) / (system.count @ load)
+    one = np.full(shape, 1.0 / PARTS)
+    return replace(
+        whole,
+        normal=whole.normal * one,
+        tangential=whole.tangential * one,
+        preload=whole.preload * one * uneven,
+        friction=np.repeat(whole.friction, PARTS, axis=1),
+    )
