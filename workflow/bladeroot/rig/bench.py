@@ -1,7 +1,6 @@
 """One record of the virtual test bench, from the specimen's matrices to the laser's file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -9,114 +8,35 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.rig.chance import generator
-from bladeroot.rig.friction import pressure_profile, slider_limits
-from bladeroot.rig.joint import Specimen, specimen
-from bladeroot.rig.modes import StuckModes, stuck_modes
+from bladeroot.rig.clamping import Clamping, clamp
+from bladeroot.rig.conditions import Conditions
+from bladeroot.rig.joint import Parts
 from bladeroot.rig.sensor import read_velocity
 from bladeroot.rig.stepping import Motion, run
-from bladeroot.rig.tip import Course, tip_force
+from bladeroot.rig.tip import Blow, Course, tip_force
 
 # Largest energy that may go missing in a run, over the work put in.
 ENERGY_TOLERANCE = 2e-3
 
 
-@dataclass(frozen=True)
-class Clamping:
-    """The specimen in one hold, seen by the laser and the tip of one mode."""
-
-    force: float
-    kn: float
-    kt: float
-    modes: StuckModes
-    loss_factor: Float[ndarray, " mode"]
-    limit: Float[ndarray, " pair"]
-    number: int
-
-    @property
-    def frequency(self) -> float:
-        """Stuck eigenfrequency of the measured mode (Hz)."""
-        return float(self.modes.omega[self.number] / (2 * np.pi))
-
-    @property
-    def onset(self) -> float:
-        """Amplitude at the laser (m) at which the measured mode brings the first pair to slip."""
-        pull = self.modes.slider_kt * self.modes.slider_shape[:, self.number]
-        reach = self.limit / np.hypot(pull[0::2], pull[1::2])
-        return float(reach.min() * abs(self.modes.laser_shape[self.number]))
-
-
-def clamp(bench: dict, reduced: xr.Dataset, row: Mapping) -> Clamping:
-    """Clamp the specimen as in a record's hold: what `row` calls mode, hold and force is used.
-
-    Raises ValueError if the mode is not among those kept or the force is not positive.
-    """
-    seed = bench["seed"]
-    mode = str(row["mode"])
-    hold = generator(seed, "hold", str(row["hold"]))
-    scatter = {name: float(hold.standard_normal()) for name in ("kn", "kt", "friction")}
-    rounding = float(hold.uniform(-0.5, 0.5))
-    damping_scatter = hold.standard_normal(bench["specimen"]["modes"])
-
-    force = true_force(bench, row, rounding)
-    joint = bench["joint"]
-    relative = force / joint["reference_force_N"]
-    kn, kt = (
-        joint[f"{name}_N_per_m"]
-        * relative ** joint[f"{name}_exponent"]
-        * np.exp(joint["reclamping_scatter"] * scatter[name])
-        for name in ("kn", "kt")
-    )
-    body = _specimen(bench, reduced, force)
-    modes = stuck_modes(
-        body,
-        kn,
-        kt,
-        bench["specimen"]["modes"],
-        bench["laser"]["x_mm"][mode] * 1e-3,
-        bench["tip"]["x_mm"][mode] * 1e-3,
-    )
-    if mode not in modes.names:
-        raise ValueError(f"mode {mode} is not among the kept modes {modes.names}")
-    damping = bench["damping"]
-    loss = np.array(
-        [damping["loss_factor"].get(name, damping["other_loss_factor"]) for name in modes.names]
-    )
-    friction = bench["friction"]
-    waviness = generator(seed, "flanks").standard_normal(body.share.size)
-    profile = pressure_profile(
-        body.place,
-        body.share,
-        body.flank,
-        float(friction["edge_pressure"]),
-        np.exp(friction["spread"] * waviness),
-    )
-    coefficient = friction["coefficient"] * np.exp(
-        friction["reclamping_scatter"] * scatter["friction"]
-    )
-    return Clamping(
-        force=force,
-        kn=float(kn),
-        kt=float(kt),
-        modes=modes,
-        loss_factor=loss * np.exp(damping["reclamping_scatter"] * damping_scatter),
-        limit=slider_limits(force, float(coefficient), body.share, profile),
-        number=modes.names.index(mode),
+def course_of(bench: dict, clamping: Clamping) -> Course:
+    """Durations of a record's phases: by the mode's own decay, or as long as the bench says."""
+    number = clamping.number
+    times = bench["recording"]
+    own = 2 / (clamping.loss_factor[number] * clamping.modes.omega[number])
+    constant = float(times.get("time_constant_s", {}).get(clamping.modes.names[number], own))
+    return Course(
+        quiet=float(times["quiet_s"]),
+        push=float(times["push_s"]),
+        drive=float(times["drive_time_constants"] * constant),
+        decay=float(times["decay_time_constants"] * constant),
+        back=float(times["back_s"]),
     )
 
 
-def true_force(bench: dict, row: Mapping, rounding: float) -> float:
-    """Axial force (N) behind a gauge reading: `rounding` (-0.5 to 0.5) is a part of its last digit.
-
-    `row` gives the reading as `force_N` or `pressure_bar`; the force is pressure times the
-    piston's area (section 2.1.6). Raises ValueError if it is not positive.
-    """
-    gauge = bench["gauge"]
-    newton_per_bar = gauge["piston_area_cm2"] * 1e-4 * 1e5
-    read = row["force_N"] if "force_N" in row else row["pressure_bar"] * newton_per_bar
-    force = gauge["gain"] * (read + rounding * gauge["resolution_bar"] * newton_per_bar)
-    if not force > 0:
-        raise ValueError(f"the axial force must be positive, got {force} N for {dict(row)}")
-    return float(force)
+def sine_force(bench: dict, clamping: Clamping, drive: float) -> float:
+    """Amplitude of the tip's sine (N) at a drive current (A)."""
+    return drive * bench["tip"]["newton_per_ampere"][clamping.modes.names[clamping.number]]
 
 
 def move(bench: dict, clamping: Clamping, drive: float) -> tuple[Motion, float]:
@@ -127,33 +47,31 @@ def move(bench: dict, clamping: Clamping, drive: float) -> tuple[Motion, float]:
     modes, number = clamping.modes, clamping.number
     tip, times = bench["tip"], bench["recording"]
     dt = 1 / (times["sampling_Hz"] * times["substeps"])
-    rate = clamping.loss_factor[number] * modes.omega[number] / 2
-    course = Course(
-        quiet=float(times["quiet_s"]),
-        push=float(times["push_s"]),
-        drive=float(times["drive_time_constants"] / rate),
-        decay=float(times["decay_time_constants"] / rate),
-        back=float(times["back_s"]),
-    )
-    mode = modes.names[number]
-    sine = drive * tip["newton_per_ampere"][mode]
+    course = course_of(bench, clamping)
+    sine = sine_force(bench, clamping, drive)
     preload = float(max(tip["least_preload_N"], tip["preload_over_sine"] * sine))
-    push_and_sine, release = tip_force(course, preload, sine, float(tip["knock_N"]), number, dt)
+    blow = Blow(*_touch(clamping, course, sine))
+    push_and_sine, release = tip_force(
+        course, preload, sine, float(tip["knock_N"]), number, dt, blow
+    )
     # The specimen's damping is structural: each stuck mode decays as its complex stiffness
     # omega^2 (1 + i eta) makes it, which a damper of slightly higher frequency does exactly.
     pole = modes.omega * np.sqrt(1 + 1j * clamping.loss_factor)
+    slips = np.isfinite(clamping.limit).all()
+    sliders, pairs = (clamping.limit.size * 2, clamping.limit.size) if slips else (0, 0)
     motion = run(
         np.abs(pole),
         pole.imag / np.abs(pole),
-        modes.slider_shape,
-        modes.slider_kt,
-        modes.residual,
-        clamping.limit,
+        modes.slider_shape[:sliders],
+        modes.slider_kt[:sliders],
+        modes.residual[:sliders, :sliders],
+        clamping.limit[:pairs],
         modes.tip_shape,
         modes.laser_shape,
         push_and_sine,
         dt,
         times["substeps"],
+        forces=clamping.forces,
     )
     if motion.energy_error > ENERGY_TOLERANCE:
         raise RuntimeError(
@@ -162,42 +80,68 @@ def move(bench: dict, clamping: Clamping, drive: float) -> tuple[Motion, float]:
     return motion, release * dt
 
 
-def simulate(bench: dict, reduced: xr.Dataset, row: Mapping) -> tuple[xr.Dataset, xr.Dataset]:
+def _touch(clamping: Clamping, course: Course, sine: float) -> tuple[float, float]:
+    """Time after release (s) and impulse (N s) of a touch of the tip, by the linear decay."""
+    true, number = clamping.conditions, clamping.number
+    omega = clamping.modes.omega[number]
+    rate = clamping.loss_factor[number] * omega / 2
+    seen = abs(clamping.modes.tip_shape[number])
+    driven = sine * seen / (2 * rate * omega) * (1 - np.exp(-rate * course.drive))
+    after = true.touched_at * course.decay
+    left = driven * np.exp(-rate * after)
+    return float(after), float(true.touched * omega * left / seen)
+
+
+def simulate(
+    bench: dict, whole: Parts, row: Mapping, conditions: Conditions | None = None
+) -> tuple[xr.Dataset, xr.Dataset]:
     """One raw record and its truth.
 
-    `bench` is the content of the bench's file, `reduced` the reduced beam and slots, `row` a row
-    of records.csv (record, mode, hold, drive_A, and force_N or pressure_bar). The numbers of a
-    record depend on the bench's seed and the names of record and hold only.
+    `bench` is the content of the bench's file, `whole` beam and slots, `row` a row of records.csv
+    (record, mode, hold, drive_A, and force_N or pressure_bar), `conditions` those of the record
+    (without hidden effect if not given). The numbers of a record depend on the bench's seed and
+    the names of record and hold only.
     """
-    clamping = clamp(bench, reduced, row)
+    clamping = clamp(bench, whole, row, conditions)
     motion, release = move(bench, clamping, float(row["drive_A"]))
     sampling = float(bench["recording"]["sampling_Hz"])
     laser = bench["laser"]
+    at_release = round(release * sampling)
+    record = str(row["record"])
+    faults = generator(bench["seed"], "faults", record)
     velocity, step = read_velocity(
-        motion.velocity,
+        disturbed(motion, clamping, at_release, sampling, faults),
         sampling,
         float(laser["noise_m_per_s"]),
         float(laser["drift_m_per_s"]),
+        clipped_at(motion, clamping, at_release, float(laser["full_scale_m_per_s"])),
         float(laser["full_scale_m_per_s"]),
-        generator(bench["seed"], "record", str(row["record"])),
+        generator(bench["seed"], "record", record),
     )
-    at_release = round(release * sampling)
     return (
         _raw(velocity, step, sampling),
-        _truth(clamping, motion, str(row["record"]), release, float(motion.amplitude[at_release])),
+        _truth(clamping, motion, record, release, float(motion.amplitude[at_release])),
     )
 
 
-def _specimen(bench: dict, reduced: xr.Dataset, force: float) -> Specimen:
-    real = bench["specimen"]
-    return specimen(
-        reduced,
-        force,
-        modulus_factor=float(real["modulus_factor"]),
-        density_factor=float(real["density_factor"]),
-        added_mass=float(real["added_mass_kg"]),
-        added_mass_x=real["added_mass_x_mm"] * 1e-3,
-    )
+def disturbed(
+    motion: Motion, clamping: Clamping, release: int, sampling: float, chance: np.random.Generator
+) -> Float[ndarray, " sample"]:
+    """Velocity (m/s) at the laser with the faults of the signal: hum, and a close second mode."""
+    true = clamping.conditions
+    time = np.arange(motion.velocity.size) / sampling
+    hum, beat = chance.uniform(0, 2 * np.pi, 2)
+    seen = motion.velocity + true.hum * np.cos(2 * np.pi * true.hum_Hz * time + hum)
+    omega = true.beating_ratio * clamping.modes.omega[clamping.number]
+    second = true.beating * omega * motion.amplitude * np.cos(omega * time + beat)
+    seen[release:] += second[release:]
+    return seen
+
+
+def clipped_at(motion: Motion, clamping: Clamping, release: int, full_scale: float) -> float:
+    """Largest velocity (m/s) that the converter lets through."""
+    cut = clamping.conditions.clipped
+    return float((1 - cut) * np.abs(motion.velocity[release:]).max()) if cut else full_scale
 
 
 def _raw(velocity: Float[ndarray, " sample"], step: float, sampling: float) -> xr.Dataset:
@@ -235,9 +179,9 @@ def _truth(
             "1",
             "loss factor of the measured mode, all stuck",
         ),
-        "kn": (clamping.kn, "N/m", "normal contact stiffness of one flank"),
-        "kt": (clamping.kt, "N/m", "tangential contact stiffness of one flank"),
-        "force": (clamping.force, "N", "axial force in the specimen"),
+        "kn": (clamping.conditions.kn, "N/m", "normal contact stiffness of one flank"),
+        "kt": (clamping.conditions.kt, "N/m", "tangential contact stiffness of one flank"),
+        "force": (clamping.conditions.force, "N", "axial force in the specimen"),
         "onset_amplitude": (
             clamping.onset,
             "m",

@@ -1,6 +1,6 @@
 """The bench's specimen: reduced beam and slots joined by the springs of the stuck flanks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -9,39 +9,39 @@ from numpy import ndarray
 
 
 @dataclass(frozen=True)
-class Specimen:
-    """Matrices of the clamped specimen without contact springs, and what the bench reads off them.
+class Parts:
+    """Beam and slots with fixed bases before they are clamped, all in the same dofs.
 
     `normal` (pair, dof) and `tangential` (2 pair, dof; along Y and along the slope in turn) give
     the displacement of the beam relative to the slot at each pair. `share` is each pair's part of
-    its flank's area. `line_x` (m) and `line_z` (point, dof) are the positions along the beam and
-    the displacement in the direction of bending.
+    its flank's area. `line_x` (m) and `line` (point, axis, dof) are the positions along the beam
+    and the displacements of its middle line.
     """
 
     mass: Float[ndarray, "dof dof"]
-    stiffness: Float[ndarray, "dof dof"]
+    beam_stiffness: Float[ndarray, "dof dof"]
+    slot_stiffness: Float[ndarray, "dof dof"]
+    geometric: Float[ndarray, "dof dof"]
     normal: Float[ndarray, "pair dof"]
     tangential: Float[ndarray, "slider dof"]
     flank: Int[ndarray, " pair"]
     share: Float[ndarray, " pair"]
     place: Float[ndarray, "pair 2"]
     line_x: Float[ndarray, " point"]
-    line_z: Float[ndarray, "point dof"]
+    line: Float[ndarray, "point 3 dof"]
 
 
-def specimen(
-    reduced: xr.Dataset,
-    force: float,
-    modulus_factor: float = 1.0,
-    density_factor: float = 1.0,
-    added_mass: float = 0.0,
-    added_mass_x: float = 0.0,
-) -> Specimen:
-    """Join a reduced beam and its two slots under an axial force (N); bases are already fixed.
+@dataclass(frozen=True)
+class Specimen:
+    """The parts under an axial force, without the springs of their flanks."""
 
-    The factors scale the modulus and density of beam and slots, `added_mass` (kg) sits on the
-    beam's middle line at `added_mass_x` (m) and moves in all three directions: the real specimen
-    is never quite the analyst's model.
+    parts: Parts
+    mass: Float[ndarray, "dof dof"]
+    stiffness: Float[ndarray, "dof dof"]
+
+
+def parts(reduced: xr.Dataset) -> Parts:
+    """Read beam and slots from a reduced structure.
 
     Raises ValueError if the beam's contact dofs are not three a pair.
     """
@@ -52,43 +52,73 @@ def specimen(
     n_slot = reduced.sizes["slot_dof"]
     slots = reduced.sizes["slot"]
     total = n_beam + slots * n_slot
-    mass = np.zeros((total, total))
-    stiffness = np.zeros((total, total))
-    mass[:n_beam, :n_beam] = density_factor * reduced["beam_mass"].values
-    stiffness[:n_beam, :n_beam] = (
-        modulus_factor * reduced["beam_stiffness"].values
-        + force * reduced["beam_geometric_stiffness"].values
-    )
+    mass, beam, slot_stiffness, geometric = (np.zeros((total, total)) for _ in range(4))
+    mass[:n_beam, :n_beam] = reduced["beam_mass"].values
+    beam[:n_beam, :n_beam] = reduced["beam_stiffness"].values
+    geometric[:n_beam, :n_beam] = reduced["beam_geometric_stiffness"].values
     relative = np.zeros((pairs, 3, total))
     for pair in range(pairs):
         relative[pair, :, 3 * pair : 3 * pair + 3] = np.eye(3)
     for slot in range(slots):
         first = n_beam + slot * n_slot
         block = slice(first, first + n_slot)
-        mass[block, block] = density_factor * reduced["slot_mass"].values[slot]
-        stiffness[block, block] = modulus_factor * reduced["slot_stiffness"].values[slot]
+        mass[block, block] = reduced["slot_mass"].values[slot]
+        slot_stiffness[block, block] = reduced["slot_stiffness"].values[slot]
         for k, pair in enumerate(reduced["slot_pairs"].values[slot].astype(int)):
             relative[pair, :, first + 3 * k : first + 3 * k + 3] -= np.eye(3)
 
     flank = reduced["pair_flank"].values.astype(np.int64)
     local = np.einsum("pla,pad->pld", reduced["flank_frame"].values[flank], relative)
-    line_x, rows = _middle_line(reduced, total)
-    at_mass = np.array(
-        [[np.interp(added_mass_x, line_x, column) for column in rows[:, a].T] for a in range(3)]
-    )
-    mass += added_mass * at_mass.T @ at_mass
+    line_x, line = _middle_line(reduced, total)
     weight = reduced["pair_weight"].values
-    return Specimen(
-        mass=(mass + mass.T) / 2,
-        stiffness=(stiffness + stiffness.T) / 2,
+    return Parts(
+        mass=mass,
+        beam_stiffness=beam,
+        slot_stiffness=slot_stiffness,
+        geometric=geometric,
         normal=local[:, 0],
         tangential=local[:, 1:].reshape(2 * pairs, total),
         flank=flank,
         share=weight / np.bincount(flank, weight)[flank],
         place=_place_on_flank(reduced, flank),
         line_x=line_x,
-        line_z=rows[:, 2],
+        line=line,
     )
+
+
+def project(whole: Parts, basis: Float[ndarray, "dof few"]) -> Parts:
+    """The parts restricted to the displacements that the columns of `basis` span."""
+    matrices = ("mass", "beam_stiffness", "slot_stiffness", "geometric")
+    rows = ("normal", "tangential", "line")
+    return replace(
+        whole,
+        **{name: basis.T @ getattr(whole, name) @ basis for name in matrices},
+        **{name: getattr(whole, name) @ basis for name in rows},
+    )
+
+
+def specimen(
+    whole: Parts,
+    force: float,
+    modulus_factor: float = 1.0,
+    density_factor: float = 1.0,
+    added_mass: float = 0.0,
+    added_mass_x: float = 0.0,
+    slot_factor: float = 1.0,
+) -> Specimen:
+    """Put the parts under an axial force (N).
+
+    The factors scale the modulus and density of beam and slots, `slot_factor` the stiffness of the
+    slots alone; `added_mass` (kg) sits on the beam's middle line at `added_mass_x` (m) and moves
+    in all three directions: the real specimen is never quite the analyst's model.
+    """
+    at_mass = np.array([line_row(whole, added_mass_x, axis) for axis in range(3)])
+    mass = density_factor * whole.mass + added_mass * at_mass.T @ at_mass
+    stiffness = (
+        modulus_factor * (whole.beam_stiffness + slot_factor * whole.slot_stiffness)
+        + force * whole.geometric
+    )
+    return Specimen(whole, (mass + mass.T) / 2, (stiffness + stiffness.T) / 2)
 
 
 def stuck_stiffness(
@@ -98,22 +128,26 @@ def stuck_stiffness(
 
     kn and kt are totals of one flank in N/m; a pair carries its share of the flank's area.
     """
-    slider_kt = kt * np.repeat(body.share, 2)
-    stiffness = body.stiffness + body.normal.T @ (kn * body.share[:, None] * body.normal)
-    stiffness += body.tangential.T @ (slider_kt[:, None] * body.tangential)
+    whole = body.parts
+    slider_kt = kt * np.repeat(whole.share, 2)
+    stiffness = body.stiffness + whole.normal.T @ (kn * whole.share[:, None] * whole.normal)
+    stiffness += whole.tangential.T @ (slider_kt[:, None] * whole.tangential)
     return stiffness, slider_kt
 
 
-def sensor_row(body: Specimen, x: float) -> Float[ndarray, " dof"]:
-    """Row that reads the bending displacement at x (m) on the beam's middle line.
+def line_row(whole: Parts, x: float, axis: int = 2) -> Float[ndarray, " dof"]:
+    """Row that reads the displacement (0, 1, 2: X, Y, Z) at x (m) on the beam's middle line.
 
     Raises ValueError outside the line.
     """
-    if not body.line_x[0] <= x <= body.line_x[-1]:
+    if not whole.line_x[0] <= x <= whole.line_x[-1]:
         raise ValueError(
-            f"expected a position between {body.line_x[0]} and {body.line_x[-1]} m, got {x}"
+            f"expected a position between {whole.line_x[0]} and {whole.line_x[-1]} m, got {x}"
         )
-    return np.array([np.interp(x, body.line_x, column) for column in body.line_z.T])
+    after = int(np.clip(np.searchsorted(whole.line_x, x), 1, len(whole.line_x) - 1))
+    left, right = whole.line_x[after - 1 : after + 1]
+    part = (x - left) / (right - left)
+    return (1 - part) * whole.line[after - 1, axis] + part * whole.line[after, axis]
 
 
 def _middle_line(

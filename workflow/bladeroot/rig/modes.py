@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import cho_factor, cho_solve, eigh
 
-from bladeroot.rig.joint import Specimen, sensor_row, stuck_stiffness
+from bladeroot.rig.joint import Specimen, line_row, stuck_stiffness
 
 # A change of sign counts as a node only between points that move by more than this part.
 _NODE_LEVEL = 0.1
@@ -17,39 +17,63 @@ _BENDING_LEVEL = 0.1
 
 @dataclass(frozen=True)
 class StuckModes:
-    """Kept modes of the stuck specimen (mass-normalised), seen at the sliders, laser and tip.
+    """Kept modes of the stuck specimen (mass-normalised), seen at flanks, laser, tip and line.
 
-    `residual` (m/N) is the static flexibility between sliders of all modes that are not kept.
+    `residual` (m/N) is the static flexibility between sliders of all modes that are not kept;
+    `geometric` (1/(kg m)) what one newton of axial force adds to the modal stiffness.
     """
 
     omega: Float[ndarray, " mode"]
     names: tuple[str, ...]
     slider_shape: Float[ndarray, "slider mode"]
     slider_kt: Float[ndarray, " slider"]
+    normal_shape: Float[ndarray, "pair mode"]
+    normal_kn: Float[ndarray, " pair"]
     residual: Float[ndarray, "slider slider"]
+    geometric: Float[ndarray, "mode mode"]
     laser_shape: Float[ndarray, " mode"]
     tip_shape: Float[ndarray, " mode"]
+    line_x: Float[ndarray, " point"]
+    line_shape: Float[ndarray, "point mode"]
 
 
 def stuck_modes(
-    body: Specimen, kn: float, kt: float, kept: int, laser_x: float, tip_x: float
+    body: Specimen,
+    kn: float,
+    kt: float,
+    kept: int,
+    laser_x: float,
+    tip_x: float,
+    slipping: bool = True,
 ) -> StuckModes:
-    """Lowest `kept` modes of the specimen with all flanks stuck (kn, kt in N/m a flank; x in m)."""
+    """Lowest `kept` modes of the specimen with all flanks stuck (kn, kt in N/m a flank; x in m).
+
+    Without `slipping` the residual is not worked out and stays zero.
+    """
+    whole = body.parts
     stiffness, slider_kt = stuck_stiffness(body, kn, kt)
     squares, shapes = eigh(stiffness, body.mass, subset_by_index=(0, kept - 1))
     if squares[0] <= 0:
         raise ValueError(f"the stuck specimen is not stable: omega^2 = {squares[0]}")
-    at_sliders = body.tangential @ shapes
-    static = body.tangential @ cho_solve(cho_factor(stiffness), body.tangential.T)
-    residual = static - (at_sliders / squares) @ at_sliders.T
+    at_sliders = whole.tangential @ shapes
+    residual = np.zeros((len(slider_kt), len(slider_kt)))
+    if slipping:
+        static = whole.tangential @ cho_solve(cho_factor(stiffness), whole.tangential.T)
+        residual = static - (at_sliders / squares) @ at_sliders.T
+    line = whole.line[:, 2] @ shapes
     return StuckModes(
         omega=np.sqrt(squares),
-        names=bending_names(body.line_x, body.line_z @ shapes),
+        names=bending_names(whole.line_x, line),
         slider_shape=at_sliders,
         slider_kt=slider_kt,
+        normal_shape=whole.normal @ shapes,
+        normal_kn=kn * whole.share,
         residual=(residual + residual.T) / 2,
-        laser_shape=sensor_row(body, laser_x) @ shapes,
-        tip_shape=sensor_row(body, tip_x) @ shapes,
+        geometric=shapes.T @ whole.geometric @ shapes,
+        laser_shape=line_row(whole, laser_x) @ shapes,
+        tip_shape=line_row(whole, tip_x) @ shapes,
+        line_x=whole.line_x,
+        line_shape=line,
     )
 
 

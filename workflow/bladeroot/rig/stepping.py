@@ -14,6 +14,9 @@ from numba import njit
 from numpy import ndarray
 from scipy.linalg import expm
 
+from bladeroot.rig.forces import ModalForces, no_forces, nonlinear_force
+from bladeroot.rig.sweep import own_give, settle
+
 _SWEEPS = 400
 _TOLERANCE = 1e-8
 
@@ -24,9 +27,9 @@ class Motion:
 
     `velocity` (m/s) at the laser and `amplitude` (m, of the driven mode at the laser), both a
     sample; `state` and `speed` of the modes, `slip` of the sliders at the end; the work done (J):
-    `work_in` by the drive, `work_damped` by the modal damping, `work_friction` by the sliders;
-    `energy` (J) stored at the end; `overshoot`, the largest slider force over its limit, less
-    one; `sweeps`, the most that one step needed.
+    `work_in` by the drive, `work_damped` by the modal damping, `work_friction` by the sliders,
+    `work_forces` by the other nonlinear forces; `energy` (J) stored at the end; `overshoot`, the
+    largest slider force over its limit, less one; `sweeps`, the most that one step needed.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -37,6 +40,7 @@ class Motion:
     work_in: float
     work_damped: float
     work_friction: float
+    work_forces: float
     energy: float
     overshoot: float
     sweeps: int
@@ -44,7 +48,8 @@ class Motion:
     @property
     def energy_error(self) -> float:
         """Energy that is not accounted for, over the work put in."""
-        left = self.work_in - self.work_damped - self.work_friction - self.energy
+        gone = self.work_damped + self.work_friction - self.work_forces
+        left = self.work_in - gone - self.energy
         return abs(left) / max(abs(self.work_in), np.finfo(float).tiny)
 
 
@@ -98,13 +103,15 @@ def run(
     dt: float,
     every: int = 1,
     state: Float[ndarray, " mode"] | None = None,
+    forces: ModalForces | None = None,
 ) -> Motion:
     """Run the stuck modes with sliders under the drive, sampled each `every` steps.
 
     The motion obeys r'' + 2 zeta omega r' + omega^2 r = S^T kt w + p f, with the slider forces
     T = kt (S r + R kt w - w) kept inside a circle of radius `limit` (N) a pair: sliders 2i and
     2i+1 are the two directions of pair i, slip w (m) goes along T. Starts at rest, from the modal
-    displacement `state` (zero if not given), without slip.
+    displacement `state` (zero if not given), without slip. `forces` act besides; they are known
+    at each instant and continued over the next step by their last change.
 
     Raises RuntimeError if a step's slip does not settle.
     """
@@ -129,6 +136,7 @@ def run(
         drive.push,
         drive.sine,
         drive.mode,
+        no_forces(omega.size) if forces is None else forces,
         dt,
         every,
         r,
@@ -147,6 +155,7 @@ def run(
         work_in=float(work[0]) + start,
         work_damped=float(work[1]),
         work_friction=float(work[2]),
+        work_forces=float(work[3]),
         energy=stored_energy(omega, slider_shape, slider_kt, residual, r, v, w),
         overshoot=float(overshoot),
         sweeps=int(sweeps),
@@ -171,15 +180,15 @@ def stored_energy(
 @njit(cache=True)
 @no_type_check
 def _march(
-    step, decay, omega, shape, kt, kt_residual, give, limit, tip, laser, push, sine, driven, dt,
-    every, r, v, w,
+    step, decay, omega, shape, kt, kt_residual, give, limit, tip, laser, push, sine, driven, forces,
+    dt, every, r, v, w,
 ):  # fmt: skip
     modes, sliders = shape.shape
     pairs = limit.size
     steps = push.size - 1
     velocity = np.zeros(steps // every + 1)
     amplitude = np.zeros(steps // every + 1)
-    work = np.zeros(3)
+    work = np.zeros(4)
     overshoot = 0.0
     most = 0
     hold = np.zeros(modes)  # load of the locked-in slip on the modes
@@ -190,10 +199,10 @@ def _march(
     load0 = np.zeros(modes)
     load1 = np.zeros(modes)
     ahead = np.zeros(modes)
-    rho = np.zeros(pairs)
-    for i in range(pairs):
-        a, b, c = give[2 * i, 2 * i], give[2 * i, 2 * i + 1], give[2 * i + 1, 2 * i + 1]
-        rho[i] = 0.5 * (a + c) + np.sqrt(0.25 * (a - c) ** 2 + b * b)
+    now = np.zeros(modes)  # the other forces at this instant, and as expected a step later
+    expected = np.zeros(modes)
+    earlier = np.zeros(modes)
+    rho = own_give(give)
 
     for j in range(sliders):
         x = 0.0
@@ -214,10 +223,17 @@ def _march(
             phase = -phase
         pushing = push[n + 1] + sine[n + 1] * phase
 
+        if forces.active:
+            nonlinear_force(forces, r, v, now)
+            for m in range(modes):
+                load0[m] += now[m] - expected[m]
+                expected[m] = 2.0 * now[m] - earlier[m] if n > 0 else now[m]
+            earlier[:] = now
+
         before[:] = force
         force[:] = set_back - w
         for m in range(modes):
-            load1[m] = tip[m] * pushing + hold[m]
+            load1[m] = tip[m] * pushing + hold[m] + expected[m]
             ahead[m] = (
                 step[m, 0, 0] * r[m]
                 + step[m, 0, 1] * v[m]
@@ -235,29 +251,7 @@ def _march(
                 stuck = False
 
         if not stuck:
-            slip[:] = 0.0
-            sweep = 0
-            change = 1.0
-            while change > _TOLERANCE and sweep < _SWEEPS:
-                change = 0.0
-                sweep += 1
-                for i in range(pairs):
-                    p, q = 2 * i, 2 * i + 1
-                    trial_p = force[p] + rho[i] * slip[p]
-                    trial_q = force[q] + rho[i] * slip[q]
-                    size = np.sqrt(trial_p**2 + trial_q**2)
-                    over = 1.0 - limit[i] / size if size > limit[i] else 0.0
-                    move_p = over * trial_p / rho[i] - slip[p]
-                    move_q = over * trial_q / rho[i] - slip[q]
-                    if move_p == 0.0 and move_q == 0.0:
-                        continue
-                    moved = rho[i] * np.sqrt(move_p**2 + move_q**2) / limit[i]
-                    change = max(change, moved)
-                    slip[p] += move_p
-                    slip[q] += move_q
-                    for j in range(sliders):
-                        force[j] -= give[p, j] * move_p + give[q, j] * move_q
-            most = max(most, sweep)
+            most = max(most, settle(force, slip, give, rho, limit, _TOLERANCE, _SWEEPS))
             for j in range(sliders):
                 if slip[j] != 0.0:
                     w[j] += slip[j]
@@ -275,6 +269,7 @@ def _march(
                 overshoot = max(overshoot, size / limit[i] - 1.0)
 
         moved_tip = 0.0
+        faster_tip = 0.0
         for m in range(modes):
             fast = (
                 step[m, 1, 0] * r[m]
@@ -283,11 +278,17 @@ def _march(
                 + step[m, 1, 3] * load1[m]
             )
             moved_tip += tip[m] * (ahead[m] - r[m])
-            work[1] += 0.5 * dt * decay[m] * (v[m] ** 2 + fast**2)
+            gained = fast - v[m]
+            faster_tip += tip[m] * gained
+            # Simpson's rule, its middle from the cubic through both ends.
+            middle = 1.5 * (ahead[m] - r[m]) / dt - 0.25 * (v[m] + fast)
+            work[1] += dt / 6 * decay[m] * (v[m] ** 2 + 4 * middle**2 + fast**2)
+            work[3] += 0.5 * (now[m] + expected[m]) * (ahead[m] - r[m])
+            work[3] += (expected[m] - now[m]) * dt / 12 * gained
             v[m] = fast
             r[m] = ahead[m]
             load0[m] = load1[m]
-        work[0] += 0.5 * (pushed + pushing) * moved_tip
+        work[0] += 0.5 * (pushed + pushing) * moved_tip + (pushing - pushed) * dt / 12 * faster_tip
         pushed = pushing
 
         if (n + 1) % every == 0:

@@ -10,6 +10,7 @@ from bladeroot.rig.stepping import Drive
 _RETURN_S = 0.02
 _KNOCK_S = 0.001
 _SINE_RAMP_S = 0.02
+_TOUCH_S = 0.0001
 
 
 @dataclass(frozen=True)
@@ -23,13 +24,28 @@ class Course:
     back: float
 
 
+@dataclass(frozen=True)
+class Blow:
+    """A touch of the tip during the decay: time after release (s) and impulse (N s)."""
+
+    after: float = 0.0
+    impulse: float = 0.0
+
+
 def tip_force(
-    course: Course, preload: float, sine: float, knock: float, mode: int, dt: float
+    course: Course,
+    preload: float,
+    sine: float,
+    knock: float,
+    mode: int,
+    dt: float,
+    touch: Blow | None = None,
 ) -> tuple[Drive, int]:
     """Force of the tip at every instant, and the step at which it has let go.
 
-    `preload`, `sine` and `knock` (the blow as the tip comes back) are in newtons. The tip must
-    stay in contact while it drives: raises ValueError unless preload > sine.
+    `preload`, `sine` and `knock` (the blow as the tip comes back) are in newtons; `touch` is a
+    touch too early. The tip must stay in contact while it drives: raises ValueError unless
+    preload > sine.
     """
     if not preload > sine:
         raise ValueError(f"the tip needs a preload above its sine, got {preload} and {sine} N")
@@ -47,6 +63,10 @@ def tip_force(
     push[back_at + ramp :] = preload
     blow = min(round(_KNOCK_S / dt), end - back_at)
     push[back_at : back_at + blow] += knock * np.sin(np.pi * np.arange(blow) / blow)
+    if touch is not None and touch.impulse:
+        at = release + round(touch.after / dt)
+        steps = max(round(_TOUCH_S / dt), 2)
+        push[at : at + steps] += touch.impulse / (steps * dt)
 
     wave = np.zeros(end + 1)
     ramp = min(round(_SINE_RAMP_S / dt), release - driven_at)
