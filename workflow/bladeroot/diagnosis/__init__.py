@@ -1,0 +1,1 @@
+"""What the simulation gets wrong, which mechanism explains it, and what is gained by adding it."""

@@ -1,0 +1,127 @@
+"""A channel: data of one kind, the models that may explain them, and how parts are held out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Int
+from numpy import ndarray
+
+from bladeroot.diagnosis import curve_model, damping_model, stick_model
+from bladeroot.diagnosis.curve_model import CurveData
+from bladeroot.diagnosis.damping_model import DampingData
+from bladeroot.diagnosis.gaussian import Fit, Problem
+from bladeroot.diagnosis.stick_model import Simulation, StickData
+from bladeroot.mechanisms.mechanism import Mechanism
+
+Kernels = Sequence[tuple[ndarray, float]]
+# Length of the competitor's Ornstein-Uhlenbeck kernels: of ln F, and of the campaign's time.
+_FORCE, _TIME = 1.0, 0.5
+
+
+@dataclass(frozen=True)
+class Channel:
+    """`stick`, `damping` or `curve`.
+
+    problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
+    parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
+    "hold", the number of the part that each datum belongs to.
+    """
+
+    name: str
+    problem: Callable[[Sequence[Mechanism], Kernels], Problem]
+    base: int
+    candidates: tuple[Mechanism, ...]
+    smooth: Callable[[Fit], dict[str, Kernels]]
+    part: dict[str, Int[ndarray, " datum"]]
+
+
+def stick_channel(
+    data: StickData, simulated: Simulation, candidates: Sequence[Mechanism]
+) -> Channel:
+    """Stick frequencies; mechanisms that need times or directions stay only where these are."""
+    return Channel(
+        "stick",
+        lambda mechanisms, extra: stick_model.problem(data, simulated, mechanisms, extra),
+        3 + 2 * len(data.modes),
+        _possible(candidates, "stick", data),
+        lambda fitted: _smooth(data, 3e-4) | _contact(data, fitted),
+        _parts(data),
+    )
+
+
+def damping_channel(data: DampingData, candidates: Sequence[Mechanism]) -> Channel:
+    """Loss factors of the stuck joint."""
+    return Channel(
+        "damping",
+        lambda mechanisms, extra: damping_model.problem(data, mechanisms, extra),
+        len(data.stick.modes),
+        _possible(candidates, "damping", data.stick),
+        lambda _: _smooth(data.stick, 0.03),
+        _parts(data.stick),
+    )
+
+
+def curve_channel(data: CurveData, candidates: Sequence[Mechanism]) -> Channel:
+    """Excess of frequency and loss factor over their plateaus."""
+    force = np.unique(data.points.force, return_inverse=True)[1]
+    return Channel(
+        "curve",
+        lambda mechanisms, extra: curve_model.problem(data, mechanisms, extra),
+        0,
+        tuple(one for one in candidates if one.channel == "curve"),
+        lambda _: {"amplitude": curve_model.smooth_kernels(data)},
+        {"force": np.tile(force, 2)},
+    )
+
+
+def _possible(
+    candidates: Sequence[Mechanism], channel: str, data: StickData
+) -> tuple[Mechanism, ...]:
+    """Those whose variables the campaign knows and varies."""
+    known = {
+        "force": np.unique(data.records.force).size > 1,
+        "time": data.time_known and data.records.span > 0.0,
+        "since": data.time_known and data.records.hold_span > 0.0,
+        "sign": data.direction_known,
+    }
+    return tuple(
+        one
+        for one in candidates
+        if one.channel == channel and all(known[name] for name in one.over)
+    )
+
+
+def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
+    """Smooth functions of force, of time and of the time in a hold, and a step by direction."""
+    records, same = data.records, stick_model.same_mode(data).astype(float)
+
+    def along(values: ndarray, length: float) -> ndarray:
+        return same * np.exp(-np.abs(values[:, None] - values) / length)
+
+    found = {"force": [(along(np.log(records.force), _FORCE), size)]}
+    if data.time_known and records.span > 0.0:
+        # Of the holds: what changes from hold to hold says nothing of records of one.
+        found["time"] = [(along(records.time - records.since, _TIME * records.span), size)]
+    if data.time_known and records.hold_span > 0.0:
+        share = records.since / records.hold_span
+        found["time in a hold"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
+    if data.direction_known:
+        found["direction"] = [(same * np.outer(records.sign, records.sign), size)]
+    return found
+
+
+def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
+    """Contact stiffness, kn and kt alike, that wanders from hold to hold."""
+    records = data.records
+    if not data.time_known or records.span <= 0.0:
+        return {}
+    gradient = fitted.state.facts["gradient"][:, :2].sum(axis=1)
+    began = records.time - records.since
+    wander = np.exp(-np.abs(began[:, None] - began) / (_TIME * records.span))
+    return {"time, through the contact": [(np.outer(gradient, gradient) * wander, 0.1)]}
+
+
+def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
+    force = np.unique(data.records.force, return_inverse=True)[1]
+    return {"force": force, "hold": data.hold}

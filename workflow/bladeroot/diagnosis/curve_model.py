@@ -1,0 +1,248 @@
+"""Frequency and damping over amplitude: what the baseline leaves, level by level.
+
+A level is a mode at a force. From each record its own plateau is taken off, what is left is
+averaged over the level's records; each level keeps a free offset. The baseline has no slip, or
+that of the simulation that it is given.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+from bladeroot.diagnosis.gaussian import Prior, Problem, State
+from bladeroot.diagnosis.guards import TRUST_CURVE
+from bladeroot.diagnosis.stick_model import near
+from bladeroot.mechanisms.mechanism import Mechanism, Points
+
+SPACING = 5  # ladder's points between those that are used
+REACH = 10.0**2.5  # from the largest amplitude of a level down
+OFFSET = 2e-3  # free offset of a level, of ln f and of the loss factor
+LN_A_LENGTH, LN_F_LENGTH = 1.0, 0.8  # of a law's own errors
+# What the analysis of records is trusted to at best, of ln f and of the loss factor.
+BEST = (1e-6, 5e-6)
+# ln of: errors over the stated ones; floors of ln f and of the loss factor.
+NOISE = ((0.0, 0.4), (np.log(2e-7), 1.5), (np.log(3e-6), 1.5))
+QUANTITIES = ("frequency", "loss_factor")
+
+
+@dataclass(frozen=True)
+class CurveData:
+    """Points of all levels, first ln f, then the loss factor of the same.
+
+    value: excess over the plateau, less the baseline's. noise: covariance by the records' stated
+    errors. level: number of each point's level, force_number: of its force. records: how many.
+    """
+
+    modes: tuple[str, ...]
+    points: Points
+    value: Float[ndarray, " datum"]
+    noise: Float[ndarray, "datum datum"]
+    level: Int[ndarray, " point"]
+    records: Int[ndarray, " point"]
+
+    @property
+    def quantity(self) -> Int[ndarray, " datum"]:
+        """0 for ln f, 1 for the loss factor."""
+        return np.repeat([0, 1], self.points.mode.size)
+
+    @property
+    def twice(self) -> Points:
+        """The points once for each quantity."""
+        p = self.points
+        return Points(*(np.tile(part, 2) for part in (p.mode, p.force, p.amplitude, p.loss)))
+
+
+def curve_data(
+    seen: xr.Dataset,
+    modes: Sequence[str],
+    skip: Bool[ndarray, " record"] | None = None,
+    baseline: xr.Dataset | None = None,
+) -> CurveData | None:
+    """The curves of the usable records, without those to skip; None if there are none.
+
+    baseline: simulated `ln_frequency` and `loss_factor` changes over (mode, force, amplitude).
+    """
+    mode = seen["mode"].values.astype(str)
+    use = np.isin(mode, modes) & (seen["verdict"].values.astype(str) == "usable")
+    if skip is not None:
+        use &= ~skip
+    amplitude = seen["amplitude"].values
+    if not amplitude.size or not use.any():
+        return None
+    force = seen["force"].values
+    blocks, size = [], 0
+    for number, name in enumerate(modes):
+        for f in np.unique(force[use & (mode == name)]):
+            rows = np.flatnonzero(use & (mode == name) & (force == f))
+            block = _level(seen, rows, amplitude)
+            if block is not None:
+                blocks.append((number, float(f), *block))
+                size += block[0].size
+    if not blocks:
+        return None
+    points = Points(
+        *(
+            np.concatenate([b[k] if k == 2 else np.full(b[2].size, b[k]) for b in blocks])
+            for k in (0, 1, 2, 6)
+        )
+    )
+    level = np.repeat(np.arange(len(blocks)), [b[2].size for b in blocks])
+    noise = np.zeros((2 * size, 2 * size))
+    first = 0
+    for b in blocks:
+        for q in (0, 1):
+            here = slice(q * size + first, q * size + first + b[2].size)
+            noise[here, here] = b[4][q]
+        first += b[2].size
+    value = np.concatenate([np.concatenate([b[3][q] for b in blocks]) for q in (0, 1)])
+    count = np.concatenate([b[5] for b in blocks])
+    if baseline is not None:
+        value = value - _of_baseline(baseline, points, modes)
+    return CurveData(tuple(modes), points, value, noise, level, count)
+
+
+def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
+    """Of one level: amplitudes, mean excesses, covariances, counts and loss factor."""
+    f, loss = seen["frequency"].values[rows], seen["loss_factor"].values[rows]
+    std_f, std_loss = seen["frequency_std"].values[rows] / f, seen["loss_factor_std"].values[rows]
+    known = np.isfinite(f) & np.isfinite(loss) & np.isfinite(std_f) & np.isfinite(std_loss)
+    reached = np.flatnonzero(known.any(axis=0))
+    if not reached.size:
+        return None
+    reached = reached[amplitude[reached] * REACH >= amplitude[reached[-1]]]
+    chosen = reached[::-1][::SPACING][::-1]
+    stuck = seen["stick_frequency"].values[rows], seen["stick_loss_factor"].values[rows]
+    lines = [
+        _less_plateau(y, known, k) for y, k in ((np.log(f), np.log(stuck[0])), (loss, stuck[1]))
+    ]
+    count = known[:, chosen].sum(axis=0)
+    kept = count > 0
+    chosen, count = chosen[kept], count[kept]
+    length = np.nan_to_num(seen["correlation_decades"].values[rows], nan=1.0)
+    mask = known[:, chosen]
+    distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
+    means, covariances = [], []
+    for line, std in zip(lines, (std_f, std_loss), strict=True):
+        y = np.where(mask, line[:, chosen], 0.0)
+        means.append(y.sum(axis=0) / count)
+        s = np.where(mask, std[:, chosen], 0.0) / count
+        smooth = np.exp(-distance[None] / np.maximum(length, 0.05)[:, None, None])
+        covariances.append((s[:, :, None] * s[:, None, :] * smooth).sum(axis=0))
+    return amplitude[chosen], means, covariances, count, _plateau_loss(stuck[1], loss, known)
+
+
+def _plateau_loss(plateau: ndarray, loss: ndarray, known: ndarray) -> float:
+    """Mean loss factor of the plateaus, or the least of the curves where there is none."""
+    if np.isfinite(plateau).any():
+        return float(np.nanmean(plateau))
+    return float(np.where(known, loss, np.inf).min())
+
+
+def _less_plateau(
+    line: Float[ndarray, "record amplitude"],
+    known: Bool[ndarray, "record amplitude"],
+    plateau: Float[ndarray, " record"],
+) -> Float[ndarray, "record amplitude"]:
+    """Curves less their plateaus; one without lies as the others' mean where they overlap."""
+    left = np.where(known, line, np.nan) - np.where(np.isfinite(plateau), plateau, np.nan)[:, None]
+    have = np.isfinite(plateau)
+    order = np.argsort(~have, kind="stable")
+    for i in order[have.sum() :]:
+        own = np.where(known[i], line[i], np.nan)
+        others = np.isfinite(left) & known[i]
+        if others.any():
+            total = np.where(others, left, 0.0).sum(axis=0)
+            middle = total / np.maximum(others.sum(axis=0), 1)
+            left[i] = own - np.mean((own - middle)[others.any(axis=0)])
+        else:
+            left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
+    return left
+
+
+def _of_baseline(baseline: xr.Dataset, points: Points, modes: Sequence[str]) -> ndarray:
+    parts = []
+    for name in ("ln_frequency", "loss_factor"):
+        value = np.zeros(points.mode.size)
+        for number, mode in enumerate(modes):
+            mine = points.mode == number
+            grid = baseline[name].sel(mode=mode).transpose("force", "amplitude").values
+            along = np.log(baseline["amplitude"].values)
+            at = np.array([np.interp(np.log(points.amplitude[mine]), along, row) for row in grid])
+            forces = baseline["force"].values
+            value[mine] = [
+                np.interp(f, forces, column)
+                for f, column in zip(points.force[mine], at.T, strict=True)
+            ]
+        parts.append(value)
+    return np.concatenate(parts)
+
+
+def problem(
+    data: CurveData,
+    mechanisms: Sequence[Mechanism] = (),
+    extra: Sequence[tuple[ndarray, float]] = (),
+) -> Problem:
+    """Excess over the plateau with mechanisms; `extra`: covariances of unit size of a smooth
+    competitor, each with the size that is likely beforehand.
+    """
+    n = data.value.size
+    loss = data.quantity == 1
+    group = np.concatenate([data.level, data.level + data.level.max() + 1])
+    free = OFFSET**2 * (group[:, None] == group)
+    best = np.diag(np.where(loss, BEST[1] ** 2, BEST[0] ** 2))
+    kernel = law_kernel(data)
+    prior = Prior(
+        np.concatenate([np.zeros(0), *(m.start for m in mechanisms)]),
+        np.concatenate([np.zeros(0), *(m.std for m in mechanisms)]),
+    )
+
+    def predict(theta: ndarray) -> State:
+        mean, columns, effects, first = np.zeros(n), [np.zeros((n, 0))], [], 0
+        for one in mechanisms:
+            own = slice(first, first + len(one.parameters))
+            first = own.stop
+            values, chain = one.values(theta[own])
+            effect = one.curve(data.points, values)
+            both = np.concatenate([effect.ln_f, effect.loss])
+            slope = np.vstack([effect.ln_f_slope, effect.loss_slope])
+            columns.append(slope * chain)
+            effects.append(both)
+            mean = mean + both
+        return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
+
+    def covariance(state: State, scales: ndarray) -> tuple[ndarray, list[ndarray]]:
+        stated = np.exp(2.0 * scales[0]) * data.noise
+        floor_f = np.diag(np.where(loss, 0.0, np.exp(2.0 * scales[1])))
+        floor_loss = np.diag(np.where(loss, np.exp(2.0 * scales[2]), 0.0))
+        whole = free + stated + floor_f + floor_loss + best
+        for e in state.facts["effects"]:
+            whole = whole + TRUST_CURVE**2 * np.outer(e, e) * kernel
+        slopes = [2.0 * stated, 2.0 * floor_f, 2.0 * floor_loss]
+        for k, (unit, _) in enumerate(extra):
+            part = np.exp(2.0 * scales[3 + k]) * unit
+            whole, slopes = whole + part, [*slopes, 2.0 * part]
+        return whole, slopes
+
+    scales = [*NOISE, *((np.log(size), 1.5) for _, size in extra)]
+    means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
+    return Problem(data.value, predict, covariance, prior, Prior(means, stds))
+
+
+def law_kernel(data: CurveData) -> Float[ndarray, "datum datum"]:
+    """Correlation of errors of a law between points: alike in amplitude, force, mode, quantity."""
+    twice, quantity = data.twice, data.quantity
+    same = (twice.mode[:, None] == twice.mode) & (quantity[:, None] == quantity)
+    return (
+        same * near(np.log(twice.amplitude), LN_A_LENGTH) * near(np.log(twice.force), LN_F_LENGTH)
+    )
+
+
+def smooth_kernels(data: CurveData) -> list[tuple[ndarray, float]]:
+    """A free smooth function of amplitude and force, one for ln f and one for the loss factor."""
+    kernel, quantity = law_kernel(data), data.quantity
+    both = [(quantity[:, None] == q) * (quantity == q) * kernel for q in (0, 1)]
+    return [(both[0], 3e-5), (both[1], 1e-4)]

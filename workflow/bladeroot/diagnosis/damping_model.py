@@ -1,0 +1,92 @@
+"""Loss factors of the stuck joint: one a mode, scattering from clamping to clamping."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.diagnosis.gaussian import Prior, Problem, State
+from bladeroot.diagnosis.guards import TRUST
+from bladeroot.diagnosis.stick_model import StickData, trust_kernel
+from bladeroot.mechanisms.mechanism import Mechanism
+
+LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints
+SCATTER = (np.log(0.04), 0.8)  # of ln(loss factor) between clampings
+NOISE = (np.log(3e-3), 1.5)  # of ln(loss factor) between records of one
+
+
+@dataclass(frozen=True)
+class DampingData:
+    """ln of the loss factors and their relative errors, with the records' situations."""
+
+    stick: StickData
+    ln_loss: Float[ndarray, " record"]
+    std: Float[ndarray, " record"]
+
+
+def damping_data(seen: xr.Dataset, stick: StickData) -> DampingData | None:
+    """Loss factors of the records that have a stick frequency; None if there are none."""
+    loss = seen["stick_loss_factor"].values[stick.row]
+    std = seen["stick_loss_factor_std"].values[stick.row]
+    kept = np.flatnonzero(np.isfinite(loss) & (loss > 0.0) & np.isfinite(std))
+    if not kept.size:
+        return None
+    r = stick.records
+    parts = {k: getattr(r, k)[kept] for k in ("mode", "force", "sign", "time", "since")}
+    here = replace(
+        stick,
+        records=replace(r, **parts),
+        ln_f=stick.ln_f[kept],
+        std=stick.std[kept],
+        hold=np.unique(stick.hold[kept], return_inverse=True)[1],
+        row=stick.row[kept],
+    )
+    return DampingData(here, np.log(loss[kept]), std[kept] / loss[kept])
+
+
+def problem(
+    data: DampingData,
+    mechanisms: Sequence[Mechanism] = (),
+    extra: Sequence[tuple[ndarray, float]] = (),
+) -> Problem:
+    """One loss factor a mode, with mechanisms and a smooth competitor."""
+    records = data.stick.records
+    n, modes = data.ln_loss.size, len(data.stick.modes)
+    of_mode = np.eye(modes)[records.mode]
+    held = (data.stick.hold[:, None] == data.stick.hold) * (of_mode @ of_mode.T)
+    trust = [trust_kernel(data.stick, one.over) for one in mechanisms]
+    prior = Prior(
+        np.concatenate([np.full(modes, LEVEL[0]), *(m.start for m in mechanisms)]),
+        np.concatenate([np.full(modes, LEVEL[1]), *(m.std for m in mechanisms)]),
+    )
+
+    def predict(theta: ndarray) -> State:
+        mean, columns, effects, first = of_mode @ theta[:modes], [of_mode], [], modes
+        for one in mechanisms:
+            own = slice(first, first + len(one.parameters))
+            first = own.stop
+            values, chain = one.values(theta[own])
+            change, slope = one.damping(records, values)
+            mean = mean + change
+            effects.append(change)
+            columns.append(slope * chain)
+        return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
+
+    def covariance(state: State, scales: ndarray) -> tuple[ndarray, list[ndarray]]:
+        scatter = np.exp(2.0 * scales[0]) * held
+        noise = np.exp(2.0 * scales[1]) * np.eye(n)
+        whole = scatter + noise + np.diag(data.std**2)
+        for e, kernel in zip(state.facts["effects"], trust, strict=True):
+            whole = whole + TRUST**2 * np.outer(e, e) * kernel
+        slopes = [2.0 * scatter, 2.0 * noise]
+        for k, (unit, _) in enumerate(extra):
+            part = np.exp(2.0 * scales[2 + k]) * unit
+            whole, slopes = whole + part, [*slopes, 2.0 * part]
+        return whole, slopes
+
+    scales = [SCATTER, NOISE, *((np.log(size), 1.5) for _, size in extra)]
+    means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
+    return Problem(data.ln_loss, predict, covariance, prior, Prior(means, stds))

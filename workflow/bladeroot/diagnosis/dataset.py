@@ -1,0 +1,231 @@
+"""The diagnosis as a Dataset: residual maps, evidence, gain, stiffness and curves for a report."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.gaussian import Fit
+from bladeroot.diagnosis.naming import Found
+from bladeroot.diagnosis.verdict import verdict
+from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.stiffness.laws import REFERENCE_FORCE
+
+STAGES = ("before", "after")
+_GRID = 40
+
+
+def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
+    attrs = {"units": units, "long_name": long_name}
+    return (dims, values, attrs | ({"source": source} if source else {}))
+
+
+def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
+    """Parts that the campaign does not have are missing; `before` is the baseline, `after` with
+    the named causes. every: as for `bladeroot.diagnosis.verdict.verdict`.
+    """
+    parts = [_ranking(made)]
+    for found in made.found:
+        if found.channel.name == "stick":
+            parts += [_records(made, found), _stiffness(made, found)]
+        elif found.channel.name == "damping":
+            parts.append(_damping(made, found))
+        else:
+            parts.append(_curves(made, found))
+    whole = xr.merge(parts, compat="override", join="outer", combine_attrs="drop_conflicts")
+    said = verdict(made, every)
+    return whole.assign_attrs(
+        structure=made.structure,
+        answer=said["answer"],
+        reason=said["reason"],
+        named=";".join(one["mechanism"] for one in said["causes"]),
+        lacks=";".join(made.lacks),
+        least_force_N=made.settings.least_force,
+    )
+
+
+def _sides(found: Found) -> tuple[Fit, Fit]:
+    return found.baseline, found.final
+
+
+def _misses(found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """Data less mean of both stages, plain and in standard deviations without the causes' own."""
+    plain = np.array([fit.problem.data - fit.state.mean for fit in _sides(found)])
+    own = found.final.problem.covariance(found.final.state, found.final.scales)[0]
+    return plain, plain / np.sqrt(np.diag(own))
+
+
+def _records(made: Diagnosis, found: Found) -> xr.Dataset:
+    """What each record's stick frequency misses, and the mean of each mode and force."""
+    data = made.data
+    plain, scaled = _misses(found)
+    names = made.seen["record"].values.astype(str)[data.row]
+    records = data.records
+    forces = np.unique(records.force)
+    level = np.full((2, len(data.modes), forces.size), np.nan)
+    for m in range(len(data.modes)):
+        for k, f in enumerate(forces):
+            mine = (records.mode == m) & (records.force == f)
+            if mine.any():
+                level[:, m, k] = plain[:, mine].mean(axis=1)
+    per_stage = ("stage", "stick_record")
+    return xr.Dataset(
+        {
+            "stick_mode": _var("stick_record", np.array(data.modes)[records.mode], "", "mode"),
+            "stick_force": _var("stick_record", records.force, "N", "axial force as read"),
+            "stick_time": _var("stick_record", records.time, "s", "time since the first record"),
+            "stick_direction": _var(
+                "stick_record", records.sign, "1", "+1 loading, -1 unloading, 0 unknown"
+            ),
+            "stick_hold": _var("stick_record", data.hold, "1", "number of the clamping"),
+            "stick_frequency": _var("stick_record", np.exp(data.ln_f), "Hz", "measured"),
+            "stick_simulated": _var(
+                per_stage, np.array([np.exp(fit.state.mean) for fit in _sides(found)]), "Hz",
+                "simulated stick frequency, before clamping's scatter",
+            ),
+            "stick_residual": _var(
+                per_stage, plain, "1", "ln of measured over simulated stick frequency"
+            ),
+            "stick_residual_scaled": _var(
+                per_stage, scaled, "1", "the same over what clamping, gauge and noise scatter"
+            ),
+            "level_residual": _var(
+                ("stage", "mode", "force"), level, "1",
+                "mean ln of measured over simulated stick frequency of a mode at a force",
+            ),
+        },
+        coords={"stage": list(STAGES), "stick_record": names, "mode": list(data.modes),
+                "force": ("force", forces, {"units": "N", "long_name": "axial force"})},
+    )  # fmt: skip
+
+
+def _damping(made: Diagnosis, found: Found) -> xr.Dataset:
+    plain, scaled = _misses(found)
+    names = made.seen["record"].values.astype(str)[made.damping.stick.row]
+    dims = ("stage", "damping_record")
+    return xr.Dataset(
+        {
+            "damping_residual": _var(dims, plain, "1", "ln of measured over simulated loss factor"),
+            "damping_residual_scaled": _var(
+                dims, scaled, "1", "the same over what clampings and noise scatter"
+            ),
+        },
+        coords={"stage": list(STAGES), "damping_record": names},
+    )
+
+
+def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
+    """Excess over the plateau, measured and simulated, at the points that were used."""
+    data = made.curves
+    n = data.points.mode.size
+    own = np.sqrt(np.diag(found.final.problem.covariance(found.final.state, found.final.scales)[0]))
+    entries = {
+        "curve_mode": _var("point", np.array(data.modes)[data.points.mode], "", "mode"),
+        "curve_force": _var("point", data.points.force, "N", "axial force"),
+        "curve_amplitude": _var("point", data.points.amplitude, "m", "amplitude at the sensor"),
+        "curve_records": _var("point", data.records, "1", "records in the mean"),
+    }
+    for q, (name, text) in enumerate(
+        (("curve_frequency", "ln(f over its plateau)"), ("curve_loss", "loss factor less plateau"))
+    ):
+        mine = slice(q * n, (q + 1) * n)
+        entries[name] = _var("point", data.value[mine], "1", f"measured {text}")
+        entries[f"{name}_std"] = _var(
+            "point", own[mine], "1", f"standard deviation of {text}, a level's offset included"
+        )
+        simulated = np.array([fit.state.mean[mine] for fit in _sides(found)])
+        entries[f"{name}_simulated"] = _var(("stage", "point"), simulated, "1", f"simulated {text}")
+    return xr.Dataset(entries, coords={"stage": list(STAGES)})
+
+
+def _ranking(made: Diagnosis) -> xr.Dataset:
+    """First round of each channel: everything that was compared, and the record faults."""
+    rows = []
+    for found in made.found:
+        step = found.steps[0]
+        named = {cause.mechanism.id for cause in found.causes}
+        for one in found.channel.candidates:
+            rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
+                         one.id in named, found.known.barred.get(one.id, "")))  # fmt: skip
+        rows += [
+            (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
+            for name, value in step.smooth.items()
+        ]
+    rows += [
+        (one.mechanism.id, "record", "record", -one.ln_chance, one.named, "") for one in made.faulty
+    ]
+    rows.sort(key=lambda row: -row[3])
+    sentences = {one.id: one.sentence for found in made.found for one in found.channel.candidates}
+    sentences |= {one.mechanism.id: one.mechanism.sentence for one in made.faulty}
+    said = [sentences.get(row[0], "any smooth function") for row in rows]
+    columns = list(zip(*rows, strict=True)) if rows else [[], [], [], [], [], []]
+    text = "log evidence over the baseline in its channel; of record faults -ln of the chance"
+    return xr.Dataset(
+        {
+            "class": _var("candidate", np.array(columns[1], dtype=str), "", "class"),
+            "channel": _var("candidate", np.array(columns[2], dtype=str), "", "data that show it"),
+            "log_evidence": _var("candidate", np.array(columns[3], dtype=float), "1", text),
+            "is_named": _var("candidate", np.array(columns[4], dtype=np.int8), "1", "1: a cause"),
+            "sentence": _var("candidate", np.array(said, dtype=str), "", "what it is"),
+            "barred": _var("candidate", np.array(columns[5], dtype=str), "", "why never named"),
+        },
+        coords={"candidate": np.array(columns[0], dtype=str)},
+    )
+
+
+def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
+    """kn, kt over the campaign's forces by the law before and after, with standard deviations."""
+    records = made.data.records
+    force = np.linspace(records.force.min(), records.force.max(), _GRID)
+    force = np.sort(np.append(force, REFERENCE_FORCE))
+    k, std = np.zeros((2, 2, force.size)), np.zeros((2, 2, force.size))
+    correlation = np.zeros((2, force.size))
+    for stage, fitted in enumerate(_sides(found)):
+        causes = [cause.mechanism for cause in found.causes] if stage else []
+        value, rows = stiffness_law(fitted, found.channel.base, causes, force)
+        covariance = np.einsum("sfp,pq,tfq->fst", rows, fitted.covariance, rows)
+        k[stage] = np.exp(value)
+        std[stage] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)).T
+        correlation[stage] = covariance[:, 0, 1] / np.prod(std[stage], axis=0)
+    dims = ("stage", "stiffness", "law_force")
+    return xr.Dataset(
+        {
+            "law_k": _var(dims, k, "N/m", "contact stiffness of a flank by the law"),
+            "law_ln_std": _var(dims, std, "1", "standard deviation of its logarithm"),
+            "law_correlation": _var(
+                ("stage", "law_force"), correlation, "1", "correlation of ln kn and ln kt"
+            ),
+        },
+        coords={"stage": list(STAGES), "stiffness": ["kn", "kt"],
+                "law_force": ("law_force", force, {"units": "N", "long_name": "axial force"})},
+    )  # fmt: skip
+
+
+def stiffness_law(
+    fitted: Fit, base: int, causes: Sequence[Mechanism], force: Float[ndarray, " force"]
+) -> tuple[Float[ndarray, "2 force"], Float[ndarray, "2 force parameter"]]:
+    """(ln kn, ln kt) over axial forces (N), and derivatives by the fit's parameters."""
+    theta = fitted.parameters
+    none = np.zeros(force.size)
+    x = np.log(force / REFERENCE_FORCE)
+    value = np.stack([theta[k] + theta[2] * x for k in (0, 1)])
+    rows = np.zeros((2, force.size, theta.size))
+    rows[0, :, 0] = rows[1, :, 1] = 1.0
+    rows[:, :, 2] = x
+    at = Records(np.zeros(force.size, dtype=int), force, none, none, none, 0.0, 0.0)
+    first = base
+    for one in causes:
+        own = slice(first, first + len(one.parameters))
+        first = own.stop
+        if one.stick is None:
+            continue
+        values, chain = one.values(theta[own])
+        effect = one.stick(at, values)
+        for k, name in enumerate(("ln_kn", "ln_kt")):
+            if name in effect.changes:
+                value[k] += effect.changes[name]
+                rows[k, :, own] += effect.slopes[name] * chain
+    return value, rows

@@ -1,0 +1,128 @@
+"""One campaign with one structure: what the simulation misses, why, and what the cause is worth."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.diagnosis import curve_model, damping_model, stick_model
+from bladeroot.diagnosis.channel import curve_channel, damping_channel, stick_channel
+from bladeroot.diagnosis.curve_model import CurveData
+from bladeroot.diagnosis.damping_model import DampingData
+from bladeroot.diagnosis.naming import Found, Known, search
+from bladeroot.diagnosis.records import Faulty, faulty_records
+from bladeroot.diagnosis.stick_model import Simulation, StickData
+from bladeroot.diagnosis.sufficiency import hopeless, lacking, replicated
+from bladeroot.mechanisms.mechanism import Mechanism
+
+GAUGE_AND_LEVEL = ("force-gain", "force-offset")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """fe_bias, fe_offset: relative error of the model's frequencies by mode, standard deviation and
+    known part. least_force: N, below which contact is not full and records are left out. splits:
+    independent measurements (`naming.Known`).
+    """
+
+    fe_bias: Mapping[str, float]
+    fe_offset: Mapping[str, float] = field(default_factory=dict)
+    least_force: float = 0.0
+    splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """All that was found; `verdict`, `dataset` and `extension` make artifacts of it.
+
+    lacks: what the campaign lacks, a phrase each. hopeless: whether no law can be judged at all.
+    left_out: record mechanisms' consequence for the curves, a line, or "".
+    """
+
+    seen: xr.Dataset
+    structure: str
+    settings: Settings
+    known: Known
+    data: StickData
+    damping: DampingData | None
+    curves: CurveData | None
+    simulated: Simulation
+    found: tuple[Found, ...]
+    faulty: tuple[Faulty, ...]
+    lacks: tuple[str, ...]
+    hopeless: bool
+    left_out: str
+
+
+def diagnose(
+    seen: xr.Dataset,
+    model: xr.Dataset,
+    settings: Settings,
+    candidates: Sequence[Mechanism],
+    baseline: xr.Dataset | None = None,
+) -> Diagnosis:
+    """Judge a campaign.
+
+    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`.
+    candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
+    and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
+    """
+    measured = set(seen["mode"].values.astype(str))
+    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
+    simulated = stick_model.simulation(
+        model,
+        modes,
+        [settings.fe_bias[mode] for mode in modes],
+        [settings.fe_offset.get(mode, 0.0) for mode in modes],
+    )
+    data = stick_model.stick_data(seen, modes, settings.least_force)
+    lacks = lacking(data)
+    barred = _barred(candidates, settings, data, bool(lacks))
+    known = Known(settings.splits, not lacks, barred)
+    faulty = faulty_records(seen, candidates)
+    skip, left_out = _spoiled(seen, faulty)
+    curves = curve_model.curve_data(seen, modes, skip, baseline)
+    nothing = hopeless(data)
+    found = []
+    if not nothing:
+        found.append(search(stick_channel(data, simulated, candidates), known))
+    damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
+    if damping is not None and not nothing:
+        found.append(search(damping_channel(damping, candidates), known))
+    if curves is not None:
+        found.append(search(curve_channel(curves, candidates), Known(settings.splits, True)))
+    return Diagnosis(
+        seen, str(model.attrs["structure"]), settings, known, data, damping, curves, simulated,
+        tuple(found), tuple(faulty), tuple(lacks), nothing, left_out,
+    )  # fmt: skip
+
+
+def _barred(
+    candidates: Sequence[Mechanism], settings: Settings, data: StickData, few: bool
+) -> dict[str, str]:
+    """Mechanisms that the campaign cannot speak of, and why."""
+    barred = {}
+    for one in candidates:
+        if one.id == "incomplete-contact" and settings.least_force > 0.0:
+            barred[one.id] = "the campaign says that contact is full at the forces used"
+        elif few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
+            barred[one.id] = "too few records to tell it from the scatter of clampings"
+        elif one.kind == "direction" and not replicated(data):
+            barred[one.id] = "no repeated clampings to tell it from their scatter"
+    return barred
+
+
+def _spoiled(seen: xr.Dataset, faulty: Sequence[Faulty]) -> tuple[np.ndarray, str]:
+    """Records whose curves are not used, and a line on it."""
+    skip = np.zeros(seen.sizes["record"], dtype=bool)
+    names = []
+    for one in faulty:
+        if one.named and one.mechanism.spoils:
+            skip |= one.records
+            names.append(one.mechanism.id)
+    if not names:
+        return skip, ""
+    left = int((~skip).sum())
+    text = f"curves of the {int(skip.sum())} records with {' and '.join(names)} are not used"
+    return skip, f"{text}, {left} remain" if left else f"{text}: none remain"

@@ -1,0 +1,32 @@
+"""The thresholds of the diagnosis: what each guards against, and how it was set."""
+
+# Log evidence (nats) by which something must be better than the baseline before anything is said
+# to be missing. On drawn campaigns without an effect the best of a dozen rivals had at most 2.4.
+MISSING = 5.0
+# The same where clampings are not repeated: their scatter is told from the law's own misfit.
+MISSING_FEW = 10.0
+# The same for a further cause, and its least part of the evidence that is explained already: with
+# a small part of a large effect a law that is not quite right invents a second cause.
+FURTHER = 8.0
+FURTHER_PART = 0.06
+# A law is trusted to this part of its own effect (standard deviation).
+TRUST = 0.08
+# The same over amplitude, where laws are cruder and each clamping's friction differs.
+TRUST_CURVE = 0.15
+# Nats by which the smooth competitor must beat the best mechanism before that is called not it.
+SHAPE = 4.0
+# A remainder that the smooth competitor explains counts as unexplained beyond this part of what the
+# causes explain.
+UNEXPLAINED_PART = 0.3
+MOST_CAUSES = 3  # a channel
+# Mechanisms within this many nats of the best are in the credible set (95 % at equal priors).
+CREDIBLE = 3.0
+# A fitted size beyond its physical limit by more than this many standard deviations is not one.
+IMPLAUSIBLE = 2.0
+# The smallest campaign that can tell gauge and level effects from the scatter of clampings.
+RECORDS = 50
+FORCES = 4
+HOLDS_A_FORCE = 2
+MODES = 2
+# Probability of as many findings by false alarms alone below which a record mechanism is named.
+FALSE_ALARM = 1e-4

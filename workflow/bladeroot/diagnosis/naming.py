@@ -1,0 +1,215 @@
+"""Naming causes in one channel: forward steps, each with everything that competes with it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.channel import Channel
+from bladeroot.diagnosis.gaussian import Fit, best_fit, fit
+from bladeroot.mechanisms.mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known besides the campaign.
+
+    splits: independent measurements, by what a mechanism `needs`: value and standard deviation of
+    its first parameter. replicates: whether clampings are repeated often enough to tell gauge and
+    level effects from their scatter. barred: mechanisms that are ranked but never named, with why.
+    """
+
+    splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    replicates: bool = True
+    barred: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One round: log evidence over the round's start of each mechanism and smooth competitor."""
+
+    mechanisms: dict[str, float]
+    smooth: dict[str, float]
+    needed: float
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause as it was accepted; `credible` are the ids that explain it about as well."""
+
+    mechanism: Mechanism
+    gain: float
+    credible: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Found:
+    """The search's outcome in one channel.
+
+    fits: the baseline's and the final one. unexplained: what the remainder is smooth in, or "".
+    """
+
+    channel: Channel
+    known: Known
+    baseline: Fit
+    final: Fit
+    causes: tuple[Cause, ...]
+    steps: tuple[Step, ...]
+    unexplained: str
+
+    @property
+    def gain(self) -> float:
+        """Log evidence of the final model over the baseline's."""
+        return self.final.log_evidence - self.baseline.log_evidence
+
+
+def search(channel: Channel, known: Known) -> Found:
+    """Add causes one by one while what they explain is worth more than the guards ask."""
+    baseline = fit(channel.problem((), ()))
+    fits = _mechanisms(channel, (), baseline, known)
+    better = _again(channel, (), baseline, fits)
+    if better is not baseline:
+        baseline, fits = better, _mechanisms(channel, (), better, known)
+    current, causes, steps, unexplained = baseline, [], [], ""
+    first = guards.MISSING if known.replicates else guards.MISSING_FEW
+    while len(causes) < guards.MOST_CAUSES:
+        chosen = [cause.mechanism for cause in causes]
+        if causes:
+            fits = _mechanisms(channel, chosen, current, known)
+            better = _again(channel, chosen, current, fits)
+            if better is not current:
+                current, fits = better, _mechanisms(channel, chosen, better, known)
+        explained = current.log_evidence - baseline.log_evidence
+        needed = max(guards.FURTHER, guards.FURTHER_PART * explained) if causes else first
+        smooth = _smooth(channel, chosen, current)
+        step = Step(
+            {
+                name: one.log_evidence - current.log_evidence + more
+                for name, (one, more) in fits.items()
+            },
+            {name: one.log_evidence - current.log_evidence for name, one in smooth.items()},
+            needed,
+        )
+        steps.append(step)
+        ranked = {
+            one.id: step.mechanisms[one.id]
+            for one in channel.candidates
+            if one.id in fits and one.id not in known.barred and plausible(one, fits[one.id][0])
+        }
+        best = max(ranked, key=ranked.get, default="")
+        other = max(step.smooth, key=step.smooth.get, default="")
+        gain, rival = ranked.get(best, -np.inf), step.smooth.get(other, -np.inf)
+        if max(gain, rival) < needed:
+            break
+        if rival > gain + guards.SHAPE or gain < needed:
+            if not causes or rival > guards.UNEXPLAINED_PART * explained:
+                unexplained = other
+            break
+        credible = _credible(channel, ranked, known)
+        mechanism = next(one for one in channel.candidates if one.id == best)
+        causes.append(Cause(mechanism, gain, credible))
+        current = fits[best][0]
+    return Found(channel, known, baseline, current, tuple(causes), tuple(steps), unexplained)
+
+
+def _again(
+    channel: Channel,
+    chosen: Sequence[Mechanism],
+    fitted: Fit,
+    fits: Mapping[str, tuple[Fit, float]],
+) -> Fit:
+    """The fit with the chosen ones, also from where the best fit with one more ends.
+
+    A mechanism that does nothing may find a better summit of the model without it: that is no
+    evidence.
+    """
+    others = [one for one, _ in fits.values()]
+    own = fitted.parameters.size
+    if not own or not others:
+        return fitted
+    best = max(others, key=lambda one: one.log_evidence)
+    second = fit(channel.problem(chosen, ()), best.parameters[:own], best.scales)
+    return second if second.log_evidence > fitted.log_evidence + 0.1 else fitted
+
+
+def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
+    """A mechanism with what an independent measurement says of it, and that one's log evidence.
+
+    The measurement belongs to the data of every model: those without the mechanism must explain it
+    as an error of its own.
+    """
+    if mechanism.needs not in known.splits:
+        return mechanism, 0.0
+    value, std = known.splits[mechanism.needs]
+    first = mechanism.parameters[0]
+    weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
+    mean = weight * (first.mean / first.std**2 + value / std**2)
+    parameter = replace(first, mean=mean, std=float(np.sqrt(weight)))
+    wide = np.hypot(first.std, std)
+    gain = -0.5 * ((value - first.mean) / wide) ** 2 - np.log(wide)
+    gain += 0.5 * (value / std) ** 2 + np.log(std)
+    changed = replace(mechanism, parameters=(parameter, *mechanism.parameters[1:]))
+    return changed, float(gain)
+
+
+def _mechanisms(
+    channel: Channel, chosen: Sequence[Mechanism], current: Fit, known: Known
+) -> dict[str, tuple[Fit, float]]:
+    """Fits with one more mechanism each, and what independent measurements add to the evidence."""
+    fits = {}
+    taken = {one.id for one in chosen}
+    for one in channel.candidates:
+        if one.id in taken:
+            continue
+        changed, gain = prepared(one, known)
+        starts = [np.append(current.parameters, s) for s in (changed.start, *changed.starts)]
+        problem = channel.problem([*chosen, changed], ())
+        fits[one.id] = (best_fit(problem, starts, current.scales), gain)
+    return fits
+
+
+def _smooth(channel: Channel, chosen: Sequence[Mechanism], current: Fit) -> dict[str, Fit]:
+    """Fits with each smooth competitor instead."""
+    fits = {}
+    for name, kernels in channel.smooth(current).items():
+        problem = channel.problem(chosen, kernels)
+        usual = problem.scales.mean
+        start = np.append(current.scales, usual[current.scales.size :])
+        both = [fit(problem, current.parameters, scales) for scales in (start, usual)]
+        fits[name] = max(both, key=lambda one: one.log_evidence)
+    return fits
+
+
+def sizes(mechanism: Mechanism, fitted: Fit, first: int) -> list[tuple[float, float]]:
+    """Value and standard deviation of each parameter; `first` is its place in the fit."""
+    own = slice(first, first + len(mechanism.parameters))
+    values, chain = mechanism.values(fitted.parameters[own])
+    return list(zip(values.tolist(), (chain * fitted.std[own]).tolist(), strict=True))
+
+
+def plausible(mechanism: Mechanism, fitted: Fit, first: int | None = None) -> bool:
+    """Whether the sizes, from place `first` on or the last ones, are within physical limits."""
+    if first is None:
+        first = fitted.parameters.size - len(mechanism.parameters)
+    return all(
+        p.shape or p.low - guards.IMPLAUSIBLE * std <= value <= p.high + guards.IMPLAUSIBLE * std
+        for p, (value, std) in zip(
+            mechanism.parameters, sizes(mechanism, fitted, first), strict=True
+        )
+    )
+
+
+def _credible(channel: Channel, gains: Mapping[str, float], known: Known) -> tuple[str, ...]:
+    """The mechanisms that explain it about as well, best first.
+
+    Where the best needs a measurement that there is not, its siblings belong to the set.
+    """
+    order = sorted(gains, key=gains.get, reverse=True)
+    near = [name for name in order if gains[name] > gains[order[0]] - guards.CREDIBLE]
+    by_id = {one.id: one for one in channel.candidates}
+    unsplit = {n for n in by_id if by_id[n].needs and by_id[n].needs not in known.splits}
+    top = by_id[order[0]]
+    if top.id in unsplit:
+        near += [n for n in order if n in unsplit and by_id[n].kind == top.kind and n not in near]
+    return tuple(near)

@@ -1,0 +1,210 @@
+"""What the diagnosis reads of a campaign: one table of records, with curves on a common ladder."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.decay.curves import ladder_of, on_ladder
+
+POINTS_A_DECADE = 14
+# Steps (bar, or microstrain) to which a gauge may have been read.
+READINGS = (100.0, 50.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
+CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
+
+# Unit and meaning of the variables of a record, and of those at a record's amplitudes.
+RECORD = {
+    "mode": ("", "name of the mode"),
+    "force": ("N", "axial force as read"),
+    "hold": ("", "clamping of the specimen, empty: unknown"),
+    "direction": ("", "up (loading), down (unloading), empty: unknown"),
+    "time": ("s", "start since the campaign began"),
+    "stick_frequency": ("Hz", "frequency of the stick plateau"),
+    "stick_frequency_std": ("Hz", "its standard error within the record"),
+    "stick_loss_factor": ("1", "loss factor of the stick plateau"),
+    "stick_loss_factor_std": ("1", "its standard error within the record"),
+    "onset_amplitude": ("m", "displacement amplitude where sticking ends"),
+    "plateau_reached": ("1", "1 where the record reaches its stick plateau"),
+    "findings": ("", "ids of what was found wrong in the record, joined by semicolons"),
+    "verdict": ("", "usable or rejected"),
+    "correlation_decades": ("1", "length in ln(amplitude) over which the curve's errors are one"),
+}
+POINT = {
+    "frequency": ("Hz", "undamped natural frequency"),
+    "frequency_std": ("Hz", "standard error of frequency"),
+    "loss_factor": ("1", "hysteretic loss factor"),
+    "loss_factor_std": ("1", "standard error of loss_factor"),
+}
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """Errors of the force gauge: of the full scale (N), of the reading, and its rounding (N)."""
+
+    full_scale_std: float
+    relative_std: float
+    resolution: float = 0.0
+
+
+def reading_step(force: Float[ndarray, " record"], scale: float) -> float:
+    """The coarsest usual step (N) in whose multiples all forces were read; 0 if none.
+
+    scale: newtons per unit of the gauge's reading.
+    """
+    units = np.asarray(force, float) / scale
+    for step in READINGS:
+        whole = units / step
+        if whole.size and np.all(np.abs(whole - np.round(whole)) < 1e-4):
+            return step * scale
+    return 0.0
+
+
+def observations(
+    stick: xr.Dataset,
+    decays: Sequence[xr.Dataset],
+    integrity: xr.Dataset | None,
+    gauge: Gauge,
+    laser_x: Mapping[str, float],
+    time: Mapping[str, float] | None = None,
+) -> xr.Dataset:
+    """The records of a campaign as the diagnosis takes them.
+
+    stick: from `bladeroot.decay.stick`; decays: curves of the same records, empty where the
+    campaign begins at a table, whose rows are then the records. integrity: from
+    `bladeroot.decay.judgement`. laser_x: m, by mode. time: s since the campaign began, by record.
+
+    Returns:
+        dims record and amplitude (m, `POINTS_A_DECADE` a decade, common to all, 0 long for a
+        table) with the variables of `RECORD` and `POINT`, laser_x_m over sensor_mode, and the
+        gauge's errors in the attributes. Nothing is extrapolated: NaN beyond what a record reaches.
+    """
+    rows, scatter = _table_rows(stick) if not len(decays) else (_record_rows(stick), None)
+    by_name = {str(decay.attrs["record"]): decay for decay in decays}
+    found = _findings(integrity)
+    for row in rows:
+        decay = by_name.get(row["record"])
+        row["findings"] = ";".join(sorted(found.get(row["record"], ())))
+        row["time"] = float((time or {}).get(row["record"], np.nan))
+        if row["hold"] == row["record"]:  # a sheet without holds names each record's own
+            row["hold"] = ""
+        if decay is not None and decay.attrs.get("verdict", "usable") != "usable":
+            row["verdict"] = "rejected"
+        row["correlation_decades"] = correlation_length(decay) if decay is not None else np.nan
+    chosen = [by_name.get(row["record"]) for row in rows]
+    chosen = [None if d is None or d.sizes["point"] < 2 else d for d in chosen]
+    ladder = ladder_of([decay for decay in chosen if decay is not None], POINTS_A_DECADE)
+    nowhere = np.full(ladder.size, np.nan)
+    points = {
+        name: np.array(
+            [nowhere if decay is None else on_ladder(decay, name, ladder) for decay in chosen]
+        ).reshape(len(rows), ladder.size)
+        for name in CURVES
+    }
+    made = {
+        name: ("record", np.array([row[name] for row in rows]), _attrs(RECORD[name]))
+        for name in RECORD
+    }
+    made |= {name: (("record", "amplitude"), points[name], _attrs(POINT[name])) for name in CURVES}
+    if scatter is not None:
+        text = "standard error of stick_frequency by the rows' scatter about a smooth law"
+        made["stick_frequency_scatter"] = ("record", scatter, _attrs(("Hz", text)))
+    made["laser_x_m"] = (
+        "sensor_mode",
+        np.array([float(x) for x in laser_x.values()]),
+        _attrs(("m", "position of the laser along the beam from mid-span")),
+    )
+    return xr.Dataset(
+        made,
+        coords={
+            "record": [row["record"] for row in rows],
+            "sensor_mode": list(laser_x),
+            "amplitude": ("amplitude", ladder, _attrs(("m", "amplitude at the sensor"))),
+        },
+        attrs={
+            "simulated": int(stick.attrs.get("simulated", 0)),
+            "campaign": str(stick.attrs.get("campaign", "")),
+            "gauge_full_scale_std_N": float(gauge.full_scale_std),
+            "gauge_relative_std": float(gauge.relative_std),
+            "gauge_resolution_N": float(gauge.resolution),
+        },
+    )
+
+
+def _attrs(pair: tuple[str, str]) -> dict[str, str]:
+    return {"units": pair[0], "long_name": pair[1]}
+
+
+def _record_rows(stick: xr.Dataset) -> list[dict]:
+    names = {
+        "mode": "record_mode", "force": "record_force", "hold": "hold", "direction": "direction",
+        "stick_frequency": "stick_frequency", "stick_frequency_std": "stick_frequency_std",
+        "stick_loss_factor": "record_loss_factor", "onset_amplitude": "record_onset_amplitude",
+        "stick_loss_factor_std": "record_loss_factor_std", "plateau_reached": "plateau_reached",
+    }  # fmt: skip
+    rows = []
+    for i, record in enumerate(stick["record"].values.astype(str)):
+        row = {name: stick[own].values[i].item() for name, own in names.items()}
+        rejected = str(stick["verdict"].values[i]).startswith("rejected")
+        verdict = "rejected" if rejected else "usable"
+        rows.append(row | {"record": str(record), "verdict": verdict})
+    return rows
+
+
+def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"]]:
+    """The rows of a table as records, and what each scatters about a smooth law (Hz)."""
+    mode, force = stick["mode"].values.astype(str), stick["force"].values
+    rows = [
+        {
+            "record": f"{mode[i]}-{force[i]:.0f}N",
+            "mode": mode[i],
+            "force": float(force[i]),
+            "hold": "",
+            "direction": "",
+            "stick_frequency": float(stick["frequency"].values[i]),
+            "stick_frequency_std": float(stick["stated_std"].values[i]),
+            "stick_loss_factor": float(stick["loss_factor"].values[i]),
+            "stick_loss_factor_std": float(stick["loss_factor_stated_std"].values[i]),
+            "onset_amplitude": np.nan,
+            "plateau_reached": 1,
+            "verdict": "usable",
+        }
+        for i in range(mode.size)
+    ]
+    return rows, stick["scatter_std"].values.astype(float)
+
+
+def _findings(integrity: xr.Dataset | None) -> dict[str, set[str]]:
+    found: dict[str, set[str]] = {}
+    if integrity is None or "finding_id" not in integrity:
+        return found
+    for name, owner in zip(
+        integrity["finding_id"].values.astype(str),
+        integrity["finding_record"].values.astype(str),
+        strict=True,
+    ):
+        found.setdefault(owner, set()).add(name)
+    return found
+
+
+def correlation_length(decay: xr.Dataset) -> float:
+    """Length in ln A over which the errors of a record's curve are correlated.
+
+    A straight line through the phases of blocks of spacing dt and standard error s, over a window
+    W, knows its slope to var = 12 s^2 dt / W^3. The window that has the curve's own standard error
+    of frequency is the one that was smoothed over; the decay crosses it in W d(ln A)/dt.
+    """
+    known = np.isfinite(decay["frequency_std"].values) & (decay["frequency_std"].values > 0.0)
+    blocks = decay.get("block_std")
+    if known.sum() < 2 or blocks is None or blocks.size < 3:
+        return np.nan
+    time, std = decay["time"].values[known], decay["frequency_std"].values[known]
+    block_time = decay["block_time"].values
+    block = np.interp(time, block_time, blocks.values)
+    spacing = np.median(np.diff(block_time))
+    window = (12.0 * block**2 * spacing / (2.0 * np.pi * std) ** 2) ** (1.0 / 3.0)
+    rate = np.abs(np.gradient(np.log(decay["amplitude"].values[known]), time))
+    span = np.ptp(np.log(decay["amplitude"].values[known]))
+    return float(np.clip(np.median(window * rate), 1e-3 * span, span))

@@ -1,0 +1,84 @@
+"""In words: which quantity of which mode the baseline misses, and how it runs."""
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.diagnosis.curve_model import CurveData
+from bladeroot.diagnosis.gaussian import Fit
+from bladeroot.diagnosis.stick_model import StickData
+
+_NAMES = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
+
+
+def of_records(
+    channel: str, data: StickData, fitted: Fit, smooth_in: str
+) -> list[dict[str, object]]:
+    """One entry a mode: the part of the miss that runs with `smooth_in`, and its size."""
+    records = data.records
+    miss = fitted.problem.data - fitted.state.mean
+    along = {
+        "force": np.log(records.force),
+        "time": records.time,
+        "time in a hold": records.since,
+        "direction": records.sign,
+    }.get(smooth_in, np.log(records.force))
+    entries = []
+    for number, mode in enumerate(data.modes):
+        mine = records.mode == number
+        if mine.sum() < 3 or np.ptp(along[mine]) == 0.0:
+            continue
+        size, text = _trend(along[mine], miss[mine], smooth_in)
+        entries.append(
+            {"quantity": _NAMES[channel], "mode": mode, "trend": text, "size": size, "unit": "1"}
+        )
+    return entries
+
+
+def _trend(
+    x: Float[ndarray, " record"], y: Float[ndarray, " record"], name: str
+) -> tuple[float, str]:
+    """Change of y over the range of x by a straight line, or the bend where that is larger."""
+    unit = 2.0 * (x - x.min()) / np.ptp(x) - 1.0
+    degree = 2 if np.unique(x).size > 3 else 1
+    poly = np.polynomial.legendre.legfit(unit, y, degree)
+    rise = 2.0 * poly[1]
+    if degree == 2 and abs(1.5 * poly[2]) > abs(rise):
+        way = "low" if poly[2] > 0 else "high"
+        return float(1.5 * abs(poly[2])), (
+            f"the simulation is too {way} at both ends of the {name} by "
+            f"{100 * 1.5 * abs(poly[2]):.2g} %"
+        )
+    way = "rises" if rise > 0 else "falls"
+    than = "than simulated"
+    return float(rise), f"{way} with the {name} by {100 * abs(rise):.2g} % more {than}"
+
+
+def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
+    """One entry a mode and quantity that leaves its plateau: its excess at the top amplitude."""
+    entries = []
+    miss = fitted.problem.data - fitted.state.mean
+    n = data.points.mode.size
+    for quantity, name in enumerate(("frequency", "loss factor")):
+        value = miss[quantity * n : (quantity + 1) * n]
+        for number, mode in enumerate(data.modes):
+            tops = _tops(data, number)
+            if not tops.size:
+                continue
+            size = float(value[tops[np.argmax(np.abs(value[tops]))]])
+            way = "rises" if size > 0 else "falls"
+            shown = f"{100 * abs(size):.2g} %" if quantity == 0 else f"{abs(size):.2g}"
+            entries.append(
+                {"quantity": f"{name} over amplitude", "mode": mode, "size": size, "unit": "1",
+                 "trend": f"{way} with the amplitude by up to {shown} more than simulated"}
+            )  # fmt: skip
+    return entries
+
+
+def _tops(data: CurveData, mode: int) -> Int[ndarray, " level"]:
+    """The point of largest amplitude of each level of a mode."""
+    levels = np.unique(data.level[data.points.mode == mode])
+    return np.array(
+        [np.flatnonzero(data.level == k)[np.argmax(data.points.amplitude[data.level == k])]
+         for k in levels], dtype=int
+    )  # fmt: skip

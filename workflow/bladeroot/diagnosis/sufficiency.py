@@ -1,0 +1,49 @@
+"""Whether a campaign can tell causes apart at all, and what it lacks."""
+
+import numpy as np
+
+from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.stick_model import StickData
+
+
+def lacking(data: StickData) -> list[str]:
+    """What the stick frequencies lack, a phrase each; empty where they suffice."""
+    records = data.records
+    forces = np.unique(records.force)
+    lacks = []
+    if np.unique(records.mode).size < guards.MODES:
+        lacks.append("a second mode: one frequency cannot tell kn from kt")
+    if forces.size < guards.FORCES:
+        lacks.append(f"more axial forces: {forces.size} where a law needs {guards.FORCES} or more")
+    if not replicated(data):
+        lacks.append(
+            "repeated clampings: without several holds at one force the scatter of clamping is "
+            "known only from how the records miss a law"
+        )
+    if data.ln_f.size < guards.RECORDS:
+        lacks.append(
+            f"records: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
+            "from the scatter of clampings"
+        )
+    return lacks
+
+
+def replicated(data: StickData) -> bool:
+    """Whether at least half of the forces have repeated holds."""
+    records = data.records
+    holds = [np.unique(data.hold[records.force == f]).size for f in np.unique(records.force)]
+    per_mode = [
+        np.unique(data.hold[(records.force == f) & (records.mode == m)]).size
+        for f in np.unique(records.force)
+        for m in np.unique(records.mode)
+    ]
+    repeated = np.mean(np.array(per_mode) >= guards.HOLDS_A_FORCE) if per_mode else 0.0
+    return bool(holds) and bool(repeated >= 0.5)
+
+
+def hopeless(data: StickData) -> bool:
+    """Whether no law of the force can be judged: one mode, or too few forces."""
+    records = data.records
+    return (
+        np.unique(records.mode).size < guards.MODES or np.unique(records.force).size < guards.FORCES
+    )

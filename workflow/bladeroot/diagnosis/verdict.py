@@ -1,0 +1,212 @@
+"""The answer in the words of `verdict.json`."""
+
+import numpy as np
+
+from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.gain import score, within_records
+from bladeroot.diagnosis.naming import Cause, Found, plausible, sizes
+from bladeroot.diagnosis.shortfall import of_curves, of_records
+
+SCHEMA = "bladeroot-verdict-1"
+
+
+def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
+    """As `workflow/schemas/verdict.schema.yaml` has it.
+
+    every: the same with the records below the force of full contact, if such were left out; the
+    reason then says what they would change.
+    """
+    causes = _causes(made)
+    answer = _answer(made, causes)
+    return {
+        "schema": SCHEMA,
+        "campaign": str(made.seen.attrs.get("campaign", "")),
+        "structure": made.structure,
+        "answer": answer,
+        "causes": causes,
+        "shortfall": _shortfall(made),
+        "gain": gains(made),
+        "records": _records(made),
+        "reason": _reason(made, answer) + (_below(made, every) if every else ""),
+    }
+
+
+def _causes(made: Diagnosis) -> list[dict]:
+    """Causes of all channels, what explains most first; record faults by how many records."""
+    rows = []
+    for found in made.found:
+        first = found.channel.base
+        for cause in found.causes:
+            rows.append((cause.gain, _cause(made, found, cause, first)))
+            first += len(cause.mechanism.parameters)
+    for one in made.faulty:
+        if one.named:
+            rows.append((-one.ln_chance, _fault(one)))
+    return [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
+
+
+def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
+    mechanism = cause.mechanism
+    by_id = {one.id: one for one in found.channel.candidates}
+    kinds = sorted({by_id[name].kind for name in cause.credible})
+    return {
+        "mechanism": mechanism.id,
+        "class": " or ".join(kinds),
+        "credible_set": list(cause.credible),
+        "parameters": [
+            {"name": p.name, "value": value, "std": std, "unit": p.unit}
+            for p, (value, std) in zip(
+                mechanism.parameters, sizes(mechanism, found.final, first), strict=True
+            )
+        ],
+        "plausible": plausible(mechanism, found.final, first),
+        "splitter": mechanism.splitter,
+        "log_evidence": cause.gain,
+    }
+
+
+def _fault(one) -> dict:
+    count, total = int(one.records.sum()), one.records.size
+    share = count / total
+    return {
+        "mechanism": one.mechanism.id,
+        "class": "record",
+        "credible_set": [one.mechanism.id],
+        "parameters": [
+            {"name": "share", "value": share, "std": float(np.sqrt(share * (1 - share) / total)),
+             "unit": "1"}
+        ],
+        "plausible": True,
+        "splitter": one.mechanism.splitter,
+        "log_evidence": -one.ln_chance,
+    }  # fmt: skip
+
+
+def _answer(made: Diagnosis, causes: list[dict]) -> str:
+    if causes:
+        return "named" if any(len(one["credible_set"]) == 1 for one in causes) else "ambiguous"
+    if any(found.unexplained for found in made.found):
+        return "unexplained"
+    return "insufficient-data" if made.lacks else "nothing-missing"
+
+
+def _shortfall(made: Diagnosis) -> list[dict]:
+    """What the baseline misses in each channel that misses anything, in words."""
+    rows = []
+    for found in made.found:
+        if not found.causes and not found.unexplained:
+            continue
+        explained = not found.unexplained
+        if found.channel.name == "curve":
+            new = of_curves(made.curves, found.baseline)
+        else:
+            step = found.steps[0]
+            axis = max(step.smooth, key=step.smooth.get, default="force")
+            if found.causes:
+                over = found.causes[0].mechanism.over[0]
+                axis = {"sign": "direction", "since": "time in a hold"}.get(over, over)
+            data = made.data if found.channel.name == "stick" else made.damping.stick
+            new = of_records(found.channel.name, data, found.baseline, axis)
+        rows += [row | {"explained": explained} for row in new]
+    return rows
+
+
+def gains(made: Diagnosis) -> dict:
+    """Held-out errors before and after: between forces and holds, within records."""
+    result: dict = {}
+    for found in made.found:
+        if not found.causes:
+            continue
+        if found.channel.name == "stick":
+            mode = made.data.records.mode
+            for part, name in (("force", "between_forces"), ("hold", "between_holds")):
+                one = score(found, part, mode)
+                result[name] = {
+                    "before": one.error[0], "after": one.error[1], "unit": "1",
+                    "by_mode": {
+                        made.data.modes[g]: {"before": a, "after": b}
+                        for g, (a, b) in one.by_group.items()
+                    },
+                }  # fmt: skip
+                if part == "force":
+                    result["log_score"] = {"before": one.log_score[0], "after": one.log_score[1]}
+        elif found.channel.name == "curve":
+            sides = within_records(found, made.curves.quantity)
+            result["within_records"] = {
+                name: {"before": before, "after": after, "unit": "1"}
+                for name, (before, after) in sides.items()
+            }
+            part = score(found, "force", made.curves.quantity)
+            result["log_score_curves"] = {"before": part.log_score[0], "after": part.log_score[1]}
+    return result
+
+
+def _records(made: Diagnosis) -> dict[str, list[str]]:
+    findings = made.seen["findings"].values.astype(str)
+    names = made.seen["record"].values.astype(str)
+    return {n: f.split(";") for n, f in zip(names, findings, strict=True) if f}
+
+
+def runner_up(found: Found) -> tuple[str, float]:
+    """The mechanism next to the first cause, and how much less evidence it has."""
+    gains_ = found.steps[0].mechanisms
+    order = sorted(gains_, key=gains_.get, reverse=True)
+    others = [name for name in order if name != found.causes[0].mechanism.id]
+    return (others[0], found.causes[0].gain - gains_[others[0]]) if others else ("", np.inf)
+
+
+def _below(made: Diagnosis, every: Diagnosis) -> str:
+    """What the records at lower forces add."""
+    causes = _causes(every)
+    said = (
+        f". With the records below {made.settings.least_force / 1e3:g} kN: {_answer(every, causes)}"
+    )
+    for one in causes:
+        first = one["parameters"][0]
+        scale, unit = (1e-3, "kN") if first["unit"] == "N" else (1.0, first["unit"])
+        said += f", {' or '.join(one['credible_set'])} ({first['name'].replace('_', ' ')} "
+        said += f"{scale * first['value']:.3g} +- {scale * first['std']:.2g} {unit}, "
+        said += f"log evidence {one['log_evidence']:.1f})"
+    open_ends = [found for found in every.found if found.unexplained]
+    for found in open_ends:
+        said += f"; the {found.channel.name} data leave something smooth in {found.unexplained}"
+    return said
+
+
+def _reason(made: Diagnosis, answer: str) -> str:
+    """Two or three sentences that an engineer can act on."""
+    if answer == "insufficient-data":
+        return f"the campaign lacks {'; '.join(made.lacks)}"
+    lines = []
+    if answer == "nothing-missing":
+        lines.append("the simulation explains all records within their scatter")
+    for found in made.found:
+        for number, cause in enumerate(found.causes):
+            text = f"{cause.mechanism.id}: {cause.mechanism.sentence}"
+            text += f" (log evidence {cause.gain:.1f} over the simulation without it"
+            if number == 0:
+                other, less = runner_up(found)
+                text += f"; next is {other}, {less:.1f} less" if other else ""
+                why = found.known.barred.get(other, "")
+                text += f", not named because {why}" if why else ""
+            lines.append(text + ")")
+            if len(cause.credible) > 1:
+                lines.append(
+                    f"{', '.join(cause.credible)} explain it about as well; to decide: "
+                    f"{cause.mechanism.splitter}"
+                )
+        if found.unexplained:
+            lines.append(
+                f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
+                "no mechanism of the catalogue explains"
+            )
+    for one in made.faulty:
+        if one.named:
+            lines.append(
+                f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
+            )
+    if made.left_out:
+        lines.append(made.left_out)
+    if made.lacks:
+        lines.append(f"no statement on gauge and level effects: it lacks {'; '.join(made.lacks)}")
+    return ". ".join(lines)

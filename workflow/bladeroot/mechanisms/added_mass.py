@@ -1,0 +1,45 @@
+"""Mass on the beam that the model does not have."""
+
+import numpy as np
+
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter
+from bladeroot.structure.ritz import Ritz
+from bladeroot.structure.sensitivity import Change, motion
+
+_STEP = 1e-3  # m
+
+
+def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
+    """Mass (kg) at a place on the display line (m from mid-span), moving with it."""
+    mass, x = values
+    reach = float(np.abs(ritz.display_x).max()) - 1.01 * _STEP
+    x = float(np.clip(x, -reach, reach))
+    none = np.zeros_like(ritz.beam)
+
+    def unit(place: float) -> np.ndarray:
+        rows = motion(ritz, place)
+        return rows.T @ rows
+
+    along = (unit(x + _STEP) - unit(x - _STEP)) / (2.0 * _STEP)
+    here = unit(x)
+    return Change(none, mass * here), [Change(none, here), Change(none, mass * along)]
+
+
+MECHANISM = Mechanism(
+    id="added-mass",
+    kind="level",
+    sentence="something on the beam that the model lacks: a sensor, a target, a shaker's pad",
+    parameters=(
+        Parameter(
+            "mass", "kg", 0.0, 0.015, 0.0, 0.1,
+            "an accelerometer with its cable 2 to 30 g",
+        ),
+        Parameter(
+            "place", "m", 0.0, 0.01, -0.15, 0.15,
+            "sensors and shaker sit at mid-span", shape=True,
+        ),
+    ),
+    splitter="weigh the beam as tested, or ring it down free-free with what is mounted on it",
+    structure=structure,
+    starts=((0.02, 0.0),),
+)  # fmt: skip

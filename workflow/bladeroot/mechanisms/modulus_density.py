@@ -1,0 +1,40 @@
+"""A modulus or a density that is not the model's."""
+
+import numpy as np
+
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter
+from bladeroot.structure.ritz import Ritz
+from bladeroot.structure.sensitivity import Change, scaled
+
+
+def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
+    """Modulus and density of beam and slots, relative to the model's."""
+    modulus, density = values
+    none, stiff, mass = np.zeros_like(ritz.beam), np.zeros_like(ritz.beam), np.zeros_like(ritz.beam)
+    for part in ("beam_stiffness", "slot_stiffness"):
+        stiff = stiff + scaled(ritz, part).stiffness
+    for part in ("beam_mass", "slot_mass"):
+        mass = mass + scaled(ritz, part).mass
+    whole = Change(modulus * stiff, density * mass)
+    return whole, [Change(stiff, none), Change(none, mass)]
+
+
+MECHANISM = Mechanism(
+    id="modulus-density",
+    kind="level",
+    sentence="the material is stiffer, softer, lighter or heavier than the model's",
+    parameters=(
+        Parameter(
+            "modulus", "1", 0.0, 0.015, -0.1, 0.1,
+            "steels of one grade scatter by 1 to 2 % in modulus",
+        ),
+        Parameter(
+            "density", "1", 0.0, 0.005, -0.05, 0.05,
+            "density scatters by half a per cent", shape=True,
+        ),
+    ),
+    splitter="a free-free test of the beam and its weight",
+    structure=structure,
+    starts=((0.02, 0.0), (-0.02, 0.0)),
+    needs="free-free",
+)  # fmt: skip
