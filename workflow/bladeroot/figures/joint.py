@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from bladeroot.figures.style import (
+    MODE_COLOURS,
     PUBLISHED,
     STRUCTURE_COLOURS,
     note_simulated,
@@ -19,10 +20,16 @@ from bladeroot.figures.style import (
 _NAMES = {"kn": "kn of a flank / GN/m", "kt": "kt of a flank / GN/m"}
 
 
-def joint(found: Sequence[xr.Dataset], stiffness: xr.Dataset, simulated: bool) -> Figure:
+def joint(
+    found: Sequence[xr.Dataset],
+    searches: Sequence[xr.Dataset],
+    stiffness: xr.Dataset,
+    simulated: bool,
+) -> Figure:
     """Bands of kn(F) and kt(F), and draws of (kn, kt) at 12 kN with what fixes them.
 
-    found: joint inferences, a row each. stiffness: the searches force by force and Table 5.2.
+    found: joint inferences, a row each. searches: force by force, whose maps give the lines of the
+    measured frequencies. stiffness: these side by side, with Table 5.2.
     """
     full = [one for one in found if one.attrs["law"]]
     if not full:
@@ -32,7 +39,7 @@ def joint(found: Sequence[xr.Dataset], stiffness: xr.Dataset, simulated: bool) -
         colour = STRUCTURE_COLOURS[row % len(STRUCTURE_COLOURS)]
         for column, name in enumerate(_NAMES):
             _over_force(axes[row, column], one, stiffness, name, colour)
-        _plane(axes[row, 2], one, stiffness, colour)
+        _plane(axes[row, 2], one, searches, stiffness, colour)
         axes[row, 0].set_title(f"{one.attrs['structure']}: {one.attrs['law']}", loc="left")
     axes[0, 0].legend(fontsize=6.5, loc="best")
     axes[0, 2].legend(fontsize=6.5, loc="best")
@@ -64,17 +71,17 @@ def _over_force(axis, one: xr.Dataset, stiffness: xr.Dataset, name: str, colour:
     plain_log_scale(axis)
 
 
-def _plane(axis, one: xr.Dataset, stiffness: xr.Dataset, colour: str) -> None:
-    k = 1e-9 * one["reference_draw"].values
-    axis.plot(*k.T, ".", color=colour, markersize=1.2, alpha=0.35, rasterized=False)
-    ln_k = np.log(k)
-    values, vectors = np.linalg.eigh(np.cov(ln_k.T))
-    circle = np.stack([np.cos(t := np.linspace(0, 2 * np.pi, 200)), np.sin(t)])
-    for share, style in ((0.68, "-"), (0.95, "--")):
-        radius = np.sqrt(-2.0 * np.log(1.0 - share) * values)
-        ring = np.exp(ln_k.mean(axis=0)[:, None] + vectors @ (radius[:, None] * circle))
-        axis.plot(*ring, style, color="black", linewidth=0.9,
-                  label=f"{100 * share:.0f} % of a normal in ln k")  # fmt: skip
+def _plane(axis, one: xr.Dataset, searches: Sequence[xr.Dataset], stiffness, colour: str) -> None:
+    axis.plot(
+        *(1e-9 * one["reference_draw"].values.T), ".", color=colour, markersize=1.2, alpha=0.35
+    )
+    kn, kt = (1e-9 * one[f"region_{name}"].values for name in _NAMES)
+    share = one["region_share"].transpose("region_kt", "region_kn").values
+    axis.set(xlim=(kn[0], kn[-1]), ylim=(kt[0], kt[-1]), xscale="log")
+    for level, style in ((0.68, "-"), (0.95, "--")):
+        axis.contour(kn, kt, share, [level], colors="black", linewidths=0.9, linestyles=style)
+        axis.plot([], [], style, color="black", linewidth=0.9, label=f"{100 * level:.0f} % region")
+    _lines(axis, one, searches)
     at = stiffness["force"].values
     near = int(np.argmin(np.abs(at - one.attrs["reference_force_N"])))
     if "published_kn_total" in stiffness and abs(at[near] - one.attrs["reference_force_N"]) < 1:
@@ -85,10 +92,30 @@ def _plane(axis, one: xr.Dataset, stiffness: xr.Dataset, colour: str) -> None:
             1e-9 * float(here["published_kn_total_std"]),
             fmt="D", markersize=3, color=PUBLISHED, label="Table 5.2 × 33, 12 kN",
         )  # fmt: skip
-    axis.set_xscale("log")
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     plain_log_scale(axis)
     axis.set_xlabel(_NAMES["kn"])
     axis.set_ylabel(_NAMES["kt"])
     axis.set_title("at 12 kN", loc="left")
+
+
+def _lines(axis, one: xr.Dataset, searches: Sequence[xr.Dataset]) -> None:
+    """Where each mode by itself has its measured frequency, were the model without a bias."""
+    reference = one.attrs["reference_force_N"]
+    for search in searches:
+        here = search.attrs["structure"], search.attrs["axial_force"]
+        if here != (one.attrs["structure"], reference):
+            continue
+        kn, kt = 1e-9 * search["map_kn"].values, 1e-9 * search["map_kt"].values
+        for mode, colour in MODE_COLOURS.items():
+            of_mode = search.sel(mode=mode)
+            target = float(of_mode["target_frequency"] * (1.0 + of_mode["fe_offset"]))
+            label = f"{mode} as measured"
+            if np.isfinite(target):
+                frequency = of_mode["map_frequency"].transpose("map_kt", "map_kn").values
+                met = frequency.min() < target < frequency.max()
+                label += "" if met else ": nowhere"
+                if met:
+                    axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.3)
+                axis.plot([], [], color=colour, linewidth=1.3, label=label)

@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import PUBLISHED, note_simulated, panels
+from bladeroot.figures.style import MODE_COLOURS, PUBLISHED, note_simulated, panels
 
 # Beyond a factor of two the map bends and the linear covariance is no picture of the doubt.
 _LARGEST_ELLIPSE = 0.7
-_MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#2a7f62"}
 
 
 def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool) -> Figure:
@@ -50,7 +49,7 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
     kn, kt = 1e-9 * found["map_kn"].values, 1e-9 * found["map_kt"].values
     axis.set_xscale("log")
     axis.set_yscale("log")
-    for mode, colour in _MODE_COLOURS.items():
+    for mode, colour in MODE_COLOURS.items():
         here = found.sel(mode=mode)
         frequency = here["map_frequency"].transpose("map_kt", "map_kn").values
         lines = axis.contour(kn, kt, frequency, 9, colors=colour, linewidths=0.35, alpha=0.6)

@@ -16,6 +16,7 @@ from numpy import ndarray
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
 STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
+MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#8a4fa3"}
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
 _STYLE = {

@@ -5,15 +5,19 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 import xarray as xr
 
+from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.errata import errata_section
+from bladeroot.report.extended import extended_parts
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.joint import joint_parts
 from bladeroot.report.ledger import ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
+from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Section, render
 from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.structure import structure_section
 from bladeroot.report.summary import summary_section, undecided_section
+from bladeroot.report.table_5_2 import table_5_2_remarks
 from bladeroot.report.theory import theory_section
 from bladeroot.report.thesis_search import thesis_search_parts
 
@@ -25,6 +29,11 @@ def report(
     accuracies: Sequence[xr.Dataset],
     calibrations: Sequence[xr.Dataset],
     joints: Sequence[xr.Dataset],
+    diagnoses: Sequence[xr.Dataset],
+    verdicts: Sequence[Mapping],
+    extended: Sequence[xr.Dataset],
+    amplitudes: Sequence[xr.Dataset],
+    shortfalls: Sequence[xr.Dataset],
     thesis_searches: Sequence[xr.Dataset],
     figures: Mapping[str, str],
     published_5_1: pd.DataFrame,
@@ -35,9 +44,10 @@ def report(
 
     facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
     fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
-    thesis's tables, ledger. checks, accuracies, joints: of each structure; calibrations: of those
-    that have one; thesis_searches: of each structure of a campaign of the thesis. figures: SVG text
-    by name. published_5_1 and errata: of the thesis, as shipped.
+    thesis's tables, ledger. checks, accuracies, joints, diagnoses, verdicts, shortfalls: of each
+    structure; extended: joints with the causes of a model file; calibrations: of those that have
+    one; amplitudes: of each, with records; thesis_searches: of each structure of a campaign of the
+    thesis. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
     """
     score = stages.get("score")
     sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
@@ -51,14 +61,20 @@ def report(
         whole += thesis_search_parts(
             thesis_searches, figures["solution_sets"], figures["thesis_search"]
         )
+    remarks = (
+        table_5_2_remarks(verdicts, stages["stiffness"], stages["theory"]) if of_the_thesis else []
+    )
+    what_is_wrong = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"], remarks)
     held = {check.attrs["structure"]: check for check in checks}
     sections = [
         summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
+        Section(what_is_wrong.title, [*what_is_wrong.parts, *extended_parts(joints, extended)]),
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
         structure_section(held, accuracies, calibrations, figures),
         Section(stiffness.title, [*stiffness.parts, *whole]),
+        nonlinear_section(amplitudes, shortfalls, figures),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]

@@ -34,7 +34,9 @@ def joint_parts(found: Sequence[xr.Dataset], picture: str) -> list:
             picture,
             "Left and middle: kn and kt over force; bands hold 68 and 95 % of the joint posterior. "
             "Dots: the root of each force by itself, where there is one. Right: draws of the "
-            "posterior at 12 kN with the ellipses of a normal distribution.",
+            "posterior at 12 kN with the regions that hold 68 and 95 % of it, and lines on which "
+            "the model has the frequency interpolated to 12 kN, one for each mode: where they "
+            "cross is the root of that force by itself.",
         ),
         Table(
             "Joint posterior: median and 95 % interval; standard deviations of ln kn and ln kt by "

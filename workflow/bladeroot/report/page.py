@@ -8,6 +8,8 @@ import jinja2
 
 from bladeroot.report.numbers import NONE
 
+_NAME = 16  # characters
+
 
 @dataclass(frozen=True)
 class Table:
@@ -31,6 +33,10 @@ class Table:
         """Whether a column holds words, which stand to the left; numbers stand to the right."""
         return column == 0 or any(row[column][:1].isalpha() for row in self.rows)
 
+    def is_short(self, column: int) -> bool:
+        """Whether no cell of a column is longer than a name, which must not break at its hyphen."""
+        return all(len(row[column]) <= _NAME for row in self.rows)
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -41,11 +47,19 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Box:
+    """What must not be overlooked: a head and lines."""
+
+    head: str
+    lines: Sequence[str]
+
+
+@dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs (str), tables and pictures in reading order."""
+    """A heading with paragraphs (str), tables, pictures and boxes in reading order."""
 
     title: str
-    parts: Sequence["str | Table | Picture"] = field(default_factory=list)
+    parts: Sequence["str | Table | Picture | Box"] = field(default_factory=list)
 
 
 def render(
@@ -56,6 +70,7 @@ def render(
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
     environment.tests["table"] = lambda part: isinstance(part, Table)
     environment.tests["picture"] = lambda part: isinstance(part, Picture)
+    environment.tests["box"] = lambda part: isinstance(part, Box)
     template = environment.from_string((files / "page.html.j2").read_text(encoding="utf-8"))
     return template.render(
         title=title,

@@ -1,0 +1,75 @@
+"""The part of the report on what the simulation gets wrong: verdict, evidence, gain, what next."""
+
+from collections.abc import Mapping, Sequence
+
+import xarray as xr
+
+from bladeroot.report.diagnosis_tables import (
+    candidates_table,
+    gain_table,
+    sizes_table,
+    stiffness_tables,
+    structures_table,
+)
+from bladeroot.report.next_measurement import next_parts
+from bladeroot.report.page import Box, Picture, Section
+from bladeroot.report.verdict import cautions, disagreement, verdict_box
+
+_CAPTIONS = {
+    "frequencies": "Stick frequency over the axial force, measured and simulated, before and after "
+    "the cause is part of the simulation; below, what is left. Before: contact stiffness as smooth "
+    "contact has it.",
+    "curves": "Frequency and loss factor over amplitude at some of the forces, as change from the "
+    "stuck joint: measured (dots) and simulated.",
+    "residuals": "What the simulation leaves of each record's stick frequency, in standard "
+    "deviations of what clamping, gauge and noise scatter (after the cause, both columns), over "
+    "what the campaign varied. Grey: two standard deviations.",
+    "residual_maps": "The same of the curves, over amplitude and force: blue where the measurement "
+    "lies below the simulation, red above.",
+    "law": "Contact stiffness over the force as the simulation has it before and after, each with "
+    "one standard deviation. A band before the cause is that of a simulation that does not fit.",
+}
+
+
+def diagnosis_section(
+    found: Sequence[xr.Dataset],
+    verdicts: Sequence[Mapping],
+    figures: Mapping[str, str],
+    simulated: bool,
+    remarks: Sequence[str] = (),
+) -> Section:
+    """The section that an engineer reads first.
+
+    found, verdicts: of each structure, the main one first. figures: SVG text by name. remarks: what
+    the verdict means for this campaign in particular.
+    """
+    box = verdict_box(found[0], verdicts[0], simulated)
+    parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
+    parts += cautions(found, verdicts)
+    if len(found) > 1:
+        parts.append(structures_table(found, verdicts))
+    parts += [
+        *remarks,
+        Picture(
+            figures["diagnosis_ranking"],
+            "Possible causes by their evidence: how much more probable each makes the measurement "
+            "than the simulation as it is (natural logarithm; 3 is 20 to 1). Named: dark; as good "
+            "as it: light; not judged: the campaign cannot speak of it, or says itself that it is "
+            "not so. Hatched: a curve of any shape, which names nothing; what it explains and "
+            "no cause does would be unexplained.",
+        ),
+        candidates_table(found),
+        *([sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []),
+    ]
+    law = any("stick_residual" in one for one in found)
+    over_amplitude = any("curve_mode" in one for one in found)
+    shown = {"frequencies": law, "curves": over_amplitude, "residuals": law,
+             "residual_maps": over_amplitude}  # fmt: skip
+    parts += [
+        Picture(figures[f"diagnosis_{name}"], _CAPTIONS[name]) for name in shown if shown[name]
+    ]
+    gain = gain_table(verdicts)
+    parts += [gain] if gain.rows else []
+    parts += [Picture(figures["diagnosis_law"], _CAPTIONS["law"])] if law else []
+    parts += [*stiffness_tables(found), *next_parts(found)]
+    return Section("What the simulation gets wrong, and why", parts)

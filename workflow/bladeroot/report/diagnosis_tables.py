@@ -1,0 +1,179 @@
+"""Tables of the diagnosis: structures, candidates, sizes of the causes, gain, kn and kt."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.page import Table
+from bladeroot.report.verdict import ANSWERS, plain, size
+
+
+def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
+    """The verdicts side by side."""
+    rows = []
+    for one, said in zip(found, verdicts, strict=True):
+        gain = said["gain"].get("between_forces", {"before": np.nan, "after": np.nan})
+        first = said["causes"][0] if said["causes"] else None
+        name, evidence = _next_best(one, first) if first else ("", np.nan)
+        rows.append(
+            (
+                said["structure"],
+                ANSWERS[said["answer"]],
+                listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
+                size(first["parameters"][0]) if first else NONE,
+                fixed(first["log_evidence"], 1) if first else NONE,
+                f"{plain(name)} ({fixed(evidence, 1)})" if name else NONE,
+                f"{percent(gain['before'], 2)} → {percent(gain['after'], 2)}" if first else NONE,
+            )
+        )
+    return Table(
+        "The same question asked with each structure: a name is safe where the geometries agree, a "
+        "size only within their spread",
+        (
+            "structure",
+            "answer",
+            "cause",
+            "size",
+            "log evidence",
+            "next best",
+            "error at unseen forces",
+        ),
+        rows,
+    )
+
+
+def _next_best(one: xr.Dataset, cause: Mapping) -> tuple[str, float]:
+    """The best other mechanism in the data that show a cause."""
+    names = one["candidate"].values.astype(str)
+    channel = one["channel"].values[names == cause["mechanism"]][0]
+    for k, name in enumerate(names):  # sorted by evidence
+        same = one["channel"].values[k] == channel and one["class"].values[k] != "smooth"
+        if same and name != cause["mechanism"]:
+            return name, float(one["log_evidence"][k])
+    return "", np.nan
+
+
+def candidates_table(found: Sequence[xr.Dataset]) -> Table:
+    """Everything that was compared."""
+    rows = [
+        (
+            one.attrs["structure"],
+            str(name) if kind == "smooth" else plain(str(name)),
+            str(kind),
+            str(channel),
+            fixed(float(value), 1),
+            str(barred) or NONE,
+        )
+        for one in found
+        for name, kind, channel, value, barred in zip(
+            *(
+                one[key].values
+                for key in ("candidate", "class", "channel", "log_evidence", "barred")
+            ),
+            strict=True,
+        )
+    ]
+    return Table(
+        "All that was tried, by evidence (record faults: -ln of the chance of as many by mistake)",
+        ("structure", "possible cause", "class", "data", "log evidence", "not judged because"),
+        rows,
+        folded=True,
+    )
+
+
+def sizes_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
+    """All parameters of all causes."""
+    rows = [
+        (
+            said["structure"],
+            plain(cause["mechanism"]),
+            plain(p["name"]),
+            size(p),
+            "yes" if cause["plausible"] else "no",
+            cause["splitter"],
+        )
+        for said in verdicts
+        for cause in said["causes"]
+        for p in cause["parameters"]
+    ]
+    return Table(
+        "The causes with their parameters",
+        ("structure", "cause", "parameter", "value", "plausible", "what would tell it from others"),
+        rows,
+        folded=True,
+    )
+
+
+def gain_table(verdicts: Sequence[Mapping]) -> Table:
+    """Held-out errors before and after."""
+    rows = []
+
+    def add(structure: str, text: str, sides: Mapping, digits: int = 3) -> None:
+        before, after = sides["before"], sides["after"]
+        rows.append((structure, text, percent(before, digits), percent(after, digits),
+                     percent(1.0 - after / before, 0)))  # fmt: skip
+
+    for said in verdicts:
+        for key, text in (
+            ("between_forces", "a force left out"),
+            ("between_holds", "a clamping left out"),
+        ):
+            if key in said["gain"]:
+                sides = said["gain"][key]
+                add(said["structure"], f"stick frequency, {text}", sides)
+                for mode, part in sides.get("by_mode", {}).items():
+                    add(said["structure"], f"stick frequency of {mode}, {text}", part)
+        for name, sides in said["gain"].get("within_records", {}).items():
+            text = "frequency" if name == "frequency" else "loss factor (absolute)"
+            add(said["structure"], f"{text} over amplitude, a force left out", sides)
+        for key, text in (("log_score", "stick frequency"), ("log_score_curves", "curves")):
+            if key in said["gain"]:
+                before, after = said["gain"][key]["before"], said["gain"][key]["after"]
+                name = f"{text}: log score of what was left out (more is better)"
+                cells = fixed(before, 1), fixed(after, 1), f"{after - before:+.1f}"
+                rows.append((said["structure"], name, *cells))
+    return Table(
+        "What the cause is worth: errors (root mean square) of predictions of data that the fit "
+        "did not see, before and after",
+        ("structure", "prediction of", "before", "after", "smaller by"),
+        rows,
+    )
+
+
+def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
+    """kn and kt at the ends of the campaign's forces and at 12 kN."""
+    full = [one for one in found if "law_k" in one]
+    if not full:
+        return []
+    rows = []
+    for one in full:
+        forces = one["law_force"].values
+        near = int(np.argmin(np.abs(forces - 12e3)))
+        for f in sorted({0, near, forces.size - 1}):
+            here = one.isel(law_force=f)
+            cells = [one.attrs["structure"], f"{forces[f] / 1e3:.3g}"]
+            cells += [
+                _k(here, name, stage) for name in ("kn", "kt") for stage in ("before", "after")
+            ]
+            cells += [fixed(float(c), 2) for c in here["law_correlation"]]
+            rows.append(tuple(cells))
+    return [
+        Table(
+            "kn and kt of a flank by the laws before and after, GN/m, with one standard deviation "
+            "of ln k, and the correlation of ln kn and ln kt",
+            ("structure", "force / kN", "kn before", "kn after", "kt before", "kt after",
+             "correlation before", "correlation after"),
+            rows,
+        )
+    ]  # fmt: skip
+
+
+def _k(here: xr.Dataset, name: str, stage: str) -> str:
+    """Stiffness with its interval; nothing after a verdict without a cause."""
+    if stage == "after" and not here.attrs["named"]:
+        return NONE
+    one = here.sel(stage=stage, stiffness=name)
+    k, spread = 1e-9 * float(one["law_k"]), float(np.exp(one["law_ln_std"]))
+    return f"{significant(k, 2)} ({significant(k / spread, 2)} to {significant(k * spread, 2)})"

@@ -1,0 +1,90 @@
+"""The part of the report on the next measurement: what each would decide."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.numbers import fixed, listed, percent
+from bladeroot.report.page import Table
+
+
+def best_option(one: xr.Dataset) -> str:
+    """What decides most between the causes, or fixes the cause's size, or kn and kt, best."""
+    if one["decided"].values[0] == 0.0 and np.nanmax(one["decided"].values) > 0.0:
+        best = int(np.nanargmax(one["decided"].values))
+    elif np.isfinite(one["size_std"].values).all():
+        best = int(np.argmin(one["size_std"].values))
+    else:
+        best = int(np.argmin(one["expected_ln_std"].sum("stiffness").values))
+    return str(one["option"].values[best])
+
+
+def next_sentence(one: xr.Dataset) -> list[str]:
+    """What to measure next, with what it is expected to bring; nothing where that is not known."""
+    if "decided" not in one:
+        return []
+    name = best_option(one)
+    here, now = one.sel(option=name), one.isel(option=0)
+    text = f"Measure next: {name}"
+    if float(here["decided"]) > 0.0:
+        text += (
+            f"; it is expected to decide {percent(float(here['decided']), 0)} of the question "
+            f"between {_rivals(one)}"
+        )
+    elif np.isfinite(float(here["size_std"])):
+        text += (
+            f"; the cause's size would be known {percent(1 - float(here['size_std']), 0)} better"
+        )
+    else:
+        better = 1.0 - here["expected_ln_std"].values / now["expected_ln_std"].values
+        kn, kt = (percent(float(part), 0) for part in better)
+        text += f"; ln kn would be known {kn} and ln kt {kt} better"
+    return [text + "."]
+
+
+def _rivals(one: xr.Dataset) -> str:
+    """The causes that the measurement is to tell apart, as words."""
+    names = str(one["decided"].attrs["rivals"]).split(";")
+    return listed([name.replace("-", " ") for name in names])
+
+
+def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
+    """A table of the measurements that were weighed."""
+    rows = [
+        (
+            one.attrs["structure"],
+            str(name),
+            percent(float(here["decided"]), 0),
+            percent(1.0 - float(here["size_std"]), 0),
+            *(fixed(float(v), 2) for v in here["expected_ln_std"]),
+        )
+        for one in found
+        if "decided" in one
+        for name in one["option"].values
+        for here in [one.sel(option=name)]
+    ]
+    if not rows:
+        return []
+    sets = [
+        f"{one.attrs['structure']}: {_rivals(one)}"
+        for one in found
+        if "decided" in one and ";" in one["decided"].attrs["rivals"]
+    ]
+    return [
+        Table(
+            "What a further measurement is expected to bring. Question decided: how much of the "
+            "doubt between the possible causes, each taken to be as probable as the others, it "
+            f"removes on average{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
+            "much better the first cause's size would be known. std: of ln kn and ln kt at 12 kN",
+            (
+                "structure",
+                "measurement",
+                "question decided",
+                "size better by",
+                "std ln kn",
+                "std ln kt",
+            ),
+            rows,
+        )
+    ]

@@ -1,0 +1,162 @@
+"""The part of the report on the nonlinear joint: what curves add, and what slips first."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.numbers import fixed, significant
+from bladeroot.report.page import Picture, Section, Table
+
+
+def nonlinear_section(
+    found: Sequence[xr.Dataset], shortfalls: Sequence[xr.Dataset], figures: Mapping[str, str]
+) -> Section:
+    """Inference with amplitude where there are records; the shortfall of uniform friction."""
+    full = [one for one in found if one.attrs["law"]]
+    parts: list = []
+    if full:
+        parts += [
+            "Above a certain amplitude places of the flanks slip: the frequency falls and damping "
+            "rises. The curves of each record, counted from its own stick frequency and loss "
+            "factor, are explained together with all stick frequencies: how far they fall and rise "
+            "says how much of the motion goes through the tangential springs. Friction and how "
+            "pressure is spread over the flanks are unknown, too, and are integrated out. The "
+            "simulated curves (first loading and Masing's rules) are trusted to "
+            f"{100 * full[0].attrs['discrepancy']:g} % of the largest effect.",
+            *[_said(one) for one in full],
+            Table(
+                "Standard deviations of ln kn and ln kt under the same law of the force, from the "
+                "frequencies alone and with the curves, and how much smaller they become; area: of "
+                "the ellipse of both",
+                (
+                    "structure",
+                    "force / kN",
+                    "ln kn alone",
+                    "ln kn",
+                    "ln kt alone",
+                    "ln kt",
+                    "kn narrower by",
+                    "kt narrower by",
+                    "area smaller by",
+                    "correlation",
+                ),
+                [_row(one, f) for one in full for f in range(one.sizes["force"])],
+            ),
+            Table(
+                "Friction: most probable values at the stiffness found, factor of one standard "
+                "deviation, and the prior's median and factor",
+                (
+                    "structure",
+                    "parameter",
+                    "value",
+                    "factor",
+                    "prior",
+                    "its factor",
+                    "prior's origin",
+                ),
+                [_friction(one, k) for one in full for k in range(one.sizes["friction"])],
+            ),
+            Picture(
+                figures["amplitude_curves"],
+                "Fall of frequency and friction's loss factor over amplitude: measured (dots, bars "
+                "with the error granted to the model) and simulated (lines) at every axial force.",
+            ),
+            Picture(
+                figures["amplitude_stiffness"],
+                "Top: kn and kt with 95 % intervals, without and with curves. Bottom: simulated "
+                "fall of the frequency over amplitude and force; dots are where it was measured.",
+            ),
+            Picture(
+                figures["slip"],
+                "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the "
+                "part of each node pair that slips on one flank.",
+            ),
+        ]
+    return Section("Nonlinear joint", [*parts, *[p for s in shortfalls for p in _shortfall(s)]])
+
+
+def _said(one: xr.Dataset) -> str:
+    z = (one["fall"] - one["fall_simulated"]) / one["fall_std"]
+    relative = np.sqrt(
+        np.mean((one["fall_simulated"] / one["fall"] - 1.0).values[_large(one)] ** 2)
+    )
+    shrunk = one["shrinkage"]
+    text = (
+        f"{one.attrs['structure']}, law {one.attrs['law']}: with the curves ln kn is known "
+        f"{fixed(float(shrunk.sel(stiffness='kn').median()), 1)} and ln kt "
+        f"{fixed(float(shrunk.sel(stiffness='kt').median()), 1)} times better (median of forces), "
+        f"the area of their ellipse is {fixed(float(one['area_shrinkage'].median()), 1)} times "
+        f"smaller. {one.sizes['point']} points of curves; where the frequency falls by more than a "
+        f"fifth of the largest fall, simulation misses it by {significant(100 * relative, 2)} %; "
+        f"in all, by {fixed(float(np.sqrt((z**2).mean())), 1)} of the standard deviations granted."
+    )
+    if not one.attrs["converged"]:
+        text += " The fit did NOT converge: these numbers are not to be used."
+    return text
+
+
+def _large(one: xr.Dataset) -> np.ndarray:
+    return one["fall"].values < 0.2 * one["fall"].values.min()
+
+
+def _row(one: xr.Dataset, f: int) -> tuple[str, ...]:
+    here = one.isel(force=f)
+    cells = [one.attrs["structure"], f"{float(here['force']) / 1e3:g}"]
+    for name in ("kn", "kt"):
+        own = here.sel(stiffness=name)
+        cells += [fixed(float(own["frequencies_ln_std"]), 3), fixed(float(own["ln_std"]), 3)]
+    cells += [fixed(float(v), 2) for v in here["shrinkage"]]
+    return (*cells, fixed(float(here["area_shrinkage"]), 2), fixed(float(here["correlation"]), 2))
+
+
+def _friction(one: xr.Dataset, k: int) -> tuple[str, ...]:
+    here = one.isel(friction=k)
+    return (
+        one.attrs["structure"],
+        str(here["friction"].values),
+        significant(float(here["friction_value"]), 2),
+        fixed(float(np.exp(here["friction_ln_std"])), 2),
+        significant(float(here["friction_prior"]), 2),
+        fixed(float(np.exp(here["friction_prior_ln_std"])), 1),
+        str(here["friction_origin"].values),
+    )
+
+
+def _shortfall(table: xr.Dataset) -> list:
+    """Where slip begins, by pressure, in words and as tables."""
+    seen, onset, partial = table.attrs["seen_m"], table["onset"], table["partial_onset"]
+    exponent = np.interp(np.log(seen), np.log(onset.values[::-1]), table["exponent"].values[::-1])
+    best = partial.isel(np.abs(np.log(partial / seen)).argmin(dim=["share", "loose"]))
+    words = (
+        f"What slips first. With uniform pressure and friction {table.attrs['friction']:g} nothing "
+        f"slips in {table.attrs['mode']} at {table.attrs['force_N'] / 1e3:g} kN below "
+        f"{1e6 * float(table['first_slip'][0]):.0f} µm ({table.attrs['structure']}, kn "
+        f"{1e-9 * table.attrs['kn']:.2g} and kt {1e-9 * table.attrs['kt']:.2g} GN/m); the source "
+        f"sees the frequency fall from {1e6 * seen:.0f} µm on. A pressure that falls to the edges "
+        f"of the whole width with exponent {exponent:.2g} would do that; an elliptic one (0.5) "
+        f"lets it fall at {1e6 * float(onset.sel(exponent=0.5)):.0f} µm. So would partial contact: "
+        f"with {100 * float(best['share']):g} % of the width bearing all but "
+        f"{100 * float(best['loose']):g} % of the load the frequency has fallen by 200 ppm at "
+        f"{1e6 * float(best):.1f} µm."
+    )
+    full = Table(
+        "Full contact: amplitude at which the first place slips and at which the frequency has "
+        "fallen by 200 ppm, by the exponent of pressure over the width (0 uniform, 0.5 elliptic)",
+        ("exponent", "first slip / µm", "fallen by 200 ppm / µm"),
+        [
+            (f"{e:g}", *(significant(1e6 * float(v.sel(exponent=e)), 2)
+                         for v in (table["first_slip"], onset)))
+            for e in table["exponent"].values
+        ],
+    )  # fmt: skip
+    part = Table(
+        "Partial contact: amplitude in µm at which the frequency has fallen by 200 ppm, by the "
+        "part of the width that bears the load evenly and the load that stays spread over all",
+        ("share in contact", *(f"{100 * v:g} % spread over all" for v in table["loose"].values)),
+        [
+            (f"{100 * s:g} %", *(significant(1e6 * float(v), 2) for v in partial.sel(share=s)))
+            for s in table["share"].values
+        ],
+    )
+    return [words, full, part]

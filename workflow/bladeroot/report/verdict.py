@@ -1,0 +1,190 @@
+"""The verdict on a campaign in words: what is missing, why, what to do, what it does not say."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.report.next_measurement import next_sentence
+from bladeroot.report.numbers import fixed, listed, percent
+from bladeroot.report.page import Box
+
+ANSWERS = {
+    "nothing-missing": "nothing is missing",
+    "named": "cause named",
+    "ambiguous": "cause known up to a few",
+    "unexplained": "something is missing, cause not in the catalogue",
+    "insufficient-data": "too few data",
+}
+BELOW = "With the records below"  # how a verdict's reason begins to speak of lower forces
+NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
+_NUMBER = re.compile(r"(?<=by )(up to )?[\d.e+-]+( %)?")
+CLASSES = {
+    "amplitude": "an effect of the amplitude",
+    "force-law": "a law of the force",
+    "level": "the same at all forces",
+    "time": "a change in time",
+    "direction": "an effect of loading and unloading",
+    "record": "a fault of records",
+}
+_UNITS = {
+    "m/N": (1e9, "µm/kN"),
+    "N": (1e-3, "kN"),
+    "kg": (1e3, "g"),
+    "m": (1e3, "mm"),
+    "1": (1.0, ""),
+}
+
+
+def plain(name: str) -> str:
+    """A mechanism's id as words."""
+    return name.replace("-", " ")
+
+
+def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
+    """What is missing, why, and what to do, a line each."""
+    lines = [_missing(one, said), *_because(one, said)]
+    gain = said["gain"].get("between_forces")
+    if gain:
+        better = "falls" if gain["after"] < gain["before"] else "does not fall"
+        lines.append(
+            f"With {'it' if len(said['causes']) == 1 else 'them'} in the simulation the error at "
+            f"forces that the fit has not seen {better}, from {percent(gain['before'], 2)} to "
+            f"{percent(gain['after'], 2)} of the stick frequency."
+        )
+    first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
+    lines += next_sentence(one) or first
+    head = f"{said['structure']}: {ANSWERS[said['answer']]}"
+    return Box(f"Simulated campaign. {head}" if simulated else head, lines)
+
+
+def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
+    """A line where another structure leads to another answer or cause than the main one."""
+
+    def outcome(said: Mapping) -> tuple:
+        return said["answer"], [cause["mechanism"] for cause in said["causes"]]
+
+    others = [said for said in verdicts[1:] if outcome(said) != outcome(verdicts[0])]
+    if not others:
+        return []
+    texts = []
+    for said in others:
+        names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
+        texts.append(
+            f"{said['structure']}, {ANSWERS[said['answer']]}{': ' + names if names else ''}"
+        )
+    return [
+        "Other structures lead elsewhere, so this holds for the one named above: "
+        f"{'; '.join(texts)}."
+    ]
+
+
+def _missing(one: xr.Dataset, said: Mapping) -> str:
+    """What the simulation misses: quantity, modes, trend."""
+    if said["answer"] == "nothing-missing":
+        return "The simulation explains all records within their scatter."
+    rows: dict[tuple[str, str], list[str]] = {}
+    for row in said["shortfall"]:
+        number = _NUMBER.search(row["trend"])
+        text = f"{number[0]} ({row['mode']})" if number else row["mode"]
+        rows.setdefault((row["quantity"], _NUMBER.sub("{}", row["trend"])), []).append(text)
+    texts = [
+        f"the {quantity} {trend.replace('{}', listed(sizes))}"
+        if trend.startswith(("rises", "falls"))
+        else f"of the {quantity}, {trend.replace('{}', listed(sizes))}"
+        for (quantity, trend), sizes in rows.items()
+    ]
+    if texts:
+        return f"Missing: {'; '.join(texts)}."
+    return "Whether something is missing cannot be said."
+
+
+def _because(one: xr.Dataset, said: Mapping) -> list[str]:
+    """The cause, or the class with what would split it, or what stands against an answer."""
+    if said["answer"] == "nothing-missing":
+        return []
+    lines = []
+    for cause in said["causes"]:
+        kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
+        if len(cause["credible_set"]) == 1:
+            row = one.isel(candidate=one["candidate"].values == cause["mechanism"])
+            sizes = listed([f"{plain(p['name'])} {size(p)}" for p in cause["parameters"][:1]])
+            lines.append(
+                f"Cause: {plain(cause['mechanism'])} ({kind}), {row['sentence'].values[0]}; {sizes}"
+                + ("" if cause["plausible"] else ", beyond what is physically plausible")
+                + "."
+            )
+        else:
+            names = listed([plain(name) for name in cause["credible_set"]], "or")
+            lines.append(
+                f"Cause: {names} ({kind}); the records do not tell which. To decide: "
+                f"{cause['splitter']}."
+            )
+    if said["answer"] == "unexplained":
+        lines.append(f"No cause of the catalogue explains it: {said['reason']}.")
+    if said["answer"] == "insufficient-data":
+        lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
+    return lines
+
+
+def lacks_of(one: xr.Dataset) -> list[str]:
+    """What the campaign lacks, a phrase each."""
+    return [text for text in str(one.attrs["lacks"]).split(";") if text]
+
+
+def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[str]:
+    """What the verdicts do not allow to conclude."""
+    texts, lacks = [], {}
+    for one, said in zip(found, verdicts, strict=True):
+        for cause in said["causes"]:
+            rivals: dict[str, list[str]] = {}
+            for name, evidence, why in _barred_rivals(one, cause):
+                rivals.setdefault(why, []).append(f"{plain(name)} ({fixed(evidence, 1)})")
+            texts += [
+                f"Mind, with {said['structure']}: {listed(names)} would explain the records about "
+                f"as well as {plain(cause['mechanism'])} ({fixed(cause['log_evidence'], 1)}), or "
+                f"better where the log evidence in brackets is larger. Not judged, because: {why}. "
+                "The cause above holds as far as that does."
+                for why, names in rivals.items()
+            ]
+        below = said["reason"].find(BELOW)
+        if below >= 0:
+            text = said["reason"][below:].rstrip(".").replace("+-", "±")
+            texts.append(f"{said['structure']}: {plain(text.replace('_', ' '))}.")
+        if said["causes"] and lacks_of(one):
+            lacks.setdefault("; ".join(lacks_of(one)), []).append(said["structure"])
+    texts += [
+        f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "
+        f"all forces. The campaign lacks {lack}."
+        for lack, names in lacks.items()
+    ]
+    return texts
+
+
+def _barred_rivals(one: xr.Dataset, cause: Mapping) -> list[tuple[str, float, str]]:
+    """Mechanisms that are not judged and explain the same data about as well as a cause."""
+    names, channels = (one[key].values.astype(str) for key in ("candidate", "channel"))
+    own = channels[names == cause["mechanism"]]
+    return [
+        (str(name), float(evidence), str(why))
+        for name, channel, kind, evidence, why in zip(
+            names,
+            channels,
+            *(one[k].values for k in ("class", "log_evidence", "barred")),
+            strict=True,
+        )
+        if channel in own and kind != "smooth" and why and evidence > cause["log_evidence"] - NEAR
+    ]
+
+
+def size(p: Mapping) -> str:
+    """A parameter with its standard deviation, in handy units."""
+    factor, unit = _UNITS.get(p["unit"], (1.0, p["unit"]))
+    value, std = factor * p["value"], factor * p["std"]
+    decimals = 2
+    if np.isfinite(std) and std > 0.0:
+        decimals = max(0, 1 - int(np.floor(np.log10(std))))
+    if decimals > 6:
+        return f"{value:.2e} ± {std:.1e} {unit}".strip()
+    return f"{fixed(value, decimals)}\u00a0±\u00a0{fixed(std, decimals)} {unit}".strip()
