@@ -174,6 +174,63 @@ rule figures_thesis_search:
         " --published {input.published:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 
+rule figures_diagnosis:
+    input:
+        diagnoses=diagnoses,
+        verdicts=verdicts,
+    output:
+        ranking=report(
+            "results/{campaign}/figures/diagnosis_ranking.svg",
+            caption="../report/diagnosis_ranking.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+        frequencies=report(
+            "results/{campaign}/figures/diagnosis_frequencies.svg",
+            caption="../report/diagnosis_frequencies.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+        curves=report(
+            "results/{campaign}/figures/diagnosis_curves.svg",
+            caption="../report/diagnosis_curves.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+        residuals=report(
+            "results/{campaign}/figures/diagnosis_residuals.svg",
+            caption="../report/diagnosis_residuals.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+        residual_maps=report(
+            "results/{campaign}/figures/diagnosis_residual_maps.svg",
+            caption="../report/diagnosis_residual_maps.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+        law=report(
+            "results/{campaign}/figures/diagnosis_law.svg",
+            caption="../report/diagnosis_law.rst",
+            category="{campaign}",
+            subcategory="diagnosis",
+        ),
+    log:
+        "results/logs/figures_diagnosis/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures_diagnosis/{campaign}.tsv"
+    threads: 1
+    params:
+        simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
+        code=code("figures_diagnosis"),
+    message:
+        "figures of what the simulation of {wildcards.campaign} gets wrong"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/figures_diagnosis.py --diagnoses {input.diagnoses:q}"
+        " --verdicts {input.verdicts:q} --simulated {params.simulated}"
+        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+
+
 def report_facts(wildcards):
     """What the report says of the campaign besides its artifacts."""
     campaign = CAMPAIGNS[wildcards.campaign]
@@ -203,6 +260,19 @@ rule report:
         fe_forces=rules.fe_forces.output.fe_forces,
         stiffness=rules.stiffness.output.stiffness,
         joints=joints,
+        diagnoses=diagnoses,
+        verdicts=verdicts,
+        extended=extended_joints,
+        main_verdict=rules.verdict.output.verdict,
+        diagnosed=rules.figures_diagnosis.output,
+        amplitudes=amplitudes,
+        amplitudes_drawn=lambda w: (
+            rules.figures_amplitude.output if CAMPAIGNS[w.campaign].records else []
+        ),
+        shortfalls=lambda w: expand(
+            rules.shortfall.output.shortfall,
+            structure=structures_of(CAMPAIGNS[w.campaign]),
+        ),
         thesis_searches=thesis_searches,
         searched=lambda w: (
             rules.figures_thesis_search.output if thesis_searches(w) else []
@@ -267,7 +337,11 @@ rule report:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
         " --checks {input.checks:q} --accuracies {input.accuracies:q}"
         " --calibrations {input.calibrations:q} --joints {input.joints:q}"
-        " --figures {input.figures:q} {input.modes:q} {input.drawn:q} {input.searched:q}"
+        " --diagnoses {input.diagnoses:q} --verdicts {input.verdicts:q}"
+        " --extended {input.extended:q}"
+        " --amplitudes {input.amplitudes:q} --shortfalls {input.shortfalls:q}"
+        " --figures {input.figures:q} {input.diagnosed:q} {input.modes:q} {input.drawn:q} {input.searched:q}"
+        " {input.amplitudes_drawn:q}"
         " --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

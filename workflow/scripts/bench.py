@@ -5,11 +5,14 @@ import json
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.rig.bench import simulate
+from bladeroot.rig.joint import parts
 from bladeroot.schema import read_yaml
 
 
 def main(bench, reduced, row, raw, truth):
-    record, answer = simulate(read_yaml(bench, "bench"), artifacts.load(reduced), json.loads(row))
+    record, answer = simulate(
+        read_yaml(bench, "bench"), parts(artifacts.load(reduced)), json.loads(row)
+    )
     artifacts.save(answer, truth)
     artifacts.save(record, raw)
 

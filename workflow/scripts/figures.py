@@ -23,7 +23,7 @@ def main(stick, fe_forces, searches, stiffness, joints, theory, published, mesh,
         "structure": structure_figures.side_view(artifacts.load(mesh)),
         "maps": stiffness_figures.maps(found, table_5_2, marked),
         "joint": joint_figures.joint(
-            [artifacts.load(found) for found in joints], identified, marked
+            [artifacts.load(one) for one in joints], found, identified, marked
         ),
         "tractions": theory_figures.tractions(predicted),
         "against_normal_force": theory_figures.against_normal_force(predicted),

@@ -10,7 +10,10 @@ from bladeroot import __version__, artifacts
 from bladeroot.report.contents import report
 
 
-def main(results, checks, accuracies, calibrations, joints, figures, thesis, facts, output):
+def main(
+    results, checks, accuracies, calibrations, joints, diagnoses, verdicts, extended, amplitudes,
+    shortfalls, figures, thesis, facts, output,
+):  # fmt: skip
     known = json.loads(facts)
     names = ["stick", "fe_forces", "stiffness", "theory"] + ["score"] * known["simulated"]
     names += ["integrity"] * (known["entry"] == "records")
@@ -28,6 +31,11 @@ def main(results, checks, accuracies, calibrations, joints, figures, thesis, fac
         [artifacts.load(accuracy) for accuracy in accuracies],
         [artifacts.load(calibration) for calibration in calibrations],
         [artifacts.load(joint) for joint in joints],
+        [artifacts.load(diagnosis) for diagnosis in diagnoses],
+        [json.loads(Path(verdict).read_text()) for verdict in verdicts],
+        [artifacts.load(joint) for joint in extended],
+        [artifacts.load(amplitude) for amplitude in amplitudes],
+        [artifacts.load(shortfall) for shortfall in shortfalls],
         [artifacts.load(search) for search in searched],
         {Path(figure).stem: _inline(Path(figure).read_text()) for figure in figures},
         pd.read_csv(published),
@@ -50,6 +58,11 @@ if __name__ == "__main__":
         accuracies="many: accuracy.nc of its structures",
         calibrations="any: calibration.nc of its structures",
         joints="many: joint inferences of its structures",
+        diagnoses="many: diagnosis with each of its structures, the main one first",
+        verdicts="many: verdicts of the same structures (JSON)",
+        extended="any: joint inferences with the causes of a model file",
+        amplitudes="any: inferences with amplitude of its structures",
+        shortfalls="many: shortfall.nc of its structures",
         figures="many: figures (SVG)",
         thesis="many: table_5_1.csv and errata.yaml",
         facts="what is known of the campaign (JSON)",

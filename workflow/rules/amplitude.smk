@@ -1,0 +1,103 @@
+# kn, kt and friction from stick frequencies and amplitude curves together, and its figures.
+import json
+
+
+def amplitude_facts(wildcards):
+    """As for the joint inference, with the laser's places (m) and how far curves are trusted."""
+    modes = CAMPAIGNS[wildcards.campaign].description["modes"]
+    lasers = {name: mode["laser_x_mm"] / 1000 for name, mode in modes.items()}
+    return canonical_json(
+        {**json.loads(joint_facts(wildcards)), **config["amplitude"], "lasers": lasers}
+    )
+
+
+rule amplitude:
+    input:
+        reduced=rules.reduced.output.reduced,
+        parametric=rules.parametric.output.parametric,
+        stick=rules.stick.output.stick,
+        decays=lambda w: of_records(rules.decay.output.decay, w),
+    output:
+        amplitude="results/{campaign}/amplitude/{structure}.nc",
+    log:
+        "results/logs/amplitude/{campaign}/{structure}.log",
+    benchmark:
+        "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
+    threads: 1
+    params:
+        settings=amplitude_facts,
+        code=code("amplitude"),
+    message:
+        "kn, kt of {wildcards.campaign} with {wildcards.structure} from frequencies and amplitude curves"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/amplitude.py --reduced {input.reduced:q} --parametric {input.parametric:q}"
+        " --stick {input.stick:q} --decays {input.decays:q} --settings {params.settings:q}"
+        " --output {output.amplitude} > {log} 2>&1"
+
+
+def amplitudes(wildcards):
+    """One for each structure, of campaigns that have records."""
+    campaign = CAMPAIGNS[wildcards.campaign]
+    if not campaign.records:
+        return []
+    return expand(
+        rules.amplitude.output.amplitude,
+        campaign=campaign.name,
+        structure=structures_of(campaign),
+    )
+
+
+rule figures_amplitude:
+    input:
+        amplitudes=amplitudes,
+    output:
+        amplitude_curves=report(
+            "results/{campaign}/figures/amplitude_curves.svg",
+            caption="../report/amplitude_curves.rst",
+            category="{campaign}",
+            subcategory="nonlinear joint",
+        ),
+        amplitude_stiffness=report(
+            "results/{campaign}/figures/amplitude_stiffness.svg",
+            caption="../report/amplitude_stiffness.rst",
+            category="{campaign}",
+            subcategory="nonlinear joint",
+        ),
+        slip=report(
+            "results/{campaign}/figures/slip.svg",
+            caption="../report/slip.rst",
+            category="{campaign}",
+            subcategory="nonlinear joint",
+        ),
+    log:
+        "results/logs/figures_amplitude/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures_amplitude/{campaign}.tsv"
+    threads: 1
+    params:
+        simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
+        code=code("figures_amplitude"),
+    message:
+        "figures of the nonlinear joint of {wildcards.campaign}"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/figures_amplitude.py --amplitudes {input.amplitudes:q}"
+        " --simulated {params.simulated} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+
+
+rule shortfall:
+    input:
+        reduced=rules.reduced.output.reduced,
+    output:
+        shortfall="results/structures/{structure}/shortfall.nc",
+    log:
+        "results/logs/shortfall/{structure}.log",
+    benchmark:
+        "results/benchmarks/shortfall/{structure}.tsv"
+    threads: 1
+    params:
+        code=code("shortfall"),
+    message:
+        "where slip begins in {wildcards.structure}, by pressure over the flanks"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/shortfall.py --reduced {input.reduced:q}"
+        " --output {output.shortfall} > {log} 2>&1"

@@ -1,0 +1,137 @@
+# What the simulation gets wrong: all records as one table, then their causes, for each structure.
+import json
+
+
+def observed_facts(wildcards):
+    """The gauge, where the laser looks and when each record began."""
+    campaign = CAMPAIGNS[wildcards.campaign]
+    modes = campaign.description["modes"]
+    return canonical_json(
+        {
+            "full_scale": campaign.force_full_scale,
+            "scale": campaign.force_scale,
+            "accuracy": campaign.description["force"]["accuracy_percent"] / 100,
+            "primary": campaign.description["force"]["accuracy_of"],
+            "laser_x": {mode: 1e-3 * modes[mode]["laser_x_mm"] for mode in modes},
+            "time": {
+                row["record"]: row["time_s"]
+                for row in campaign.records
+                if row["time_s"] is not None
+            },
+        }
+    )
+
+
+rule observations:
+    input:
+        stick=rules.stick.output.stick,
+        decays=lambda w: of_records(rules.decay.output.decay, w),
+        integrity=lambda w: (
+            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+        ),
+    output:
+        observations="results/{campaign}/observations.nc",
+    log:
+        "results/logs/observations/{campaign}.log",
+    benchmark:
+        "results/benchmarks/observations/{campaign}.tsv"
+    threads: 1
+    params:
+        settings=observed_facts,
+        code=code("observations"),
+    message:
+        "all records of {wildcards.campaign} as the diagnosis takes them"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/observations.py --stick {input.stick:q} --decays {input.decays:q}"
+        " --integrity {input.integrity:q} --settings {params.settings:q}"
+        " --output {output.observations} > {log} 2>&1"
+
+
+def diagnosis_facts(wildcards):
+    """What the diagnosis is told: the model's bias, where contact is full, what else was measured."""
+    description = CAMPAIGNS[wildcards.campaign].description
+    return canonical_json(
+        {
+            **config["diagnosis"],
+            **config["search"],
+            "full_contact_from_kN": description.get("full_contact_from_kN", 0),
+            "independent": description.get("independent", []),
+        }
+    )
+
+
+rule diagnosis:
+    input:
+        observations=rules.observations.output.observations,
+        parametric=rules.parametric.output.parametric,
+        mechanisms=lambda w: (
+            sorted(Path(config["diagnosis"]["mechanisms"]).glob("*.py"))
+            if config["diagnosis"]["mechanisms"]
+            else []
+        ),
+    output:
+        diagnosis="results/{campaign}/diagnosis/{structure}.nc",
+        verdict="results/{campaign}/diagnosis/{structure}.json",
+        model="results/{campaign}/diagnosis/{structure}.model.yaml",
+    log:
+        "results/logs/diagnosis/{campaign}/{structure}.log",
+    benchmark:
+        "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
+    threads: 1
+    params:
+        settings=diagnosis_facts,
+        code=code("diagnosis"),
+    message:
+        "what the simulation of {wildcards.campaign} with {wildcards.structure} gets wrong"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/diagnosis.py --observations {input.observations:q}"
+        " --parametric {input.parametric:q} --settings {params.settings:q}"
+        " --diagnosis {output.diagnosis} --verdict {output.verdict} --model {output.model}"
+        " > {log} 2>&1"
+
+
+def main_verdict(wildcards):
+    """The verdict with the campaign's first structure, which is its main one."""
+    return expand(
+        rules.diagnosis.output.verdict,
+        campaign=wildcards.campaign,
+        structure=structures_of(CAMPAIGNS[wildcards.campaign])[0],
+    )
+
+
+rule verdict:
+    input:
+        verdict=main_verdict,
+    output:
+        verdict="results/{campaign}/diagnosis/verdict.json",
+    log:
+        "results/logs/verdict/{campaign}.log",
+    benchmark:
+        "results/benchmarks/verdict/{campaign}.tsv"
+    threads: 1
+    message:
+        "verdict on {wildcards.campaign}"
+    shell:
+        "cp {input.verdict:q} {output.verdict} > {log} 2>&1"
+
+
+# A structure could be named "verdict".
+ruleorder: verdict > diagnosis
+
+
+def diagnoses(wildcards):
+    """The diagnosis with every structure of a campaign, for the report."""
+    return expand(
+        rules.diagnosis.output.diagnosis,
+        campaign=wildcards.campaign,
+        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+    )
+
+
+def verdicts(wildcards):
+    """The verdict with every structure of a campaign, for the report."""
+    return expand(
+        rules.diagnosis.output.verdict,
+        campaign=wildcards.campaign,
+        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+    )

@@ -1,0 +1,45 @@
+"""kn and kt from frequencies and amplitude curves together -> amplitude/<structure>.nc."""
+
+import json
+
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.stiffness.amplitude import amplitude
+from bladeroot.stiffness.interpolation import ForceGauge
+from bladeroot.structure.joint import joint_of_reduced
+
+
+def main(reduced, parametric, stick, decays, settings, output):
+    measured, asked = artifacts.load(stick), json.loads(settings)
+    gauge = asked["gauge"]
+    bias, offset = (
+        {mode: percent / 100 for mode, percent in asked[name].items()}
+        for name in ("fe_bias_percent", "fe_offset_percent")
+    )
+    curves = [artifacts.load(path) for path in decays]
+    found = amplitude(
+        joint_of_reduced(artifacts.load(reduced)),
+        artifacts.load(parametric),
+        measured,
+        {str(curve.attrs["record"]): curve for curve in curves},
+        asked["lasers"],
+        ForceGauge(gauge["full_scale"] * gauge["accuracy"], gauge["accuracy"], gauge["primary"]),
+        gauge["forces"],
+        bias,
+        offset,
+        asked["least_force"],
+        asked["curve_discrepancy_percent"] / 100,
+    )
+    artifacts.save(found, output, origin=measured, settings=settings)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        reduced="reduced.nc of the structure",
+        parametric="parametric.nc of the structure",
+        stick="stick.nc",
+        decays="any: curves over amplitude of every record",
+        settings="as of joint.py, with lasers (m, by mode) and curve_discrepancy_percent (JSON)",
+        output="amplitude file",
+    )

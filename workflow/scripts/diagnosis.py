@@ -1,0 +1,52 @@
+"""What the simulation gets wrong, why, and what the cause is worth -> diagnosis, verdict, model."""
+
+import json
+from dataclasses import replace
+
+import yaml
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.diagnosis.dataset import dataset
+from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.extension import model_file
+from bladeroot.diagnosis.next_measurement import next_measurements
+from bladeroot.diagnosis.verdict import verdict as verdict_of
+from bladeroot.mechanisms.catalogue import catalogue
+
+BIAS_PERCENT = {"1B": 0.5, "2B": 0.5}
+
+
+def main(observations, parametric, settings, diagnosis, verdict, model):
+    seen, asked = artifacts.load(observations), json.loads(settings)
+    bias, offset = (
+        {mode: percent / 100 for mode, percent in asked.get(name, usual).items()}
+        for name, usual in (("fe_bias_percent", BIAS_PERCENT), ("fe_offset_percent", {}))
+    )
+    splits = {
+        one["measurement"]: (one["value"], one["std"]) for one in asked.get("independent", [])
+    }
+    told = Settings(bias, offset, 1000.0 * asked.get("full_contact_from_kN", 0.0), splits)
+    given = (seen, artifacts.load(parametric))
+    candidates = catalogue(asked.get("mechanisms") or None)
+    made = diagnose(*given, told, candidates)
+    every = None
+    if told.least_force > 0.0:
+        every = diagnose(*given, replace(told, least_force=0.0), candidates)
+    whole = dataset(made, every).merge(next_measurements(made))
+    artifacts.save(whole, diagnosis, origin=seen, settings=settings)
+    text = json.dumps(verdict_of(made, every), indent=2, allow_nan=False)
+    artifacts.save_text(text + "\n", verdict)
+    if model:
+        artifacts.save_text(yaml.safe_dump(model_file(made), sort_keys=False), model)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        observations="observations.nc",
+        parametric="parametric.nc of the structure",
+        settings="section `diagnosis`, the model's bias, full_contact_from_kN (JSON)",
+        diagnosis="diagnosis file",
+        verdict="verdict file (JSON)",
+        model="optional: model file of the extension (YAML)",
+    )

@@ -1,0 +1,54 @@
+"""Frequency and damping against amplitude, with friction -> nonlinear/<structure>.nc."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from _cli import run
+from bladeroot import artifacts
+from bladeroot.contact.punch import punch_from
+from bladeroot.nonlinear.backbone import amplitude_ladder, backbone
+from bladeroot.nonlinear.flanks import FlankContact
+from bladeroot.structure.joint import joint_of_reduced
+
+
+def main(reduced, joint, parameters, settings, output):
+    found, asked = artifacts.load(joint), json.loads(settings)
+    if found.attrs["law"] == "":  # no stick frequency, no stiffness
+        empty = xr.Dataset(attrs={"structure": found.attrs["structure"]})
+        artifacts.save(empty, output, origin=found, settings=settings)
+        return
+    values = pd.read_csv(parameters, index_col="name")["value"].to_dict()
+    median = found["k_quantile"].sel(quantile=0.5).transpose("force", "stiffness").values
+    points = np.column_stack([np.log(median), found["force"].values])
+    pressure = asked["pressure"]
+    curves = backbone(
+        joint_of_reduced(artifacts.load(reduced)),
+        points,
+        {mode: x / 1000 for mode, x in asked["laser_x_mm"].items()},
+        FlankContact(
+            law=asked["law"],
+            friction=asked["friction"],
+            pressure=0.0 if asked["law"] in ("linear", "iwan") else pressure,
+            preload=asked["preload"],
+            strips=asked["strips"],
+            punch=punch_from(values),
+        ),
+        amplitude_ladder(*asked["amplitude_um"], asked["amplitudes_per_decade"]),
+        asked["method"],
+        asked["harmonics"],
+        asked["material_loss_factor"],
+    )
+    artifacts.save(curves, output, origin=found, settings=settings)
+
+
+if __name__ == "__main__":
+    run(
+        main,
+        reduced="reduced.nc of the structure",
+        joint="joint file: kn, kt at each force",
+        parameters="parameters of the contact (CSV)",
+        settings="laser_x_mm by mode and section `nonlinear` of the configuration (JSON)",
+        output="nonlinear file",
+    )
