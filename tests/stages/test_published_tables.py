@@ -1,4 +1,4 @@
-"""The shipped geometry H against the thesis's tables, exact identities and its own full model."""
+"""The shipped geometries against the thesis's tables, exact identities and its own full model."""
 
 from pathlib import Path
 
@@ -6,15 +6,19 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+import yaml
 from bladeroot.contact.published import published_stiffness
 from bladeroot.stiffness.thesis_search import table_deltas
+from bladeroot.structure.calibration import Problem, predict
 from bladeroot.structure.checks import checks
 from bladeroot.structure.file import load_structure
 from bladeroot.structure.joint import joint_of_reduced
 from bladeroot.structure.mesh import build_mesh
+from bladeroot.structure.parameters import parameters_of, values_in
 from bladeroot.structure.parametric import parametric_model, surface_of
 from bladeroot.structure.prestress import prestress
 from bladeroot.structure.reduction import reduce_structure
+from bladeroot.structure.targets import targets_of
 
 RESOURCES = Path(__file__).resolve().parents[2] / "resources"
 
@@ -52,3 +56,17 @@ def test_standard_deviations_of_table_5_2_come_from_the_measurement_alone(equal_
     ratio = found["table_std"] / found["table_printed_std"]
     assert np.all(np.abs(ratio - 1.0) < 0.25)
     assert np.all(found["table_bias_std"] > 5.0 * found["table_printed_std"])
+
+
+@pytest.mark.slow
+def test_dovetail_tables_meets_the_tables_it_was_fitted_to():
+    asked, start = (
+        yaml.safe_load((RESOURCES / "structures" / folder / "dovetail-tables.yaml").read_text())
+        for folder in ("calibration", ".")
+    )
+    tables = {path.stem: pd.read_csv(path) for path in (RESOURCES / "thesis").glob("table_*.csv")}
+    parameters = parameters_of(asked["parameters"], start)
+    problem = Problem(start, parameters, targets_of(tables, asked["targets"]))
+    z = (predict(problem, values_in(start, parameters)) - problem.reference) / problem.tolerance
+    assert np.abs(z).max() < 2.2
+    assert np.sort(np.abs(z))[-2] < 1.8

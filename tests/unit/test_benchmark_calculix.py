@@ -84,3 +84,12 @@ def test_calculix_gives_the_same_frequencies():
             assert abs(row["difference"]) < calculix.TARGET, row
         if row["force_N"] == 0:
             assert abs(row["difference"]) < 1e-6, row
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+def test_calculix_gives_the_same_frequencies_of_a_clamped_slot():
+    rows = calculix.measure_slot(coarse_structure())
+    assert len(rows) == 2 * calculix.SLOT_MODES
+    for row in rows:
+        assert abs(row["difference"]) < 1e-6, row

@@ -120,12 +120,19 @@ def test_true_curve_scores_zero_and_holes_count():
     time = np.linspace(0.0, 4.0, 2000)
     x = np.exp(known.motion.at(time)[0])
     frequency, loss = known.law.truth(x)
-    whole = scores.curve_errors(known, (time, x, frequency * (1 + 5e-6), loss * 0.99))
+    errors = scores.curve_errors(known, (time, x, frequency * (1 + 5e-6), loss * 0.99))
+    whole = scores.in_short(errors)
     assert whole["frequency"] == pytest.approx(5.0, rel=0.05)
     assert whole["loss"] == pytest.approx(1.0, rel=0.05)
     assert whole["reach"] == 1.0
     hole = np.where((x > 0.1) & (x < 0.2), np.nan, frequency)
-    reach = scores.curve_errors(known, (time, x, hole, loss))["reach"]
+    holed = scores.curve_errors(known, (time, x, hole, loss))
+    short = scores.in_short(holed)
+    reach = short["reach"]
+    assert short["met"] == reach  # all that is there is good, what is missing is not
+    same = scores.in_short(errors, np.isfinite(holed.frequency))
+    assert same["frequency"] == pytest.approx(5.0, rel=0.05)
+    assert same["reach"] == 1.0
     assert reach == pytest.approx(1.0 - np.log(2.0) / np.log(0.95 / 0.02), abs=0.02)
 
 

@@ -6,8 +6,9 @@ import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib
 from bladeroot.decay.plateau import plateau
+from bladeroot.decay.posterior import middle
 from bladeroot.decay.record import record_plateau
-from bladeroot.decay.stretch import grouped, integral
+from bladeroot.decay.stretch import grouped, integral, lines_below, over_cells
 from decay_bench import ring_down, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
 from hypothesis import given, settings
@@ -167,12 +168,42 @@ def test_stated_range_is_below_the_onset():
 
 def test_integral_of_groups_is_that_of_time():
     time = np.linspace(0.0, 1.0, 2000)
-    amplitude = np.exp(-3.0 * time)
     y = np.stack([np.sin(3.0 * time), np.cos(3.0 * time)])
-    stretch = grouped(time, y, np.full(time.size, 1e-3), amplitude)
-    rates = np.stack([3.0 * np.cos(3.0 * stretch.time), -3.0 * np.sin(3.0 * stretch.time)], axis=1)
-    off = stretch.y.T - integral(stretch, rates)
-    np.testing.assert_allclose(off - off.mean(axis=0), 0.0, atol=3e-5)
+    stretch = grouped(time, y, np.full(time.size, 1e-3), -3.0 * time)
+    turn = -stretch.path  # three times the time
+    rates = np.stack([3.0 * np.cos(turn), -3.0 * np.sin(turn)], axis=1)
+    off = stretch.y.T - integral(stretch, over_cells(stretch, rates))
+    np.testing.assert_allclose(off - off.mean(axis=0), 0.0, atol=1e-6)
+
+
+def test_lines_below_an_onset_are_least_squares():
+    rng = np.random.default_rng(0)
+    time = np.linspace(0.0, 1.0, 300)
+    std = np.exp(-3.0 * (1.0 - time)) * 1e-3
+    y = np.stack([-3.0 * time, 40.0 * time]) + std * rng.standard_normal((2, 300))
+    stretch = grouped(time, y, std, -3.0 * time)
+    slope, variance = lines_below(stretch, np.array([-1.0, -2.9999]))
+    under = stretch.below(-1.0)
+    for k in range(2):
+        fit, covariance = np.polyfit(under.time, under.y[k], 1, w=1 / under.std, cov="unscaled")
+        assert slope[k, 0] == pytest.approx(fit[0], rel=1e-8)
+        assert variance[0] == pytest.approx(covariance[0, 0], rel=1e-6)
+    assert np.isinf(variance[1])  # too few groups
+
+
+def test_far_law_of_little_weight_does_not_widen_the_interval():
+    alone = middle(np.ones(1), np.zeros(1), np.ones(1))
+    assert alone == pytest.approx((0.0, 1.0), abs=1e-6)
+    value, std = middle(np.array([0.995, 0.005]), np.array([0.0, 100.0]), np.ones(2))
+    assert abs(value) < 0.02
+    assert std == pytest.approx(1.0, rel=0.05)
+
+
+def test_linear_decay_is_known_as_well_as_it_scatters():
+    found = [plateau(blocks(s, slip(0.5, 1.0), softening=0.0, rise=0.0)) for s in range(24)]
+    happens = np.std([one["stick_frequency"] for one in found])
+    stated = np.median([one["stick_frequency_std"] for one in found])
+    assert 0.65 < stated / happens < 1.5
 
 
 @pytest.mark.parametrize("share", [1e-5, 1e-3])

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.banded import factored, inverse_band, solved
 from bladeroot.decay.bsplines import alive_splines, derivative_rows
-from bladeroot.decay.penalty import inverse_of, normal_sums, penalised, penalty_rows
+from bladeroot.decay.penalty import normal_sums, penalised, penalty_rows
 from bladeroot.decay.smooth import coarse, fine
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 
 def padded(inner, degree):
@@ -46,13 +49,42 @@ def test_sums_and_penalty_match_dense_algebra():
     np.testing.assert_allclose(right, about @ (matrix / std[:, None] ** 2), atol=1e-12)
     rows, centre = penalty_rows(knots)
     whole = np.zeros((centre.size, 13))
-    for a, row in enumerate(rows):
-        whole[np.arange(centre.size), np.arange(centre.size) + a] = row
+    for j, row in enumerate(rows):
+        whole[j, j : j + row.size] = row
     precision = rng.uniform(0.1, 10.0, centre.size)
     expected = matrix.T @ (matrix / std[:, None] ** 2) + whole.T @ (precision[:, None] * whole)
-    lower = penalised(gram, rows, precision)
-    np.testing.assert_allclose(np.tril(lower), np.tril(expected), rtol=1e-10)
-    np.testing.assert_allclose(inverse_of(lower) @ expected, np.eye(13), atol=1e-4)
+    band = penalised(gram, rows, precision)
+    np.testing.assert_allclose(band, in_band(expected, 6), rtol=1e-10)
+
+
+def in_band(matrix, width):
+    """The lower band of a dense matrix, as the banded kernels store it."""
+    padded = np.pad(np.tril(matrix), ((0, width), (0, 0)))
+    return np.stack([padded[j : j + width, j] for j in range(matrix.shape[0])])
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 30), st.integers(1, 7), st.integers(0, 2**32 - 1))
+def test_banded_algebra_matches_dense(count, width, seed):
+    rng = np.random.default_rng(seed)
+    root = np.tril(np.triu(rng.standard_normal((count, count)), 1 - width))
+    matrix = root @ root.T + 0.1 * np.eye(count)
+    units = 10.0 ** rng.uniform(-4, 4, count)
+    matrix *= np.outer(units, units)
+    scale, factor, good = factored(in_band(matrix, width))
+    assert good
+    inverse = np.linalg.inv(matrix / np.outer(units, units)) / np.outer(units, units)
+    found = inverse_band(scale, factor)
+    beside = in_band(np.outer(units, units), width)
+    known = in_band(inverse, width)
+    np.testing.assert_allclose(found * beside, known * beside, rtol=1e-8, atol=1e-10)
+    right = units * rng.standard_normal(count)
+    here = solved(scale, factor, right) * units
+    np.testing.assert_allclose(here, inverse @ right * units, rtol=1e-8, atol=1e-10)
+
+
+def test_a_matrix_that_is_not_positive_is_refused():
+    assert not factored(np.array([[1.0, 2.0], [1.0, 0.0]]))[2]
 
 
 def test_rows_of_the_penalty_have_unit_variance_where_the_third_derivative_is_white():
@@ -62,7 +94,7 @@ def test_rows_of_the_penalty_have_unit_variance_where_the_third_derivative_is_wh
     matrix = dense(*alive_splines(x, knots, 5), knots.size - 6)
     coefficient = np.linalg.lstsq(matrix, x**3 / 6.0, rcond=None)[0]
     rows, centre = penalty_rows(knots)
-    bend = sum(row * coefficient[a : a + centre.size] for a, row in enumerate(rows))
+    bend = sum(row * coefficient[a : a + centre.size] for a, row in enumerate(rows.T))
     assert (bend**2).sum() == pytest.approx(2.0, rel=1e-6)
 
 

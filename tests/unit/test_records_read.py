@@ -196,3 +196,29 @@ def test_acceleration_offset_leaves_no_drift():
     signal = 5.0 + np.sin(2 * np.pi * 100 * TIME)
     found = velocity(recording(signal, "m/s^2", "here", sampling_Hz=RATE), 20.0)
     assert np.abs(found[600:-600]).max() < 2.0 / (2 * np.pi * 100)
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (lambda k: f"{1000.5 + k:,}", r"without signs between their thousands, got '1,000\.5'.* 2"),
+        (lambda k: f"1.{100 + k},5", r"without signs between their thousands, got '1\.100,5'"),
+        (lambda k: f"{10**6 + k:,}", r"between their thousands, got '1,000,000'"),
+        (lambda k: f"{1000 + k:,}", r"got '1,000', whose comma may be that or a decimal one"),
+        (lambda k: f"{990 + k:,}", r"got '1,000', whose comma may be .*, row 12\)"),
+        (lambda k: f"1,{k}5" if k % 2 else "0.5", r"expected one decimal sign, got '1,15' and '0"),
+    ],
+)
+def test_commas_between_thousands_are_no_decimal_commas(tmp_path, value, told):
+    rows = "".join(f"{value(k)};1\n" for k in range(70))
+    (tmp_path / "a.csv").write_text("velocity_m/s;count\n" + rows)
+    with pytest.raises(ValueError, match=told):
+        read(tmp_path / "a.csv", sampling_Hz=1000.0)
+
+
+def test_three_decimals_behind_a_comma_are_read_where_one_number_shows_it(tmp_path):
+    values = np.round(2.5 * np.sin(np.arange(70)), 3)
+    rows = "".join(f"{value:.3f};1\n".replace(".", ",") for value in values)
+    (tmp_path / "a.csv").write_text("velocity_mm/s;count\n" + rows)
+    found = read(tmp_path / "a.csv", sampling_Hz=1000.0)
+    np.testing.assert_allclose(found.samples, 1e-3 * values)

@@ -195,3 +195,31 @@ def test_units_below_the_names(tmp_path):
     found = read(csv(tmp_path / "a.csv", head, TIME, WAVE, 12.0 + 0.0 * TIME))
     np.testing.assert_allclose(found.samples, 1e-3 * WAVE, atol=1e-12)
     assert found.sampling_Hz == pytest.approx(RATE, rel=1e-7)
+
+
+@pytest.mark.parametrize("value", [25.6, "51,2", "12.8"])
+def test_a_rate_that_may_be_in_kilohertz_needs_its_unit(tmp_path, value):
+    found = statements([("fs", value)], "a")
+    assert found.sampling_Hz is None
+    assert "may be in Hz or in kHz" in found.notes[0]
+    assert statements([("fs", f"{value} Hz")], "a").sampling_Hz < 60.0
+    with pytest.raises(ValueError, match=r"expected a sampling frequency; fs .* kHz .*a\.mat"):
+        read(matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", fs=value))
+    sure = read(matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", fs=value), sampling_Hz=RATE)
+    assert sure.sampling_Hz == RATE
+
+
+@pytest.mark.parametrize("step", [3.9e-5, 3.91e-5, "0.0000391", 3.90625e-5])
+def test_a_step_of_few_digits_agrees_with_the_rate(tmp_path, step):
+    for order in ({"fs": RATE, "dt": step}, {"dt": step, "fs": RATE}):
+        assert read(matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", **order)).sampling_Hz == RATE
+    alone = matlab(tmp_path / "b.mat", v=WAVE, unit="m/s", dt=step)
+    assert read(alone, sampling_Hz=RATE).sampling_Hz == RATE
+    timed = matlab(tmp_path / "c.mat", v=WAVE, unit="m/s", dt=step, t=TIME)
+    assert read(timed).sampling_Hz == RATE
+
+
+def test_a_step_of_many_digits_must_agree(tmp_path):
+    path = matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", fs=RATE, dt=3.915e-5)
+    with pytest.raises(ValueError, match="sampling_Hz contradicts inside the file: 25600 from fs"):
+        read(path)

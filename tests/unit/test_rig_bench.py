@@ -7,8 +7,11 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
-from bladeroot.rig.bench import clamp, move, simulate, true_force
+from bladeroot.rig.bench import move, simulate
 from bladeroot.rig.chance import generator
+from bladeroot.rig.clamping import clamp
+from bladeroot.rig.conditions import true_force
+from bladeroot.rig.joint import parts
 from bladeroot.rig.programme import programme
 from bladeroot.rig.sensor import read_velocity
 from bladeroot.rig.stepping import Drive
@@ -21,7 +24,7 @@ RESOURCES = Path(__file__).parents[2] / "resources"
 
 @pytest.fixture(scope="module")
 def reduced():
-    return toy_reduced()
+    return parts(toy_reduced())
 
 
 @pytest.fixture(scope="module")
@@ -52,14 +55,18 @@ def test_holds_and_seeds_scatter(reduced, record):
     other_hold = clamp(toy_bench(), reduced, {**ROW, "hold": "h02"})
     other_seed = clamp(toy_bench(seed=8), reduced, ROW)
     for other in (other_hold, other_seed):
-        assert 0 < abs(np.log(other.kt / float(record[1].kt))) < 0.3
-        assert other.force != float(record[1].force)
+        assert 0 < abs(np.log(other.conditions.kt / float(record[1].kt))) < 0.3
+        assert other.conditions.force != float(record[1].force)
 
 
 def test_the_same_hold_serves_both_modes(reduced):
     first = clamp(toy_bench(), reduced, ROW)
     second = clamp(toy_bench(), reduced, {**ROW, "mode": "2B"})
-    assert (first.kn, first.kt, first.force) == (second.kn, second.kt, second.force)
+    assert (first.conditions.kn, first.conditions.kt, first.conditions.force) == (
+        second.conditions.kn,
+        second.conditions.kt,
+        second.conditions.force,
+    )
     assert second.frequency > 2 * first.frequency
 
 
@@ -146,13 +153,13 @@ def test_raw_file_is_sixteen_bits_and_loses_nothing(record, tmp_path):
 
 def test_sensor_noise_steps_and_range():
     chance = np.random.default_rng(1)
-    seen, step = read_velocity(np.zeros(200_000), 51200.0, 1e-5, 0.0, 0.1, chance)
+    seen, step = read_velocity(np.zeros(200_000), 51200.0, 1e-5, 0.0, 0.1, 0.1, chance)
     assert seen.std() == pytest.approx(1e-5, rel=0.02)
     np.testing.assert_allclose(seen / step, np.round(seen / step), atol=1e-6)
-    loud, _ = read_velocity(np.linspace(-1, 1, 100), 51200.0, 0.0, 0.0, 0.1, chance)
+    loud, _ = read_velocity(np.linspace(-1, 1, 100), 51200.0, 0.0, 0.0, 0.1, 0.1, chance)
     assert loud.max() == pytest.approx(0.1)
     assert loud.min() == pytest.approx(-0.1)
-    slow, _ = read_velocity(np.zeros(51200 * 20), 51200.0, 0.0, 1e-3, 0.1, chance)
+    slow, _ = read_velocity(np.zeros(51200 * 20), 51200.0, 0.0, 1e-3, 0.1, 0.1, chance)
     assert slow.max() == pytest.approx(1e-3, rel=0.02)
 
 

@@ -12,7 +12,10 @@ ALLOWED = {
     "decay": {"records"},
     "structure": set(),
     "contact": set(),
-    "stiffness": {"decay", "structure"},
+    "stiffness": {"decay", "structure", "nonlinear"},
+    "nonlinear": {"contact", "structure"},
+    "mechanisms": {"contact", "structure"},
+    "diagnosis": {"decay", "structure", "contact", "stiffness", "mechanisms"},
     "rig": set(),
     "ledger": {"decay", "structure", "contact"},
     "figures": set(),
@@ -24,8 +27,12 @@ SHARED = {"schema"}
 
 def imported_rooms(room):
     """First part below `bladeroot` of everything that a room's files import."""
+    return rooms_used((LIBRARY / room).rglob("*.py")) - {room}
+
+
+def rooms_used(files):
     found = set()
-    for path in (LIBRARY / room).rglob("*.py"):
+    for path in files:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom):
                 assert node.level == 0, f"{path}: write the whole name of an import"
@@ -38,7 +45,7 @@ def imported_rooms(room):
                 parts = name.split(".")
                 if parts[0] == "bladeroot" and len(parts) > 1:
                     found.add(parts[1])
-    return found - {room}
+    return found
 
 
 def test_every_room_is_listed():
@@ -64,3 +71,31 @@ def test_no_inference_reads_the_truth():
     rules = LIBRARY.parents[0] / "rules"
     reading = {path.name for path in rules.glob("*.smk") if "truth" in path.read_text()}
     assert reading == {"bench.smk", "report.smk"}  # made by the bench, read by its score alone
+
+
+def test_the_blind_laboratory_uses_the_bench_alone():
+    """What makes and seals a case shares no code with what diagnoses it, a script in between."""
+    used = rooms_used((LIBRARY.parents[1] / "tests" / "blind").glob("*.py"))
+    assert used == {"rig"}
+
+
+def test_bench_and_inference_share_no_function():
+    """No two functions of a dozen lines or more are the same code under other names."""
+    own = long_functions((LIBRARY / "rig").rglob("*.py"))
+    others = [path for path in LIBRARY.rglob("*.py") if "rig" not in path.parts]
+    assert not own & long_functions(others)
+
+
+def long_functions(files):
+    """Bodies of functions, docstrings out, names of variables and functions taken away."""
+    found = set()
+    for path in files:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno > 12:
+                body = node.body[1:] if ast.get_docstring(node) else node.body
+                for part in (inner for one in body for inner in ast.walk(one)):
+                    for field in ("id", "arg", "attr", "name"):
+                        if hasattr(part, field):
+                            setattr(part, field, "_")
+                found.add("\n".join(ast.dump(one) for one in body))
+    return found

@@ -5,6 +5,7 @@ from bladeroot.structure import elasticity
 from bladeroot.structure.geometry import Material
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import Mesh, beam_mesh, block, extrude
+from bladeroot.structure.outline import Edge
 from structure_coarse import coarse_structure
 
 STEEL = Material(young=200e9, density=7800.0, poisson=0.3)
@@ -13,13 +14,14 @@ LENGTH, HEIGHT, WIDTH = 0.1, 0.01, 0.02
 
 def bar(elements, part=0, height=HEIGHT):
     low, high = ((0.0, 0.0), (LENGTH, 0.0)), ((0.0, height), (LENGTH, height))
-    return extrude([block(low, high, (elements, 1), part)], WIDTH, 1)
+    return extrude([block(Edge(*low), Edge(*high), (elements, 1), part)], WIDTH, 1)
 
 
 def skewed():
     """Two tapered blocks, so that no element is a rectangle."""
-    first = block(((0.0, 0.0), (0.04, 0.004)), ((0.0, 0.02), (0.05, 0.03)), (2, 2))
-    second = block(((0.04, 0.004), (0.1, 0.0)), ((0.05, 0.03), (0.09, 0.02)), (1, 2))
+    low = Edge((0.0, 0.0), (0.04, 0.004)), Edge((0.04, 0.004), (0.1, 0.0))
+    high = Edge((0.0, 0.02), (0.05, 0.03)), Edge((0.05, 0.03), (0.09, 0.02))
+    first, second = block(low[0], high[0], (2, 2)), block(low[1], high[1], (1, 2))
     return extrude([first, second], WIDTH, 2)
 
 

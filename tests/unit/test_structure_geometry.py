@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import pytest
 import yaml
 from bladeroot.structure.file import load_structure
@@ -13,7 +15,7 @@ def test_lengths_and_moduli_arrive_in_si_units():
     assert structure.slot.material == structure.material
 
 
-@pytest.mark.parametrize("name", ["dovetail-H", "dovetail-HB"])
+@pytest.mark.parametrize("name", ["dovetail-H", "dovetail-HB", "dovetail-tables"])
 def test_shipped_structures_are_valid_and_carry_their_own_name(name):
     assert load_structure(ROOT / f"resources/structures/{name}.yaml").name == name
 
@@ -75,9 +77,26 @@ def test_jaw_follows_the_beam_up_to_the_flank_and_then_leaves_it():
     structure = structure_from_mapping(DOVETAIL)
     face = jaw_inner_face(structure)
     first, last = structure.flank
-    assert structure.profile[first] in face
-    assert structure.profile[last] in face
-    assert face[0][0] == pytest.approx(structure.profile[first][0] - structure.slot.lip)
+    ends = [(edge.start, edge.end) for edge in face]
+    assert (structure.profile[first], structure.profile[last]) in ends
+    assert face[0].start[0] == pytest.approx(structure.profile[first][0] - structure.slot.lip)
+    assert all(one.end == other.start for one, other in pairwise(face))
     tip_x, tip_h = structure.profile[-1]
-    assert face[-1][0] > tip_x
-    assert face[-1][1] > tip_h
+    assert face[-1].end[0] > tip_x
+    assert face[-1].end[1] > tip_h
+
+
+@pytest.mark.parametrize(
+    ("fillets", "message"),
+    [
+        ([(3, 3.0)], r"between points 3 and 4, which lie 0\.51 mm apart: 3 mm at point 3 need"),
+        ([(3, 0.25), (4, 1.0)], "0.25 mm at point 3 and 1 mm at point 4 need"),
+        ([(8, 0.5)], r"between the profile's ends \(1..7\), got 8"),
+        ([(5, 0.5)], r"the flank's ends \(\[5, 6\]\) must stay corners, got a fillet at point 5"),
+        ([(2, 0.5), (2, 0.3)], "point 2 must have one fillet, got two"),
+    ],
+)
+def test_fillets_that_do_not_fit_are_refused(fillets, message):
+    data = coarse_data(**_beam(fillets=[{"point": p, "radius_mm": r} for p, r in fillets]))
+    with pytest.raises(ValueError, match=rf"structure file, beam/fillets: .*{message}"):
+        structure_from_mapping(data)

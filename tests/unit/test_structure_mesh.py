@@ -13,6 +13,7 @@ from bladeroot.structure.mesh import (
     flank_weights,
     slot_mesh,
 )
+from bladeroot.structure.outline import Edge
 from structure_coarse import coarse_data, coarse_structure
 
 
@@ -126,7 +127,7 @@ def test_flank_names_follow_the_signs_of_x_and_z():
 )
 def test_a_block_turned_inside_out_is_refused(low, high):
     with pytest.raises(ValueError, match=r"^expected a block .* inside out at \(.*\) mm$"):
-        block(low, high, (1, 1))
+        block(Edge(*low), Edge(*high), (1, 1))
 
 
 def test_a_geometry_whose_mesh_is_turned_inside_out_is_named():

@@ -7,6 +7,7 @@ from bladeroot.structure.geometry import Material
 from bladeroot.structure.linear import lowest_eigenpairs
 from bladeroot.structure.mesh import beam_mesh, block, build_mesh, extrude
 from bladeroot.structure.modes import mirror_nodes, name_modes, parities
+from bladeroot.structure.outline import Edge
 from bladeroot.structure.prestress import prestress
 from bladeroot.structure.reduction import beam_model
 from structure_coarse import coarse_structure
@@ -102,7 +103,7 @@ STEEL = Material(young=200e9, density=7800.0, poisson=0.3)
 def straight(width, height, clamped=False, count=12):
     """Modes of a straight bar 0.2 m long: nodes, nodal masses, eigenvalues, shapes."""
     low, high = ((-0.1, -height / 2), (0.1, -height / 2)), ((-0.1, height / 2), (0.1, height / 2))
-    mesh = extrude([block(low, high, (8, 2))], width, 2)
+    mesh = extrude([block(Edge(*low), Edge(*high), (8, 2))], width, 2)
     rule = elasticity.quadrature(mesh)
     stiffness = elasticity.stiffness(mesh, rule, [STEEL])
     mass = elasticity.mass(mesh, rule, [STEEL])

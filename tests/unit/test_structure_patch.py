@@ -10,6 +10,7 @@ from bladeroot.structure import elasticity
 from bladeroot.structure.geometry import Material, flank_ends
 from bladeroot.structure.linear import factor, lowest_eigenpairs
 from bladeroot.structure.mesh import Mesh, beam_mesh, block, extrude
+from bladeroot.structure.outline import Edge
 from bladeroot.structure.prestress import solve_free
 from structure_coarse import coarse_structure
 
@@ -20,7 +21,7 @@ def box(counts, sizes):
     """Straight block from the origin along X and Z, about y = 0."""
     (nx, ny, nz), (length, width, height) = counts, sizes
     low, high = ((0.0, 0.0), (length, 0.0)), ((0.0, height), (length, height))
-    return extrude([block(low, high, (nx, nz))], width, ny)
+    return extrude([block(Edge(*low), Edge(*high), (nx, nz))], width, ny)
 
 
 def distorted(scatter=0.15, seed=0):

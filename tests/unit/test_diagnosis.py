@@ -1,0 +1,189 @@
+"""Whole diagnoses of small drawn campaigns: named, unexplained, nothing missing, insufficient."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.diagnosis.dataset import dataset
+from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.extension import corrected, curves, model_file, read, situation
+from bladeroot.diagnosis.naming import Known, prepared
+from bladeroot.diagnosis.verdict import verdict
+from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.mechanisms.mechanism import Points, Records
+from bladeroot.schema import check
+from bladeroot.structure.parametric import parametric_model
+from diagnosis_bench import FORCES, campaign, programme
+from stiffness_beam import beam_joint
+
+BIAS = {"1B": 0.005, "2B": 0.005}
+CATALOGUE = catalogue()
+
+
+@pytest.fixture(scope="module")
+def model():
+    return parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
+
+
+def judged(model, effect="", size=0.0, seed=1, **options):
+    options = {"rows": programme(cycles=1), "curves": False} | options
+    seen = campaign(model, effect, size, seed, **options)
+    made = diagnose(seen, model, Settings(BIAS), CATALOGUE)
+    said = verdict(made)
+    check(json.loads(json.dumps(said)), "verdict", effect)
+    return made, said
+
+
+def names(said):
+    return [one["mechanism"] for one in said["causes"] if len(one["credible_set"]) == 1]
+
+
+def test_without_an_effect_nothing_is_missing(model):
+    assert judged(model)[1]["answer"] == "nothing-missing"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [2, 3])
+def test_without_an_effect_nothing_is_missing_in_the_curves(model, seed):
+    assert judged(model, seed=seed, curves=True)[1]["answer"] == "nothing-missing"
+
+
+@pytest.fixture(scope="module")
+def stiffening(model):
+    """A campaign whose contact stiffens with exponent 0.6."""
+    return judged(model, "exponent", 0.6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "size", "name"),
+    [
+        ("hysteresis", 0.3, "loading-hysteresis"),
+        ("relaxation", 0.02, "force-relaxation"),
+    ],
+)
+def test_an_effect_on_stick_frequencies_is_named_and_gains(model, effect, size, name):
+    _, said = judged(model, effect, size)
+    assert said["answer"] == "named"
+    assert names(said) == [name]
+    assert said["gain"]["log_score"]["after"] > said["gain"]["log_score"]["before"]
+
+
+def test_a_load_dependent_stiffness_is_named_and_halves_the_error_between_forces(stiffening):
+    _, said = stiffening
+    assert names(said) == ["load-dependent-stiffness"]
+    sides = said["gain"]["between_forces"]
+    assert sides["after"] < 0.5 * sides["before"]
+    exponent = said["causes"][0]["parameters"][0]
+    assert abs(exponent["value"] - 0.6) < 3.0 * exponent["std"] + 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "size", "name"),
+    [("slip", 2e-3, "joint-slip"), ("drag", 100.0, "quadratic-drag"),
+     ("hardening", 6e6, "geometric-hardening")],
+)  # fmt: skip
+def test_an_effect_on_the_curves_is_named(model, effect, size, name):
+    _, said = judged(model, effect, size, curves=True)
+    assert names(said) == [name]
+    sides = said["gain"]["within_records"]["frequency" if effect == "hardening" else "loss_factor"]
+    assert sides["after"] < 0.6 * sides["before"]
+
+
+@pytest.mark.slow
+def test_a_knee_that_no_mechanism_makes_is_unexplained(model):
+    _, said = judged(model, "knee", 1e-3, curves=True)
+    assert said["answer"] == "unexplained"
+    assert any("loss factor" in row["quantity"] for row in said["shortfall"])
+
+
+@pytest.mark.slow
+def test_a_bump_in_one_mode_is_unexplained(model):
+    _, said = judged(model, "bump", 5e-3)
+    assert said["answer"] == "unexplained"
+    assert "force" in said["reason"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "missing"),
+    [
+        (programme(cycles=1, modes=("1B",)), "a second mode"),
+        (programme(cycles=1, forces=FORCES[:2]), "more axial forces"),
+        (programme(cycles=1, records=1)[:14], "repeated clampings"),  # up alone
+    ],
+)
+def test_too_little_data_is_said_with_what_lacks(model, rows, missing):
+    _, said = judged(model, rows=rows)
+    assert said["answer"] == "insufficient-data"
+    assert missing in said["reason"]
+
+
+def test_faulty_records_are_named_beyond_false_alarms(model):
+    records = [one for one in CATALOGUE if one.channel == "record"]
+    for count, answer in ((1, "nothing-missing"), (20, "named")):
+        seen = campaign(model, rows=programme(cycles=1), curves=False)
+        seen["findings"] = ("record", np.where(np.arange(56) < count, "mains-hum", ""))
+        said = verdict(diagnose(seen, model, Settings(BIAS), records))
+        assert said["answer"] == answer
+        assert len(said["records"]) == count
+
+
+def test_an_independent_measurement_moves_prior_and_evidence():
+    modulus = next(one for one in CATALOGUE if one.id == "modulus-density")
+    alone, nothing = prepared(modulus, Known())
+    assert (alone, nothing) == (modulus, 0.0)
+    known, gain = prepared(modulus, Known({"free-free": (0.02, 0.001)}))
+    assert known.parameters[0].mean == pytest.approx(0.02, rel=0.01)
+    assert gain > 100.0
+    assert prepared(modulus, Known({"free-free": (0.0, 0.001)}))[1] < 0.0
+
+
+@pytest.mark.slow
+def test_the_order_of_the_catalogue_does_not_matter(model):
+    seen = campaign(model, "exponent", 0.5, rows=programme(cycles=1), curves=False)
+    first, second = (
+        verdict(diagnose(seen, model, Settings(BIAS), order))
+        for order in (CATALOGUE, CATALOGUE[::-1])
+    )
+    assert first == second
+
+
+def test_dataset_and_model_file_hold_the_cause(stiffening):
+    made, _ = stiffening
+    whole = dataset(made)
+    assert whole.attrs["named"] == "load-dependent-stiffness"
+    scaled = np.abs(whole["stick_residual_scaled"]).mean("stick_record")
+    assert scaled.sel(stage="after") < 0.5 * scaled.sel(stage="before")
+    assert all({"units", "long_name"} <= set(whole[name].attrs) for name in whole.data_vars)
+    extension = read(model_file(made), CATALOGUE)
+    none = np.zeros(2)
+    at = Records(np.zeros(2, int), np.array([6e3, 24e3]), none, none, none, 0.0, 0.0)
+    slope = np.diff(situation(extension, at)["ln_kn"])[0] / np.log(4.0)
+    assert slope == pytest.approx(0.6, abs=0.2)
+    with pytest.raises(ValueError, match="not in the catalogue"):
+        read(model_file(made), [])
+
+
+def test_a_corrected_stick_table_has_the_true_force(model):
+    document = {
+        "contact": {"reference_force_N": 12e3, "kn_N_per_m": 1e9, "kt_N_per_m": 1e9, "exponent": 0},
+        "mechanisms": [
+            {"mechanism": "force-offset", "parameters": {"offset": {"value": 500.0}}},
+            {"mechanism": "added-mass",
+             "parameters": {"mass": {"value": 0.01}, "place": {"value": 0.0}}},
+        ],
+    }  # fmt: skip
+    stick = xr.Dataset(
+        {name: ("level", [500.0, 1400.0]) for name in ("frequency", "frequency_std", "within_std")}
+        | {"mode": ("level", ["1B", "2B"]), "force": ("level", [6e3, 6e3])}
+    )
+    better = corrected(read(document, CATALOGUE), stick, model)
+    assert better["force"].values == pytest.approx([6500.0, 6500.0])
+    # Without the mass the beam is faster, at mid-span in 1B far more than in 2B.
+    faster = better["frequency"].values / stick["frequency"].values - 1.0
+    assert faster[0] > 0.003
+    assert 0.0 <= faster[1] < 0.2 * faster[0]
+    points = Points(np.zeros(1, int), np.ones(1), np.ones(1), np.ones(1))
+    assert curves(read(document, CATALOGUE), points).ln_f[0] == 0.0

@@ -1,0 +1,87 @@
+"""Fits with Gaussian errors: evidence, scales and hold-out against closed forms."""
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis.gaussian import Prior, Problem, State, best_fit, fit, hold_out
+from scipy.stats import multivariate_normal
+
+X = np.linspace(-1.0, 1.0, 12)
+GROUP = np.repeat(np.arange(4), 3)
+PRIOR = Prior(np.array([0.5, -0.2]), np.array([2.0, 1.0]))
+
+
+def straight_line(data, scales):
+    """A line whose groups share an error of unknown size; the noise is known."""
+    design = np.stack([np.ones_like(X), X], axis=1)
+    same = (GROUP[:, None] == GROUP).astype(float)
+
+    def covariance(state, s):
+        shared = np.exp(2.0 * s[0]) * same
+        return shared + 0.01 * np.eye(X.size), [2.0 * shared]
+
+    return Problem(data, lambda t: State(design @ t, design, {}), covariance, PRIOR, scales)
+
+
+def drawn(seed, shared=0.3):
+    rng = np.random.default_rng(seed)
+    return 1.0 + 0.5 * X + shared * rng.standard_normal(4)[GROUP] + 0.1 * rng.standard_normal(12)
+
+
+def test_evidence_of_a_linear_model_is_the_data_density():
+    known = Prior(np.array([np.log(0.3)]), np.array([1e-4]))
+    found = fit(straight_line(drawn(1), known))
+    design = np.stack([np.ones_like(X), X], axis=1)
+    same = GROUP[:, None] == GROUP
+    whole = 0.09 * same + 0.01 * np.eye(12) + (design * PRIOR.std**2) @ design.T
+    exact = multivariate_normal(design @ PRIOR.mean, whole).logpdf(drawn(1))
+    assert found.log_evidence == pytest.approx(exact, abs=1e-3)
+
+
+def test_a_group_left_out_is_predicted_as_by_a_fit_without_it():
+    known = Prior(np.array([np.log(0.3)]), np.array([1e-4]))
+    data = drawn(2)
+    held = hold_out(fit(straight_line(data, known)), GROUP)
+    design = np.stack([np.ones_like(X), X], axis=1)
+    whole = 0.09 * (GROUP[:, None] == GROUP) + 0.01 * np.eye(12)
+    whole = whole + (design * PRIOR.std**2) @ design.T
+    mean = design @ PRIOR.mean
+    out, rest = GROUP == 2, GROUP != 2
+    gain = whole[np.ix_(out, rest)] @ np.linalg.inv(whole[np.ix_(rest, rest)])
+    said = mean[out] + gain @ (data - mean)[rest]
+    spread = whole[np.ix_(out, out)] - gain @ whole[np.ix_(rest, out)]
+    assert held.error[out] == pytest.approx((data[out] - said), abs=1e-6)
+    assert held.std[out] == pytest.approx(np.sqrt(np.diag(spread)), rel=1e-3)
+    score = multivariate_normal(said, spread).logpdf(data[out])
+    assert held.log_score[2] == pytest.approx(score, abs=1e-3)
+
+
+def test_the_scale_is_that_of_most_marginal_likelihood():
+    free = Prior(np.array([np.log(0.1)]), np.array([3.0]))
+    found = fit(straight_line(drawn(3), free))
+    design = np.stack([np.ones_like(X), X], axis=1)
+    grid = np.linspace(-5.0, 2.0, 1401)
+
+    def density(s):
+        whole = np.exp(2.0 * s) * (GROUP[:, None] == GROUP) + 0.01 * np.eye(12)
+        whole = whole + (design * PRIOR.std**2) @ design.T
+        prior = -0.5 * ((s - np.log(0.1)) / 3.0) ** 2
+        return multivariate_normal(design @ PRIOR.mean, whole).logpdf(drawn(3)) + prior
+
+    best = grid[np.argmax([density(s) for s in grid])]
+    assert found.scales[0] == pytest.approx(best, abs=0.05)
+
+
+def test_of_several_starts_the_better_summit_wins():
+    """A mean with two summits; the start beside the lower one must not decide."""
+
+    def predict(t):
+        mean = np.full(5, t[0] ** 2 - 0.5 * t[0])
+        return State(mean, np.full((5, 1), 2.0 * t[0] - 0.5), {})
+
+    def covariance(state, s):
+        return 0.01 * np.eye(5), []
+
+    none = Prior(np.zeros(0), np.zeros(0))
+    problem = Problem(np.full(5, 1.5), predict, covariance, Prior(np.zeros(1), np.ones(1)), none)
+    found = best_fit(problem, [np.array([3.0]), np.array([-3.0])])
+    assert found.parameters[0] == pytest.approx(-1.0, abs=0.01)

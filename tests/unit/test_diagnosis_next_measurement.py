@@ -1,0 +1,76 @@
+"""What a further measurement would decide: Gaussian cases, and a small campaign."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.next_measurement import decided, next_measurements
+from bladeroot.mechanisms.catalogue import catalogue
+from diagnosis_bench import campaign, programme
+from stiffness_beam import _model
+
+BIAS = {"1B": 0.005, "2B": 0.005}
+FEW = ("load-dependent-stiffness", "incomplete-contact")
+
+
+def gaussian(mean, std):
+    return np.array([mean], float), np.array([[std**2]], float)
+
+
+def test_alike_predictions_decide_nothing_and_distant_ones_all():
+    assert decided([gaussian(0, 1), gaussian(0, 1)]) == pytest.approx(0.0, abs=1e-12)
+    assert decided([gaussian(0, 1), gaussian(50, 1), gaussian(-50, 1)]) == pytest.approx(1.0)
+    assert np.isnan(decided([gaussian(0, 1)]))
+
+
+@pytest.mark.parametrize(("gap", "std"), [(1.0, 1.0), (2.0, 1.0), (0.0, 5.0), (3.0, 2.0)])
+def test_decided_is_the_mutual_information(gap, std):
+    y = np.linspace(-30.0, 30.0, 200001)
+    both = [
+        np.exp(-0.5 * ((y - m) / s) ** 2) / (s * np.sqrt(2 * np.pi))
+        for m, s in ((0.0, 1.0), (gap, std))
+    ]
+    middle = 0.5 * (both[0] + both[1])
+    inside = [p * np.log(np.maximum(p, 1e-300) / np.maximum(middle, 1e-300)) for p in both]
+    exact = 0.5 * sum(np.trapezoid(part, y) for part in inside) / np.log(2.0)
+    assert decided([gaussian(0, 1), gaussian(gap, std)]) == pytest.approx(exact, abs=0.05)
+
+
+@pytest.fixture(scope="module")
+def made():
+    rows = programme(cycles=1, records=1)
+    seen = campaign(_model(False), "exponent", 0.4, rows=rows, curves=False)
+    candidates = [one for one in catalogue() if one.id in FEW]
+    return diagnose(seen, _model(False), Settings(BIAS), candidates)
+
+
+@pytest.fixture(scope="module")
+def found(made):
+    return next_measurements(made)
+
+
+def test_every_measurement_helps_and_none_hurts(found):
+    assert found["decided"].attrs["rivals"].startswith("load-dependent-stiffness;")
+    now, others = found.isel(option=0), found.isel(option=slice(1, None))
+    assert float(now["decided"]) == 0.0
+    assert float(now["size_std"]) == 1.0
+    assert (others["decided"] > 0.0).all()
+    assert (others["decided"] <= 1.0).all()
+    assert (others["size_std"] <= 1.0).all()
+    assert (others["expected_ln_std"] <= now["expected_ln_std"] + 1e-12).all()
+
+
+def test_low_forces_tell_a_power_from_seating_better_than_repeats(found):
+    """A seated contact goes with the force itself far below its seating force, a power does not."""
+    low = next(str(name) for name in found["option"].values if "at 0.895 kN" in str(name))
+    again = "the whole campaign once more"
+    assert found["decided"].sel(option=low) > found["decided"].sel(option=again)
+
+
+def test_no_force_below_that_of_full_contact_is_proposed(made):
+    changed = replace(made, settings=replace(made.settings, least_force=1700.0))
+    options = [str(option) for option in next_measurements(changed)["option"].values]
+    proposed = [float(one.split(" at ")[1].split()[0]) for one in options if " at " in one]
+    assert min(proposed) >= 1.7
+    assert max(proposed) <= 30.0

@@ -1,0 +1,129 @@
+"""Every mechanism of the catalogue: its statement is whole, its derivatives are right."""
+
+import numpy as np
+import pytest
+from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.mechanisms.mechanism import Points, Records
+
+FIXED = {
+    "joint-slip": "amplitude", "normal-load-variation": "amplitude",
+    "geometric-hardening": "amplitude", "quadratic-drag": "amplitude",
+    "load-dependent-stiffness": "force-law", "incomplete-contact": "force-law",
+    "force-gain": "force-law", "force-offset": "level", "added-mass": "level",
+    "modulus-density": "level", "rig-compliance": "level", "drift": "time",
+    "force-relaxation": "time", "loading-hysteresis": "direction", "clipping": "record",
+    "shaker-recontact": "record", "mode-beating": "record", "mains-hum": "record",
+}  # fmt: skip
+RECORDS = Records(
+    mode=np.array([0, 1, 0, 1]),
+    force=np.array([1790.0, 5370.0, 11993.0, 23986.0]),
+    sign=np.array([1.0, 1.0, -1.0, 0.0]),
+    time=np.array([0.0, 400.0, 900.0, 2000.0]),
+    since=np.array([0.0, 180.0, 360.0, 540.0]),
+    span=2000.0,
+    hold_span=540.0,
+)
+POINTS = Points(
+    mode=np.array([0, 0, 0, 1, 1, 1]),
+    force=np.array([2e3, 2e3, 8e3, 2e3, 8e3, 8e3]),
+    amplitude=np.array([3e-7, 2e-6, 2e-5, 1e-6, 3e-6, 1e-5]),
+    loss=np.full(6, 4e-3),
+)
+
+
+def of_kind(hook):
+    return [one for one in catalogue() if getattr(one, hook) is not None]
+
+
+def usual(mechanism):
+    """Values off the prior's mean, so that nothing is zero by chance."""
+    coordinates = mechanism.start + 0.3 * mechanism.std
+    return mechanism.values(coordinates)[0]
+
+
+def numerical(function, values, k):
+    step = 1e-5 * max(abs(values[k]), 1e-9)
+    up, down = values.copy(), values.copy()
+    up[k], down[k] = values[k] + step, values[k] - step
+    return (function(up) - function(down)) / (2.0 * step)
+
+
+def test_the_fixed_ids_are_there_with_their_classes():
+    found = {one.id: one.kind for one in catalogue()}
+    assert {name: found.get(name) for name in FIXED} == FIXED
+
+
+@pytest.mark.parametrize("mechanism", catalogue(), ids=lambda one: one.id)
+def test_a_mechanism_states_all_that_a_reader_asks(mechanism):
+    assert mechanism.sentence
+    assert mechanism.splitter
+    for p in mechanism.parameters:
+        assert p.unit
+        assert p.source
+        assert p.std > 0.0
+        assert p.low <= p.mean <= p.high
+
+
+@pytest.mark.parametrize("mechanism", of_kind("stick"), ids=lambda one: one.id)
+def test_derivatives_of_stick_effects(mechanism):
+    values = usual(mechanism)
+    effect = mechanism.stick(RECORDS, values)
+    assert set(effect.slopes) == set(effect.changes) <= {"ln_kn", "ln_kt", "force", "ln_f"}
+    for name in effect.changes:
+        for k in range(values.size):
+            slope = numerical(lambda v, n=name: mechanism.stick(RECORDS, v).changes[n], values, k)
+            scale = np.abs(effect.changes[name]).max() / abs(values[k]) + 1e-12
+            assert effect.slopes[name][:, k] == pytest.approx(slope, rel=1e-5, abs=1e-6 * scale)
+
+
+@pytest.mark.parametrize("mechanism", of_kind("curve"), ids=lambda one: one.id)
+def test_derivatives_of_curve_effects(mechanism):
+    values = usual(mechanism)
+    effect = mechanism.curve(POINTS, values)
+    for name in ("ln_f", "loss"):
+        for k in range(values.size):
+            slope = numerical(lambda v, n=name: getattr(mechanism.curve(POINTS, v), n), values, k)
+            given = getattr(effect, f"{name}_slope")[:, k]
+            scale = np.abs(getattr(effect, name)).max() / abs(values[k]) + 1e-30
+            assert given == pytest.approx(slope, rel=2e-3, abs=1e-3 * scale)
+
+
+def test_slip_begins_at_a_threshold_that_grows_with_the_force():
+    slip = next(one for one in catalogue() if one.id == "joint-slip")
+    values = np.array([0.02, 1.0, 1e-9, 0.5, 1e-6])
+    threshold = values[2] * 8e3
+    around = np.array([0.5, 0.99, 1.01, 2.0]) * threshold
+    points = Points(np.zeros(4, int), np.full(4, 8e3), around, np.full(4, 4e-3))
+    effect = slip.curve(points, values)
+    assert np.all(effect.loss[:2] == 0.0)
+    assert np.all(effect.ln_f[2:] < 0.0)
+    # A slider's greatest loss, 1/pi of its stiffness, is at twice the threshold (eq. 3.19).
+    assert effect.loss[3] == pytest.approx(0.02 / np.pi, rel=1e-6)
+
+
+def test_a_users_file_joins_and_may_replace(tmp_path):
+    text = (
+        "from dataclasses import replace\n"
+        "from bladeroot.mechanisms.force_gain import MECHANISM as GAIN\n"
+        "MECHANISM = replace(GAIN, id='{}')\n"
+    )
+    (tmp_path / "own.py").write_text(text.format("wrong-piston"))
+    (tmp_path / "other.py").write_text(text.format("force-gain"))
+    ids = [one.id for one in catalogue(tmp_path)]
+    assert ids == sorted({*(one.id for one in catalogue()), "wrong-piston"})
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [("X = 1\n", "expected MECHANISM"), ("1 / 0\n", "ZeroDivisionError"), ("x = (\n", "Syntax")],
+)
+def test_a_users_bad_file_is_one_line(tmp_path, content, message):
+    (tmp_path / "own.py").write_text(content)
+    with pytest.raises(ValueError, match=message) as error:
+        catalogue(tmp_path)
+    assert "own.py" in str(error.value)
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    with pytest.raises(ValueError, match="folder of mechanisms not found"):
+        catalogue(tmp_path / "none")

@@ -1,0 +1,169 @@
+"""The inference with amplitude curves: its likelihood, its data, and a truth that it must find."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.stats
+import xarray as xr
+from bladeroot.stiffness.amplitude import freest, level_names
+from bladeroot.stiffness.curve_errors import covariance
+from bladeroot.stiffness.curve_fit import fit_curves
+from bladeroot.stiffness.curve_term import curve_term, log_likelihood
+from bladeroot.stiffness.posterior import coordinates, local, log_posterior, predict
+from bladeroot.stiffness.simulated_curves import levels_at, simulate, values
+from bladeroot.stiffness.softening import Softening, softening_of
+from bladeroot.stiffness.summit import Summit, find_summit
+from nonlinear_systems import coarse_joint
+from test_stiffness_joint import problem
+
+LASERS = {"1B": 0.0, "2B": -0.07}
+
+
+def term_of(count, seed=2):
+    rng = np.random.default_rng(seed)
+    center = np.array([20.5, 21.0, 9.0]) + 0.1 * rng.standard_normal((count, 3))
+    slope, rest = rng.standard_normal((8, 3 * count)), rng.standard_normal(8)
+    half = rng.standard_normal((8, 8))
+    return curve_term(center, rest, slope, half @ half.T + np.eye(8)), (slope, rest, half)
+
+
+def test_curve_term_is_the_normal_likelihood():
+    term, (slope, rest, half) = term_of(2)
+    z = term.center + 0.3 * np.random.default_rng(5).standard_normal((4, 2, 3))
+    wanted = [
+        scipy.stats.multivariate_normal(cov=half @ half.T + np.eye(8)).logpdf(
+            rest - slope @ (one - term.center).ravel()
+        )
+        for one in z
+    ]
+    np.testing.assert_allclose(log_likelihood(term, z), wanted)
+
+
+def test_gradient_of_the_posterior_with_curves():
+    bare, u = problem()
+    whole = replace(bare, curves=term_of(len(bare.levels.force))[0])
+    here, h = local(whole, u), 1e-5
+    numeric = [
+        (log_posterior(whole, (u + h * e)[None]) - log_posterior(whole, (u - h * e)[None]))[0]
+        / (2 * h)
+        for e in np.eye(len(u))
+    ]
+    np.testing.assert_allclose(here.gradient, numeric, rtol=1e-4, atol=1e-4)
+    assert np.linalg.eigvalsh(here.information - local(bare, u).information)[0] > -1e-6
+
+
+def records(falls=(0.0, 1e-2)):
+    """Two records of one level whose stick frequencies differ; the frequency falls as ln A."""
+    amplitude = np.geomspace(1e-5, 1e-7, 60)
+    decays, sticks = {}, []
+    for k, f in enumerate((500.0, 505.0)):
+        shape = np.clip(np.log(amplitude / 1e-6), 0.0, None)
+        decays[f"r{k}"] = xr.Dataset(
+            {
+                "amplitude": ("point", amplitude),
+                "frequency": ("point", f * (1.0 - falls[1] * shape)),
+                "frequency_std": ("point", np.full(60, 1e-3)),
+                "loss_factor": ("point", 0.003 + k * 1e-3 + 0.02 * shape),
+                "loss_factor_std": ("point", np.full(60, 1e-5)),
+            }
+        )
+        sticks.append((f"r{k}", f, 0.003 + k * 1e-3, f"h{k}"))
+    names, f, eta, hold = zip(*sticks, strict=True)
+    stick = xr.Dataset(
+        {
+            "record_mode": ("record", ["1B"] * 2),
+            "record_force": ("record", [4e3] * 2),
+            "plateau_reached": ("record", [1, 1]),
+            "hold": ("record", list(hold)),
+            "stick_frequency": ("record", list(f)),
+            "stick_frequency_std": ("record", [1e-3] * 2),
+            "record_loss_factor": ("record", list(eta)),
+            "record_loss_factor_std": ("record", [1e-5] * 2),
+        },
+        coords={"record": list(names)},
+    )
+    return decays, stick
+
+
+def test_each_record_is_counted_from_its_own_stick_frequency():
+    found = softening_of(*records(), [("2B", 4e3), ("1B", 4e3)])
+    assert set(found.level) == {1}
+    assert np.all(found.holds == 2)
+    assert found.amplitude.min() > 1e-6
+    shape = np.log(found.amplitude / 1e-6)
+    np.testing.assert_allclose(found.fall, -1e-2 * shape, atol=5e-4)
+    np.testing.assert_allclose(found.rise, 2e-2 * shape, atol=1e-3)
+
+
+def test_a_frequency_that_does_not_fall_gives_no_points():
+    assert not len(softening_of(*records(falls=(0.0, 0.0)), [("1B", 4e3)]).level)
+
+
+def made_up(levels, size=8):
+    level = np.repeat(np.arange(len(levels)), size)
+    amplitude = np.tile(np.geomspace(4e-6, 6e-5, size), len(levels))
+    nothing = np.zeros(level.size)
+    return Softening(
+        level, amplitude, nothing, nothing + 1e-6, nothing, nothing + 1e-6, nothing + 2.0
+    )
+
+
+def test_errors_of_the_curves_are_a_covariance():
+    levels = [("1B", 4e3), ("2B", 4e3), ("1B", 8e3)]
+    one = made_up(levels)
+    one = replace(one, fall=-100.0 * one.amplitude, rise=50.0 * one.amplitude)
+    errors = covariance(one, levels, 0.05)
+    np.testing.assert_allclose(errors, errors.T)
+    assert np.linalg.eigvalsh(errors)[0] > 0.0
+    largest = np.sqrt(np.diag(errors))[7] / np.abs(one.fall[7])
+    assert 0.05 < largest < 0.1
+    smallest = np.sqrt(np.diag(errors))[0] / np.abs(one.fall[0])
+    assert smallest > 2.0 * largest
+
+
+def test_slopes_of_simulated_curves():
+    joint, levels = coarse_joint(), [("1B", 4e3)]
+    z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
+    friction = np.log([0.4, 0.02, 0.7, 0.4])
+    one = made_up(levels)
+    at = levels_at(joint, one, levels, LASERS, z)
+    said = simulate(joint, at, friction)
+    for k in range(4):
+        step = 0.05 * np.eye(4)[k]
+        numeric = (values(joint, at, friction + step) - values(joint, at, friction - step)) / 0.1
+        scale = np.abs(numeric).max()
+        np.testing.assert_allclose(said.by_friction[:, k], numeric, atol=0.15 * scale)
+
+
+@pytest.mark.slow
+def test_curves_find_stiffness_and_friction_that_made_them():
+    joint = coarse_joint()
+    made, u = problem("two powers", bent=0.0)
+    truth = coordinates(predict(made, u[None]))[0]
+    levels = level_names(made)[:3]
+    one = made_up(levels)
+    friction = np.log([0.3, 0.01, 0.6, 0.4])
+    at = levels_at(joint, one, levels, LASERS, truth)
+    fall, rise = values(joint, at, friction).reshape(2, -1)
+    one = replace(one, fall=fall - 1e-5, rise=rise + 1e-5)
+    alone = find_summit(made)
+    fit = fit_curves(joint, alone, one, level_names(made), LASERS, 0.03)
+    assert fit.converged
+    both = find_summit(replace(made, curves=fit.term))
+    before, after = (np.sqrt(np.diag(summit.theta_covariance))[:2] for summit in (alone, both))
+    assert np.all(after < before)
+    assert after[1] < 0.6 * before[1]
+    away = (both.theta - (made.mean + made.std * u))[:2] / after
+    assert np.all(np.abs(away) < 3.0)
+
+
+def test_the_freest_law_that_is_not_improbable_is_taken():
+    nothing = np.zeros((1, 1))
+    made = {
+        name: Summit(problem(name)[0], nothing[0], 0.0, nothing, evidence)
+        for name, evidence in (("one power", 10.0), ("two powers", 8.0), ("bent powers", 5.0))
+    }
+    assert freest(made) == "two powers"
+    made["two powers"] = replace(made["two powers"], log_evidence=6.0)
+    assert freest(made) == "one power"
