@@ -1,0 +1,35 @@
+"""Raw cases: sealed, run by the whole workflow as a user would, then opened and scored."""
+
+import pytest
+from cases import draw_case
+from lab import Laboratory
+from matrix import run_case
+from runs import structures
+
+pytestmark = pytest.mark.raw
+SEED = 7700
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory):
+    return tmp_path_factory.mktemp("house")
+
+
+@pytest.fixture(scope="module")
+def parametric(house):
+    return structures(house) / "parametric.nc"
+
+
+@pytest.mark.parametrize(
+    ("number", "names"),
+    [(0, ()), (1, ("loading-hysteresis",)), (2, ("joint-slip",)), (3, ("clipping",))],
+)
+def test_a_raw_case_is_answered(house, parametric, number, names):
+    lab = Laboratory(parametric.with_name("reduced.nc"))
+    case = draw_case(SEED + number, names, 3.0)
+    outcome = run_case(lab, parametric, house, "raw", (number, case))
+    assert not outcome["wrong"]
+    if names:
+        assert outcome["classed"] == 1
+    else:
+        assert outcome["column"] == "nothing-missing"
