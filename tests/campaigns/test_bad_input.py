@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import SMALL, copy_house
+from house import SMALL, copy_house
 
 SHEET = "resources/campaigns/small/records.csv"
 
@@ -36,7 +36,7 @@ def test_one_line_and_no_job(tmp_path, path, old, new, told):
     assert not (house.folder / "results").exists()
 
 
-def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
+def test_without_any_stick_frequency_there_is_still_a_report(own_house, tmp_path):
     """One mode, one force, every raw file spoilt: nothing to infer, and the report says so."""
     folder = tmp_path / "poor"
     folder.mkdir()
@@ -47,14 +47,15 @@ def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
     (folder / "campaign.yaml").write_text(description.replace("[tiny]", "[own]"))
     (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
     (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
-    house.run("--config", f"campaigns={folder}")
-    page = (house.folder / "results" / "poor" / "report.html").read_text()
+    own_house.run("--config", f"campaigns={folder}")
+    page = (own_house.folder / "results" / "poor" / "report.html").read_text()
     assert "No record reached its stick plateau" in page
     assert "at least 64 samples" in page
     assert "no stick frequency of 1B and 2B" in page
 
 
-def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
+@pytest.mark.slow
+def test_a_bad_record_is_named_and_the_rest_goes_on(own_house, tmp_path):
     """Real raw files, two of them spoilt: a campaign folder outside the house."""
     folder = tmp_path / "lab"
     folder.mkdir()
@@ -65,7 +66,7 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
     description = description.replace("[tiny]", "[own]").replace("SIMULATED, ", "")
     (folder / "campaign.yaml").write_text(description)
     sheet = (SMALL / "records.csv").read_text()
-    for raw in (house.folder / "results" / "bench" / "small").glob("*.nc"):
+    for raw in (own_house.folder / "results" / "bench" / "small").glob("*.nc"):
         shutil.copy(raw, folder)
     whole = (folder / "r001.nc").read_bytes()
     (folder / "r007.nc").write_bytes(whole[:5000])
@@ -78,14 +79,14 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(house, tmp_path):
         sheet += f"{record},{record}.nc,1B,60,h1,up,1000,1.4\n"
     (folder / "records.csv").write_text(sheet)
 
-    house.run("--config", f"campaigns={folder}")
-    stick = xr.load_dataset(house.folder / "results" / "lab" / "stick.nc")
+    own_house.run("--config", f"campaigns={folder}")
+    stick = xr.load_dataset(own_house.folder / "results" / "lab" / "stick.nc")
     verdicts = dict(zip(stick["record"].values, stick["verdict"].values, strict=True))
     bad = {record for record, verdict in verdicts.items() if verdict.startswith("rejected")}
     assert bad == {"r007", "r008", "r009"}
     assert "r008.nc" in verdicts["r008"]
     assert "finite" in verdicts["r008"]
-    page = (house.folder / "results" / "lab" / "report.html").read_text()
+    page = (own_house.folder / "results" / "lab" / "report.html").read_text()
     assert "Left out" in page
     assert "r008.nc" in page
     assert "Simulated records" not in page

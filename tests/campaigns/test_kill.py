@@ -7,7 +7,7 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
-from conftest import copy_house
+from house import copy_house
 
 
 def kill_tree(process):

@@ -9,7 +9,7 @@ from bladeroot.structure.external.export import export_matrices
 from bladeroot.structure.file import load_structure
 from bladeroot.structure.mesh import build_mesh
 from bladeroot.structure.prestress import prestress
-from conftest import ROOT, SMALL, copy_house
+from house import ROOT, SMALL, copy_house
 
 
 def lab(folder, structures):

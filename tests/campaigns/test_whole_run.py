@@ -65,7 +65,8 @@ def test_time_of_every_rule_is_gathered(house):
     with (house.folder / "results" / "timings.csv").open() as sheet:
         rows = {row["rule"]: row for row in csv.DictReader(sheet)}
     assert int(rows["decay"]["jobs"]) >= 6
-    assert all(float(row["total_s"]) > 0 for row in rows.values())
+    assert float(rows["decay"]["total_s"]) > 0
+    assert all(float(row["total_s"]) >= 0 for row in rows.values())  # a copy takes no time
 
 
 def test_snakemakes_own_report_has_captions_and_categories(house):

@@ -1,0 +1,75 @@
+"""A small copy of the house in which whole runs can be made, broken and repaired."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SMALL = Path(__file__).parent / "small"
+
+
+@dataclass(frozen=True)
+class House:
+    """A checkout with its own library, configuration and results."""
+
+    folder: Path
+
+    def run(self, *options: str, check: bool = True) -> subprocess.CompletedProcess:
+        done = subprocess.run(
+            self.command(*options),
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+        )
+        if check and done.returncode:
+            pytest.fail(f"snakemake {' '.join(options)} failed:\n{done.stdout}\n{done.stderr}")
+        return done
+
+    @staticmethod
+    def command(*options: str) -> list[str]:
+        return [sys.executable, "-m", "snakemake", "-j2", *options]
+
+    @property
+    def environment(self) -> dict:
+        # The copy's library, not the installed one: its code is what the tests edit. One BLAS
+        # thread, as in the workflow's jobs: another number rounds differently.
+        library = str(self.folder / "workflow")
+        return {**os.environ, "PYTHONPATH": library, "OMP_NUM_THREADS": "1"}
+
+    def planned(self, *options: str) -> Counter:
+        """The rules (with how many jobs each) that the next run would do: Snakemake's job table."""
+        text = self.run("--dry-run", *options).stdout
+        table = re.search(r"^job +count\n[- ]+\n(.*?)^total", text, re.MULTILINE | re.DOTALL)
+        if table is None:
+            assert "Nothing to be done" in text
+            return Counter()
+        rows = (line.split() for line in table.group(1).splitlines() if line.strip())
+        return Counter({rule: int(count) for rule, count in rows if rule != "all"})
+
+    def edit(self, path: str, old: str, new: str) -> None:
+        file = self.folder / path
+        text = file.read_text()
+        assert old in text
+        file.write_text(text.replace(old, new, 1))
+
+
+def copy_house(folder: Path) -> House:
+    """The workflow with the small campaign as its only one."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("Snakefile", "workflow", "profiles", "config", "resources"):
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, folder / name)
+    shutil.copytree(SMALL, folder / "resources" / "campaigns" / "small")
+    shutil.copy(SMALL / "config.yaml", folder / "config" / "config.yaml")
+    return House(folder)

@@ -1,0 +1,19 @@
+"""Two blind cases on the small structure: nothing hidden, and one effect, by the fast tier."""
+
+import pytest
+from cases import draw_case
+from fast import save
+from lab import Laboratory
+from runs import diagnose
+from score import score
+
+
+@pytest.mark.parametrize("names", [(), ("loading-hysteresis",)])
+def test_a_blind_case(house, tmp_path, names):
+    structure = house.folder / "results" / "structures" / "tiny"
+    case = draw_case(7100, names, 4.0)
+    seen = Laboratory(structure / "reduced.nc").fast(case)
+    save(seen, tmp_path / "observations.nc")
+    verdict = diagnose(tmp_path / "observations.nc", structure / "parametric.nc")
+    outcome = score(case.answer(), verdict)
+    assert outcome.column == ("loading-hysteresis" if names else "nothing-missing")
