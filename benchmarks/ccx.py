@@ -2,7 +2,7 @@
 
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,8 @@ from bladeroot.structure.geometry import Material
 class Body:
     """What CalculiX is told: SI units, nodes from 0 in its own order within an element.
 
-    kind: its name of the element; loads: (node, 3) per newton; held: dofs fixed in the static step.
+    kind: its name of the element; loads: (node, 3) per newton; held: dofs fixed in the static step;
+    fixed: dofs fixed always, of a body without a load.
     """
 
     kind: str
@@ -22,10 +23,11 @@ class Body:
     materials: list[Material]
     loads: np.ndarray
     held: np.ndarray
+    fixed: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=int))
 
 
 def deck(body: Body, force: float, modes: int) -> str:
-    """The static step at the supports (if there is a force), then frequencies of the free body."""
+    """The static step at the supports (if there is a force), then frequencies without them."""
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{k}, {x:.12e}, {y:.12e}, {z:.12e}" for k, (x, y, z) in enumerate(body.nodes, 1)]
     for m, material in enumerate(dict.fromkeys(body.materials)):
@@ -36,9 +38,10 @@ def deck(body: Body, force: float, modes: int) -> str:
                 lines += [", ".join(row[:11]) + ("," if row[11:] else ""), ", ".join(row[11:])]
         lines += [f"*MATERIAL, NAME=M{m}", "*ELASTIC", f"{material.young}, {material.poisson}"]
         lines += ["*DENSITY", f"{material.density}", f"*SOLID SECTION, ELSET=E{m}, MATERIAL=M{m}"]
+    if len(body.fixed):
+        lines += ["*BOUNDARY", *_fixed(body.fixed)]
     if force:
-        lines += ["*STEP", "*STATIC", "*BOUNDARY"]
-        lines += [f"{dof // 3 + 1}, {dof % 3 + 1}, {dof % 3 + 1}" for dof in body.held]
+        lines += ["*STEP", "*STATIC", "*BOUNDARY", *_fixed(body.held)]
         lines.append("*CLOAD")
         for node, axis in np.argwhere(body.loads):
             lines.append(f"{node + 1}, {axis + 1}, {force * body.loads[node, axis]:.12e}")
@@ -47,6 +50,10 @@ def deck(body: Body, force: float, modes: int) -> str:
         lines += ["*STEP", "*FREQUENCY", f"{modes}"]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP"]
     return "\n".join(line for line in lines if line) + "\n"
+
+
+def _fixed(dofs: np.ndarray) -> list[str]:
+    return [f"{dof // 3 + 1}, {dof % 3 + 1}, {dof % 3 + 1}" for dof in dofs]
 
 
 def run(folder: Path, text: str) -> str:

@@ -27,24 +27,33 @@ TARGETS = {
 SLACK = {68: 5.0, 95: 3.0}  # largest distance of the shares within the intervals, in %
 BOUND_RATIO = 2.0
 CURVES = ("amplitude", "frequency", "loss_factor")
+MEDIANS = ("frequency", "own frequency", "loss", "own loss", "stick", "stick loss")
 
 
 def best_setting(records: list[dict[str, dict[str, float]]]) -> tuple[str, dict[str, float]]:
     """The setting of a peer that does best over the records, and its medians.
 
-    Best in frequency over the curve, or in stick frequency for a tool without one.
+    Best in frequency over what the curve keeps, or in stick frequency for a tool without one;
+    but `met` is the largest mean of any setting, and `closest` the smallest ratio of its frequency
+    error to bladeroot's at the same amplitudes.
     """
     choices = []
     for setting in sorted({setting for record in records for setting in record}):
         results = [record.get(setting, {}) for record in records]
-        medians = {
-            key: median([result.get(key, np.nan) for result in results])
-            for key in ("frequency", "loss", "stick", "stick loss")
-        }
+        medians = {key: median([result.get(key, np.nan) for result in results]) for key in MEDIANS}
         medians["reach"] = float(np.mean([result.get("reach", np.nan) for result in results]))
+        medians["met"] = float(np.mean([result.get("met", 0.0) for result in results]))
         choices.append((setting, medians))
-    nothing = ("", dict.fromkeys(("frequency", "loss", "stick", "stick loss", "reach"), np.inf))
-    return min(choices, key=lambda one: (one[1]["frequency"], one[1]["stick"]), default=nothing)
+    if not choices:
+        return "", dict.fromkeys((*MEDIANS, "reach", "closest"), np.inf) | {"met": 0.0}
+    setting, best = min(choices, key=lambda one: (one[1]["frequency"], one[1]["stick"]))
+    met = max(medians["met"] for _, medians in choices)
+    ratios = [
+        medians["frequency"] / medians["own frequency"]
+        for _, medians in choices
+        if np.isfinite(medians["frequency"])
+    ]
+    return setting, best | {"met": met, "closest": min(ratios, default=np.inf)}
 
 
 def median(values: list[float]) -> float:
@@ -152,18 +161,32 @@ def report_peers(scores: dict, rivals: dict[int, list[dict]]) -> dict:
     for db, records in rivals.items():
         if not records:
             continue
-        print(f"\n{db} dB, median over {len(records)} records; * not behind bladeroot")
-        print(f"{'':28s}" + "".join(f"{unit:>11s} " for unit in units.values()))
+        print(
+            f"\n{db} dB, over {len(records)} records; * not behind bladeroot (behind the stroke: "
+            f"bladeroot at the same amplitudes)\n{'':28s}    reach  met %"
+            + "".join(f"{unit:>18s} " for unit in units.values())
+        )
         own = {key: median([record[key] for record in scores[db][: len(records)]]) for key in units}
-        print(f"{'bladeroot':28s}" + "".join(f"{own[key]:11.3f} " for key in units))
+        for share in ("reach", "met"):
+            own[share] = float(np.mean([record[share] for record in scores[db][: len(records)]]))
         summary[db] = {"bladeroot": own}
         for name in dict.fromkeys(name for record in records for name in record):
             setting, best = best_setting([record.get(name, {}) for record in records])
-            marks = {key: "*" if best[key] <= own[key] else " " for key in units}
-            cells = "".join(f"{best[key]:11.3f}{marks[key]}" for key in units)
-            reach = f" (reaches {100 * best['reach']:.0f} %)" if np.isfinite(best["reach"]) else ""
-            print(f"{name:28s}{cells.replace('inf', '  -')} {setting}{reach}")
-            summary[db][name] = best
+            summary[db][name] = best | {"setting": setting}
+        for name, best in summary[db].items():
+            cells = [f"{name:28s}"]
+            for share in ("reach", "met"):
+                curve = np.isfinite(best["frequency"])
+                cells.append(f"{100.0 * best[share]:7.1f}" if curve else f"{'-':>7s}")
+            for key in units:
+                ours = best.get(f"own {key}", own[key])
+                rival = name != "bladeroot" and np.isfinite(best[key])
+                mark = "*" if rival and best[key] <= ours else " "
+                same = f" | {ours:7.3f}" if np.isfinite(best.get(f"own {key}", np.inf)) else ""
+                cells.append(f"{best[key]:9.3f}{same:10s}{mark}".replace("inf", "  -"))
+            closest = best.get("closest", np.inf)
+            told = f" (closest of all settings: {closest:.1f} times)" if closest < np.inf else ""
+            print(*cells, best.get("setting", "") + told)
     return summary
 
 
@@ -191,10 +214,11 @@ def main() -> None:
         for db in options.noise:
             case = draw(law_seed, np.random.SeedSequence(seed, spawn_key=(k, db)), db)
             about = {"second": (case.second_ratio, case.second_share), "law": asdict(case.law)}
-            scores[db].append(bladeroot_scores(case))
+            score, errors = bladeroot_scores(case)
+            scores[db].append(score)
             records.append({"record": k, "noise_dB": db} | about | {"score": scores[db][-1]})
             if k < options.peer_cases:
-                rivals[db].append(peer_scores(case))
+                rivals[db].append(peer_scores(case, errors))
     summary = {
         "seed": seed,
         "cases": options.cases,

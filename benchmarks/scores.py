@@ -5,6 +5,7 @@ README.md in this folder defines every number.
 
 import time
 from collections import defaultdict
+from dataclasses import dataclass
 
 import numpy as np
 import peers
@@ -15,6 +16,7 @@ from bound import plateau_bound
 from synthetic import EXPECTED_HZ, HIGHEST, LOWEST, SAMPLING_HZ, Case
 
 GRID = np.geomspace(LOWEST, HIGHEST, 400)
+MET_PPM = 60.0  # a frequency this good counts as met; a missing one does not
 WIDTHS = {68: 1.0, 95: 1.96}  # standard errors
 
 
@@ -34,27 +36,46 @@ def covered(case: Case, own_time: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return (wanted >= own_time[0]) & (wanted <= own_time[-1]) & ~hole
 
 
-def curve_errors(case: Case, curve: peers.Curve) -> dict[str, float]:
-    """RMS errors over GRID (ppm and %), and how much of it the curve reaches."""
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors of a curve at GRID: frequency in ppm, loss factor in %; NaN out of reach."""
+
+    frequency: np.ndarray
+    loss: np.ndarray
+
+
+def curve_errors(case: Case, curve: peers.Curve) -> Errors:
+    """A curve against the truth at its own amplitudes."""
     own = [np.asarray(values, float) for values in curve]
     good = np.all(np.isfinite(own), axis=0) & (own[1] > 0.0)
     at, amplitude, frequency, loss = (values[good] for values in own)
     wanted = case.motion.time_of(GRID)
     inside = covered(case, at, wanted)
-    if not inside.any():
-        return {"frequency": np.inf, "loss": np.inf, "reach": 0.0}
-    wanted = wanted[inside]
-    x = np.exp(np.interp(wanted, at, np.log(amplitude))) / case.start_m
-    frequency_true, loss_true = case.law.truth(x)
+    errors = Errors(np.full(GRID.size, np.nan), np.full(GRID.size, np.nan))
+    if inside.any():
+        wanted = wanted[inside]
+        x = np.exp(np.interp(wanted, at, np.log(amplitude))) / case.start_m
+        frequency_true, loss_true = case.law.truth(x)
+        errors.frequency[inside] = 1e6 * (np.interp(wanted, at, frequency) / frequency_true - 1.0)
+        errors.loss[inside] = 1e2 * (np.interp(wanted, at, loss) / loss_true - 1.0)
+    return errors
+
+
+def in_short(errors: Errors, kept: np.ndarray | slice = slice(None)) -> dict[str, float]:
+    """RMS over what is reached (of `kept`); shares of the whole of GRID reached and met."""
+    frequency, loss = errors.frequency[kept], errors.loss[kept]
+    there = np.isfinite(frequency)
+    met = np.abs(errors.frequency) <= MET_PPM  # False where there is nothing
     return {
-        "frequency": 1e6 * rms(np.interp(wanted, at, frequency) / frequency_true - 1.0),
-        "loss": 1e2 * rms(np.interp(wanted, at, loss) / loss_true - 1.0),
-        "reach": float(inside.mean()),
+        "frequency": rms(frequency[there]) if there.any() else np.inf,
+        "loss": rms(loss[there]) if there.any() else np.inf,
+        "reach": float(np.isfinite(errors.frequency).mean()),
+        "met": float(met.mean()),
     }
 
 
-def bladeroot_scores(case: Case) -> dict[str, float]:
-    """Everything about the product's own result for one record."""
+def bladeroot_scores(case: Case) -> tuple[dict[str, float], Errors]:
+    """Everything about the product's own result for one record, and its curve's errors."""
     begin = time.perf_counter()
     try:
         curve = freevib(case.velocity, SAMPLING_HZ, EXPECTED_HZ, white_noise(case.velocity))
@@ -64,7 +85,8 @@ def bladeroot_scores(case: Case) -> dict[str, float]:
     seconds = time.perf_counter() - begin
     names = ("time", "amplitude", "frequency", "loss_factor")
     at, amplitude, frequency, loss = (curve[name].values for name in names)
-    score = curve_errors(case, (at, amplitude, frequency, loss)) | {"seconds": seconds}
+    errors = curve_errors(case, (at, amplitude, frequency, loss))
+    score = in_short(errors) | {"seconds": seconds}
     x = np.exp(case.motion.at(at)[0])
     frequency_true, loss_true = case.law.truth(x)
     wanted = case.motion.time_of(GRID)
@@ -95,21 +117,22 @@ def bladeroot_scores(case: Case) -> dict[str, float]:
             score[f"{name} error/bound"] = abs(miss) / bounds[name] / 0.6745
             score[f"{name} std/bound"] = std / bounds[name]
     score["stick bound"] = 1e6 * bounds["stick_frequency"] / stick
-    return score
+    return score, errors
 
 
-def peer_scores(case: Case) -> dict[str, dict[str, dict[str, float]]]:
-    """By peer and setting: the errors of curves, stick frequency and plateau loss factor."""
+def peer_scores(case: Case, own: Errors) -> dict[str, dict[str, dict[str, float]]]:
+    """By peer and setting: the errors of curves, stick frequency and plateau loss factor.
+
+    For a curve also those of bladeroot's, `own`, at just the amplitudes that this one keeps.
+    """
     found: dict[str, dict[str, dict[str, float]]] = defaultdict(dict)
     stick, stick_loss = case.law.stick
     for name, peer in peers.CURVES.items():
         for setting, curve, spoilt in peer(case):
-            found[name][setting] = curve_errors(case, curve) | tail_errors(case, curve)
+            found[name][setting] = beside(case, curve, own)
             if spoilt:
                 inner = tuple(values[spoilt:-spoilt] for values in curve)
-                found[f"{name}, ends cut"][setting] = curve_errors(case, inner) | tail_errors(
-                    case, inner
-                )
+                found[f"{name}, ends cut"][setting] = beside(case, inner, own)
     for part, velocity in peers.ends(case):
         for name, peer in peers.SINGLES.items():
             for setting, (frequency, loss) in peer(velocity):
@@ -118,6 +141,14 @@ def peer_scores(case: Case) -> dict[str, dict[str, dict[str, float]]]:
                     "stick loss": 1e2 * abs(loss / stick_loss - 1.0),
                 }
     return found
+
+
+def beside(case: Case, curve: peers.Curve, own: Errors) -> dict[str, float]:
+    """A peer's curve, and bladeroot's own at the amplitudes that it keeps."""
+    errors = curve_errors(case, curve)
+    same = in_short(own, np.isfinite(errors.frequency))
+    score = in_short(errors) | tail_errors(case, curve)
+    return score | {"own frequency": same["frequency"], "own loss": same["loss"]}
 
 
 def tail_errors(case: Case, curve: peers.Curve) -> dict[str, float]:

@@ -1,0 +1,106 @@
+"""Two modes close together: curves that are right, wrong with a finding, wrong in silence.
+
+    python benchmarks/close_modes.py            # 150 records, about two minutes
+    python benchmarks/close_modes.py --count 20 --seed 7 --each
+
+A decay of 100 to 1000 Hz, 25 to 60 samples a cycle, loss factor 0.001 to 0.005 and up to 1 %
+softening above 0.3 of its start, with a second mode at 0.85 to 1.18 times its frequency, of 5 to
+50 % of its size and 0.5 to 2 times its loss factor; noise 40 to 60 dB down. Each record is cut,
+judged and estimated as the workflow does. A curve is wrong where its frequency is off by more
+than WRONG_PPM (rms over the amplitudes from 0.02 of the start that it has).
+"""
+
+import argparse
+import secrets
+from collections import Counter
+
+import numpy as np
+from bladeroot.decay.freevib import freevib
+from bladeroot.records.cut import cut
+from bladeroot.records.integrity import judge
+
+WRONG_PPM = 500.0
+# These compare a property with a requirement, and tell of no second mode.
+REQUIREMENTS = ("noise-floor", "too-short", "ends-early")
+
+
+def draw(rng: np.random.Generator) -> dict:
+    """A record, and the truth of its mode."""
+    ratio = rng.uniform(0.85, 1.18)
+    size = np.exp(rng.uniform(np.log(0.05), np.log(0.5)))
+    own_Hz = 10.0 ** rng.uniform(2.0, 3.0)
+    rate = own_Hz * rng.uniform(25.0, 60.0)
+    loss = 10.0 ** rng.uniform(-3.0, -2.3)
+    count = int(min(np.log(200.0) / (np.pi * loss), 2500.0) * rate / own_Hz)
+    time = np.arange(count) / rate
+    amplitude = np.exp(-np.pi * own_Hz * loss * time)
+    softening = rng.uniform(0.0, 0.01)
+    frequency = own_Hz * (1.0 - softening * np.maximum(amplitude - 0.3, 0.0) / 0.7)
+    phase = 2.0 * np.pi * np.cumsum(frequency) / rate + rng.uniform(0.0, 6.28)
+    other_loss = loss * np.exp(rng.uniform(-0.7, 0.7))
+    other = size * np.exp(-np.pi * own_Hz * ratio * other_loss * time)
+    velocity = amplitude * np.cos(phase)
+    velocity += other * np.cos(2.0 * np.pi * ratio * own_Hz * time + rng.uniform(0.0, 6.28))
+    velocity += 10.0 ** rng.uniform(-3.0, -2.0) / np.sqrt(2.0) * rng.standard_normal(count)
+    return {
+        "velocity": 0.1 * velocity, "rate": rate, "expected": own_Hz * rng.uniform(0.97, 1.03),
+        "time": time, "frequency": frequency, "amplitude": amplitude,
+        "ratio": ratio, "size": size, "loss": loss, "other_loss": other_loss,
+    }  # fmt: skip
+
+
+def outcome(made: dict) -> tuple[str, float, float]:
+    """What comes of a record, the curve's rms error (ppm), and the part within 1.96 std."""
+    rate, expected = made["rate"], made["expected"]
+    judged = judge(cut(made["velocity"], rate, expected), made["velocity"], expected)
+    found = set(judged["finding_id"].values.tolist()) - set(REQUIREMENTS)
+    if judged.attrs["verdict"] != "usable":
+        return "rejected", np.nan, np.nan
+    usable = judged["usable"].values.astype(bool)
+    noise = judged.attrs["noise_velocity"]
+    try:
+        curve = freevib(judged["velocity"].values, rate, expected, noise, usable=usable)
+    except ValueError:
+        return "rejected", np.nan, np.nan
+    at = curve["time"].values + judged.attrs["start_s"]
+    wanted = np.interp(at, made["time"], made["amplitude"]) > 0.02
+    if not wanted.any():
+        return "rejected", np.nan, np.nan
+    truth = np.interp(at, made["time"], made["frequency"])[wanted]
+    miss = curve["frequency"].values[wanted] - truth
+    within = float(np.mean(np.abs(miss) < 1.96 * curve["frequency_std"].values[wanted]))
+    error = 1e6 * float(np.sqrt(np.mean((miss / truth) ** 2)))
+    right = "right" if error <= WRONG_PPM else "wrong"
+    return f"{right}, {'with a finding' if found else 'no finding'}", error, within
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, help="repeat a run; drawn afresh if not given")
+    parser.add_argument("--count", type=int, default=150)
+    parser.add_argument("--each", action="store_true", help="a line for each record")
+    options = parser.parse_args()
+    seed = secrets.randbits(32) if options.seed is None else options.seed
+    found = []
+    for k in range(options.count):
+        made = draw(np.random.default_rng([seed, k]))
+        found.append((*outcome(made), abs(made["ratio"] - 1.0) / np.pi / made["loss"]))
+        if options.each:
+            about = " ".join(f"{made[n]:.4g}" for n in ("ratio", "size", "loss", "other_loss"))
+            print(f"{k:4d} {about}  {found[-1][0]} {found[-1][1]:.1f} ppm {found[-1][2]:.2f}")
+    print(f"seed {seed}, {options.count} records")
+    for name, few, many in (("all", 0.0, np.inf), ("up to 3 beats a neper", 0.0, 3.0),
+                            ("more", 3.0, np.inf)):  # fmt: skip
+        part = [one for one in found if few <= one[3] < many]
+        errors = [one[1] for one in part if np.isfinite(one[1])]
+        median = np.median(errors) if errors else np.nan
+        within = np.mean([one[2] for one in part if np.isfinite(one[2])] or [np.nan])
+        print(
+            f"{name} ({len(part)}): median {median:.1f} ppm, {100 * within:.0f} % within 1.96 std"
+        )
+        for what, number in sorted(Counter(one[0] for one in part).items()):
+            print(f"  {what:24s} {number}")
+
+
+if __name__ == "__main__":
+    main()
