@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 import yaml
 from bladeroot.diagnosis.diagnose import Settings, diagnose
-from bladeroot.diagnosis.extension import model_file, read, situation
+from bladeroot.diagnosis.extension import model_file, read
 from bladeroot.diagnosis.rerun import gauge_of, law_of, left_out, structure_of
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Records
@@ -73,9 +73,14 @@ def test_law_at_the_files_values_is_the_extension(mechanisms, sizes):
     theta = np.zeros(len(made.names))
     theta[: len(law.parameters)] = theta_of(law, *sizes)
     none = np.zeros(FORCE.size)
-    at = situation(extended, Records(none.astype(int), FORCE, none, none, none, 0.0, 0.0))
-    found = ln_stiffness(made, theta[None], FORCE)[0]
-    np.testing.assert_allclose(found, np.stack([at["ln_kn"], at["ln_kt"]], axis=1), rtol=1e-12)
+    records = Records(none.astype(int), FORCE, none, none, none, 0.0, 0.0)
+    contact = extended.contact
+    powers = contact["exponent"] * np.log(FORCE / contact["reference_force_N"])
+    wanted = np.log([[contact["kn_N_per_m"], contact["kt_N_per_m"]]]) + powers[:, None]
+    for one, values in extended.causes:
+        changes = one.stick(records, values).changes
+        wanted = wanted + np.stack([changes["ln_kn"], changes["ln_kt"]], axis=1)
+    np.testing.assert_allclose(ln_stiffness(made, theta[None], FORCE)[0], wanted, rtol=1e-12)
 
 
 def test_law_is_exact_for_a_power_and_of_second_order_for_seating():

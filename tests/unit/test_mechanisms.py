@@ -93,7 +93,8 @@ def test_slip_begins_at_a_threshold_that_grows_with_the_force():
     values = np.array([0.02, 1.0, 1e-9, 0.5, 1e-6])
     threshold = values[2] * 8e3
     around = np.array([0.5, 0.99, 1.01, 2.0]) * threshold
-    points = Points(np.zeros(4, int), np.full(4, 8e3), around, np.full(4, 4e-3))
+    one = np.ones(4)
+    points = Points(np.zeros(4, int), 8e3 * one, around, 4e-3 * one)
     effect = slip.curve(points, values)
     assert np.all(effect.loss[:2] == 0.0)
     assert np.all(effect.ln_f[2:] < 0.0)

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points, Records
+from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 from bladeroot.structure.parametric import ritz_of
-from bladeroot.structure.ritz import solve
 from bladeroot.structure.sensitivity import Change
 
 SCHEMA = "bladeroot-extension-1"
@@ -83,23 +81,6 @@ def read(document: Mapping, catalogue: Sequence[Mechanism]) -> Extension:
     return Extension(dict(document["contact"]), tuple(causes))
 
 
-def situation(extension: Extension, records: Records) -> dict[str, Float[ndarray, " record"]]:
-    """ln kn, ln kt, true axial force (N) and further change of ln f of records, extended."""
-    contact = extension.contact
-    x = np.log(records.force / contact["reference_force_N"])
-    whole = {
-        "ln_kn": np.log(contact["kn_N_per_m"]) + contact["exponent"] * x,
-        "ln_kt": np.log(contact["kt_N_per_m"]) + contact["exponent"] * x,
-        "force": records.force.copy(),
-        "ln_f": np.zeros(records.force.size),
-    }
-    for one, values in extension.causes:
-        if one.stick is not None:
-            for name, change in one.stick(records, values).changes.items():
-                whole[name] = whole[name] + change
-    return whole
-
-
 def matrices(extension: Extension, model: xr.Dataset, mode: str) -> Change:
     """Lasting change of stiffness and mass in the basis of one mode of the parametric model."""
     ritz = ritz_of(model, mode)
@@ -120,36 +101,3 @@ def curves(extension: Extension, points: Points) -> CurveEffect:
             ln_f, loss = ln_f + effect.ln_f, loss + effect.loss
     none = np.zeros((points.mode.size, 0))
     return CurveEffect(ln_f, loss, none, none)
-
-
-def corrected(extension: Extension, stick: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
-    """Stick frequencies as the unextended model can take them: with it, any stage reruns extended.
-
-    The axial force of each level becomes the true one; what changed matrices do to the frequency
-    is taken off it, at the extension's own kn and kt. Laws of the contact stiffness need no
-    correction: the stiffness stage finds kn and kt at each force.
-    """
-    mode, force = stick["mode"].values.astype(str), stick["force"].values.astype(float)
-    none = np.zeros(force.size)
-    records = Records(np.zeros(force.size, dtype=int), force, none, none, none, 0.0, 0.0)
-    at = situation(extension, records)
-    points = np.stack([at["ln_kn"], at["ln_kt"], at["force"]], axis=1)
-    low, high = model["box"].values
-    shift = at["ln_f"]
-    for name in np.unique(mode):
-        mine = mode == name
-        change, ritz = matrices(extension, model, str(name)), ritz_of(model, str(name))
-        pairs = solve(ritz, np.clip(points[mine], low, high))
-        y, kept = pairs.shape, slice(0, ritz.own)
-        stiff, mass = (
-            np.einsum("pi,ij,pj->p", y, part[kept, kept], y)
-            for part in (change.stiffness, change.mass)
-        )
-        shift[mine] += 0.5 * (np.log1p(stiff / pairs.value) - np.log1p(mass))
-    factor = np.exp(-shift)
-    result = stick.copy()
-    result["force"] = stick["force"].copy(data=at["force"])
-    for name in ("frequency", "frequency_std", "within_std"):
-        result[name] = stick[name] * factor
-        result[name].attrs = stick[name].attrs
-    return result

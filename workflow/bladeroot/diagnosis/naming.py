@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
@@ -65,13 +66,17 @@ class Found:
 
 
 def search(channel: Channel, known: Known) -> Found:
-    """Add causes one by one while what they explain is worth more than the guards ask."""
+    """Add causes one by one while what they explain is worth more than the guards ask.
+
+    A cause that a later one makes needless is dropped again, for good.
+    """
     baseline = fit(channel.problem((), ()))
     fits = _mechanisms(channel, (), baseline, known)
     better = _again(channel, (), baseline, fits)
     if better is not baseline:
         baseline, fits = better, _mechanisms(channel, (), better, known)
     current, causes, steps, unexplained = baseline, [], [], ""
+    dropped: set[str] = set()
     first = guards.MISSING if known.replicates else guards.MISSING_FEW
     while len(causes) < guards.MOST_CAUSES:
         chosen = [cause.mechanism for cause in causes]
@@ -95,7 +100,10 @@ def search(channel: Channel, known: Known) -> Found:
         ranked = {
             one.id: step.mechanisms[one.id]
             for one in channel.candidates
-            if one.id in fits and one.id not in known.barred and plausible(one, fits[one.id][0])
+            if one.id in fits
+            and one.id not in {*known.barred, *dropped}
+            and possible(channel, [*chosen, one], fits[one.id][0])
+            and explained_by_law(current, fits[one.id][0]) + fits[one.id][1] >= needed
         }
         best = max(ranked, key=ranked.get, default="")
         other = max(step.smooth, key=step.smooth.get, default="")
@@ -110,7 +118,28 @@ def search(channel: Channel, known: Known) -> Found:
         mechanism = next(one for one in channel.candidates if one.id == best)
         causes.append(Cause(mechanism, gain, credible))
         current = fits[best][0]
+        causes, current, needless = _without_needless(channel, causes, current, needed)
+        dropped |= needless
     return Found(channel, known, baseline, current, tuple(causes), tuple(steps), unexplained)
+
+
+def _without_needless(
+    channel: Channel, causes: Sequence[Cause], fitted: Fit, needed: float
+) -> tuple[list[Cause], Fit, set[str]]:
+    """The causes without those that the last one makes needless, their fit, and whom it dropped."""
+    kept, dropped = list(causes), set()
+    for one in causes[:-1]:
+        rest = [other for other in kept if other is not one]
+        first = channel.base
+        for other in kept[: kept.index(one)]:
+            first += len(other.mechanism.parameters)
+        own = np.arange(first, first + len(one.mechanism.parameters))
+        problem = channel.problem([other.mechanism for other in rest], ())
+        without = fit(problem, np.delete(fitted.parameters, own), fitted.scales)
+        if fitted.log_evidence - without.log_evidence < needed:
+            kept, fitted = rest, without
+            dropped.add(one.mechanism.id)
+    return kept, fitted, dropped
 
 
 def _again(
@@ -188,16 +217,43 @@ def sizes(mechanism: Mechanism, fitted: Fit, first: int) -> list[tuple[float, fl
     return list(zip(values.tolist(), (chain * fitted.std[own]).tolist(), strict=True))
 
 
-def plausible(mechanism: Mechanism, fitted: Fit, first: int | None = None) -> bool:
-    """Whether the sizes, from place `first` on or the last ones, are within physical limits."""
-    if first is None:
-        first = fitted.parameters.size - len(mechanism.parameters)
+def plausible(mechanism: Mechanism, fitted: Fit, first: int) -> bool:
+    """Whether its parameters, from place `first` of the fit on, are within physical limits."""
     return all(
-        p.shape or p.low - guards.IMPLAUSIBLE * std <= value <= p.high + guards.IMPLAUSIBLE * std
+        p.low - guards.IMPLAUSIBLE * std <= value <= p.high + guards.IMPLAUSIBLE * std
         for p, (value, std) in zip(
             mechanism.parameters, sizes(mechanism, fitted, first), strict=True
         )
     )
+
+
+def explained_by_law(current: Fit, fitted: Fit) -> float:
+    """Nats of misfit and prior that the last cause of a fit takes away by its mean alone.
+
+    The error that its own law is allowed is left out: as a mere model of noise it explains nothing.
+    """
+    effects = fitted.state.facts["effects"].copy()
+    effects[-1] = 0.0
+    strict = replace(fitted.state, facts={**fitted.state.facts, "effects": effects})
+    covariance, _ = fitted.problem.covariance(strict, fitted.scales)
+    factor = cho_factor(covariance)
+
+    def cost(at: Fit) -> float:
+        miss = at.problem.data - at.state.mean
+        off = (at.parameters - at.problem.prior.mean) / at.problem.prior.std
+        return 0.5 * float(miss @ cho_solve(factor, miss) + off @ off)
+
+    return cost(current) - cost(fitted)
+
+
+def possible(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
+    """Whether all causes of a fit are plausible, the earlier ones too."""
+    first = channel.base
+    for one in chosen:
+        if not plausible(one, fitted, first):
+            return False
+        first += len(one.parameters)
+    return True
 
 
 def _credible(channel: Channel, gains: Mapping[str, float], known: Known) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "place", "m", 0.0, 0.01, -0.15, 0.15,
-            "sensors and shaker sit at mid-span", shape=True,
+            "sensors and shaker sit at mid-span",
         ),
     ),
     splitter="weigh the beam as tested, or ring it down free-free with what is mounted on it",

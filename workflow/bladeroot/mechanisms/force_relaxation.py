@@ -28,7 +28,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "time_constant", "s", 60.0, 1.2, 1.0, 1e5,
-            "from seconds (seats) to an hour (leakage)", log=True, shape=True,
+            "from seconds (seats) to an hour (leakage)", log=True,
         ),
     ),
     splitter="the gauge's reading at each record; a hold kept for an hour",

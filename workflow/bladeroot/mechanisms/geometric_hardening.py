@@ -31,7 +31,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "ratio", "1", 0.5, 0.7, -0.5, 1e3,
-            "other modes over the first: the same stretch by another shape", shape=True,
+            "other modes over the first: the same stretch by another shape",
         ),
     ),
     splitter="higher harmonics of the velocity; the same amplitudes at another axial force",

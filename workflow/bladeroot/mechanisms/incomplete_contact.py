@@ -29,7 +29,7 @@ MECHANISM = Mechanism(
         Parameter(
             "sharpness", "1", 1.0, 0.3, 0.3, 5.0,
             "a gap that is used up at a constant rate 1, one that closes at once above 3",
-            log=True, shape=True,
+            log=True,
         ),
     ),
     splitter="stick frequencies at more forces, below the seating force and far above it; "

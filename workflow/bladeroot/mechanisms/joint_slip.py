@@ -27,21 +27,21 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "share_ratio", "1", 1.0, 1.0, 1e-3, 1e3, "other modes over the first",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "threshold", "m/N", 3e-10, 1.5, 1e-14, 1e-6,
             "sliding of a whole flank begins at 130 um at 4 kN with a friction of 0.42, "
-            "the thesis sees 2 um", log=True, shape=True,
+            "the thesis sees 2 um", log=True,
         ),
         Parameter(
             "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3,
             "other modes over the first: slip per unit of the sensor's amplitude",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "spread", "1", 0.6, 0.5, 0.01, 5.0,
-            "pressure varies over the flank: edges slip first", log=True, shape=True,
+            "pressure varies over the flank: edges slip first", log=True,
         ),
     ),
     splitter="the same amplitudes at twice the axial force: a friction threshold doubles",

@@ -28,7 +28,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6,
-            "kt less kn; Table 5.2 has -0.18, elastic theory 0", shape=True,
+            "kt less kn; Table 5.2 has -0.18, elastic theory 0",
         ),
     ),
     splitter="forces twice as high, where a power goes on and a seated contact does not",

@@ -25,8 +25,7 @@ class Parameter:
     """A parameter with its Gaussian prior; `low` and `high` are what is physically possible.
 
     With `log` the prior is of the parameter's logarithm: `mean` is then its median (in the
-    parameter's own unit) and `std` that of the logarithm. `shape` marks a parameter that is not a
-    size: it has no say in whether the fitted size is plausible.
+    parameter's own unit) and `std` that of the logarithm.
     """
 
     name: str
@@ -37,7 +36,6 @@ class Parameter:
     high: float
     source: str
     log: bool = False
-    shape: bool = False
 
     @property
     def start(self) -> float:

@@ -30,7 +30,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "density", "1", 0.0, 0.005, -0.05, 0.05,
-            "density scatters by half a per cent", shape=True,
+            "density scatters by half a per cent",
         ),
     ),
     splitter="a free-free test of the beam and its weight",

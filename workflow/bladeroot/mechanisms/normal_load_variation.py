@@ -22,20 +22,20 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "share_ratio", "1", 1.0, 1.0, 1e-3, 1e3, "other modes over the first",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "threshold", "m/N", 3e-10, 1.5, 1e-14, 1e-6,
             "preload of a flank over its dynamic load, where that is a small part of the nominal",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, "other modes over the first",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "spread", "1", 0.6, 0.5, 0.01, 5.0, "preload varies over the flank",
-            log=True, shape=True,
+            log=True,
         ),
         Parameter(
             "dissipation", "1", 0.1, 0.4, 0.0, 0.3,

@@ -27,7 +27,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "ratio", "1", 1.0, 0.7, -0.5, 1e3,
-            "other modes over the first: the same drag by another shape", shape=True,
+            "other modes over the first: the same drag by another shape",
         ),
     ),
     splitter="the same decays in thinner air, or with the beam's broad side covered",

@@ -1,0 +1,91 @@
+"""Forward steps among causes: what a law explains by its mean, and causes made needless."""
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis.channel import Channel
+from bladeroot.diagnosis.gaussian import Prior, Problem, State, fit
+from bladeroot.diagnosis.naming import Known, explained_by_law, search
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter
+
+SIZE = 12
+
+
+def line(name, shape, low=-100.0, high=100.0):
+    """A cause whose effect is a size times a shape, in standard deviations of the data."""
+
+    def damping(records, values):
+        return values[0] * shape, shape[:, None]
+
+    size = Parameter("size", "1", 0.0, 30.0, low, high, "made up")
+    return Mechanism(name, "force-law", name, (size,), "none", damping=damping)
+
+
+def channel(data, candidates, trust=0.0):
+    """Data of unit noise; each law is trusted to a part of its own effect, point by point."""
+
+    def problem(mechanisms, extra):
+        def predict(theta):
+            parts = [one.damping(None, theta[k : k + 1]) for k, one in enumerate(mechanisms)]
+            effects = np.array([mean for mean, _ in parts]).reshape(-1, SIZE)
+            slope = np.hstack([np.zeros((SIZE, 0)), *(slope for _, slope in parts)])
+            return State(effects.sum(axis=0), slope, {"effects": effects})
+
+        def covariance(state, scales):
+            own = np.exp(2.0 * scales[0]) * np.eye(SIZE)
+            return own + trust**2 * np.diag((state.facts["effects"] ** 2).sum(axis=0)), [2.0 * own]
+
+        prior = Prior(np.zeros(len(mechanisms)), np.full(len(mechanisms), 30.0))
+        return Problem(data, predict, covariance, prior, Prior(np.zeros(1), np.full(1, 1e-3)))
+
+    return Channel("toy", problem, 0, tuple(candidates), lambda _: {}, {})
+
+
+def named(found):
+    return {cause.mechanism.id for cause in found.causes}
+
+
+@pytest.fixture
+def shapes():
+    return np.linalg.qr(np.random.default_rng(3).standard_normal((SIZE, 4)))[0].T
+
+
+def test_a_cause_that_later_ones_make_needless_is_dropped(shapes):
+    """One shape alone comes nearest to a sum of two others; with both in the model it is idle."""
+    a, b, c, _ = shapes
+    truth = 0.8 * a + 0.6 * b
+    both = [line("a", a), line("b", b)]
+    found = search(channel(40.0 * truth, [*both, line("c", 0.837 * truth + 0.547 * c)]), Known())
+    assert max(found.steps[0].mechanisms, key=found.steps[0].mechanisms.get) == "c"
+    assert named(found) == {"a", "b"}
+    assert found.final.parameters == pytest.approx(40.0 * np.array([0.8, 0.6]), abs=0.5)
+
+
+def test_as_a_model_of_noise_a_law_explains_nothing(shapes):
+    """Its error would cover what the data scatter, its mean is none of it."""
+    scatter = 20.0 * np.random.default_rng(4).choice([-1.0, 1.0], SIZE)
+    even = line("even", np.ones(SIZE))
+    loose = channel(scatter - scatter.mean(), [even], trust=1.0)
+    without, with_it = (fit(loose.problem(chosen, ()), np.full(len(chosen), 20.0))
+                        for chosen in ((), (even,)))  # fmt: skip
+    assert with_it.log_evidence > without.log_evidence + 100.0
+    assert explained_by_law(without, with_it) < 0.0
+    assert named(search(loose, Known())) == set()
+
+
+def test_a_crude_law_explains_by_its_mean(shapes):
+    """What a law is wrong by does not count against it."""
+    a, _, c, _ = shapes
+    found = search(channel(40.0 * a + 5.0 * c, [line("a", a)], trust=0.5), Known())
+    assert named(found) == {"a"}
+
+
+def test_a_new_cause_must_leave_the_earlier_ones_possible(shapes):
+    """With the second one the first would have to be larger than it can be."""
+    a, b, *_ = shapes
+    near = 0.9 * a + np.sqrt(1 - 0.81) * b
+    data = 60.0 * a - 40.0 * near
+    first = line("first", a, high=30.0)
+    alone = search(channel(data, [first]), Known())
+    found = search(channel(data, [first, line("second", near)]), Known())
+    assert named(alone) == {"first"}
+    assert named(found) == {"first"}
