@@ -33,6 +33,8 @@ from tables import matrix_page
 
 # Of a matrix's cases: nulls, effects of no catalogue, pairs; the others hide one effect.
 NULLS, OUTSIDE, PAIRS = 0.2, 0.15, 0.1
+# What would split the level pair: measurement and its standard deviation.
+SPLITTERS = {"modulus-density": ("free-free", 0.003), "rig-compliance": ("rig stiffness", 0.02)}
 POWER = (0.125, 0.25, 0.5, 1.0, 2.0)
 
 
@@ -97,6 +99,8 @@ def run_case(
         save(lab.fast(case), seen / "observations.nc")
         made = time.monotonic()
         verdict = diagnose(seen / "observations.nc", parametric)
+        diagnosed = time.monotonic()
+        split = _split(case, seen / "observations.nc", parametric)
     else:
         campaign = house / "campaigns" / f"c{number:04d}"
         shutil.rmtree(campaign, ignore_errors=True)
@@ -107,16 +111,29 @@ def run_case(
         path = house / name
         verdict = json.loads(path.read_text(encoding="utf-8"))
         shutil.rmtree(campaign)
+        diagnosed, split = time.monotonic(), None
     answer = open_seal(sealed, shown)
     return {
         "hidden": "+".join(sorted(name for name, _ in answer["effects"])) or "nothing",
         "sizes": [size for _, size in answer["effects"]],
         "answer": verdict["answer"],
         "bench_s": made - began,
-        "verdict_s": time.monotonic() - made,
+        "verdict_s": diagnosed - made,
+        "split": split,
         **left_over(verdict),
         **asdict(score(answer, verdict)),
     }
+
+
+def _split(case: Case, observations: Path, parametric: Path) -> int | None:
+    """Whether one of the level pair is named once its own measurement is there; None for others."""
+    if len(case.effects) != 1 or case.effects[0][0] not in SPLITTERS:
+        return None
+    name, size = case.effects[0]
+    measurement, std = SPLITTERS[name]
+    error = std * np.random.default_rng([case.seed, 9]).standard_normal()
+    told = {"measurement": measurement, "value": float(size + error), "std": std}
+    return score(case.answer(), diagnose(observations, parametric, {"independent": [told]})).named
 
 
 def laboratory(house: Path, library_seed: int) -> tuple[Laboratory, Path]:

@@ -51,6 +51,7 @@ def _claims(outcomes: pd.DataFrame) -> str:
         ("wrong name, effect of no catalogue", outside["wrong"], "at most 5 %"),
         ("effect of no catalogue flagged", outside["column"] != "nothing-missing", "75 %"),
         ("level pair named without its splitter", alone["named"] > 0, "never"),
+        ("level pair named with its splitter", alone["split"].dropna() == 1, "always"),
         ("pair: dominant one named", pair["dominant"], "95 %"),
         ("pair: both named", pair["named"] == 2, "60 %"),
         ("value of a named effect right", compared["parameter"] == 1, "90 %"),

@@ -6,7 +6,14 @@ import xarray as xr
 import yaml
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.extension import model_file, read
-from bladeroot.diagnosis.rerun import gauge_of, law_of, left_out, structure_of
+from bladeroot.diagnosis.rerun import (
+    amplitude_causes,
+    curves_of,
+    gauge_of,
+    law_of,
+    left_out,
+    structure_of,
+)
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Records
 from bladeroot.schema import check, read_yaml
@@ -239,3 +246,27 @@ def _levels(seen):
             "plateau_reached": ("record", np.ones(seen.sizes["record"], int)),
         }
     )  # fmt: skip
+
+
+def test_curves_with_an_amplitude_cause_follow_its_law():
+    """geometric-hardening: ln f by 3/8 alpha A^2, in the other mode times the ratio."""
+    made = document(geometric_hardening=(4e6, 0.5), load_dependent_stiffness=(0.6, -0.1))
+    made["contact"]["bias"] = {"1B": 0.0, "2B": 0.0}
+    extended = read(made, CATALOGUE)
+    assert amplitude_causes(extended) == ["geometric-hardening"]
+    over = ("mode", "force", "amplitude")
+    amplitude = np.array([1e-6, 1e-5, 5e-5])
+    flat = xr.Dataset(
+        {"frequency": (over, np.full((2, 2, 3), 540.0)),
+         "loss_factor": (over, np.full((2, 2, 3), 3e-3)),
+         "damping_ratio": (over, np.full((2, 2, 3), 1.5e-3))},
+        coords={"mode": ["2B", "1B"], "force": [4e3, 8e3], "amplitude": amplitude},
+    )  # fmt: skip
+    better = curves_of(extended, flat)
+    rise = 0.375 * 4e6 * amplitude**2
+    for mode, ratio in (("1B", 1.0), ("2B", 0.5)):
+        here = better.sel(mode=mode, force=8e3)
+        np.testing.assert_allclose(here["frequency"], 540.0 * np.exp(ratio * rise), rtol=1e-12)
+        np.testing.assert_allclose(here["loss_factor"], 3e-3 * (1 - 2 * ratio * rise), rtol=1e-12)
+        np.testing.assert_allclose(2 * here["damping_ratio"], here["loss_factor"], rtol=1e-12)
+    assert better.attrs["extended_by"] == "geometric-hardening"

@@ -87,11 +87,18 @@ rule extended_joint:
         " --settings {params.settings:q} --output {output.joint} > {log} 2>&1"
 
 
-# When asked for by name: kn and kt of the extended law in the simulation with friction.
+def extended_nonlinear_facts(wildcards):
+    """What the nonlinear stage reads, and where mechanisms are."""
+    return canonical_json({**json.loads(nonlinear_facts(wildcards)), **config["diagnosis"]})
+
+
+# When asked for by name: f_n(A), eta(A) with kn, kt of the extended law and the amplitude causes,
+# or with friction where the model file has none.
 rule extended_nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.extended_joint.output.joint,
+        model=model_of,
         parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
     output:
         nonlinear="results/{campaign}/extended/{structure}/nonlinear.nc",
@@ -101,14 +108,14 @@ rule extended_nonlinear:
         "results/benchmarks/extended_nonlinear/{campaign}/{structure}.tsv"
     threads: 1
     params:
-        settings=nonlinear_facts,
+        settings=extended_nonlinear_facts,
         code=code("nonlinear"),
     message:
-        "f_n(A), eta(A) of {wildcards.campaign} with {wildcards.structure}, kn and kt by its causes"
+        "f_n(A), eta(A) of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/nonlinear.py --reduced {input.reduced:q} --joint {input.joint:q}"
         " --parameters {input.parameters:q} --settings {params.settings:q}"
-        " --output {output.nonlinear} > {log} 2>&1"
+        " --model {input.model:q} --output {output.nonlinear} > {log} 2>&1"
 
 
 def extended_joints(wildcards):

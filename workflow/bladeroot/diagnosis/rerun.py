@@ -1,5 +1,5 @@
-"""What a model file changes in the stages: the law and the gauge of the joint inference, and the
-matrices of the parametric model.
+"""What a model file changes in the stages: the law and the gauge of the joint inference, the
+matrices of the parametric model, and the curves over amplitude.
 
 The joint inference takes the form of a cause from the model file and finds its size itself: the
 file's size comes from the same frequencies, which would otherwise count twice.
@@ -12,9 +12,9 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.extension import Extension, matrices
+from bladeroot.diagnosis.extension import Extension, curves, matrices
 from bladeroot.diagnosis.stick_model import EXPONENT
-from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
 from bladeroot.structure.changed import changed_model
@@ -103,8 +103,44 @@ def structure_of(extension: Extension, model: xr.Dataset) -> xr.Dataset:
     return changed_model(model, {mode: matrices(extension, model, mode) for mode in modes})
 
 
+def amplitude_causes(extension: Extension) -> list[str]:
+    """Causes that change frequency and damping over amplitude."""
+    return [one.id for one, _ in extension.causes if one.curve is not None]
+
+
+def curves_of(extension: Extension, simulated: xr.Dataset) -> xr.Dataset:
+    """Simulated curves, from `bladeroot.nonlinear.backbone`, with the causes over amplitude.
+
+    A mode that the diagnosis did not have is counted with its other modes.
+    """
+    order = list(extension.contact.get("bias", sorted(simulated["mode"].values)))
+    whole = simulated["loss_factor"].transpose("mode", "force", "amplitude")
+    names, force, amplitude = np.meshgrid(
+        *(whole[name].values for name in whole.dims), indexing="ij"
+    )
+    number = {name: order.index(name) if name in order else len(order) for name in names[:, 0, 0]}
+    stuck = np.broadcast_to(whole.values[:, :, :1], whole.shape)
+    points = Points(
+        np.array([number[name] for name in names.ravel()]),
+        force.ravel(),
+        amplitude.ravel(),
+        np.nan_to_num(stuck).ravel(),
+    )
+    effect = curves(extension, points)
+    loss = whole.copy(data=effect.loss.reshape(whole.shape))
+    factor = whole.copy(data=np.exp(effect.ln_f).reshape(whole.shape))
+    result = simulated.copy()
+    for name, value in (
+        ("frequency", simulated["frequency"] * factor),
+        ("loss_factor", simulated["loss_factor"] + loss),
+        ("damping_ratio", simulated["damping_ratio"] + loss / 2.0),
+    ):
+        result[name] = value.transpose(*simulated[name].dims).assign_attrs(simulated[name].attrs)
+    return result.assign_attrs(extended_by=";".join(amplitude_causes(extension)))
+
+
 def left_out(extension: Extension) -> list[str]:
-    """Causes that these stages cannot take: of single records, of time, direction or amplitude.
+    """Causes that the joint inference cannot take: of single records, time, direction, amplitude.
 
     Levels are means over a force's records; what loading and unloading or time do to them cancels
     or lies in their scatter.
