@@ -1,9 +1,11 @@
 """The blocks of a decay, joined into groups, and what a rate integrates to over them."""
 
 from dataclasses import dataclass
+from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
+from numba import njit
 from numpy import ndarray
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
@@ -75,24 +77,52 @@ def cubic(
     return y[left] + s * (rise + (1.0 - s) * ((1.0 - s) * (start - rise) - s * (end - rise)))
 
 
-def over_cells(stretch: Stretch, rate: Float[ndarray, "step law"]) -> Float[ndarray, "cell law"]:
+def over_cells(stretch: Stretch, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:
     """Integral over time from each group to the next, by Simpson's rule."""
     share = np.where(np.arange(CELLS) % 2, 4.0, 2.0) / (3.0 * CELLS)
-    inner = np.einsum("s,csl->cl", share, rate[:-1].reshape(stretch.time.size - 1, CELLS, -1))
-    rate = rate[::CELLS]
-    return (inner + (rate[1:] - rate[:-1]) / (3.0 * CELLS)) * np.diff(stretch.time)[:, None]
+    inner = rate[:, :-1].reshape(-1, stretch.time.size - 1, CELLS) @ share
+    rate = rate[:, ::CELLS]
+    return (inner + (rate[:, 1:] - rate[:, :-1]) / (3.0 * CELLS)) * np.diff(stretch.time)
 
 
-def integral(stretch: Stretch, cells: Float[ndarray, "cell law"]) -> Float[ndarray, "group law"]:
+def integral(stretch: Stretch, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
     """Integral over time as the groups see it, zero at the record's end, from that of each cell."""
-    total = np.zeros((stretch.time.size, cells.shape[1]))
-    total[:-1] = -np.cumsum(cells[::-1], axis=0)[::-1]
     length = np.diff(stretch.time)
-    rate = cells / length[:, None]
-    slope = (rate[1:] - rate[:-1]) / (0.5 * (length[1:] + length[:-1]))[:, None]
-    slope = np.concatenate([slope[:1], slope, slope[-1:]])
-    total += 0.5 * stretch.width[:, None] * slope
+    total = np.empty((cells.shape[0], stretch.time.size))
+    _integrate_all(cells, length, stretch.width, total)
     return total
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def integrate(
+    cells: Float[ndarray, " cell"],
+    length: Float[ndarray, " cell"],
+    width: Float[ndarray, " group"],
+    total: Float[ndarray, " group"],
+) -> None:
+    """What `integral` says, of one law."""
+    last = cells.size
+    value = 0.0
+    for group in range(last, -1, -1):
+        if group < last:
+            value -= cells[group]
+        after = min(max(group, 1), last - 1)
+        rise = cells[after] / length[after] - cells[after - 1] / length[after - 1]
+        slope = rise / (0.5 * (length[after] + length[after - 1]))
+        total[group] = value + 0.5 * width[group] * slope
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def _integrate_all(
+    cells: Float[ndarray, "law cell"],
+    length: Float[ndarray, " cell"],
+    width: Float[ndarray, " group"],
+    total: Float[ndarray, "law group"],
+) -> None:
+    for law in range(cells.shape[0]):
+        integrate(cells[law], length, width, total[law])
 
 
 def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray, " 2"]]:
@@ -101,10 +131,10 @@ def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray,
     Also the row by which a whitened series projected on that basis gives its slope in time.
     """
     scale = 1.0 / stretch.std
-    from_middle = stretch.time - np.average(stretch.time, weights=scale**2)
-    q = np.stack([scale, from_middle * scale], axis=1)
-    length = np.sqrt((q**2).sum(axis=0))
-    return q / length, np.array([0.0, 1.0 / length[1]])
+    weight = scale**2
+    from_middle = stretch.time - (stretch.time @ weight) / weight.sum()
+    length = np.sqrt(np.array([weight.sum(), from_middle**2 @ weight]))
+    return np.stack([scale, from_middle * scale], axis=1) / length, np.array([0.0, 1.0 / length[1]])
 
 
 def lines_below(
@@ -136,19 +166,19 @@ def first_departure(stretch: Stretch, detection: float) -> float | None:
     """
     low, high = stretch.log.min(), stretch.log.max()
     onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
-    hinges = np.maximum(0.0, np.exp(stretch.path[:, None] - onsets) - 1.0)
-    hinges = integral(stretch, over_cells(stretch, hinges))
+    hinges = np.maximum(0.0, np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0)
+    hinges = integral(stretch, over_cells(stretch, hinges)) / stretch.std
     for index in range(3, onsets.size):
         window = stretch.below(onsets[index])
         if window.time.size < 10 or onsets[index] < low + 0.4:
             continue
         q, _ = line_of(window)
-        columns = hinges[-window.time.size :, :index] / window.std[:, None]
-        columns -= q @ (q.T @ columns)
+        columns = hinges[:index, -window.time.size :]
+        columns = columns - (columns @ q) @ q.T
         y = (window.y - window.y.mean(axis=1, keepdims=True)) / window.std
         y -= (y @ q) @ q.T
-        size = (columns**2).sum(axis=0)
+        size = np.einsum("og,og->o", columns, columns)
         size = np.where(size > 1e-12 * size.max(), size, np.inf)
-        if ((y @ columns) ** 2 / size).max() > detection:
+        if ((y @ columns.T) ** 2 / size).max() > detection:
             return float(onsets[index])
     return None
