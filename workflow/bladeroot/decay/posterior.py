@@ -25,7 +25,7 @@ NEGLIGIBLE = 8.0  # in ln of the evidence
 STEEPEST = 0.5  # least power of A that is believed down to A = 0
 SMOOTH = len(BENDING) + len(FLAT)
 DOUBTS = len(DOUBT)
-NORMAL = {68: (0.1587, 0.8413), 95: (0.025, 0.975)}  # ends of the central intervals, in %
+NORMAL = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # ends of the central intervals, in %
 SQRT2 = np.sqrt(2.0)
 
 

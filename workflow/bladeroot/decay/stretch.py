@@ -144,9 +144,10 @@ def lines_below(
 
     The variance is infinite where they are fewer than `FEWEST`.
     """
-    # what lies below an onset begins after the last group above it
+    # what lies below an onset begins after the last group above it, and one more, which may hold
+    # blocks from above
     first = np.searchsorted(-np.maximum.accumulate(stretch.log[::-1])[::-1], -onsets)
-    first = np.minimum(first, stretch.time.size - FEWEST)
+    first = np.minimum(first + 1, stretch.time.size - FEWEST)
     weight = stretch.std**-2.0
     time = stretch.time - stretch.time[-1]
     y = stretch.y - stretch.y[:, -1:]
@@ -154,7 +155,7 @@ def lines_below(
     one, t, tt, *rest = np.cumsum(terms[:, ::-1], axis=1)[:, ::-1][:, first]
     y, ty = np.stack(rest[:2]), np.stack(rest[2:])
     spread = np.maximum(tt - t**2 / one, 1e-300)
-    few = stretch.log[first] > onsets
+    few = stretch.log[first - 1] > onsets
     return (ty - t * y / one) / spread, np.where(few, np.inf, 1.0 / spread)
 
 
