@@ -13,7 +13,15 @@ from numba import njit
 from numpy import ndarray
 
 from bladeroot.decay.laws import DOUBT, HINGES, NODES, Laws, hat, hats
-from bladeroot.decay.stretch import FEWEST, Stretch, integral, integrate, line_of, lines_below
+from bladeroot.decay.stretch import (
+    FEWEST,
+    Stretch,
+    integral,
+    integrate,
+    lengths,
+    line_of,
+    lines_below,
+)
 
 PARTS = NODES + 1  # of a law: the factor's nodes, and ln(e)
 
@@ -34,7 +42,7 @@ class Frame:
     variance: float
 
     def seen(self, cells: Float[ndarray, "column cell"]) -> tuple[ndarray, ndarray]:
-        """What integrals over the cells make of the data, and of their lines' slopes."""
+        """What rates, as means over the cells, make of the data, and of their lines' slopes."""
         x = integral(self.stretch, cells) / self.stretch.std
         on_line = x @ self.line
         return x - on_line @ self.line.T, on_line @ self.slope
@@ -99,8 +107,8 @@ def sums(frame: Frame, laws: Laws) -> Sums:
     """Projections of each law's columns on one another and on the data."""
     stretch = frame.stretch
     gram, right, on_line = _projections(
-        laws.shape, laws.between, laws.first, _middle(stretch), np.diff(stretch.time),
-        stretch.width, 1.0 / stretch.std, np.ascontiguousarray(frame.line.T), frame.y,
+        laws.shape, laws.between, laws.first, _middle(stretch), *lengths(stretch),
+        1.0 / stretch.std, np.ascontiguousarray(frame.line.T), frame.y,
     )  # fmt: skip
     tilt = on_line @ frame.slope
     smallest = stretch.path[np.argmin(stretch.path)]
@@ -118,7 +126,7 @@ def _projections(
     first: Float[ndarray, " law"],
     log: Float[ndarray, " cell"],
     length: Float[ndarray, " cell"],
-    width: Float[ndarray, " group"],
+    bend: Float[ndarray, " group"],
     scale: Float[ndarray, " group"],
     line: Float[ndarray, "2 group"],
     y: Float[ndarray, "2 group"],
@@ -139,7 +147,7 @@ def _projections(
                     cells[cell] = shape[law, cell] * hat(log[cell], first[law], part)
             else:
                 cells[:] = between[law]
-            integrate(cells, length, width, x[part])
+            integrate(cells, length, bend, x[part])
             one = two = 0.0
             for group in range(groups):
                 x[part, group] *= scale[group]
@@ -198,6 +206,7 @@ def _marginal(
     spread = np.empty((2, laws, doubts.size))
     low = np.empty((PARTS + 1, PARTS + 1))
     z = np.empty((3, PARTS + 1))  # of the data, and of both rows of `tilt`
+    squares = np.empty(3)
     for law in range(laws):
         whole, along = 1e-300, 0.0
         for a in range(NODES):
@@ -225,19 +234,22 @@ def _marginal(
                     if a < NODES:
                         z[k + 1, 0] += common * tilt[k, law, a]
             determinant = 1.0
+            squares[:] = 0.0
             for a in range(PARTS + 1):
                 for b in range(a + 1):
+                    value = low[a, b]
                     for c in range(b):
-                        low[a, b] -= low[a, c] * low[b, c]
-                    low[a, b] = np.sqrt(low[a, a]) if a == b else low[a, b] / low[b, b]
+                        value -= low[a, c] * low[b, c]
+                    low[a, b] = np.sqrt(value) if a == b else value / low[b, b]
                 determinant *= low[a, a]
                 for k in range(3):
+                    value = z[k, a]
                     for b in range(a):
-                        z[k, a] -= low[a, b] * z[k, b]
-                    z[k, a] /= low[a, a]
-            evidence[law, doubt] = 0.5 * (z[0] ** 2).sum() - np.log(determinant)
-            for k in range(2):
-                spread[k, law, doubt] = (z[k + 1] ** 2).sum()
+                        value -= low[a, b] * z[k, b]
+                    z[k, a] = value / low[a, a]
+                    squares[k] += z[k, a] ** 2
+            evidence[law, doubt] = 0.5 * squares[0] - np.log(determinant)
+            spread[0, law, doubt], spread[1, law, doubt] = squares[1], squares[2]
             for a in range(PARTS, -1, -1):
                 for b in range(a + 1, PARTS + 1):
                     z[0, a] -= low[b, a] * z[0, b]

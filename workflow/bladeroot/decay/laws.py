@@ -31,7 +31,7 @@ HINGES = 7  # shapes at one onset
 
 @dataclass(frozen=True)
 class Laws:
-    """Laws on a stretch: integrals over its cells of the shapes, and of the same times ln(e).
+    """Laws on a stretch: means over its cells of the shapes, and of the same times ln(e).
 
     first: ln A of the factor's lowest node. lowest: the shape at the smallest amplitude.
     """
@@ -76,19 +76,20 @@ def hinge_laws(stretch: Stretch, onsets: Float[ndarray, " onset"]) -> Laws:
     Every onset lies above the smallest amplitude.
     """
     e = np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0
-    shape, between = _hinges(e, np.diff(stretch.time))
+    shape, between = _hinges(e)
     return Laws(shape, between, np.repeat(onsets, HINGES), np.zeros(HINGES * onsets.size))
 
 
 @njit(cache=True, error_model="numpy")
 @no_type_check
 def _hinges(
-    e: Float[ndarray, "onset step"], length: Float[ndarray, " cell"]
+    e: Float[ndarray, "onset step"],
 ) -> tuple[Float[ndarray, "law cell"], Float[ndarray, "law cell"]]:
-    """Simpson's integrals over cells of the hinges, and of the same times ln(e), where e > 0."""
+    """Means over cells, by Simpson's rule, of the hinges, and of the same times ln(e)."""
     onsets, steps = e.shape
-    shape = np.zeros((onsets * HINGES, length.size))
-    between = np.zeros((onsets * HINGES, length.size))
+    cells = steps // CELLS
+    shape = np.zeros((onsets * HINGES, cells))
+    between = np.zeros((onsets * HINGES, cells))
     h = np.empty(HINGES)
     for onset in range(onsets):
         for step in range(steps):
@@ -107,11 +108,10 @@ def _hinges(
             place = step % CELLS
             weight = (1.0 if place == 0 else 4.0 if place % 2 else 2.0) / (3.0 * CELLS)
             for cell in range(step // CELLS - (place == 0), step // CELLS + 1):
-                if 0 <= cell < length.size:
-                    share = weight * length[cell]
+                if 0 <= cell < cells:
                     for k in range(HINGES):
-                        shape[onset * HINGES + k, cell] += share * h[k]
-                        between[onset * HINGES + k, cell] += share * h[k] * log
+                        shape[onset * HINGES + k, cell] += weight * h[k]
+                        between[onset * HINGES + k, cell] += weight * h[k] * log
     return shape, between
 
 
