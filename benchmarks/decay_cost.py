@@ -79,7 +79,7 @@ def seconds(count: int, grow: str, budget_s: float) -> dict[str, float]:
     calls = stages(*make(count, grow))
     best = dict.fromkeys(calls, np.inf)
     begin, repeats = time.perf_counter(), 0
-    while repeats < 2 or (repeats < 9 and time.perf_counter() - begin < budget_s):
+    while repeats < 2 or (repeats < 40 and time.perf_counter() - begin < budget_s):
         for name, call in calls.items():
             start = time.process_time()
             call()

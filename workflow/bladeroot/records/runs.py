@@ -6,8 +6,8 @@ from numpy import ndarray
 from scipy import fft
 
 
-def medians(rows: Float[ndarray, "*row k"]) -> Float[ndarray, "*row"]:
-    """np.median over the last axis, several times as fast (numpy's search for two places is slow).
+def medians(rows: Float[ndarray, "row k"]) -> Float[ndarray, " row"]:
+    """np.median of each row, several times as fast (numpy's search for two places is slow).
 
     Of finite values only.
     """

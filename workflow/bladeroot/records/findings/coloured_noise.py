@@ -3,7 +3,6 @@
 import numpy as np
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.runs import medians
 from bladeroot.records.sight import Sight
 
 STATISTIC = "ln(noise power around the mode / white floor) in standard errors, later half"
@@ -27,7 +26,7 @@ def find(sight: Sight) -> Finding | None:
     count = sight.velocity.size // 2
     # power of white noise through a Blackman-Harris taper (2.004 lines wide), median of chi2_2
     white = 2.0 * 2.0044 * sight.floor**2 / count * 2.0 * np.log(2.0)
-    excess = float(np.log(medians(np.abs(spectra[1, around]) ** 2) / white))
+    excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
     error = 1.2 / np.sqrt(around.sum() / 2.0)
     statistic = excess / max(error, LEAST / THRESHOLD)
     noise = float(sight.floor * np.exp(0.5 * excess))
