@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib
+from bladeroot.decay.mixture import NORMAL, Mixture
 from bladeroot.decay.plateau import plateau
-from bladeroot.decay.posterior import NORMAL, Mixture
 from bladeroot.decay.record import record_plateau
 from bladeroot.decay.stretch import grouped, integral, lines_below, over_cells
 from decay_bench import ring_down, slider

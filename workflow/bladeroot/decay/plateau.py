@@ -16,7 +16,8 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
-from bladeroot.decay.posterior import NORMAL, Mixture, Weighed
+from bladeroot.decay.mixture import NORMAL, Mixture
+from bladeroot.decay.posterior import Weighed
 from bladeroot.decay.stretch import cubic, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
