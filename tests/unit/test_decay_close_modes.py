@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.close_modes import BEATS, widened
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.freevib import freevib
+from bladeroot.decay.phasors import Phasors
+from bladeroot.decay.rough import parts
+from bladeroot.decay.smooth import coarse
 from bladeroot.records.cut import cut
 from bladeroot.records.integrity import judge
 from test_records_beating import two_modes
@@ -28,6 +32,26 @@ def test_close_modes_are_separated(ratio, size, other_loss):
     assert error.max() < 2e-3
     assert np.median(np.abs(found["loss_factor"].values[wanted] / 0.003 - 1.0)) < 0.01
     assert "beats with this one" in found.attrs["findings"]
+
+
+def test_few_beats_widen_the_errors():
+    """What is told apart by few beats is less sure than the noise says; by many it is as sure."""
+    assert wider(0.1) > wider(0.2) > 1.0
+    assert wider(100.0) == pytest.approx(1.0, abs=0.01)
+    # at BEATS beats while ln A falls by one both errors are equal
+    assert wider(BEATS * 0.01) == pytest.approx(np.sqrt(2.0), rel=0.01)
+
+
+def wider(gap_Hz):
+    """Factor by which blocks and curve are widened where ln A falls by 0.01 a second."""
+    time = np.arange(0.0, 400.0, 2.0)
+    log = -0.01 * time + 2j * np.pi * time
+    blocks = Phasors(time, log, np.full(time.size, 1e-3))
+    fit = coarse(time, parts(log), blocks.std, 400.0)
+    more, looser = widened(blocks, fit, 1.0 / gap_Hz)
+    factor = float(more.std[0] / blocks.std[0])
+    np.testing.assert_allclose(looser.std(time), factor * fit.std(time), rtol=1e-9)
+    return factor
 
 
 def test_the_curve_ends_before_the_other_mode_is_as_loud():

@@ -1,6 +1,7 @@
 """Modes so close that frames of few cycles cannot tell them apart: one taken off another."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -15,6 +16,9 @@ from bladeroot.decay.smooth import Spline
 SPOILT_BEATS, LOUDEST = 1.5, 0.7
 # Lines further from the mode than this part of its frequency are told apart for good.
 CLOSE = 0.3
+# Beats while ln A falls by one at which the errors of telling two modes apart are as large as those
+# by noise; as in simulation (benchmarks/close_modes.py), for residuals do not show them.
+BEATS = 11.0
 
 
 def near_waves(
@@ -59,6 +63,14 @@ def outlived_s(
     mode = np.exp(fit.value(np.minimum(middle, last_s))[0, 0])
     louder = np.flatnonzero(size > LOUDEST * mode)
     return float(middle[louder[0]]) if louder.size else taken.size / sampling_Hz
+
+
+def widened(blocks: Phasors, fit: Spline, beat_s: float) -> tuple[Phasors, Spline]:
+    """The same with larger standard errors, the more the fewer beats there are in the decay."""
+    rate = float(np.median(np.abs(fit.value(blocks.time)[1, 0])))  # of ln A
+    wider = float(np.hypot(1.0, BEATS * beat_s * rate))
+    blocks = Phasors(blocks.time, blocks.log, wider * blocks.std)
+    return blocks, replace(fit, covariance=wider**2 * fit.covariance)
 
 
 def within(blocks: Phasors, first_s: float, last_s: float) -> Phasors:

@@ -45,11 +45,11 @@ PEAK = {
 
 @dataclass(frozen=True)
 class _Fit:
-    """Value, slope and the slope's standard error of a polynomial in the peak's number."""
+    """Value, slope and the slope's standard error of polynomials in the peak's number."""
 
-    value: Float[ndarray, " point"]
-    slope: Float[ndarray, " point"]
-    slope_std: Float[ndarray, " point"]
+    value: Float[ndarray, "part point"]
+    slope: Float[ndarray, "part point"]
+    slope_std: Float[ndarray, "part point"]
 
 
 def peak_fit(
@@ -130,12 +130,13 @@ def _curve(
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
-    clock, decline = (_doubted(y, at, length) for y in (time, level))
-    turn, rate = np.pi / clock.slope, decline.slope / clock.slope
-    turn_std, rate_std = turn * clock.slope_std / clock.slope, decline.slope_std / clock.slope
+    fit = _doubted(np.stack([time, level]), at, length)
+    (clock, decline), (period, fall), (period_std, fall_std) = fit.value, fit.slope, fit.slope_std
+    turn, rate = np.pi / period, fall / period
+    turn_std, rate_std = turn * period_std / period, fall_std / period
     # a peak lies where the phase is atan(rate / turn), which moves where damping changes
-    turn = turn + np.gradient(rate / turn, clock.value)
-    chirp, bend = (np.gradient(x, clock.value) for x in (turn, rate))
+    turn = turn + np.gradient(rate / turn, clock)
+    chirp, bend = (np.gradient(x, clock) for x in (turn, rate))
     # Y''/Y = rate^2 - turn^2 + bend + i (2 rate turn + chirp) with Y' = (rate + i turn) Y
     square = turn**2 - rate**2 - bend
     if damping == "hysteretic":
@@ -145,11 +146,11 @@ def _curve(
         square = square - twice * rate
         loss = twice / np.sqrt(square)
     natural = np.sqrt(square)
-    amplitude = np.exp(decline.value) * np.hypot(1.0, rate / turn)
-    window = length * clock.slope
+    amplitude = np.exp(decline) * np.hypot(1.0, rate / turn)
+    window = length * period
     frequency = natural / (2.0 * np.pi)
     errors = (turn_std / (2.0 * np.pi), 2.0 * rate_std / turn)
-    return np.stack([clock.value, amplitude, frequency, loss, *errors, window])
+    return np.stack([clock, amplitude, frequency, loss, *errors, window])
 
 
 def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
@@ -166,7 +167,7 @@ def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
 
 
 def _doubted(
-    y: Float[ndarray, " peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
+    y: Float[ndarray, "part peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
 ) -> _Fit:
     """The fit, with what a polynomial of two degrees more makes of it in the standard error."""
     fit, finer = (_fitted(y, at, length, degree) for degree in (DEGREE, DEGREE + 2))
@@ -176,7 +177,7 @@ def _doubted(
 
 
 def _fitted(
-    y: Float[ndarray, " peak"],
+    y: Float[ndarray, "part peak"],
     at: Int[ndarray, " point"],
     length: Int[ndarray, " point"],
     degree: int,
@@ -185,11 +186,11 @@ def _fitted(
 
     Maxima and minima may differ by a constant (an offset, a second harmonic).
     """
-    value, slope, std = np.empty(at.size), np.empty(at.size), np.empty(at.size)
+    value, slope, std = (np.empty((y.shape[0], at.size)) for _ in range(3))
     lags = correlation()
     for count in np.unique(length):
         which = length == count
-        start = np.clip(at[which] - count // 2, 0, y.size - count)
+        start = np.clip(at[which] - count // 2, 0, y.shape[1] - count)
         half = 0.5 * (count - 1)
         x = (np.arange(count) - half) / half
         alternating = np.where(np.arange(count) % 2, 1.0, -1.0)
@@ -200,19 +201,20 @@ def _fitted(
             extra = coloured.shape[1] - count
             coloured = coloured[:, extra // 2 : extra // 2 + count]
         freedom = count - np.einsum("cw,wc->", coloured, design)
-        piece = np.lib.stride_tricks.sliding_window_view(y, count)[start]
-        origin = piece[:, :1]
-        coefficient = (piece - origin) @ inverse.T
-        rest = piece - origin - coefficient @ design.T
-        variance = (rest**2).sum(axis=1) / max(freedom, 1.0)
+        piece = np.lib.stride_tricks.sliding_window_view(y, count, axis=1)[:, start]
+        origin = piece[..., :1]
+        piece = piece - origin
+        coefficient = piece @ inverse.T
+        piece -= coefficient @ design.T
+        variance = np.einsum("ypw,ypw->yp", piece, piece) / max(freedom, 1.0)
         place = (at[which] - start - half) / half
         powers = place[:, None] ** np.arange(degree + 1)
-        value[which] = origin[:, 0] + (coefficient[:, :-1] * powers).sum(axis=1)
+        value[:, which] = origin[..., 0] + (coefficient[..., :-1] * powers).sum(axis=-1)
         tangent = np.zeros((place.size, degree + 2))
         tangent[:, 1:-1] = powers[:, :-1] * np.arange(1, degree + 1) / half
-        slope[which] = (coefficient * tangent).sum(axis=1)
+        slope[:, which] = (coefficient * tangent).sum(axis=-1)
         covariance = coloured @ inverse.T
-        std[which] = np.sqrt(variance * np.einsum("pc,cd,pd->p", tangent, covariance, tangent))
+        std[:, which] = np.sqrt(variance * ((tangent @ covariance) * tangent).sum(axis=1))
     return _Fit(value, slope, std)
 
 

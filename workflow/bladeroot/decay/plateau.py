@@ -16,15 +16,16 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
+from bladeroot.decay.mixture import NORMAL, Mixture
 from bladeroot.decay.posterior import Weighed
 from bladeroot.decay.stretch import cubic, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
 NUMBERS = (
     "stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std",
-    "onset_amplitude", "onset_amplitude_std", "onset_bound", "onset_time", "frequency_bound",
-    "frequency_bound_std", "limit_low", "limit_high", "plateau_low_amplitude",
-    "plateau_high_amplitude", "plateau_weight",
+    "onset_amplitude", "onset_amplitude_std", "onset_low", "onset_high", "onset_bound",
+    "onset_time", "frequency_bound", "frequency_bound_std", "limit_low", "limit_high",
+    "plateau_low_amplitude", "plateau_high_amplitude", "plateau_weight",
 )  # fmt: skip
 
 
@@ -36,9 +37,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
 
     Returns:
         stick_frequency, loss_factor and their standard errors, the spread over the laws included;
-        onset_amplitude with its standard error (NaN when the record never leaves the plateau, or
-        never reaches it), onset_time, when the amplitude falls to it, and onset_bound, the largest
-        amplitude seen, when it never leaves;
+        onset_amplitude with its standard error, half of its 68 % interval, and its 95 % interval,
+        onset_low to onset_high (NaN when the record never leaves the plateau, or never reaches
+        it); onset_time, when the amplitude falls to it; and onset_bound, the largest amplitude
+        seen, when it never leaves;
         plateau_low_amplitude and plateau_high_amplitude, the ends of the constant stretch;
         plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
         curve may still bend at the smallest usable amplitude, stick_frequency is NaN,
@@ -68,7 +70,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     if sudden and stretch.below(sudden[2]).time.size >= 12:
         # what follows a capture needs no law of the slip before it
         after = weigh(stretch.below(sudden[2]))
-        found = replace(after, onset=sudden[0], onset_std=sudden[1], departs=1.0)
+        onset = Mixture(*(np.array([one]) for one in (1.0, sudden[0], sudden[1] ** 2)))
+        found = replace(after, onset=onset, departs=1.0)
     omega, omega_std = found.phase.mean()
     alpha, alpha_std = found.decline.mean()
     result["plateau_weight"] = found.phase.plateau
@@ -113,14 +116,17 @@ def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:
 def _ends(found: Weighed, largest: float) -> dict[str, float]:
     """Onset amplitude, and where the constant stretch begins and ends."""
     lowest = float(np.exp(found.lowest))
-    if found.departs < 0.5 or not np.isfinite(found.onset):
+    if found.onset is None or found.departs < 0.5:
         ends = {"plateau_low_amplitude": lowest, "plateau_high_amplitude": largest}
         never = min(found.phase.constant, found.decline.constant) >= 0.5
         return ends | {"onset_bound": largest} if never else {}
-    onset = float(np.exp(found.onset))
+    median, *ends = found.onset.quantiles((0.5, *NORMAL[68], *NORMAL[95]))
+    onset, low, high, lower, upper = np.exp([median, *ends])
     return {
-        "onset_amplitude": onset,
-        "onset_amplitude_std": onset * found.onset_std,
+        "onset_amplitude": float(onset),
+        "onset_amplitude_std": float(0.5 * (high - low)),
+        "onset_low": float(lower),
+        "onset_high": float(upper),
         "plateau_low_amplitude": lowest,
-        "plateau_high_amplitude": onset * float(np.exp(-found.onset_std)),
+        "plateau_high_amplitude": float(low),
     }

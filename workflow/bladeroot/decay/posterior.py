@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.special import ndtr
 
-from bladeroot.decay.laws import BENDING, DOUBT, FLAT, HINGES, Fits
+from bladeroot.decay.evidence import Fits
+from bladeroot.decay.laws import BENDING, DOUBT, FLAT, HINGES
+from bladeroot.decay.mixture import Mixture
 
 SHORTEST = np.log(2.0)  # a constant stretch that is no shorter, in ln A, counts as shown
 # error of ln A0, over the doubt about a law, by a slip between its shapes, as in simulation
-BETWEEN = 0.02
-EXACT = 4e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
+BETWEEN = 0.005
+EXACT = 1e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
 NEGLIGIBLE = 8.0  # in ln of the evidence
 STEEPEST = 0.5  # least power of A that is believed down to A = 0
 SMOOTH = len(BENDING) + len(FLAT)
@@ -47,7 +48,7 @@ class Channel:
 
     def mean(self, lowest: bool = False) -> tuple[float, float]:
         """Rate of the plateau, or at the smallest amplitude; the laws' spread in its error."""
-        return middle(self.weight, self.rate[int(lowest)], self.variance[int(lowest)])
+        return Mixture(self.weight, self.rate[int(lowest)], self.variance[int(lowest)]).middle()
 
     def limits(self) -> tuple[float, float]:
         """Lowest and highest limit at zero amplitude of any tenable law, 1.96 errors included."""
@@ -57,38 +58,17 @@ class Channel:
         return float((rate - 1.96 * std).min()), float((rate + 1.96 * std).max())
 
 
-def middle(
-    weight: Float[ndarray, " part"],
-    mean: Float[ndarray, " part"],
-    variance: Float[ndarray, " part"],
-) -> tuple[float, float]:
-    """Median of a mixture of normal parts, and a standard error that serves for its intervals.
-
-    Between the one that holds 68 % of the mixture and 1/1.96 of what holds 95 %. The variance would
-    hang on parts of hardly any weight that are far away.
-    """
-    some = weight > 1e-6 * weight.max()
-    weight, mean, std = weight[some] / weight[some].sum(), mean[some], np.sqrt(variance[some])
-    share = ndtr(np.array([-1.96, -1.0, 0.0, 1.0, 1.96]))
-    low, high = (np.full(5, one) for one in ((mean - 3.0 * std).min(), (mean + 3.0 * std).max()))
-    for _ in range(50):
-        at = 0.5 * (low + high)
-        under = ndtr((at[:, None] - mean) / std) @ weight < share
-        low, high = np.where(under, at, low), np.where(under, high, at)
-    return float(at[2]), float(np.sqrt(0.5 * (at[3] - at[1]) * (at[4] - at[0]) / 3.92))
-
-
 @dataclass(frozen=True)
 class Weighed:
     """Both channels, the onset's posterior in ln A0, and the stretch that was looked at (ln A).
 
-    `departs` is the weight of a constant that ends at an onset, in either channel.
+    `departs` is the weight of a constant that ends at an onset, in either channel; without any,
+    `onset` is None.
     """
 
     decline: Channel
     phase: Channel
-    onset: float
-    onset_std: float
+    onset: Mixture | None
     departs: float
     lowest: float
     highest: float
@@ -137,11 +117,8 @@ def combined(
         channels.append(
             _channel(catalogue, both[one], weight / weight.sum(), constant[one], bent[one])
         )
-    low, high = catalogue.low, catalogue.high
-    onset, onset_std, departs = _onset(
-        catalogue.onsets, catalogue.prior, catalogue.prior * (high - low), by_onset
-    )
-    return Weighed(channels[0], channels[1], onset, onset_std, departs, low, high)
+    onset, departs = _onset(catalogue, by_onset)
+    return Weighed(*channels, onset, departs, catalogue.low, catalogue.high)
 
 
 def _blurred(
@@ -193,7 +170,9 @@ def _channel(
     one = Channel(weight, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
     # a flat law is a plateau when its rest at the smallest amplitude is within the error
     flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
-    shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
+    shown = 0.0
+    if weight[flat].sum() > 1e-6:
+        shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
     hinge = weight[1 + DOUBTS * SMOOTH :].reshape(-1, HINGES * DOUBTS).sum(axis=1)
     shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST].sum()
     if catalogue.high - catalogue.low >= SHORTEST:
@@ -202,20 +181,18 @@ def _channel(
 
 
 def _onset(
-    at: Float[ndarray, " onset"],
-    prior: Float[ndarray, " onset"],
-    width: Float[ndarray, " onset"],
-    by_onset: list[Float[ndarray, " onset"]],
-) -> tuple[float, float, float]:
-    """Mean and standard deviation of ln A0, where the first of both leaves, and its weight."""
+    catalogue: Catalogue, by_onset: list[Float[ndarray, " onset"]]
+) -> tuple[Mixture | None, float]:
+    """Posterior of ln A0, where the first of both channels leaves, and its weight."""
     one, two = by_onset
     not_one, not_two = 1.0 - one.sum(), 1.0 - two.sum()
     # the tail beyond an onset, half of its own cell included
     after = [part[::-1].cumsum()[::-1] - 0.5 * part for part in by_onset]
-    weight = 0.5 * one * two / prior + 0.5 * (one * after[1] + two * after[0])
+    weight = 0.5 * one * two / catalogue.prior + 0.5 * (one * after[1] + two * after[0])
     weight += one * not_two + two * not_one
     whole = weight.sum()
-    total = whole + not_one * not_two
     if not whole > 1e-300:
-        return np.nan, np.nan, 0.0
-    return *middle(weight, at, width**2 / 12.0 + EXACT**2), float(whole / total)
+        return None, 0.0
+    width = catalogue.prior * (catalogue.high - catalogue.low)
+    onset = Mixture(weight, catalogue.onsets, width**2 / 12.0 + EXACT**2)
+    return onset, float(whole / (whole + not_one * not_two))

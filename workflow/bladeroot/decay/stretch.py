@@ -1,9 +1,11 @@
 """The blocks of a decay, joined into groups, and what a rate integrates to over them."""
 
 from dataclasses import dataclass
+from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
+from numba import njit
 from numpy import ndarray
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
@@ -29,9 +31,13 @@ class Stretch:
         """Ln A at the groups."""
         return self.path[::CELLS]
 
+    def first_below(self, log: float) -> int:
+        """The group from which on the amplitude, given as ln A, is not exceeded any more."""
+        return int(np.max(np.flatnonzero(self.log > log + 1e-9), initial=-1)) + 1
+
     def below(self, log: float) -> "Stretch":
-        """The groups from where the amplitude, given as ln A, is not exceeded any more."""
-        first = int(np.max(np.flatnonzero(self.log > log + 1e-9), initial=-1)) + 1
+        """The groups from there on."""
+        first = self.first_below(log)
         return Stretch(
             self.time[first:], self.y[:, first:], self.std[first:], self.width[first:],
             self.path[CELLS * first :],
@@ -75,24 +81,57 @@ def cubic(
     return y[left] + s * (rise + (1.0 - s) * ((1.0 - s) * (start - rise) - s * (end - rise)))
 
 
-def over_cells(stretch: Stretch, rate: Float[ndarray, "step law"]) -> Float[ndarray, "cell law"]:
-    """Integral over time from each group to the next, by Simpson's rule."""
+def over_cells(stretch: Stretch, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:
+    """Mean over time from each group to the next, by Simpson's rule."""
     share = np.where(np.arange(CELLS) % 2, 4.0, 2.0) / (3.0 * CELLS)
-    inner = np.einsum("s,csl->cl", share, rate[:-1].reshape(stretch.time.size - 1, CELLS, -1))
-    rate = rate[::CELLS]
-    return (inner + (rate[1:] - rate[:-1]) / (3.0 * CELLS)) * np.diff(stretch.time)[:, None]
+    inner = rate[:, :-1].reshape(-1, stretch.time.size - 1, CELLS) @ share
+    rate = rate[:, ::CELLS]
+    return inner + (rate[:, 1:] - rate[:, :-1]) / (3.0 * CELLS)
 
 
-def integral(stretch: Stretch, cells: Float[ndarray, "cell law"]) -> Float[ndarray, "group law"]:
-    """Integral over time as the groups see it, zero at the record's end, from that of each cell."""
-    total = np.zeros((stretch.time.size, cells.shape[1]))
-    total[:-1] = -np.cumsum(cells[::-1], axis=0)[::-1]
-    length = np.diff(stretch.time)
-    rate = cells / length[:, None]
-    slope = (rate[1:] - rate[:-1]) / (0.5 * (length[1:] + length[:-1]))[:, None]
-    slope = np.concatenate([slope[:1], slope, slope[-1:]])
-    total += 0.5 * stretch.width[:, None] * slope
+def integral(stretch: Stretch, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
+    """Integral over time as the groups see it, zero at the record's end, from the cells' means."""
+    total = np.empty((cells.shape[0], stretch.time.size))
+    length, bend = lengths(stretch)
+    _integrate_all(cells, length, bend, total)
     return total
+
+
+def lengths(stretch: Stretch) -> tuple[Float[ndarray, " cell"], Float[ndarray, " group"]]:
+    """Lengths of the cells, and what a step between cells adds to the mean over a group."""
+    length = np.diff(stretch.time)
+    gap = 0.5 * (length[1:] + length[:-1])
+    return length, 0.5 * stretch.width / np.concatenate([gap[:1], gap, gap[-1:]])
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def integrate(
+    cells: Float[ndarray, " cell"],
+    length: Float[ndarray, " cell"],
+    bend: Float[ndarray, " group"],
+    total: Float[ndarray, " group"],
+) -> None:
+    """What `integral` says, of one law."""
+    last = cells.size
+    value = 0.0
+    total[last] = bend[last] * (cells[last - 1] - cells[last - 2])
+    for group in range(last - 1, 0, -1):
+        value -= cells[group] * length[group]
+        total[group] = value + bend[group] * (cells[group] - cells[group - 1])
+    total[0] = value - cells[0] * length[0] + bend[0] * (cells[1] - cells[0])
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def _integrate_all(
+    cells: Float[ndarray, "law cell"],
+    length: Float[ndarray, " cell"],
+    bend: Float[ndarray, " group"],
+    total: Float[ndarray, "law group"],
+) -> None:
+    for law in range(cells.shape[0]):
+        integrate(cells[law], length, bend, total[law])
 
 
 def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray, " 2"]]:
@@ -101,10 +140,10 @@ def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray,
     Also the row by which a whitened series projected on that basis gives its slope in time.
     """
     scale = 1.0 / stretch.std
-    from_middle = stretch.time - np.average(stretch.time, weights=scale**2)
-    q = np.stack([scale, from_middle * scale], axis=1)
-    length = np.sqrt((q**2).sum(axis=0))
-    return q / length, np.array([0.0, 1.0 / length[1]])
+    weight = scale**2
+    from_middle = stretch.time - (stretch.time @ weight) / weight.sum()
+    length = np.sqrt(np.array([weight.sum(), from_middle**2 @ weight]))
+    return np.stack([scale, from_middle * scale], axis=1) / length, np.array([0.0, 1.0 / length[1]])
 
 
 def lines_below(
@@ -114,9 +153,10 @@ def lines_below(
 
     The variance is infinite where they are fewer than `FEWEST`.
     """
-    # what lies below an onset begins after the last group above it
+    # what lies below an onset begins after the last group above it, and one more, which may hold
+    # blocks from above
     first = np.searchsorted(-np.maximum.accumulate(stretch.log[::-1])[::-1], -onsets)
-    first = np.minimum(first, stretch.time.size - FEWEST)
+    first = np.minimum(first + 1, stretch.time.size - FEWEST)
     weight = stretch.std**-2.0
     time = stretch.time - stretch.time[-1]
     y = stretch.y - stretch.y[:, -1:]
@@ -124,7 +164,7 @@ def lines_below(
     one, t, tt, *rest = np.cumsum(terms[:, ::-1], axis=1)[:, ::-1][:, first]
     y, ty = np.stack(rest[:2]), np.stack(rest[2:])
     spread = np.maximum(tt - t**2 / one, 1e-300)
-    few = stretch.log[first] > onsets
+    few = stretch.log[first - 1] > onsets
     return (ty - t * y / one) / spread, np.where(few, np.inf, 1.0 / spread)
 
 
@@ -136,19 +176,44 @@ def first_departure(stretch: Stretch, detection: float) -> float | None:
     """
     low, high = stretch.log.min(), stretch.log.max()
     onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
-    hinges = np.maximum(0.0, np.exp(stretch.path[:, None] - onsets) - 1.0)
+    hinges = np.maximum(0.0, np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0)
     hinges = integral(stretch, over_cells(stretch, hinges))
     for index in range(3, onsets.size):
-        window = stretch.below(onsets[index])
-        if window.time.size < 10 or onsets[index] < low + 0.4:
+        first = stretch.first_below(onsets[index])
+        if stretch.time.size - first < 10 or onsets[index] < low + 0.4:
             continue
-        q, _ = line_of(window)
-        columns = hinges[-window.time.size :, :index] / window.std[:, None]
-        columns -= q @ (q.T @ columns)
-        y = (window.y - window.y.mean(axis=1, keepdims=True)) / window.std
-        y -= (y @ q) @ q.T
-        size = (columns**2).sum(axis=0)
-        size = np.where(size > 1e-12 * size.max(), size, np.inf)
-        if ((y @ columns) ** 2 / size).max() > detection:
+        if _largest_gain(stretch.time, stretch.y, stretch.std, hinges, first, index) > detection:
             return float(onsets[index])
     return None
+
+
+@njit(cache=True, error_model="numpy", fastmath=True)
+@no_type_check
+def _largest_gain(
+    time: Float[ndarray, " group"],
+    y: Float[ndarray, "2 group"],
+    std: Float[ndarray, " group"],
+    columns: Float[ndarray, "column group"],
+    first: int,
+    count: int,
+) -> float:
+    """Largest gain in chi-square, over a straight line, by one of the first `count` columns.
+
+    Of the groups from `first` on, in either channel.
+    """
+    weight = std[first:] ** -2.0
+    whole = weight.sum()
+    late = time[first:] - (time[first:] * weight).sum() / whole
+    tilt = late * weight / (late * late * weight).sum()
+    rest = np.empty((2, weight.size))
+    for k in range(2):
+        rest[k] = y[k, first:] - (y[k, first:] * weight).sum() / whole
+        rest[k] -= late * (rest[k] * tilt).sum()
+    square, gain = np.empty(count), np.empty(count)
+    for k in range(count):
+        x = columns[k, first:] - (columns[k, first:] * weight).sum() / whole
+        x -= late * (x * tilt).sum()
+        square[k] = (x * x * weight).sum()
+        gain[k] = max((x * rest[0] * weight).sum() ** 2, (x * rest[1] * weight).sum() ** 2)
+    seen = square > 1e-12 * square.max()
+    return (gain[seen] / square[seen]).max() if seen.any() else 0.0

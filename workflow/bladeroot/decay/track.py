@@ -5,7 +5,14 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from bladeroot.decay.carrier import strongest_line
-from bladeroot.decay.close_modes import CLOSE, SPOILT_BEATS, near_waves, outlived_s, within
+from bladeroot.decay.close_modes import (
+    CLOSE,
+    SPOILT_BEATS,
+    near_waves,
+    outlived_s,
+    widened,
+    within,
+)
 from bladeroot.decay.lines import find_lines
 from bladeroot.decay.phasors import Frames, Phasors, corrected, fit_frames, gather, refined
 from bladeroot.decay.rough import cut_frames, parts, roughly
@@ -36,7 +43,7 @@ def follow(
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
-    first_s, last_s = 0.0, duration
+    first_s, last_s, beat_s = 0.0, duration, 0.0
     if near:
         waves = near_waves(velocity, sampling_Hz, line_Hz, near, noise, usable)
         velocity = velocity - sum(waves)
@@ -69,6 +76,8 @@ def follow(
     rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
+    if beat_s:
+        blocks, fit = widened(blocks, fit, beat_s)
     return within(blocks, first_s, last_s), fit, found
 
 

@@ -10,21 +10,18 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.laws import (
-    BENDING,
-    HINGES,
+from bladeroot.decay.evidence import (
     Frame,
     excess_variance,
     fits,
     framed,
-    hinge_shapes,
     misfit,
-    smooth_shapes,
     sums,
     with_lines_below,
 )
+from bladeroot.decay.laws import BENDING, HINGES, hinge_laws, smooth_laws
 from bladeroot.decay.posterior import DOUBTS, NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
-from bladeroot.decay.stretch import Stretch, first_departure, over_cells
+from bladeroot.decay.stretch import Stretch, first_departure
 
 SHOWN = 0.8  # weight of laws with a plateau at which it is stated: see benchmarks/plateau.py
 DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
@@ -68,9 +65,9 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
     new = np.union1d(np.linspace(low, high, 12)[1:-1], _seeds(frame, low, high))
     total, evidence, best, excess = None, [np.empty(0)] * 2, [-np.inf] * 2, [1.0] * 2
     for _ in range(4):
-        laws = hinge_shapes(window, new)
+        laws = hinge_laws(window, new)
         if total is None:
-            smooth = smooth_shapes(window)
+            smooth = smooth_laws(window)
             laws = smooth.joined(laws)
         more = sums(frame, laws)
         total = more if total is None else total.joined(more)
@@ -116,8 +113,9 @@ def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndar
     A law that holds exactly may show on a range of onsets that a coarse search steps over.
     """
     onsets = np.linspace(low, high, count + 2)[1:-1]
-    columns = frame.seen(over_cells(frame.stretch, hinge_shapes(frame.stretch, onsets).shape))[0]
-    gain = (frame.y @ columns) ** 2 / np.maximum((columns**2).sum(axis=0), 1e-300)
+    columns = frame.seen(hinge_laws(frame.stretch, onsets).shape)[0]
+    size = np.einsum("lg,lg->l", columns, columns)
+    gain = (frame.y @ columns.T) ** 2 / np.maximum(size, 1e-300)
     gain = gain.reshape(2, count, HINGES)
     best = np.clip(gain.argmax(axis=1), 1, count - 2)
     around = [np.take_along_axis(gain, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1)]

@@ -6,6 +6,17 @@ from numpy import ndarray
 from scipy import fft
 
 
+def medians(rows: Float[ndarray, "row k"]) -> Float[ndarray, " row"]:
+    """np.median of each row, several times as fast (numpy's search for two places is slow).
+
+    Of finite values only.
+    """
+    half = rows.shape[-1] // 2
+    split = np.partition(rows, half, axis=-1)
+    upper = split[..., half]
+    return upper if rows.shape[-1] % 2 else 0.5 * (split[..., :half].max(axis=-1) + upper)
+
+
 def block_scale(
     size: Float[ndarray, " k"], block: int = 256, stride: int = 1
 ) -> Float[ndarray, " k"]:
@@ -16,7 +27,7 @@ def block_scale(
     count = max(1, size.size // block)
     edges = np.linspace(0, size.size, count + 1).astype(int)
     whole = size[: count * (size.size // count)].reshape(count, -1)
-    middle = np.median(whole[:, ::stride], axis=1)
+    middle = medians(whole[:, ::stride])
     wide = np.pad(middle, 1, mode="edge")
     middle = np.maximum(np.maximum(wide[:-2], wide[2:]), middle)
     return np.repeat(middle, np.diff(edges))
@@ -50,4 +61,4 @@ def convolved(
     pieces = np.lib.stride_tricks.sliding_window_view(padded, size)[::step]
     spectra = fft.rfft(pieces, axis=1)
     spectra *= fft.rfft(response, size)
-    return fft.irfft(spectra, size, axis=1)[:, 2 * reach :].ravel()[: x.size].copy()
+    return fft.irfft(spectra, size, axis=1)[:, 2 * reach :].ravel()[: x.size]

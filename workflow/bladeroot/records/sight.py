@@ -39,13 +39,13 @@ class Frames:
     row: Complex[ndarray, " width"]
     whole: Bool[ndarray, " frame"]
 
-    @property
+    @cached_property
     def clear(self) -> int:
         """Number of frames before the mode first sinks to eight times its standard error."""
         lost = np.flatnonzero((self.std > 0.125) & self.whole)
         return int(lost[0]) if lost.size else self.std.size
 
-    @property
+    @cached_property
     def amplitude(self) -> Float[ndarray, " frame"]:
         """Velocity amplitude."""
         return np.exp(self.log.real)
@@ -193,7 +193,7 @@ class Sight:
         scale[inner] *= np.maximum(rough, 1.0)
         return step, scale
 
-    @property
+    @cached_property
     def floor(self) -> float:
         """Rms of the noise, at least what the digitiser makes."""
         return max(self.noise, self.quantum / np.sqrt(12.0), 1e-9 * np.abs(self.velocity).max())

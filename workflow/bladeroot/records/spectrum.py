@@ -5,6 +5,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.records.runs import medians
+
 
 def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     """Rms of the sensor's noise, taken as white, from the floor between the spectral lines.
@@ -23,5 +25,5 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     pieces *= taper
     spectra = fft.rfft(pieces, axis=1)[:, segment // 50 + 2 : -2]
     power = spectra.real**2 + spectra.imag**2
-    floor = np.median(power, axis=1) / (np.log(2.0) * (taper**2).sum())
+    floor = medians(power) / (np.log(2.0) * (taper**2).sum())
     return float(np.sqrt(np.quantile(floor, 0.25)))

@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 from scipy import fft
 
 from bladeroot.records.finding import Finding
@@ -91,8 +93,12 @@ def _line(
         f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
         f"{100 * size:.2g} %"
     )
-    rate = -np.polyfit(np.arange(log.size), log.real, 1, w=weight)[0]  # of ln A, a frame
-    if abs(turns[k]) < TOLD_APART * rate and size > ALIKE:
+    if size > ALIKE and abs(turns[k]) < TOLD_APART * _decline(log.real, weight):
         text += "; they are too close to be told apart"
         return Finding(float(statistic), THRESHOLD, "drop", text)
     return Finding(float(statistic), THRESHOLD, "drop" if size > SEVERE else "warn", text)
+
+
+def _decline(level: Float[ndarray, " frame"], weight: Float[ndarray, " frame"]) -> float:
+    """What ln A falls by in a frame."""
+    return float(-np.polyfit(np.arange(level.size), level, 1, w=weight)[0])

@@ -36,18 +36,17 @@ def find(sight: Sight) -> Finding | None:
     rest = cycles - (cycles @ away) @ away.T
     weight = count.mean(axis=1)
     weight = weight / weight.mean()
-    best = (0.0, 1.0)
-    for level in amplitude.max() * np.geomspace(0.3, 0.98, 30):
-        shape = _cut_off(level / amplitude)
-        power = float((weight[:, None] * shape**2).sum())
-        if power <= 0.0:
-            continue
-        share = float((weight[:, None] * shape * rest).sum()) / power
-        left = float((weight[:, None] * (rest - share * shape) ** 2).sum())
-        error = np.sqrt(left / (rest.size - amplitude.size * away.shape[1] - 1) / power)
-        if 0.5 < share < 2.0 and share / error > best[0]:
-            best = (share / error, float(level))
-    statistic, level = best
+    levels = amplitude.max() * np.geomspace(0.3, 0.98, 30)
+    shape = _cut_off(levels[:, None] / amplitude)  # level, part, bin
+    power = np.einsum("p,lpb,lpb->l", weight, shape, shape)
+    known = np.maximum(power, 1e-300)
+    share = np.einsum("p,lpb,pb->l", weight, shape, rest) / known
+    left = np.einsum("p,lpb->l", weight, (rest - share[:, None, None] * shape) ** 2)
+    error = np.sqrt(left / (rest.size - amplitude.size * away.shape[1] - 1) / known)
+    sized = (power > 0.0) & (share > 0.5) & (share < 2.0)
+    ratio = np.where(sized, share / np.maximum(error, 1e-300), 0.0)
+    best = int(np.argmax(ratio))
+    statistic, level = (float(ratio[best]), float(levels[best])) if sized.any() else (0.0, 1.0)
     below = np.flatnonzero(frames.amplitude > level)
     last = int(frames.centre[min(below[-1] + 2, frames.log.size - 1)]) if below.size else 0
     text = (
@@ -103,16 +102,15 @@ def _shapes() -> tuple[Float[ndarray, "level bin"], Float[ndarray, "bin harmonic
     return np.array(shapes), away
 
 
-def _cut_off(relative: Float[ndarray, " part"]) -> Float[ndarray, "part bin"]:
+def _cut_off(relative: Float[ndarray, "level part"]) -> Float[ndarray, "level part bin"]:
     """Shapes for a level relative to the fundamental's amplitude (1 and more: not cut off)."""
     shapes, _ = _shapes()
-    angle = np.arccos(_LEVELS)
-    # level over fundamental of a cosine cut off at `_LEVELS` of its amplitude
-    fundamental = (2.0 / np.pi) * (np.pi / 2.0 - angle + _LEVELS * np.sqrt(1.0 - _LEVELS**2))
-    at = np.interp(relative, _LEVELS / fundamental, np.arange(_LEVELS.size))
+    at = np.interp(relative, _LEVELS / _FUNDAMENTAL, np.arange(_LEVELS.size))
     low = np.minimum(at.astype(int), _LEVELS.size - 2)
-    part = (at - low)[:, None]
+    part = (at - low)[..., None]
     return (1.0 - part) * shapes[low] + part * shapes[low + 1]
 
 
 _LEVELS = np.linspace(0.02, 1.0, 99)
+# of a cosine cut off at `_LEVELS` of its amplitude, over that amplitude
+_FUNDAMENTAL = (2.0 / np.pi) * (np.arcsin(_LEVELS) + _LEVELS * np.sqrt(1.0 - _LEVELS**2))
