@@ -123,6 +123,7 @@ def test_wrong_samples_are_masked_and_do_not_end_the_decay():
 @pytest.mark.parametrize("length", [12, 700])
 @pytest.mark.parametrize("value", [0.0, None])
 def test_dropouts_are_masked(length, value):
+    """A gap of seven cycles too: the phase is carried across it, not through its frames."""
     velocity = decay()
     start = 8010
     velocity[start : start + length] = velocity[start] if value is None else value

@@ -149,11 +149,13 @@ def mended(seen: Sight, spans: tuple[tuple[int, int], ...]) -> Sight:
     if whole.all() or not whole.any():
         return made
     velocity = velocity.copy()
+    # through the frames of a gap the phase may have slipped by turns
+    course = np.unwrap(frames.log.imag[whole])
     for first, last in spans:
         if last - first > 0.1 * seen.sampling_Hz / seen.own_Hz:
             inside = np.arange(first, last)
             log = np.interp(inside, frames.centre[whole], frames.log.real[whole])
-            phase = np.interp(inside, frames.centre[whole], frames.log.imag[whole])
+            phase = np.interp(inside, frames.centre[whole], course)
             turn = np.mod(frames.frequency_Hz / seen.sampling_Hz * inside, 1.0) * 2.0 * np.pi
             velocity[inside] = np.exp(log) * np.cos(turn + phase)
     return replace(seen, velocity=velocity, blind=spans)
