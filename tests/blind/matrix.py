@@ -88,15 +88,23 @@ def _run_shared(parametric: Path, house: Path, tier: str, work: tuple[int, Case]
 
 
 def run_case(
-    lab: Laboratory, parametric: Path, house: Path, tier: str, work: tuple[int, Case]
+    lab: Laboratory,
+    parametric: Path,
+    house: Path,
+    tier: str,
+    work: tuple[int, Case],
+    sheet: pd.DataFrame | None = None,
 ) -> dict:
-    """Make one case, seal it, diagnose what a run may see, open the seal and score."""
+    """Make one case, seal it, diagnose what a run may see, open the seal and score.
+
+    `sheet` is a campaign's records where they are not those that the case draws.
+    """
     number, case = work
     sealed, seen = house / "sealed" / f"c{number:04d}", house / "cases" / f"c{number:04d}"
     shown = seal(case.answer(), sealed)
     began = time.monotonic()
     if tier == "fast":
-        save(lab.fast(case), seen / "observations.nc")
+        save(lab.fast(case, sheet), seen / "observations.nc")
         made = time.monotonic()
         verdict = diagnose(seen / "observations.nc", parametric)
         diagnosed = time.monotonic()
@@ -104,7 +112,7 @@ def run_case(
     else:
         campaign = house / "campaigns" / f"c{number:04d}"
         shutil.rmtree(campaign, ignore_errors=True)
-        lab.raw(case, campaign)
+        lab.raw(case, campaign, sheet)
         made = time.monotonic()
         name = f"results/{campaign.name}/diagnosis/verdict.json"
         make(house, name, campaign=campaign)
