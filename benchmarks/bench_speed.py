@@ -1,4 +1,4 @@
-"""CPU seconds of the virtual bench for a simulated second, all node pairs in contact.
+"""CPU and wall seconds of the virtual bench for a simulated second, all node pairs in contact.
 
 python benchmarks/bench_speed.py [reduced.nc]
 """
@@ -14,7 +14,8 @@ from bladeroot.rig.clamping import clamp
 from bladeroot.rig.joint import parts
 
 ROOT = Path(__file__).resolve().parents[1]
-LIMIT = 5.0
+LIMIT = 5.0  # wall seconds
+SLIPS = 1e-6  # part of the work put in that friction takes
 
 
 def main(reduced):
@@ -26,13 +27,16 @@ def main(reduced):
         row = {"record": "r1", "mode": mode, "hold": "h1", "pressure_bar": 20}
         clamping = clamp(bench, whole, row)
         move(bench, clamping, drive)  # compiled
-        began = time.process_time()
+        began, clock = time.process_time(), time.perf_counter()
         motion, _ = move(bench, clamping, drive)
-        spent = time.process_time() - began
+        spent, wall = time.process_time() - began, time.perf_counter() - clock
         seconds = motion.velocity.size / bench["recording"]["sampling_Hz"]
-        slips = "slipping" if motion.work_friction else "stuck"
-        verdict = "ok" if spent < LIMIT * seconds else "FAILS"
-        print(f"{mode} {slips:9} {spent / seconds:6.2f} s a second, at most {LIMIT}: {verdict}")
+        slips = "slipping" if motion.work_friction > SLIPS * motion.work_in else "stuck"
+        verdict = "ok" if wall < LIMIT * seconds else "FAILS"
+        print(
+            f"{mode} {slips:9} {spent / seconds:6.2f} s CPU, {wall / seconds:.2f} s wall a second, "
+            f"at most {LIMIT}: {verdict}"
+        )
 
 
 if __name__ == "__main__":

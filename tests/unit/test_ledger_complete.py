@@ -13,6 +13,7 @@ from bladeroot.ledger.entry import Entry
 from bladeroot.ledger.evidence import Evidence
 from bladeroot.ledger.one_dof import Slider, free_decay
 from bladeroot.ledger.quantities import QUANTITIES
+from bladeroot.ledger.slider_curves import slider_curves
 from bladeroot.report.ledger import ledger_section
 
 THESIS = Path(__file__).resolve().parents[2] / "resources" / "thesis"
@@ -104,7 +105,7 @@ def test_verdicts_that_rest_on_the_tables_alone(tables):
         )
     }
     assert found == FROM_TABLES
-    section = ledger_section(made, read("errata"))
+    section = ledger_section(made, read("errata"), "<svg></svg>")
     counts = section.parts[1].rows[-1]
     assert list(counts) == ["all", "3", "0", "4", "1", "8"]
 
@@ -119,10 +120,10 @@ def test_the_slider_keeps_its_energy_but_for_friction():
     """Undamped: below X_cr nothing is lost, above it 4 mu N0 (X - X_cr) a cycle at most."""
     model = Slider(zeta=0.0)
     rate = 2e5
-    small = free_decay(model, 0.9 * model.critical_amplitude, rate, 0.05)
+    small, _ = free_decay(model, 0.9 * model.critical_amplitude, rate, 0.05)
     first, last = np.abs(small[: int(rate / 500)]).max(), np.abs(small[-int(rate / 500) :]).max()
     assert last == pytest.approx(first, rel=1e-3)
-    large = free_decay(model, 50 * model.critical_amplitude, rate, 0.02)
+    large, _ = free_decay(model, 50 * model.critical_amplitude, rate, 0.02)
     period = int(rate / 400)
     ends = [np.abs(large[k : k + period]).max() for k in (0, large.size - period)]
     assert ends[1] < ends[0]
@@ -135,3 +136,13 @@ def test_artifact_is_saved(tmp_path, tables):
     assert (made.attrs["results"], made.attrs["no_results"]) == (1, 1)
     made.to_netcdf(tmp_path / "ledger.nc")
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "ledger.nc"), made)
+
+
+def test_the_slider_s_curves_meet_the_closed_form_where_a_harmonic_describes_it():
+    found = slider_curves()
+    assert np.abs(found["force"]).max() == pytest.approx(found.attrs["slip_force_N"])
+    size, critical = found["amplitude"].values, found.attrs["critical_amplitude_m"]
+    for name in ("frequency", "loss_factor"):
+        closed = np.interp(size, found["balanced_amplitude"], found[f"balanced_{name}"])
+        for own in (size < 0.9 * critical, size > 20.0 * critical):
+            np.testing.assert_allclose(found[name].values[own], closed[own], rtol=0.02)

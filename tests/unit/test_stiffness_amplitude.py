@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
-from bladeroot.stiffness.amplitude import freest, level_names
+from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.curve_term import curve_term, log_likelihood
 from bladeroot.stiffness.posterior import coordinates, local, log_posterior, predict
 from bladeroot.stiffness.simulated_curves import levels_at, simulate, values
 from bladeroot.stiffness.softening import Softening, softening_of
-from bladeroot.stiffness.summit import Summit, find_summit
+from bladeroot.stiffness.summit import Summit, find_summit, freest
 from nonlinear_systems import coarse_joint
 from test_stiffness_joint import problem
 

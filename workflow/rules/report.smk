@@ -308,6 +308,11 @@ rule report:
         ledger=lambda w: (
             rules.ledger.output.ledger if of_the_thesis(CAMPAIGNS[w.campaign]) else []
         ),
+        slider=lambda w: (
+            rules.figures_slider.output.slider
+            if of_the_thesis(CAMPAIGNS[w.campaign])
+            else []
+        ),
         thesis=expand(
             ROOT / "resources" / "thesis" / "{name}",
             name=["table_5_1.csv", "errata.yaml"],
@@ -341,7 +346,7 @@ rule report:
         " --extended {input.extended:q}"
         " --amplitudes {input.amplitudes:q} --shortfalls {input.shortfalls:q}"
         " --figures {input.figures:q} {input.diagnosed:q} {input.modes:q} {input.drawn:q} {input.searched:q}"
-        " {input.amplitudes_drawn:q}"
+        " {input.amplitudes_drawn:q} {input.slider:q}"
         " --thesis {input.thesis:q}"
         " --facts {params.facts:q}"
         " --output {output.report} > {log} 2>&1"

@@ -11,11 +11,10 @@ from bladeroot.decay.freevib import freevib
 from bladeroot.decay.plateau import plateau
 from bladeroot.ledger.evidence import Computed, Evidence
 from bladeroot.ledger.one_dof import Slider, free_decay
+from bladeroot.ledger.slider_curves import SAMPLING, START, slider_curves
 
 ADHESION = 12e3  # N, above which the thesis takes the joint to stick
 _BAR = 1e5
-_SAMPLING = 51200.0
-_START = 100.0  # in critical amplitudes, as section 3.4
 
 
 def piston_area(evidence: Evidence) -> Computed:
@@ -114,11 +113,7 @@ def slider_critical_amplitude(evidence: Evidence) -> Computed:
 @cache
 def _freevib_on_the_slider() -> Float[ndarray, " 3"]:
     """Frequency, loss factor and onset found, over what was put in, minus one."""
-    model = Slider()
-    velocity = free_decay(model, _START * model.critical_amplitude, _SAMPLING, 0.33)
-    noise = 1e-5 * velocity.max()  # of a good record; without any there is no error to weigh by
-    velocity = velocity + noise * np.random.default_rng(0).standard_normal(velocity.size)
-    found = plateau(freevib(velocity, _SAMPLING, 500.0, noise, tolerance=0.4))
+    model, found = Slider(), plateau(slider_curves())
     names = ("stick_frequency", "loss_factor", "onset_amplitude")
     true = (model.stick_frequency, 2.0 * model.zeta, model.critical_amplitude)
     return np.array([found[name] for name in names]) / np.array(true) - 1.0
@@ -132,8 +127,8 @@ def freevib_error(evidence: Evidence, which: int) -> Computed:
 @cache
 def _harmonic_balance() -> float:
     model = Slider(zeta=0.0)
-    velocity = free_decay(model, _START * model.critical_amplitude, _SAMPLING, 0.2)
-    curve = freevib(velocity, _SAMPLING, 500.0, 0.0, tolerance=0.4)
+    velocity, _ = free_decay(model, START * model.critical_amplitude, SAMPLING, 0.2)
+    curve = freevib(velocity, SAMPLING, 500.0, 0.0, tolerance=0.4)
     ratio = curve["amplitude"].values / model.critical_amplitude
     inside = (ratio > 20.0) & (ratio < 95.0)
     theta = np.arccos(1.0 - 2.0 / ratio[inside])

@@ -33,11 +33,11 @@ class Slider:
 
 def free_decay(
     model: Slider, start: float, sampling_Hz: float, duration_s: float
-) -> Float[ndarray, " time"]:
-    """Velocity (m/s) after a release at rest from the displacement `start` (m)."""
+) -> tuple[Float[ndarray, " time"], Float[ndarray, " time"]]:
+    """Velocity (m/s) and contact force (N) after a release at rest from `start` (m)."""
     damping = model.zeta * np.sqrt((model.spring + model.contact) / model.mass)
     times = np.arange(int(duration_s * sampling_Hz)) / sampling_Hz
-    velocity = np.zeros(times.size)
+    velocity, force = np.zeros(times.size), np.zeros(times.size)
     now, x, v, stuck, sense = 0.0, start, 0.0, True, 0.0
     anchor = start - model.critical_amplitude
     while True:
@@ -54,10 +54,11 @@ def free_decay(
         else:
             event = motion.first(lambda t, m=motion, s=sense: -m.at(t)[1] * s)
         inside = (times >= now) & (times < now + event)
-        velocity[inside] = motion.at(times[inside] - now)[1]
+        place, velocity[inside] = motion.at(times[inside] - now)
+        force[inside] = model.contact * (place - anchor) if stuck else sense * model.slip_force
         now += event
         if now >= times[-1]:
-            return velocity
+            return velocity, force
         x, v = (float(part) for part in motion.at(event))
         if stuck:
             sense = float(np.sign(x - anchor))

@@ -79,7 +79,10 @@ def report(
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]
     if of_the_thesis:
-        sections += [ledger_section(stages["ledger"], errata), errata_section(errata)]
+        sections += [
+            ledger_section(stages["ledger"], errata, figures["slider"]),
+            errata_section(errata),
+        ]
     return render(
         facts["description"]["title"],
         f"Campaign {facts['campaign']}: from ring-downs to contact stiffness",

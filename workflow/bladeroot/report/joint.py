@@ -136,8 +136,8 @@ def _laws(full: Sequence[xr.Dataset]) -> Table:
     ]
     return Table(
         "Laws of stiffness over force: log evidence less that of the best (a difference of 3 is 20 "
-        "to 1), most probable kn and kt at 12 kN, and how much ln k scatters about the law, by "
-        "clamping or because the law is wrong",
+        "to 1; of the laws within it the freest is taken), most probable kn and kt at 12 kN, and "
+        "how much ln k scatters about the law, by clamping or because the law is wrong",
         ("structure", "law", "log evidence", "kn / GN/m", "kt / GN/m", "std ln kn", "std ln kt",
          "scatter"),
         rows,

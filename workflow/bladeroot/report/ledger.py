@@ -6,15 +6,26 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.report.numbers import NONE, listed, significant
-from bladeroot.report.page import Section, Table
+from bladeroot.report.page import Picture, Section, Table
 
 _VERDICTS = ("reproduced", "differs", "erratum", "not reproducible")
 _HEADER = ("what", "printed", "ours", "difference (allowed)", "verdict", "remark")
 _VALUE_HEADER = ("where", "value", "printed", "ours", "difference", "allowed", "within")
 
+_SLIDER = (
+    "Figures 3.7 to 3.9: the model of one degree of freedom with a slider, released at a hundred "
+    "critical amplitudes and integrated from event to event; frequency and loss factor that "
+    "FREEVIB reads off that decay; stiffness and damping of the contact by its first harmonic. "
+    "Below some ten critical amplitudes the decay crosses the hump of damping within a few cycles: "
+    "there no single harmonic describes it, and FREEVIB has a point a cycle."
+)
 
-def ledger_section(ledger: xr.Dataset, errata: Sequence[Mapping]) -> Section:
-    """Counts of the verdicts, then a table for each chapter with its numbers folded below it."""
+
+def ledger_section(ledger: xr.Dataset, errata: Sequence[Mapping], slider: str) -> Section:
+    """Counts of the verdicts, then a table for each chapter with its numbers folded below it.
+
+    slider: SVG text of figures 3.7 to 3.9.
+    """
     chapters = list(dict.fromkeys(ledger["chapter"].values))
     errors = {entry["id"]: entry["where"] for entry in errata}
     parts: list = [
@@ -36,6 +47,8 @@ def ledger_section(ledger: xr.Dataset, errata: Sequence[Mapping]) -> Section:
         if values:
             text = f"{_title(chapter)}, number by number ({len(values)} values)"
             parts.append(Table(text, _VALUE_HEADER, values, folded=True))
+        if chapter == "3":
+            parts.append(Picture(slider, _SLIDER))
     return Section("The thesis, number by number", parts)
 
 

@@ -16,7 +16,7 @@ from bladeroot.rig.modes import StuckModes
 from bladeroot.rig.sweep import own_give, settle
 
 _PHASES = 96
-_LOADS = 160
+_LOADS_A_DECADE = 40
 _SWEEPS = 2000
 _TOLERANCE = 1e-6
 
@@ -66,9 +66,12 @@ def slip_cycle(
     """What slip takes from a mode's stiffness, and its loss in the same unit (rad^2/s^2).
 
     First loading from rest gives the loop at every amplitude: a reversal repeats it at twice the
-    size, turned round (Masing).
+    size, turned round (Masing). What slips below a tenth of the
+    smallest of `reach` is taken to be in proportion.
     """
-    load = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _LOADS) * reach.max()])
+    low, high = 0.1 * reach.min(), reach.max()
+    loads = 1 + int(np.ceil(_LOADS_A_DECADE * np.log10(high / low)))
+    load = np.concatenate([[0.0], np.geomspace(low, high, loads)])
     others = np.delete(modes.slider_shape / modes.omega, number, axis=1)
     flexible = modes.residual + others @ others.T
     give = np.diag(modes.slider_kt) - modes.slider_kt[:, None] * flexible * modes.slider_kt

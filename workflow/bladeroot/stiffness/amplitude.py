@@ -25,10 +25,9 @@ from bladeroot.stiffness.posterior import Problem, coordinates, predict
 from bladeroot.stiffness.sampler import STEPS
 from bladeroot.stiffness.simulated_curves import FRICTION, friction_of
 from bladeroot.stiffness.softening import Softening, softening_of
-from bladeroot.stiffness.summit import Summit, find_summit
+from bladeroot.stiffness.summit import Summit, find_summit, freest
 from bladeroot.structure.joint import Joint
 
-_ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
 _MAP = np.geomspace(2e-7, 2e-5, 41)  # m
 _PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
 
@@ -54,8 +53,7 @@ def amplitude(
     record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
     largest effect.
 
-    The law is the freest of those that are at most twenty times less probable than the best one:
-    kn and kt that are tied together by too poor a law look better known than they are.
+    The law is `freest` with curves, and the same for the frequencies alone.
 
     Returns the variables of `joint` without its variations, the friction, the curves measured and
     simulated, and `shrinkage`: the standard deviation of ln k without curves over that with them.
@@ -74,9 +72,8 @@ def amplitude(
     together = {
         name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
     }
-    law = freest(together)
-    found, summit = posterior_of(together, forces, steps, law)
-    before, _ = posterior_of(alone, forces, steps, law)
+    found, summit = posterior_of(together, forces, steps)
+    before, _ = posterior_of(alone, forces, steps, found.attrs["law"])
     parts = [
         found,
         _gained(before, found),
@@ -91,15 +88,6 @@ def amplitude(
         rounds=fit.rounds,
         converged=int(fit.converged),
         **found.attrs,
-    )
-
-
-def freest(summits: Mapping[str, Summit]) -> str:
-    """The law with most parameters among those that the evidence does not drop."""
-    best = max(summit.log_evidence for summit in summits.values())
-    kept = {name: s for name, s in summits.items() if s.log_evidence > best - _ODDS}
-    return max(
-        kept, key=lambda name: (len(kept[name].problem.law.parameters), kept[name].log_evidence)
     )
 
 

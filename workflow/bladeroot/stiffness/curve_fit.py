@@ -22,6 +22,8 @@ from bladeroot.structure.joint import Joint
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
 _LONGEST = 0.4  # change of ln k in one round
+_MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
+_SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
 _FITS, _GAIN = 25, 1e-2  # steps of the friction, and the least gain in log posterior to go on
 
 
@@ -31,7 +33,8 @@ class CurveFit:
 
     friction: parameters in the order of `FRICTION`, with their covariance at the stiffness found.
     value: simulated falls and rises; std: standard deviation of measured less simulated, the
-    model's error included. converged: whether the last round changed nothing that matters.
+    model's error included. converged: whether the last round changed nothing that matters and the
+    simulated curves meet the measured ones.
     """
 
     term: CurveTerm
@@ -64,6 +67,8 @@ def fit_curves(
         rounds += 1
         z = coordinates(predict(problem, u[None]))[0]
         at = levels_at(joint, softening, levels, lasers, z)
+        if rounds == 1:
+            friction = _start(joint, at, measured, precision, prior)
         friction, said = _fit_friction(joint, at, measured, precision, prior, friction)
         by_level = np.zeros((len(measured), len(levels), 3))
         by_level[row, np.tile(softening.level, 2)] = said.by_level
@@ -77,35 +82,46 @@ def fit_curves(
         largest = float(np.abs(away).max())
         u = u + min(1.0, _LONGEST / max(largest, _LONGEST)) * (climbed - u)
     information = by_friction.T @ precision @ by_friction + np.linalg.inv(spread)
+    std = np.sqrt(np.diag(errors))
+    miss = (measured - said.value) / std
     return CurveFit(
         term,
         friction,
         np.linalg.inv(information),
         said.value,
-        np.sqrt(np.diag(errors)),
+        std,
         rounds,
-        largest <= _CLOSE,
+        bool(largest <= _CLOSE and np.sqrt(np.mean(miss**2)) <= _MET),
     )
+
+
+def _start(joint, at, measured, precision, prior) -> Float[ndarray, " parameter"]:
+    """The friction coefficient to start from: where nothing slips no slope leads away."""
+    trials = prior[:, 0] + _SCAN[:, None] * np.array([prior[0, 1], 0.0, 0.0, 0.0])
+    misses = [_misfit(one, values(joint, at, one), measured, precision, prior) for one in trials]
+    return trials[int(np.argmin(misses))]
+
+
+def _misfit(trial, value, measured, precision, prior) -> float:
+    """Minus the log posterior of the friction at given stiffness, but for a constant."""
+    away = (trial - prior[:, 0]) / prior[:, 1]
+    return 0.5 * float((measured - value) @ precision @ (measured - value) + away @ away)
 
 
 def _fit_friction(
     joint, at, measured, precision, prior, friction
 ) -> tuple[Float[ndarray, " parameter"], Simulated]:
     """The most probable friction at given stiffness, and the curves there."""
-
-    def misfit(trial: ndarray, value: ndarray) -> float:
-        away = (trial - prior[:, 0]) / prior[:, 1]
-        return 0.5 * float((measured - value) @ precision @ (measured - value) + away @ away)
-
+    known = (measured, precision, prior)
     said = simulate(joint, at, friction)
-    now, damping = misfit(friction, said.value), 1.0
+    now, damping = _misfit(friction, said.value, *known), 1.0
     for _ in range(_FITS):
         pull = said.by_friction.T @ precision @ (measured - said.value)
         pull -= (friction - prior[:, 0]) / prior[:, 1] ** 2
         bend = said.by_friction.T @ precision @ said.by_friction + np.diag(prior[:, 1] ** -2)
         step = np.linalg.solve(bend + damping * np.diag(np.diag(bend)), pull)
         step *= min(1.0, 1.0 / np.abs(step).max())
-        trial = misfit(friction + step, values(joint, at, friction + step))
+        trial = _misfit(friction + step, values(joint, at, friction + step), *known)
         if trial < now:
             gained, now, friction = now - trial, trial, friction + step
             said, damping = simulate(joint, at, friction), 0.2 * damping

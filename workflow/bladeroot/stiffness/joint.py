@@ -18,7 +18,7 @@ from bladeroot.stiffness.levels import Levels, levels_of
 from bladeroot.stiffness.posterior import Problem, predict, problem_of
 from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import STEPS, sample, walkers
-from bladeroot.stiffness.summit import Summit, find_summit
+from bladeroot.stiffness.summit import Summit, find_summit, freest
 from bladeroot.stiffness.worth import stiffness_rows, worth
 from bladeroot.structure.chebyshev import Surface
 from bladeroot.structure.parametric import surface_of
@@ -42,7 +42,7 @@ def joint(
     steps: int = STEPS,
     extension: Law | None = None,
 ) -> xr.Dataset:
-    """Posterior of (ln kn, ln kt) under every law, and in full under the one of most evidence.
+    """Posterior of (ln kn, ln kt) under every law, and in full under `freest` of them.
 
     model: from `bladeroot.structure.parametric`. stick: from `bladeroot.decay.stick`. forces: N,
     where kn and kt are wanted. fe_bias, fe_offset: standard deviation and known part of the model's
@@ -110,11 +110,11 @@ def posterior_of(
     steps: int = STEPS,
     law: str | None = None,
 ) -> tuple[xr.Dataset, Summit]:
-    """Every law beside the others, and in full a given one or that of most evidence.
+    """Every law beside the others, and in full a given one or `freest` of them.
 
     The summit is that of the law in full.
     """
-    best = law or max(summits, key=lambda name: summits[name].log_evidence)
+    best = law or freest(summits)
     summit = summits[best]
     draws, time = sample(summit, steps=steps)
     parts = [

@@ -1,5 +1,6 @@
-"""The largest value of the joint posterior, its curvature there, and the evidence of a law."""
+"""The largest value of the joint posterior, its curvature there, and which law to take."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy import ndarray
 from bladeroot.stiffness.posterior import Local, Problem, local, log_posterior
 
 _STEPS = 300
+_ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
 _STARTS = (-0.7, 0.0, 0.7)  # of ln kn and ln kt, in standard deviations of their priors
 
 
@@ -87,6 +89,19 @@ def find_summit(problem: Problem, starts: tuple[float, ...] = _STARTS) -> Summit
     covariance = np.linalg.inv(_curvature(problem, u, here))
     evidence = here.value + 0.5 * (len(u) * np.log(2.0 * np.pi) + np.linalg.slogdet(covariance)[1])
     return Summit(problem, u, here.value, covariance, float(evidence))
+
+
+def freest(summits: Mapping[str, Summit]) -> str:
+    """The law with most parameters among those that the evidence does not drop.
+
+    kn and kt that are tied together by too poor a law look better known than they are, and such a
+    law often has most evidence; one twenty times less probable than the best is dropped.
+    """
+    best = max(summit.log_evidence for summit in summits.values())
+    kept = {name: s for name, s in summits.items() if s.log_evidence > best - _ODDS}
+    return max(
+        kept, key=lambda name: (len(kept[name].problem.law.parameters), kept[name].log_evidence)
+    )
 
 
 def _curvature(problem: Problem, u: ndarray, here: Local) -> Float[ndarray, "parameter parameter"]:

@@ -1,0 +1,117 @@
+"""What amplitude curves can tell of kn and kt: Fisher's bound under stated trust.
+
+    python benchmarks/amplitude_information.py results [campaign] [structure]
+
+Takes a campaign's stick frequencies and curves as the workflow left them, and the joint posterior's
+summit with curves under its own law. There it prints the standard deviations of ln kn and ln kt at
+12 kN that the information gives, with one thing known better in each row: the simulated curves, the
+clampings' friction, the friction's own parameters, the model's bias, the gauge. No row is reachable
+by another inference from the same data under the same trust.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from bladeroot.stiffness import curve_errors
+from bladeroot.stiffness.amplitude import level_names
+from bladeroot.stiffness.curve_errors import DISCREPANCY, covariance
+from bladeroot.stiffness.curve_fit import fit_curves
+from bladeroot.stiffness.curve_term import curve_term
+from bladeroot.stiffness.interpolation import ForceGauge
+from bladeroot.stiffness.joint import problems_of
+from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.posterior import coordinates, local, predict
+from bladeroot.stiffness.simulated_curves import FRICTION, levels_at, simulate
+from bladeroot.stiffness.softening import softening_of
+from bladeroot.stiffness.summit import find_summit, freest
+from bladeroot.stiffness.worth import stiffness_rows
+from bladeroot.structure.joint import joint_of_reduced
+
+BIAS, GAUGE = {"1B": 0.005, "2B": 0.005}, ForceGauge(1253.0, 0.01, "full-scale")
+LASERS = {"1B": 0.0, "2B": -0.07}  # m
+FLOOR = 1e-3  # relative, of curves that are trusted fully
+NOTHING = 1e-6
+CASES = {
+    "frequencies alone": {"curves": False},
+    "with curves, as trusted": {},
+    "simulated curves trusted to 2 %": {"discrepancy": 0.02},
+    "to 1 %": {"discrepancy": 0.01},
+    "fully": {"discrepancy": NOTHING},
+    "all clampings with one friction": {"clamping": 0.0},
+    "friction law and its parameters known": {"friction": NOTHING},
+    "all three": {"discrepancy": NOTHING, "clamping": 0.0, "friction": NOTHING},
+    "gauge without error, frequencies alone": {"gauge": 1e-3, "curves": False},
+    "gauge without error, with curves": {"gauge": 1e-3},
+    "model's bias a fifth, frequencies alone": {"bias": 0.2, "curves": False},
+    "bias a fifth, with curves": {"bias": 0.2},
+    "gauge without error and bias a fifth, with curves": {"gauge": 1e-3, "bias": 0.2},
+}
+
+
+def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") -> None:
+    """Print the table."""
+    folder = Path(results)
+
+    def load(path: str) -> xr.Dataset:
+        return xr.open_dataset(folder / path).load()
+
+    joint = joint_of_reduced(load(f"structures/{structure}/reduced.nc"))
+    curves = [
+        xr.open_dataset(path).load() for path in sorted((folder / campaign / "decay").iterdir())
+    ]
+    stick = load(f"{campaign}/stick.nc")
+    problems = problems_of(load(f"structures/{structure}/parametric.nc"), stick, GAUGE, BIAS)
+    levels = level_names(next(iter(problems.values())))
+    softening = softening_of({str(c.attrs["record"]): c for c in curves}, stick, levels)
+    alone = {name: find_summit(problem) for name, problem in problems.items()}
+    fit = fit_curves(joint, alone[freest(alone)], softening, levels, LASERS, DISCREPANCY)
+    both = {n: find_summit(replace(p, curves=fit.term)) for n, p in problems.items()}
+    law = freest(both)
+    summit, bare = both[law], problems[law]
+    z = coordinates(predict(summit.problem, summit.u[None]))[0]
+    said = simulate(joint, levels_at(joint, softening, levels, LASERS, z), fit.friction)
+    row = np.arange(len(said.value))
+    slope = np.zeros((len(row), len(levels), 3))
+    slope[row, np.tile(softening.level, 2)] = said.by_level
+    size = np.concatenate([softening.fall, softening.rise])
+    spread = np.array([entry[1] for entry in FRICTION.values()])
+
+    def doubt(
+        discrepancy=DISCREPANCY, clamping=curve_errors.CLAMPING, friction=1.0, bias=1.0, gauge=1.0,
+        curves=True,
+    ) -> np.ndarray:  # fmt: skip
+        """Covariance of (ln kn, ln kt) at the reference force."""
+        scale = [bias if n.startswith("bias_") else gauge if n.startswith("force_") else 1.0
+                 for n in bare.names]  # fmt: skip
+        problem = replace(bare, std=bare.std * scale)
+        if curves:
+            own = curve_errors.CLAMPING
+            curve_errors.CLAMPING = clamping
+            errors = covariance(softening, levels, discrepancy) + np.diag((FLOOR * size) ** 2)
+            curve_errors.CLAMPING = own
+            errors += said.by_friction @ np.diag((friction * spread) ** 2) @ said.by_friction.T
+            term = curve_term(z, np.zeros(len(row)), slope.reshape(len(row), -1), errors)
+            problem = replace(problem, curves=term)
+        u = (summit.theta - problem.mean) / problem.std
+        rows = stiffness_rows(problem.law, len(u), np.array([REFERENCE_FORCE]))[0] * problem.std
+        return rows @ np.linalg.inv(local(problem, u).information) @ rows.T
+
+    first = doubt(curves=False)
+    print(f"{campaign}, {structure}, law {law}, {len(row)} numbers of curves; std of ln k at 12 kN")
+    for name, given in CASES.items():
+        found = doubt(**given)
+        std = np.sqrt(np.diag(found))
+        narrower = np.sqrt(np.diag(first)) / std
+        area = np.sqrt(np.linalg.det(first) / np.linalg.det(found))
+        print(
+            f"{name:50s} kn {std[0]:.4f} kt {std[1]:.4f} correlation "
+            f"{found[0, 1] / std.prod():+.2f}; narrower kn {narrower[0]:.2f} kt {narrower[1]:.2f} "
+            f"area {area:.2f}"
+        )
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
