@@ -17,8 +17,8 @@ from bladeroot.stiffness.joint import (
 )
 from bladeroot.stiffness.laws import LAWS, PRIORS, REFERENCE_FORCE, powers, slopes
 from bladeroot.stiffness.levels import Levels, levels_of
-from bladeroot.stiffness.marginal import biases, marginal, with_biases
-from bladeroot.stiffness.posterior import local, log_posterior, predict, problem_of
+from bladeroot.stiffness.marginal import marginal, with_biases
+from bladeroot.stiffness.posterior import biases, local, log_posterior, predict, problem_of
 from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.summit import climb, find_summit

@@ -18,6 +18,7 @@ from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.joint import trimmed
 from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
+from bladeroot.stiffness.posterior import BIAS_TILT
 from bladeroot.structure import chebyshev
 from bladeroot.structure.chebyshev import Surface
 from bladeroot.structure.parametric import ritz_of, surface_of
@@ -25,8 +26,6 @@ from bladeroot.structure.ritz import Ritz
 
 # Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
 EXPONENT = (0.0, 0.005)
-# The model's bias differs between forces: this part of it a unit of ln F.
-BIAS_SLOPE = 0.05
 # ln of the scatter of k between clampings, 2 to 14 %, and of frequency between records of one.
 SCATTER = (np.log(0.04), 0.6)
 CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
@@ -144,7 +143,7 @@ def problem(
              *(m.start for m in mechanisms)]
         ),
         np.concatenate(
-            [[level_n[1], level_t[1], EXPONENT[1]], bias, BIAS_SLOPE * bias,
+            [[level_n[1], level_t[1], EXPONENT[1]], bias, BIAS_TILT * bias,
              *(m.std for m in mechanisms)]
         ),
     )  # fmt: skip

@@ -373,7 +373,7 @@ def _variations(
     """ln k at 12 kN and its std (Laplace) when what was assumed is changed."""
     problem = summit.problem
     names = problem.names
-    biases = np.array([name.startswith("bias_") for name in names])
+    biases = np.array([name.startswith(("bias_", "tilt_")) for name in names])
     levels_k = np.array([name in ("ln_kn", "ln_kt") for name in names])
     gauge = np.array([name.startswith("force_") for name in names])
     cases = {

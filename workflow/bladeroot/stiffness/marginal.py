@@ -11,7 +11,15 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.posterior import Problem, inner_products, of_curves, of_repeats, predict
+from bladeroot.stiffness.posterior import (
+    Problem,
+    bias_rows,
+    biases,
+    inner_products,
+    of_curves,
+    of_repeats,
+    predict,
+)
 
 
 @dataclass(frozen=True)
@@ -22,27 +30,21 @@ class Marginal:
     """
 
     log: Float[ndarray, " point"]
-    mean: Float[ndarray, "point mode"]
-    information: Float[ndarray, "point mode mode"]
-
-
-def biases(problem: Problem) -> slice:
-    """Where the biases stand among the parameters."""
-    first = len(problem.law.parameters)
-    return slice(first, first + len(problem.levels.modes))
+    mean: Float[ndarray, "point bias"]
+    information: Float[ndarray, "point bias bias"]
 
 
 def marginal(problem: Problem, rest: Float[ndarray, "point other"]) -> Marginal:
     """The posterior at points of all parameters but the biases."""
     place, levels = biases(problem), problem.levels
-    modes = len(levels.modes)
-    u = np.insert(rest, [place.start] * modes, 0.0, axis=1)
+    count = place.stop - place.start
+    u = np.insert(rest, [place.start] * count, 0.0, axis=1)
     said = predict(problem, u)
-    per_bias = problem.std[place, None] * (levels.mode == np.arange(modes)[:, None])
+    per_bias = problem.std[place, None] * bias_rows(levels)
     misfit = (levels.ln_frequency - said.ln_frequency)[:, None]
     columns = np.concatenate([misfit, np.broadcast_to(per_bias, (len(u), *per_bias.shape))], axis=1)
     product, determinant = inner_products(problem, said.slope, u[:, -1], columns)
-    information = product[:, 1:, 1:] + np.eye(modes)
+    information = product[:, 1:, 1:] + np.eye(count)
     pull = -product[:, 1:, 0]
     mean = np.linalg.solve(information, pull[..., None])[..., 0]
     log = -0.5 * (

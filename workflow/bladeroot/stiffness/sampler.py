@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.marginal import biases, marginal, with_biases
-from bladeroot.stiffness.posterior import Problem
+from bladeroot.stiffness.marginal import marginal, with_biases
+from bladeroot.stiffness.posterior import Problem, biases
 from bladeroot.stiffness.summit import Summit
 
 WALKERS = 16  # for each parameter that is walked over
@@ -19,7 +19,7 @@ STEPS, THIN = 2000, 20
 
 def walkers(problem: Problem) -> int:
     """How many walk."""
-    return WALKERS * (len(problem.names) - len(problem.levels.modes))
+    return WALKERS * (len(problem.names) - 2 * len(problem.levels.modes))
 
 
 def sample(

@@ -39,7 +39,7 @@ def worth(
     levels was, with that mode's errors, on the same clampings, and has a bias of the model of its
     own, as large as the others' on average.
     """
-    biases = tuple(name for name in problem.names if name.startswith("bias_"))
+    biases = tuple(name for name in problem.names if name.startswith(("bias_", "tilt_")))
     gauge = ("force_offset", "force_gain")
     better = _scaled(problem, biases, 0.2)
     both = _scaled(better, gauge, 0.1)
@@ -112,8 +112,9 @@ def _with_mode(
         np.append(levels.hold_std, levels.hold_std[like]),
         np.append(levels.hold_freedom, 0.0),
     )  # fmt: skip
-    place = len(problem.law.parameters) + number  # behind the other modes' biases
-    biases = problem.std[len(problem.law.parameters) : place]
+    first = len(problem.law.parameters)
+    places = [first + number, first + 2 * number]  # behind the other modes' biases, and their tilts
+    usual = [float(np.sqrt(np.mean(problem.std[place - number : place] ** 2))) for place in places]
     return replace(
         problem,
         surface=Surface(
@@ -122,7 +123,13 @@ def _with_mode(
             surface.high,
         ),
         levels=more,
-        names=(*problem.names[:place], f"bias_{name}", *problem.names[place:]),
-        mean=np.insert(problem.mean, place, 0.0),
-        std=np.insert(problem.std, place, float(np.sqrt(np.mean(biases**2)))),
-    ), np.insert(theta, place, 0.0)
+        names=(
+            *problem.names[: places[0]],
+            f"bias_{name}",
+            *problem.names[places[0] : places[1]],
+            f"tilt_{name}",
+            *problem.names[places[1] :],
+        ),
+        mean=np.insert(problem.mean, places, 0.0),
+        std=np.insert(problem.std, places, usual),
+    ), np.insert(theta, places, 0.0)
