@@ -89,7 +89,9 @@ rule extended_joint:
 
 def extended_nonlinear_facts(wildcards):
     """What the nonlinear stage reads, and where mechanisms are."""
-    return canonical_json({**json.loads(nonlinear_facts(wildcards)), **config["diagnosis"]})
+    return canonical_json(
+        {**json.loads(nonlinear_facts(wildcards)), **config["diagnosis"]}
+    )
 
 
 # When asked for by name: f_n(A), eta(A) with kn, kt of the extended law and the amplitude causes,
