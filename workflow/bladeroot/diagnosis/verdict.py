@@ -163,9 +163,10 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
     )
     for one in causes:
         first = one["parameters"][0]
-        scale, unit = (1e-3, "kN") if first["unit"] == "N" else (1.0, first["unit"])
+        scale, unit = (1e-3, " kN") if first["unit"] == "N" else (1.0, f" {first['unit']}")
+        unit = "" if first["unit"] == "1" else unit
         said += f", {' or '.join(one['credible_set'])} ({first['name'].replace('_', ' ')} "
-        said += f"{scale * first['value']:.3g} +- {scale * first['std']:.2g} {unit}, "
+        said += f"{scale * first['value']:.3g} +- {scale * first['std']:.2g}{unit}, "
         said += f"log evidence {one['log_evidence']:.1f})"
     open_ends = [found for found in every.found if found.unexplained]
     for found in open_ends:
