@@ -232,7 +232,13 @@ def test_the_page_counts_what_was_scored():
         answer = {"effects": [] if hidden == "nothing" else [[hidden, 0.004]]}
         outcome = score(answer, said)
         rows.append(
-            {"hidden": hidden, "relative_size": None, "bench_s": 1.0, "verdict_s": 2.0}
+            {
+                "hidden": hidden,
+                "relative_size": None,
+                "bench_s": 1.0,
+                "verdict_s": 2.0,
+                "split": None,
+            }
             | left_over(said)
             | vars(outcome)
         )
