@@ -295,9 +295,7 @@ def test_joint_holds_the_truth_and_survives_netcdf(model, tmp_path):
     made = problem_of(surface(0.003), levels(), LAWS["one power"], np.full(2, 0.005), np.zeros(2),
                       (200.0, 0.01))  # fmt: skip
     bias, tilt = (0.003, -0.002), (2e-4, -1e-4)
-    theta = np.array(
-        [np.log(1.5e9), np.log(2.0e9), 0.6, *bias, *tilt, 100.0, 0.005, np.log(0.02)]
-    )
+    theta = np.array([np.log(1.5e9), np.log(2.0e9), 0.6, *bias, *tilt, 100.0, 0.005, np.log(0.02)])
     f = np.exp(predict(made, ((theta - made.mean) / made.std)[None]).ln_frequency[0])
     found = joint(model, stick(f), GAUGE, [12e3, 18e3], BIAS, steps=60)
     low, high = (found["k_quantile"].sel(quantile=q, force=12e3).values for q in (0.025, 0.975))
