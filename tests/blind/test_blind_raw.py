@@ -12,24 +12,24 @@ CYCLES = 1  # half of a matrix's records
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory):
+def blind_house(tmp_path_factory):
     return tmp_path_factory.mktemp("house")
 
 
 @pytest.fixture(scope="module")
-def parametric(house):
-    return structures(house) / "parametric.nc"
+def parametric(blind_house):
+    return structures(blind_house) / "parametric.nc"
 
 
 @pytest.mark.parametrize(
     ("number", "names"),
     [(0, ()), (1, ("loading-hysteresis",)), (2, ("joint-slip",))],
 )
-def test_a_raw_case_is_answered(house, parametric, number, names):
+def test_a_raw_case_is_answered(blind_house, parametric, number, names):
     lab = Laboratory(parametric.with_name("reduced.nc"))
     case = draw_case(SEED + number, names, 3.0)
     sheet = draw_sheet(case.seed, cycles=CYCLES)
-    outcome = run_case(lab, parametric, house, "raw", (number, case), sheet)
+    outcome = run_case(lab, parametric, blind_house, "raw", (number, case), sheet)
     assert not outcome["wrong"]
     if names:
         assert outcome["classed"] == 1
