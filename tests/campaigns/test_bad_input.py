@@ -8,6 +8,7 @@ import xarray as xr
 from house import SMALL, copy_house
 
 SHEET = "resources/campaigns/small/records.csv"
+TINY = "resources/structures/tiny.yaml"
 
 
 @pytest.mark.parametrize(
@@ -19,8 +20,8 @@ SHEET = "resources/campaigns/small/records.csv"
         (SHEET, "1B,60", "7B,60", "mode must be one of 1B, 2B"),
         ("config/config.yaml", "end: noise", "end: 2", "record.end"),
         ("config/config.yaml", "[small]", "[smal]", "campaign folder not found"),
-        ("resources/campaigns/small/tiny.yaml", "width_mm: 26", "width_mm: wide", "beam.width_mm"),
-        ("resources/campaigns/small/tiny.yaml", "name: tiny", "name: huge", "name must be 'tiny'"),
+        (TINY, "width_mm: 26", "width_mm: wide", "beam.width_mm"),
+        (TINY, "name: tiny", "name: huge", "name must be 'tiny'"),
         ("resources/campaigns/small/bench.yaml", "seed: 7", "seed: -7", "seed"),
     ],
 )
@@ -36,26 +37,26 @@ def test_one_line_and_no_job(tmp_path, path, old, new, told):
     assert not (house.folder / "results").exists()
 
 
-def test_without_any_stick_frequency_there_is_still_a_report(own_house, tmp_path):
+def test_without_any_stick_frequency_there_is_still_a_report(visited, tmp_path):
     """One mode, one force, every raw file spoilt: nothing to infer, and the report says so."""
     folder = tmp_path / "poor"
     folder.mkdir()
-    (folder / "own.yaml").write_text(
-        (SMALL / "tiny.yaml").read_text().replace("name: tiny", "name: own")
-    )
     description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
-    (folder / "campaign.yaml").write_text(description.replace("[tiny]", "[own]"))
+    (folder / "campaign.yaml").write_text(description)
     (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
     (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
-    own_house.run("--config", f"campaigns={folder}")
-    page = (own_house.folder / "results" / "poor" / "report.html").read_text()
+    mesh = visited.folder / "results" / "structures" / "tiny" / "mesh.nc"
+    made = mesh.stat().st_mtime_ns
+    visited.run("--config", f"campaigns={folder}")
+    assert mesh.stat().st_mtime_ns == made  # its structure was there
+    page = (visited.folder / "results" / "poor" / "report.html").read_text()
     assert "No record reached its stick plateau" in page
     assert "at least 64 samples" in page
     assert "no stick frequency of 1B and 2B" in page
 
 
 @pytest.mark.slow
-def test_a_bad_record_is_named_and_the_rest_goes_on(own_house, tmp_path):
+def test_a_bad_record_is_named_and_the_rest_goes_on(visited, tmp_path):
     """Real raw files, two of them spoilt: a campaign folder outside the house."""
     folder = tmp_path / "lab"
     folder.mkdir()
@@ -66,7 +67,7 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(own_house, tmp_path):
     description = description.replace("[tiny]", "[own]").replace("SIMULATED, ", "")
     (folder / "campaign.yaml").write_text(description)
     sheet = (SMALL / "records.csv").read_text()
-    for raw in (own_house.folder / "results" / "bench" / "small").glob("*.nc"):
+    for raw in (visited.folder / "results" / "bench" / "small").glob("*.nc"):
         shutil.copy(raw, folder)
     whole = (folder / "r001.nc").read_bytes()
     (folder / "r007.nc").write_bytes(whole[:5000])
@@ -79,14 +80,14 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(own_house, tmp_path):
         sheet += f"{record},{record}.nc,1B,60,h1,up,1000,1.4\n"
     (folder / "records.csv").write_text(sheet)
 
-    own_house.run("--config", f"campaigns={folder}")
-    stick = xr.load_dataset(own_house.folder / "results" / "lab" / "stick.nc")
+    visited.run("--config", f"campaigns={folder}")
+    stick = xr.load_dataset(visited.folder / "results" / "lab" / "stick.nc")
     verdicts = dict(zip(stick["record"].values, stick["verdict"].values, strict=True))
     bad = {record for record, verdict in verdicts.items() if verdict.startswith("rejected")}
     assert bad == {"r007", "r008", "r009"}
     assert "r008.nc" in verdicts["r008"]
     assert "finite" in verdicts["r008"]
-    page = (own_house.folder / "results" / "lab" / "report.html").read_text()
+    page = (visited.folder / "results" / "lab" / "report.html").read_text()
     assert "Left out" in page
     assert "r008.nc" in page
     assert "Simulated records" not in page

@@ -40,7 +40,6 @@ def test_pairs_that_do_not_coincide_are_told_before_any_job(tmp_path):
 @pytest.mark.slow
 def test_matrices_give_what_the_geometry_gives(tmp_path):
     house = copy_house(tmp_path / "house")
-    shutil.copy(SMALL / "tiny.yaml", house.folder / "resources" / "structures")
     folder = lab(tmp_path / "lab", "[own, tiny]")
     house.run("--config", f"campaigns={folder}")
     structures = house.folder / "results" / "structures"
