@@ -42,13 +42,8 @@ shipped.catalogue = lambda folder=None: tuple(random.Random({seed}).sample(
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory):
-    return tmp_path_factory.mktemp("house")
-
-
-@pytest.fixture(scope="module")
-def structure(house):
-    return structures(house)
+def structure(tmp_path_factory):
+    return structures(tmp_path_factory.mktemp("house"))
 
 
 @pytest.fixture(scope="module")
