@@ -167,7 +167,7 @@ def test_a_last_line_without_its_end_is_cut_off(tmp_path):
     np.testing.assert_allclose(read(path).samples, WAVE[:-1], atol=1e-8)
 
 
-def test_one_bad_time_does_not_move_the_frequency(tmp_path):
+def test_one_bad_time_does_not_move_the_frequency():
     time = TIME.copy()
     time[-1] += 0.09 / RATE
     found = recording(WAVE, "m/s", "here", time)
