@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
 from bladeroot.diagnosis.gaussian import Prior, Problem, State, fit
 from bladeroot.diagnosis.naming import Known, explained_by_law, search
@@ -20,8 +21,12 @@ def line(name, shape, low=-100.0, high=100.0):
     return Mechanism(name, "force-law", name, (size,), "none", damping=damping)
 
 
-def channel(data, candidates, trust=0.0):
-    """Data of unit noise; each law is trusted to a part of its own effect, point by point."""
+def channel(data, candidates, trust=0.0, smooth=None):
+    """Data of unit noise; each law is trusted to a part of its own effect, point by point.
+
+    `smooth`, shape (k, SIZE): shapes of which the smooth competitor is any sum.
+    """
+    kernels = {"anything": [smooth.T @ smooth]} if smooth is not None else {}
 
     def problem(mechanisms, extra):
         def predict(theta):
@@ -31,13 +36,18 @@ def channel(data, candidates, trust=0.0):
             return State(effects.sum(axis=0), slope, {"effects": effects})
 
         def covariance(state, scales):
-            own = np.exp(2.0 * scales[0]) * np.eye(SIZE)
-            return own + trust**2 * np.diag((state.facts["effects"] ** 2).sum(axis=0)), [2.0 * own]
+            parts = [
+                np.exp(2.0 * s) * kernel for s, kernel in zip(scales, covariances, strict=True)
+            ]
+            crude = trust**2 * np.diag((state.facts["effects"] ** 2).sum(axis=0))
+            return sum(parts) + crude, [2.0 * part for part in parts]
 
+        covariances = [np.eye(SIZE), *extra]
         prior = Prior(np.zeros(len(mechanisms)), np.full(len(mechanisms), 30.0))
-        return Problem(data, predict, covariance, prior, Prior(np.zeros(1), np.full(1, 1e-3)))
+        scales = Prior(np.log([1.0, *[20.0] * len(extra)]), np.array([1e-3, *[1.0] * len(extra)]))
+        return Problem(data, predict, covariance, prior, scales)
 
-    return Channel("toy", problem, 0, tuple(candidates), lambda _: {}, {})
+    return Channel("toy", problem, 0, tuple(candidates), lambda _: kernels, {})
 
 
 def named(found):
@@ -89,3 +99,26 @@ def test_a_new_cause_must_leave_the_earlier_ones_possible(shapes):
     found = search(channel(data, [first, line("second", near)]), Known())
     assert named(alone) == {"first"}
     assert named(found) == {"first"}
+
+
+def test_two_causes_are_found_where_the_smooth_competitor_beats_each(shapes):
+    """Neither alone leaves nothing smooth, both do."""
+    a, b, c, _ = shapes
+    both = [line("a", a), line("b", b)]
+    made = channel(40.0 * a + 35.0 * b, [*both, line("c", c)], smooth=np.array([a, b]))
+    found = search(made, Known())
+    step = found.steps[0]
+    assert step.smooth["anything"] > max(step.mechanisms.values()) + guards.SHAPE
+    assert named(found) == {"a", "b"}
+    assert {cause.credible for cause in found.causes} == {("a",), ("b",)}
+    assert found.unexplained == ""
+
+
+def test_what_only_the_smooth_competitor_explains_stays_unexplained(shapes):
+    """A part has a law in the catalogue; it is not named for that."""
+    a, b, c, unknown = shapes
+    candidates = [line("a", a), line("b", b), line("c", c)]
+    found = search(
+        channel(40.0 * a + 35.0 * unknown, candidates, smooth=np.array([a, unknown])), Known()
+    )
+    assert (named(found), found.unexplained) == (set(), "anything")

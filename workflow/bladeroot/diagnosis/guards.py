@@ -19,6 +19,8 @@ SHAPE = 4.0
 # causes explain.
 UNEXPLAINED_PART = 0.3
 MOST_CAUSES = 3  # a channel
+# How many mechanisms, best first, are tried with a second one where none alone will do.
+OPENINGS = 2
 # Mechanisms within this many nats of the best are in the credible set (95 % at equal priors).
 CREDIBLE = 3.0
 # A fitted size beyond its physical limit by more than this many standard deviations is not one.

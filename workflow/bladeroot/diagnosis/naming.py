@@ -1,6 +1,6 @@
 """Naming causes in one channel: forward steps, each with everything that competes with it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -68,7 +68,8 @@ class Found:
 def search(channel: Channel, known: Known) -> Found:
     """Add causes one by one while what they explain is worth more than the guards ask.
 
-    A cause that a later one makes needless is dropped again, for good.
+    A cause that the smooth competitor beats is taken where a second one makes up for it. A cause
+    that a later one makes needless is dropped again, for good.
     """
     baseline = fit(channel.problem((), ()))
     fits = _mechanisms(channel, (), baseline, known)
@@ -97,30 +98,84 @@ def search(channel: Channel, known: Known) -> Found:
             needed,
         )
         steps.append(step)
-        ranked = {
-            one.id: step.mechanisms[one.id]
-            for one in channel.candidates
-            if one.id in fits
-            and one.id not in {*known.barred, *dropped}
-            and possible(channel, [*chosen, one], fits[one.id][0])
-            and explained_by_law(current, fits[one.id][0]) + fits[one.id][1] >= needed
-        }
+        never = {*known.barred, *dropped}
+        ranked = _ranked(channel, chosen, current, fits, needed, never)
         best = max(ranked, key=ranked.get, default="")
         other = max(step.smooth, key=step.smooth.get, default="")
         gain, rival = ranked.get(best, -np.inf), step.smooth.get(other, -np.inf)
         if max(gain, rival) < needed:
             break
-        if rival > gain + guards.SHAPE or gain < needed:
+        if rival > gain + guards.SHAPE:
+            both = max(guards.FURTHER, guards.FURTHER_PART * (explained + rival))
+            alone = {k: v for k, v in step.mechanisms.items() if k not in never}
+            ranked = _beside(channel, chosen, fits, alone, both, known, rival - guards.SHAPE)
+            best = max(ranked, key=ranked.get, default="")
+        if ranked.get(best, -np.inf) < needed:
             if not causes or rival > guards.UNEXPLAINED_PART * explained:
                 unexplained = other
             break
         credible = _credible(channel, ranked, known)
         mechanism = next(one for one in channel.candidates if one.id == best)
-        causes.append(Cause(mechanism, gain, credible))
+        causes.append(Cause(mechanism, step.mechanisms[best], credible))
         current = fits[best][0]
         causes, current, needless = _without_needless(channel, causes, current, needed)
         dropped |= needless
     return Found(channel, known, baseline, current, tuple(causes), tuple(steps), unexplained)
+
+
+def _ranked(
+    channel: Channel,
+    chosen: Sequence[Mechanism],
+    current: Fit,
+    fits: Mapping[str, tuple[Fit, float]],
+    needed: float,
+    never: Collection[str],
+) -> dict[str, float]:
+    """Log evidence over `current` of the mechanisms that may be named next.
+
+    That is: all causes stay possible, and the new one explains what is needed by its mean.
+    """
+    return {
+        one.id: fits[one.id][0].log_evidence - current.log_evidence + fits[one.id][1]
+        for one in channel.candidates
+        if one.id in fits
+        and one.id not in never
+        and possible(channel, [*chosen, one], fits[one.id][0])
+        and explained_by_law(current, fits[one.id][0]) + fits[one.id][1] >= needed
+    }
+
+
+def _beside(
+    channel: Channel,
+    chosen: Sequence[Mechanism],
+    fits: Mapping[str, tuple[Fit, float]],
+    alone: Mapping[str, float],
+    needed: float,
+    known: Known,
+    least: float,
+) -> dict[str, float]:
+    """The ranking beside a second cause, if two explain at least so much where one does not.
+
+    Where two causes act, either law alone may miss much. `alone`: what each explains by itself.
+    """
+    by_id = {one.id: one for one in channel.candidates}
+
+    def beside(name: str) -> dict[str, float]:
+        both, fitted = [*chosen, by_id[name]], fits[name][0]
+        more = _mechanisms(channel, both, fitted, known)
+        return _ranked(channel, both, fitted, more, needed, known.barred)
+
+    best = sorted(alone, key=alone.get, reverse=True)[: guards.OPENINGS]
+    rankings = {first: beside(first) for first in best}
+    pairs = {
+        (first, second): alone[first] + gain
+        for first, gains in rankings.items()
+        for second, gain in gains.items()
+    }
+    pair = max(pairs, key=pairs.get, default=None)
+    if pair is None or pairs[pair] < least:
+        return {}
+    return rankings.get(pair[1]) or beside(pair[1])
 
 
 def _without_needless(
@@ -185,15 +240,20 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
 def _mechanisms(
     channel: Channel, chosen: Sequence[Mechanism], current: Fit, known: Known
 ) -> dict[str, tuple[Fit, float]]:
-    """Fits with one more mechanism each, and what independent measurements add to the evidence."""
+    """Fits with one more mechanism each, and what independent measurements add to the evidence.
+
+    The baseline starts afresh: where it had to make up for a cause, there is no way down from it.
+    """
     fits = {}
     taken = {one.id for one in chosen}
+    causes = current.parameters[channel.base :]
     for one in channel.candidates:
         if one.id in taken:
             continue
         changed, gain = prepared(one, known)
-        starts = [np.append(current.parameters, s) for s in (changed.start, *changed.starts)]
         problem = channel.problem([*chosen, changed], ())
+        before = np.append(problem.prior.mean[: channel.base], causes)
+        starts = [np.append(before, s) for s in (changed.start, *changed.starts)]
         fits[one.id] = (best_fit(problem, starts, current.scales), gain)
     return fits
 

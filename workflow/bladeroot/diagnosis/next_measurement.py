@@ -101,12 +101,12 @@ def _rivals(made: Diagnosis, found: Found) -> list[Rival]:
     for one in chosen:
         mine = (prepared(one, made.known)[0], *rest)
         tail = [m.start for m in rest]
+        problem = found.channel.problem(mine, ())
         starts = [
-            np.concatenate([found.baseline.parameters, start, *tail])
+            np.concatenate([problem.prior.mean[: found.channel.base], start, *tail])
             for start in (mine[0].start, *mine[0].starts)
         ]
-        fitted = best_fit(found.channel.problem(mine, ()), starts, found.final.scales)
-        rivals.append(Rival(mine, fitted))
+        rivals.append(Rival(mine, best_fit(problem, starts, found.final.scales)))
     return rivals
 
 
@@ -177,7 +177,8 @@ def _of_records(
         miss = fitted.problem.data - state.mean[:n]
         free = slope[n:] - gain @ slope[:n]
         spread = own[n:, n:] - gain @ own[:n, n:] + free @ fitted.covariance @ free.T
-        predicted.append((state.mean[n:] + gain @ miss, spread))
+        # Where the scatter is large its rounding exceeds the noise: only the mean is a covariance.
+        predicted.append((state.mean[n:] + gain @ miss, 0.5 * (spread + spread.T)))
         if number == 0:
             weight = np.diag(1.0 / fitted.problem.prior.std**2)
             covariance = np.linalg.inv(slope.T @ np.linalg.solve(own, slope) + weight)

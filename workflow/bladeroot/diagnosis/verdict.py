@@ -187,7 +187,9 @@ def _reason(made: Diagnosis, answer: str) -> str:
             text += f" (log evidence {cause.gain:.1f} over the simulation without it"
             if number == 0:
                 other, less = runner_up(found)
-                text += f"; next is {other}, {less:.1f} less" if other else ""
+                # Of two that were taken together the first may be no winner alone.
+                beside = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more"
+                text += f"; next is {other}, {beside}" if other else ""
                 why = found.known.barred.get(other, "")
                 text += f", not named because {why}" if why else ""
             lines.append(text + ")")
