@@ -34,7 +34,7 @@ def code_hash(script: str | Path) -> str:
             seen.add(imported)
             waiting.append(imported)
     digest = hashlib.sha256()
-    for name, dump in sorted((_module_name(path), _bare_tree(path)) for path in seen):
+    for name, dump in sorted((_module_name(path), _dumped(path)) for path in seen):
         digest.update(f"{name}\n{dump}\n".encode())
     return digest.hexdigest()[:16]
 
@@ -45,13 +45,10 @@ def _module_name(path: Path) -> str:
     return path.name
 
 
-def _parse(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
-
-
 @cache
-def _bare_tree(path: Path) -> str:
-    tree = _parse(path)
+def _bare_tree(path: Path) -> ast.Module:
+    """Syntax tree without docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if (
@@ -62,7 +59,12 @@ def _bare_tree(path: Path) -> str:
             and isinstance(body[0].value.value, str)
         ):
             node.body = body[1:]
-    return ast.dump(tree)
+    return tree
+
+
+@cache
+def _dumped(path: Path) -> str:
+    return ast.dump(_bare_tree(path))
 
 
 @cache
@@ -73,7 +75,7 @@ def _library_imports(path: Path) -> frozenset[Path]:
     that finds them by itself. So do files beside a script.
     """
     found = set()
-    for node in ast.walk(_parse(path)):
+    for node in ast.walk(_bare_tree(path)):
         if isinstance(node, ast.Import):
             names = whole = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):

@@ -6,6 +6,7 @@ coordinate, and is then evaluated, with gradient and Hessian, in about a microse
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -133,14 +134,17 @@ def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> lis
 
 def _derivatives(x: Float[ndarray, " point"], count: int, scale: float, order: int) -> list:
     """Chebyshev polynomials and their derivatives by the unscaled coordinate."""
-    basis = chebyshev.chebvander(x, count - 1)
-    results, matrix = [basis], np.eye(count)
+    results = [chebyshev.chebvander(x, count - 1)]
     for _ in range(order):
-        # column k of `matrix` holds T_k's derivative in terms of the T's
-        lower = scale * chebyshev.chebder(matrix)[: count - 1]
-        matrix = np.vstack([lower, np.zeros((1, count))])
-        results.append(basis @ matrix)
+        results.append(scale * (results[-1] @ _differentiation(count)))
     return results
+
+
+@cache
+def _differentiation(count: int) -> Float[ndarray, "coefficient coefficient"]:
+    """Column k holds T_k's derivative in terms of the T's."""
+    lower = chebyshev.chebder(np.eye(count))[: count - 1]
+    return np.vstack([lower, np.zeros((1, count))])
 
 
 def _inside(surface: Surface, points: Float[ndarray, "point 3"]) -> Float[ndarray, "point 3"]:
