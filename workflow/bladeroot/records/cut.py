@@ -30,8 +30,8 @@ SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
 DEEPER = 1.5
 # A release so many frames after the loudest one may be a beat's.
 LATE = 16
-# Longest stretch (samples) from which the mode's own frequency is taken, for cost.
-LOUD_SAMPLES = 65536
+# Cycles from which the mode's own frequency is taken.
+LOUD_CYCLES = 200
 
 
 def cut(
@@ -99,8 +99,9 @@ def _nothing() -> dict[str, float | str | int]:
 def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) -> float:
     """The mode's frequency as the loudest frames show it: the expected one may be off."""
     loudest = int(np.argmax(np.abs(velocity)))
-    first = max(0, min(loudest - LOUD_SAMPLES // 2, velocity.size - LOUD_SAMPLES))
-    seen = envelope(velocity[first : first + LOUD_SAMPLES], sampling_Hz, expected_Hz)
+    count = int(LOUD_CYCLES * sampling_Hz / expected_Hz)
+    first = max(0, min(loudest - count // 2, velocity.size - count))
+    seen = envelope(velocity[first : first + count], sampling_Hz, expected_Hz)
     loud = seen.level[:-1] > seen.level.max() - np.log(2.0)
     if not loud.any():
         return expected_Hz
@@ -261,7 +262,7 @@ def _dataset(
         },
         coords={
             "time": (
-                "time", np.arange(piece.size) / sampling_Hz,
+                "time", np.arange(float(piece.size)) / sampling_Hz,
                 {"units": "s", "long_name": "time since the start of the cut"},
             )
         },

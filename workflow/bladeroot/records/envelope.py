@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
+from bladeroot.records.runs import in_frames
+
 # A frame is six half cycles: Hann-weighted, the second mode near twice the first stays out of it.
 # It is moved on by half a cycle, and holds at least ten samples for its six unknowns.
 FRAME_STEPS = 6
@@ -44,8 +46,7 @@ def envelope(
 
     Frames do not reach beyond the record, so a decay that starts at the first sample shows its
     full height there. The component may grow and drift within a frame; `rest` is what remains of
-    the frame without it, a mean and a trend. Time and memory grow linearly with the record: every
-    half cycle of samples is multiplied once with each sixth of the frame's weights.
+    the frame without it, a mean and a trend. Time and memory grow linearly with the record.
     """
     step = max(1, round(0.5 * sampling_Hz / frequency_Hz))
     parts = max(FRAME_STEPS, -(-FEWEST_SAMPLES // step))
@@ -60,17 +61,11 @@ def envelope(
     columns = np.stack([cos, sin, x * cos, x * sin, np.ones(width), x], axis=1)
     root = np.sqrt(taper)[:, None]
     solver = (np.linalg.pinv(columns * root) * root.T).T
-    blocks = velocity[: velocity.size // step * step].reshape(-1, step)
-    count = blocks.shape[0] - parts + 1
-    found, power = np.zeros((count, 6)), np.zeros(count)
-    square = blocks**2
-    for part in range(parts):
-        inside = slice(part * step, (part + 1) * step)
-        found += blocks[part : part + count] @ solver[inside]
-        power += square[part : part + count] @ taper[inside]
+    found = in_frames(velocity, solver, step)
+    power = in_frames(velocity**2, taper[:, None], step)[:, 0]
     gram = (columns * taper[:, None]).T @ columns
     explained = ((found @ gram) * found).sum(axis=1)
-    time = (np.arange(count) * step + 0.5 * (width - 1)) / sampling_Hz
+    time = (np.arange(power.size) * step + 0.5 * (width - 1)) / sampling_Hz
     turn = 2.0 * np.pi * np.mod(frequency_Hz * time, 1.0)
     amplitude = np.maximum(np.hypot(found[:, 0], found[:, 1]), 1e-300)
     phase = np.unwrap(np.arctan2(-found[:, 1], found[:, 0]) - turn)

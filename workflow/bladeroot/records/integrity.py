@@ -185,10 +185,10 @@ def _dataset(
         attrs = {"units": units, "long_name": text}
         if name.endswith("_s"):
             attrs["long_name"] += " concerned, since the start of the cut"
-        made[f"finding_{name}"] = ("finding", np.array(values, dtype=kind), attrs)
-    made["velocity"] = ("time", velocity, decay["velocity"].attrs)
+        made[f"finding_{name}"] = xr.Variable("finding", np.array(values, dtype=kind), attrs)
+    made["velocity"] = xr.Variable("time", velocity, decay["velocity"].attrs)
     about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
-    made["usable"] = ("time", usable, about)
+    made["usable"] = xr.Variable("time", usable, about)
     judged = decay.assign(made)
     judged.attrs["findings"] = "; ".join(f.text for _, f in found)
     dropped = any(f.consequence == "drop" for _, f in found)

@@ -1,9 +1,11 @@
 """Runs of samples, and what is done with samples block by block."""
 
+from typing import no_type_check
+
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
+from numba import njit
 from numpy import ndarray
-from scipy import fft
 
 
 def medians(rows: Float[ndarray, "row k"]) -> Float[ndarray, " row"]:
@@ -33,10 +35,25 @@ def block_scale(
     return np.repeat(middle, np.diff(edges))
 
 
-def runs(at: ndarray) -> Int[ndarray, "run 2"]:
+def in_frames(
+    x: Float[ndarray, " sample"], weights: Float[ndarray, "width column"], step: int
+) -> Float[ndarray, "frame column"]:
+    """Weighted sums of frames that begin every `step` samples, whose width is some steps.
+
+    Each step's samples are multiplied once with each part of the weights, without copies.
+    """
+    columns = weights.shape[1]
+    parts = weights.reshape(-1, step, columns)
+    each = x[: x.size // step * step].reshape(-1, step) @ np.hstack(parts)
+    count = len(each) - len(parts) + 1
+    return sum(each[k : k + count, columns * k : columns * (k + 1)] for k in range(len(parts)))
+
+
+def runs(at: Bool[ndarray, " k"]) -> Int[ndarray, "run 2"]:
     """First and one past the last of every run of true values."""
-    edge = np.flatnonzero(np.diff(at.astype(np.int8), prepend=0, append=0))
-    return edge.reshape(-1, 2)
+    bounded = np.zeros(at.size + 2, bool)
+    bounded[1:-1] = at
+    return np.flatnonzero(bounded[1:] != bounded[:-1]).reshape(-1, 2)
 
 
 def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
@@ -49,16 +66,22 @@ def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
     return np.stack([first, last], axis=1)
 
 
-def convolved(
-    x: Float[ndarray, " k"], response: Float[ndarray, " tap"], size: int = 4096
+@njit(cache=True)
+@no_type_check
+def missed(
+    x: Float[ndarray, " k"], weights: Float[ndarray, " reach"], some: int = 1024
 ) -> Float[ndarray, " k"]:
-    """Centred convolution with an odd number of taps, by short Fourier transforms."""
-    reach = response.size // 2
-    step = size - 2 * reach
-    count = -(-x.size // step)
-    padded = np.zeros((count - 1) * step + size)
-    padded[reach : reach + x.size] = x
-    pieces = np.lib.stride_tricks.sliding_window_view(padded, size)[::step]
-    spectra = fft.rfft(pieces, axis=1)
-    spectra *= fft.rfft(response, size)
-    return fft.irfft(spectra, size, axis=1)[:, 2 * reach :].ravel()[: x.size]
+    """What each value differs from the weighted sums of its neighbours on both sides by.
+
+    Zero where there are too few neighbours. As many values as a cache holds at a time.
+    """
+    reach = weights.size
+    miss = np.zeros(x.size)
+    for first in range(reach, x.size - reach, some):
+        left = miss[first : min(first + some, x.size - reach)]
+        left[:] = x[first : first + left.size]
+        for k in range(1, reach + 1):
+            before, after = x[first - k :], x[first + k :]
+            for at in range(left.size):
+                left[at] -= weights[k - 1] * (before[at] + after[at])
+    return miss

@@ -9,16 +9,18 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.records.lines import blackman_harris, magnitudes, peak_Hz
-from bladeroot.records.runs import block_scale, convolved
+from bladeroot.records.runs import block_scale, in_frames, missed
 
 # A mode further than this (relative) from its expected frequency is not looked for.
 TOLERANCE = 0.3
-FRAME_CYCLES = 4.0
+FRAME_CYCLES = 4
 # What is smaller than this part of the largest sample harms no curve.
 SMALL = 1e-5
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
 EARLY_CYCLES = 80.0
+# Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
+BAND, BAND_HZ = 16.0, 4000.0
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,7 @@ class Sight:
     @cached_property
     def quantum(self) -> float:
         """The digitiser's step: the smallest difference of values (of some thousand samples)."""
-        some = np.sort(self.velocity[:: max(1, self.velocity.size // 8192)])
+        some = np.sort(self.velocity[:: -(-self.velocity.size // 8192)])
         steps = np.diff(some)
         steps = steps[steps > 1e-9 * (some[-1] - some[0])]
         return float(steps.min()) if steps.size else 0.0
@@ -113,7 +115,7 @@ class Sight:
         """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
         x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
         hop = max(1, round(rate / f))
-        width = min(max(16, round(FRAME_CYCLES * rate / f)), x.size)
+        width = min(max(FRAME_CYCLES, -(-16 // hop)), x.size // hop) * hop
         local = (np.arange(width) - 0.5 * (width - 1)) / rate
         turn, ramp = 2.0 * np.pi * f * local, local / local[-1]
         columns = [np.cos(turn), np.sin(turn), np.ones(width), ramp]
@@ -127,10 +129,7 @@ class Sight:
                 columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
         root = np.sqrt(np.hanning(width + 2)[1:-1])
         solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
-        pieces = np.lib.stride_tricks.sliding_window_view(x, width)[::hop]
-        # pieces overlap; as copies, some thousand at a time, they are multiplied far faster
-        rows = (np.ascontiguousarray(pieces[k : k + 2048]) for k in range(0, len(pieces), 2048))
-        parts = np.concatenate([some @ solver[:3].T for some in rows])
+        parts = in_frames(x, solver[:3].T, hop)
         phasor = parts[:, 0] - 1j * parts[:, 1]
         centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
         carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi
@@ -204,37 +203,42 @@ class Sight:
         x = self.velocity
         reach = min(16, (x.size - 1) // 6)
         view = np.lib.stride_tricks.sliding_window_view(x, 2 * reach + 1)
-        rows = view[np.unique(np.linspace(0, view.shape[0] - 1, 1500).astype(int))]
+        rows = view[np.linspace(0, len(view) - 1, 1500).astype(int)]
         pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
         middle = rows[:, reach]
         keep = np.ones(middle.size, bool)
         for _ in range(2):  # rows with a defect in them must not shape the interpolation
             a = pairs[keep]
             gram = a.T @ a
-            gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram)
-            weights = np.linalg.lstsq(gram, a.T @ middle[keep], rcond=None)[0]
+            gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
+            weights = np.linalg.solve(gram, a.T @ middle[keep])
             left = np.abs(middle - pairs @ weights)
             keep = left <= 5.0 * np.median(left) + 1e-300
         response = np.concatenate([-weights[::-1], [1.0], -weights])
-        miss = convolved(x, response)
-        miss[:reach] = miss[-reach:] = 0.0
+        miss = missed(x, weights)
         least = max(0.5 * self.quantum, SMALL * float(np.abs(x).max()))
         scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
         return Residual(miss, scale, response)
 
     @cached_property
-    def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
-        """Frequencies and spectra of the two halves of the decay (Blackman-Harris), samples each.
+    def few(self) -> int:
+        """Samples whose mean is as good as each of them, for what is no faster than the mode."""
+        return max(1, int(self.sampling_Hz / max(BAND * self.own_Hz, BAND_HZ)))
 
-        Scaled so that a steady line A cos(w t + p), t from the start of the cut, shows
-        A exp(i p) in both.
+    @cached_property
+    def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
+        """Frequencies and spectra of both halves of the means over `few` samples; means in each.
+
+        Scaled so that a steady line A cos(w t + p), t from the first mean, shows A exp(i p) in
+        both (Blackman-Harris). White noise stays white, with a variance that is `few` times less.
         """
-        count = self.velocity.size // 2
+        count = self.velocity.size // (2 * self.few)
+        samples = self.velocity[: 2 * count * self.few].reshape(-1, self.few)
+        means = samples @ np.full(self.few, 1.0 / self.few)
         taper = blackman_harris(count)
-        pieces = self.velocity[: 2 * count].reshape(2, count) * taper
         padded = fft.next_fast_len(count, real=True)
-        spectra = 2.0 / taper.sum() * fft.rfft(pieces, padded, axis=1)
-        return fft.rfftfreq(padded, 1.0 / self.sampling_Hz), spectra, padded
+        spectra = 2.0 / taper.sum() * fft.rfft(means.reshape(2, count) * taper, padded, axis=1)
+        return fft.rfftfreq(padded, self.few / self.sampling_Hz), spectra, count
 
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""

@@ -2,14 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
+from numba import njit
 from numpy import ndarray
-
-# A fall is looked for in at most this many pieces of the record, each by its highest and lowest
-# frame: the search itself is a loop, its cost is thus bounded.
-PIECES = 8192
 
 
 def clean_falls(
@@ -23,19 +21,9 @@ def clean_falls(
     before it the tip chatters or the hammer bounces, after it the mode is no longer free, however
     fast it falls.
     """
-    pieces = [(0, 0)]
-    peak = trough = 0
-    for k in _extremes(level, broken):
-        if broken[k] or level[k] > level[trough] + rise or level[k] > level[peak]:
-            if level[peak] > level[trough]:
-                pieces.append((k, k))
-            peak = trough = k
-        elif level[k] < level[trough]:
-            trough = k
-        pieces[-1] = (peak, trough)
     decays: list[list[tuple[int, int]]] = []
     top = bottom = 0.0
-    for p, t in pieces:
+    for p, t in _pieces(level, rise, broken):
         if not decays or level[p] - bottom > 0.5 * (top - bottom):
             decays.append([])
             top, bottom = level[p], level[t]
@@ -52,24 +40,23 @@ def clean_falls(
     return sorted(found, key=lambda fall: level[fall[1]] - level[fall[0]])
 
 
-def _extremes(level: Float[ndarray, " frame"], broken: Bool[ndarray, " frame"]) -> list[int]:
-    """Indices of each piece's highest, lowest and broken frames, in order."""
-    size = max(1, level.size // PIECES)
-    whole = level.size // size * size
-    rows = level[:whole].reshape(-1, size)
-    first = np.arange(0, whole, size)
-    chosen = (
-        first + rows.argmax(axis=1), first + rows.argmin(axis=1), np.flatnonzero(broken),
-        np.arange(whole, level.size),
-    )  # fmt: skip
-    at = np.unique(np.concatenate(chosen))
-    # amid a rise or a fall, and not beside what is broken, nothing turns
-    before, here, after = level[at[:-2]], level[at[1:-1]], level[at[2:]]
-    amid = ((before < here) & (here < after)) | ((before > here) & (here > after))
-    beside = broken[at[:-2]] | broken[at[1:-1]] | broken[at[2:]]
-    keep = np.ones(at.size, bool)
-    keep[1:-1] = ~amid | beside
-    return at[keep].tolist()
+@njit(cache=True)
+@no_type_check
+def _pieces(
+    level: Float[ndarray, " frame"], rise: float, broken: Bool[ndarray, " frame"]
+) -> list[tuple[int, int]]:
+    """Peak and trough of every piece of the record, in order."""
+    pieces = [(0, 0)]
+    peak = trough = 0
+    for k in range(level.size):
+        if broken[k] or level[k] > level[trough] + rise or level[k] > level[peak]:
+            if level[peak] > level[trough]:
+                pieces.append((k, k))
+            peak = trough = k
+        elif level[k] < level[trough]:
+            trough = k
+        pieces[-1] = (peak, trough)
+    return pieces
 
 
 @dataclass(frozen=True)
@@ -109,11 +96,11 @@ def kinks(
     if not place.size:
         none = np.zeros(0)
         return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
-    basis, jumps, off = _weights(reach)
-
-    explained = _squares(log_phasor, basis.T)
+    basis, sizes, off = _weights(reach)
+    seen = np.stack([_sums(log_phasor, row) for row in basis])
+    explained = (seen.real**2 + seen.imag**2).sum(axis=0)
+    step, bend = sizes @ seen
     scatter = _squares(log_phasor, off) * correlation / (2.0 * (reach - 3))
-    step, bend = (np.convolve(log_phasor, row[::-1], mode="valid") for row in jumps)
     known = np.convolve(std**2, np.full(reach, 1.0 / reach), mode="valid")
     early, late = slice(0, place.size), slice(reach, reach + place.size)
     smooth_part, other = (late, early) if smooth_side > 0 else (early, late)
@@ -124,44 +111,54 @@ def kinks(
         gain=explained / (4.0 * variance),
         bare=explained / (4.0 * np.maximum(variance, ripple)),
         step=step,
-        step_std=np.sqrt(2.0 * variance * (jumps[0] @ jumps[0])),
+        step_std=np.sqrt(2.0 * variance * (sizes[0] @ sizes[0])),
         bend=bend,
     )
 
 
+@njit(cache=True)
+@no_type_check
+def _sums(
+    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, " wide"]
+) -> Complex[ndarray, " window"]:
+    """Weighted sum over each window of the points."""
+    total = np.zeros(log_phasor.size - weights.size + 1, np.complex128)
+    for k in range(weights.size):
+        for window in range(total.size):
+            total[window] += weights[k] * log_phasor[window + k]
+    return total
+
+
+@njit(cache=True)
+@no_type_check
 def _squares(
-    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, "row wide"], most: int = 8192
+    log_phasor: Complex[ndarray, " point"], rows: Float[ndarray, "row wide"]
 ) -> Float[ndarray, " window"]:
-    """Sum of the squares of weighted sums over each window of the points, some at a time."""
-    parts = np.stack([log_phasor.real, log_phasor.imag])
-    windows = np.lib.stride_tricks.sliding_window_view(parts, weights.shape[1], axis=1)
-    total = np.zeros(windows.shape[1])
-    for first in range(0, total.size, most):
-        some = np.ascontiguousarray(windows[:, first : first + most]) @ weights.T
-        total[first : first + most] = np.einsum("pwr,pwr->w", some, some)
+    """Sum of the squares of several weighted sums over each window."""
+    total = np.zeros(log_phasor.size - rows.shape[1] + 1)
+    for row in range(rows.shape[0]):
+        one = _sums(log_phasor, rows[row])
+        for window in range(total.size):
+            total[window] += one[window].real ** 2 + one[window].imag ** 2
     return total
 
 
 def expected_gain(bend: float, std: float, reach: int) -> float:
     """The gain that a bend in both parts (a point) shows where points have standard error `std`."""
-    basis = _weights(reach)[0]
-    seen = basis.T @ _columns(reach)[2][:, 1]
+    # a unit bend is what the inverse of `sizes` makes of (0, 1)
+    seen = np.linalg.solve(_weights(reach)[1], [0.0, 1.0])
     return float(bend**2 * (seen @ seen) / (4.0 * std**2))
 
 
 @cache
 def _weights(reach: int) -> tuple[ndarray, ndarray, ndarray]:
-    """What only a step and a bend explain, their sizes, and a half's misfit to a parabola."""
-    x, smooth, jump = _columns(reach)
-    columns = np.hstack([smooth, jump])
-    half = np.vander(x[x > 0], 3)
-    off = np.linalg.svd(half)[0][:, 3:].T
-    return np.linalg.qr(columns)[0][:, -2:], np.linalg.pinv(columns)[-2:], off
+    """Rows: what only a step and a bend explain; from that to their sizes; no parabola of a half.
 
-
-def _columns(reach: int) -> tuple[ndarray, ndarray, ndarray]:
-    """Points about a place, what is smooth there, and a step and a bend."""
+    The sizes are of a step and of a bend a point.
+    """
     x = (np.arange(-reach, reach) + 0.5) / reach
     late = np.maximum(x, 0.0)
-    smooth = np.stack([np.ones_like(x), x, x**2, x**3, late**2], axis=1)
-    return x, smooth, np.stack([(x > 0).astype(float), late * reach], axis=1)
+    smooth = [np.ones_like(x), x, x**2, x**3, late**2]
+    basis, triangle = np.linalg.qr(np.stack([*smooth, x > 0, late * reach], axis=1))
+    off = np.linalg.svd(np.vander(x[x > 0], 3))[0][:, 3:].T
+    return basis[:, -2:].T.copy(), np.linalg.inv(triangle[-2:, -2:]), off.copy()

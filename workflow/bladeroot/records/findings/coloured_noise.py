@@ -17,15 +17,14 @@ def find(sight: Sight) -> Finding | None:
     The later half of the decay is looked at, where the modes have died down most; what remains
     of them near 0.8 and 1.3 cannot raise the median.
     """
-    frequency, spectra, _ = sight.halves
+    frequency, spectra, count = sight.halves
     relative = frequency / sight.own_Hz
     around = ((relative > 0.3) & (relative < 0.8)) | ((relative > 1.3) & (relative < 1.8))
-    around &= frequency < 0.45 * sight.sampling_Hz
+    around &= frequency < 0.9 * frequency[-1]
     if around.sum() < 24:
         return None
-    count = sight.velocity.size // 2
     # power of white noise through a Blackman-Harris taper (2.004 lines wide), median of chi2_2
-    white = 2.0 * 2.0044 * sight.floor**2 / count * 2.0 * np.log(2.0)
+    white = 2.0 * 2.0044 * sight.floor**2 / (count * sight.few) * 2.0 * np.log(2.0)
     excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
     error = 1.2 / np.sqrt(around.sum() / 2.0)
     statistic = excess / max(error, LEAST / THRESHOLD)

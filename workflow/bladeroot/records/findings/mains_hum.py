@@ -27,10 +27,10 @@ def find(sight: Sight) -> Finding | None:
     Around each multiple a line and a smooth background are fitted to the spectra of both halves.
     A line that decays, or one of the mode's own, differs between the halves.
     """
-    rate, count = sight.sampling_Hz, sight.velocity.size // 2
-    if count / rate * MAINS_HZ[0] < FEWEST:
+    if 0.5 * sight.velocity.size / sight.sampling_Hz * MAINS_HZ[0] < FEWEST:
         return None
-    frequency, spectra, padded = sight.halves
+    frequency, spectra, count = sight.halves
+    rate = sight.sampling_Hz / sight.few
     nominal = np.array([mains * k for mains in MAINS_HZ for k in range(1, ORDERS + 1)])
     mains = np.repeat(MAINS_HZ, ORDERS)
     near = 7.0 * rate / count + 0.03 * sight.own_Hz
@@ -39,13 +39,15 @@ def find(sight: Sight) -> Finding | None:
     if not clear.any():
         return None
     nominal, mains = nominal[clear], mains[clear]
-    at, phasor, ratio = _steady(spectra, rate, count, padded, nominal)
+    at, phasor, ratio = _steady(spectra, rate, count, frequency[1], nominal)
     strongest = float(ratio.max())
     # 300 Hz belongs to both series: the stronger series is taken
     found = np.flatnonzero((ratio > THRESHOLD) & (mains == mains[np.argmax(ratio)]))
     if not found.size:
         return Finding(strongest, THRESHOLD, "subtract", "")
-    time = np.arange(sight.velocity.size) / rate
+    # of the means over a few samples, back to the samples
+    phasor /= np.sinc(at / rate) / np.sinc(at / sight.sampling_Hz)
+    time = (np.arange(float(sight.velocity.size)) - 0.5 * (sight.few - 1)) / sight.sampling_Hz
     excess = np.zeros(time.size)
     for k in found:
         excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
@@ -57,11 +59,10 @@ def _steady(
     spectra: Complex[ndarray, "2 bin"],
     rate: float,
     count: int,
-    padded: int,
+    bin_Hz: float,
     nominal: Float[ndarray, " line"],
 ) -> tuple[Float[ndarray, " line"], Complex[ndarray, " line"], Float[ndarray, " line"]]:
     """Frequency, phasor and size over standard error of a steady line near each frequency."""
-    bin_Hz = rate / padded
     middle = np.round(nominal / bin_Hz).astype(int)
     bins = middle[:, None] + np.arange(-REACH, REACH + 1)
     bins = np.maximum(bins, 1)

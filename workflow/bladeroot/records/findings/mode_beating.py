@@ -65,7 +65,7 @@ def _line(
     trend = np.polynomial.chebyshev.chebvander(x, degree)
     weight = whole / np.maximum(frames.std[used], 3e-4)
     weighted = trend * weight[:, None]
-    fit = np.linalg.pinv(weighted.T @ weighted) @ (weighted.T @ (log * weight))
+    fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
     taper = np.hanning(log.size) * whole
     rest = (log - trend @ fit) * taper
     line = fft.fft(rest, 2 * log.size) / taper.sum()
