@@ -8,7 +8,7 @@ does not ring into its first cycles, and the end, where it would, lies in the no
 from functools import cache
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
 from scipy import fft
 
@@ -16,21 +16,26 @@ ORDER, QUALITY = 4, 2.5  # of the band-pass: -3 dB width = frequency / QUALITY
 REACH = 6.0 * QUALITY  # cycles ahead that the filter still sees
 BRIDGE = 1.0 / 24.0  # of a cycle: a gap as short as this is bridged by a straight line
 _POLES = np.exp(1j * np.pi * (2 * np.arange(1, ORDER + 1) + ORDER - 1) / (2 * ORDER))
+_POLYNOMIAL = np.poly(_POLES).real
 # what the filter delays a slowly varying decay by, in cycles: it sees that much ahead
 DELAY = float(-(1.0 / _POLES).sum().real) * QUALITY / np.pi
 
 
 def band_displacement(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float, tolerance: float
-) -> tuple[float, float, Float[ndarray, " new"]]:
-    """Frequency (Hz) of the strongest line, time step (s), and displacement (m) around that line.
+) -> tuple[float, float, float, Float[ndarray, " new"]]:
+    """Frequency (Hz) of the strongest line; first time, time step (s), displacement (m) around it.
 
-    The displacement has about 32 samples a cycle, whatever the record has.
+    The displacement has about 32 samples a cycle, whatever the record has. More than these are
+    averaged at once.
     """
-    margin = 20.0 * QUALITY / expected_Hz * sampling_Hz
-    padded = fft.next_fast_len(velocity.size + int(margin) + 1, real=True)
-    spectrum = fft.rfft(velocity, padded)
-    spacing = sampling_Hz / padded
+    few = max(1, int(sampling_Hz / expected_Hz / 32))
+    means = velocity[: velocity.size // few * few].reshape(-1, few) @ np.full(few, 1.0 / few)
+    rate = sampling_Hz / few
+    margin = 20.0 * QUALITY / expected_Hz * rate
+    padded = fft.next_fast_len(means.size + int(margin) + 1, real=True)
+    spectrum = fft.rfft(means, padded)
+    spacing = rate / padded
     low = max(int(expected_Hz * (1.0 - tolerance) / spacing), 1)
     high = min(int(expected_Hz * (1.0 + tolerance) / spacing) + 2, spectrum.size)
     centre = low + int(np.argmax(np.abs(spectrum[low:high])))
@@ -40,13 +45,15 @@ def band_displacement(
     kept = np.zeros(resampled // 2 + 1, dtype=complex)
     place = np.arange(1, size)
     kept[1:size] = spectrum[1:size] * _gain(place / centre) / (2j * np.pi * spacing * place)
-    step = padded / sampling_Hz / resampled
-    wave = fft.irfft(kept, resampled) * (resampled / padded)
-    return centre * spacing, step, wave[: int(velocity.size / sampling_Hz / step)]
+    step = padded / rate / resampled
+    passed = np.sinc(centre / padded) / np.sinc(centre / padded / few)  # by a mean
+    wave = fft.irfft(kept, resampled) * (resampled / padded / passed)
+    start = 0.5 * (few - 1) / sampling_Hz
+    return centre * spacing, start, step, wave[: int(means.size / rate / step)]
 
 
 def extrema(
-    wave: Float[ndarray, " sample"], step: float
+    wave: Float[ndarray, " sample"], step: float, start: float = 0.0
 ) -> tuple[Float[ndarray, " peak"], Float[ndarray, " peak"]]:
     """Times and heights (without sign) of all extrema, each on a quartic through five samples."""
     size = np.abs(wave)
@@ -58,7 +65,7 @@ def extrema(
         slope = ((4 * a * x + 3 * b) * x + 2 * c) * x + d
         bend = (12 * a * x + 6 * b) * x + 2 * c
         x = np.clip(x - slope / np.where(bend == 0.0, 1.0, bend), -1.0, 1.0)
-    return (top + x) * step, np.abs((((a * x + b) * x + c) * x + d) * x + e)
+    return start + (top + x) * step, np.abs((((a * x + b) * x + c) * x + d) * x + e)
 
 
 def bridged(
@@ -77,14 +84,14 @@ def bridged(
 def undisturbed(
     time: Float[ndarray, " peak"],
     reach: float,
-    good: Bool[ndarray, " sample"],
+    bad: Int[ndarray, " bad"],
+    samples: int,
     sampling_Hz: float,
 ) -> Bool[ndarray, " peak"]:
-    """Whether all samples from a peak to `reach` seconds after it are there and good."""
-    bad = np.concatenate([[0], np.cumsum(~good)])
-    first = np.minimum((time * sampling_Hz).astype(int), good.size)
+    """Whether all samples from a peak to `reach` seconds after it are there and not bad."""
+    first = (time * sampling_Hz).astype(int)
     last = ((time + reach) * sampling_Hz).astype(int) + 1
-    return (last <= good.size) & (bad[np.minimum(last, good.size)] == bad[first])
+    return (last <= samples) & (np.searchsorted(bad, first) == np.searchsorted(bad, last))
 
 
 @cache
@@ -103,8 +110,4 @@ def noise_bandwidth() -> float:
 
 def _gain(ratio: Float[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
     """Gain over frequency / centre; conjugate to the usual filter, for it looks ahead."""
-    along = 1j * QUALITY * (ratio - 1.0 / ratio)
-    gain = np.ones_like(along)
-    for pole in _POLES:
-        gain /= np.conj(along - pole)
-    return gain
+    return 1.0 / np.polyval(_POLYNOMIAL, -1j * QUALITY * (ratio - 1.0 / ratio))

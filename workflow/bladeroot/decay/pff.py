@@ -85,14 +85,15 @@ def peak_fit(
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
     if velocity.size * expected_Hz < FEWEST * sampling_Hz:
         return no_peaks()
-    good = np.ones(velocity.size, dtype=bool)
+    bad = np.zeros(0, dtype=int)
     if usable is not None and not usable.all():
         if usable.sum() < 2:
             return no_peaks()
         velocity, good = bridged(velocity, usable, BRIDGE * sampling_Hz / expected_Hz)
-    centre_Hz, step, displacement = band_displacement(velocity, sampling_Hz, expected_Hz, tolerance)
-    time, size = extrema(displacement, step)
-    keep = undisturbed(time, REACH / centre_Hz, good, sampling_Hz)
+        bad = np.flatnonzero(~good)
+    centre_Hz, start, step, wave = band_displacement(velocity, sampling_Hz, expected_Hz, tolerance)
+    time, size = extrema(wave, step, start)
+    keep = undisturbed(time, REACH / centre_Hz, bad, velocity.size, sampling_Hz)
     in_band = noise * np.sqrt(2.0 * noise_bandwidth() * centre_Hz / sampling_Hz)
     drowned = np.flatnonzero((size < CLEAR * in_band / (2.0 * np.pi * centre_Hz)) & keep)
     keep[drowned[0] if drowned.size else keep.size :] = False
@@ -130,7 +131,7 @@ def _curve(
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
-    fit = _doubted(np.stack([time, level]), at, length)
+    fit = _fitted(np.stack([time, level]), at, length)
     (clock, decline), (period, fall), (period_std, fall_std) = fit.value, fit.slope, fit.slope_std
     turn, rate = np.pi / period, fall / period
     turn_std, rate_std = turn * period_std / period, fall_std / period
@@ -166,56 +167,51 @@ def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
     return np.clip(1.25**rung, FEWEST, min(MOST, level.size)).astype(int)
 
 
-def _doubted(
-    y: Float[ndarray, "part peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
-) -> _Fit:
-    """The fit, with what a polynomial of two degrees more makes of it in the standard error."""
-    fit, finer = (_fitted(y, at, length, degree) for degree in (DEGREE, DEGREE + 2))
-    by_noise = finer.slope_std**2 - fit.slope_std**2
-    bias = np.maximum((finer.slope - fit.slope) ** 2 - np.maximum(by_noise, 0.0), 0.0)
-    return _Fit(fit.value, fit.slope, np.sqrt(fit.slope_std**2 + bias))
-
-
 def _fitted(
-    y: Float[ndarray, "part peak"],
-    at: Int[ndarray, " point"],
-    length: Int[ndarray, " point"],
-    degree: int,
+    y: Float[ndarray, "part peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
 ) -> _Fit:
     """Polynomials in the peak's number through `length` peaks around each of `at`.
 
-    Maxima and minima may differ by a constant (an offset, a second harmonic).
+    Maxima and minima may differ by a constant (an offset, a second harmonic). What a polynomial of
+    two degrees more makes of the slope is in its standard error.
     """
-    value, slope, std = (np.empty((y.shape[0], at.size)) for _ in range(3))
+    value = np.empty((y.shape[0], at.size))
+    slope, variance = np.empty((2, 2, y.shape[0], at.size))  # of both degrees
     lags = correlation()
     for count in np.unique(length):
         which = length == count
         start = np.clip(at[which] - count // 2, 0, y.shape[1] - count)
         half = 0.5 * (count - 1)
+        powers = np.arange(DEGREE + 3)
         x = (np.arange(count) - half) / half
         alternating = np.where(np.arange(count) % 2, 1.0, -1.0)
-        design = np.column_stack([x**power for power in range(degree + 1)] + [alternating])
-        inverse = np.linalg.pinv(design)
-        coloured = np.stack([np.convolve(row, lags, mode="same") for row in inverse])
-        if coloured.shape[1] > count:  # numpy's "same" is as long as the longer of the two
-            extra = coloured.shape[1] - count
-            coloured = coloured[:, extra // 2 : extra // 2 + count]
-        freedom = count - np.einsum("cw,wc->", coloured, design)
+        basis, triangle = np.linalg.qr(np.column_stack([alternating, x[:, None] ** powers]))
+        coloured = [np.convolve(column, lags)[lags.size // 2 :][:count] for column in basis.T]
+        covariance = np.stack(coloured) @ basis
         piece = np.lib.stride_tricks.sliding_window_view(y, count, axis=1)[:, start]
         origin = piece[..., :1]
         piece = piece - origin
-        coefficient = piece @ inverse.T
-        piece -= coefficient @ design.T
-        variance = np.einsum("ypw,ypw->yp", piece, piece) / max(freedom, 1.0)
+        told = piece @ basis
+        piece -= told @ basis.T
+        left = np.einsum("ypw,ypw->yp", piece, piece)
         place = (at[which] - start - half) / half
-        powers = place[:, None] ** np.arange(degree + 1)
-        value[:, which] = origin[..., 0] + (coefficient[..., :-1] * powers).sum(axis=-1)
-        tangent = np.zeros((place.size, degree + 2))
-        tangent[:, 1:-1] = powers[:, :-1] * np.arange(1, degree + 1) / half
-        slope[:, which] = (coefficient * tangent).sum(axis=-1)
-        covariance = coloured @ inverse.T
-        std[:, which] = np.sqrt(variance * ((tangent @ covariance) * tangent).sum(axis=1))
-    return _Fit(value, slope, std)
+        curve = place[:, None] ** powers
+        tangent = np.zeros_like(curve)
+        tangent[:, 1:] = curve[:, :-1] * powers[1:] / half
+        for k, terms in enumerate((DEGREE + 2, DEGREE + 4)):
+            inverse = np.linalg.inv(triangle[:terms, :terms])[1:]
+            row = tangent[:, : terms - 1] @ inverse
+            own = covariance[:terms, :terms]
+            slope[k][:, which] = (told[..., :terms] * row).sum(axis=-1)
+            misfit = left + (told[..., terms:] ** 2).sum(axis=-1)
+            spread = ((row @ own) * row).sum(axis=1)
+            variance[k][:, which] = misfit / max(count - np.trace(own), 1.0) * spread
+            if k == 0:
+                row = curve[:, : terms - 1] @ inverse
+                value[:, which] = origin[..., 0] + (told[..., :terms] * row).sum(axis=-1)
+    by_noise = np.maximum(variance[1] - variance[0], 0.0)
+    bias = np.maximum((slope[1] - slope[0]) ** 2 - by_noise, 0.0)
+    return _Fit(value, slope[0], np.sqrt(variance[0] + bias))
 
 
 def _dataset(columns: Float[ndarray, "column peak"]) -> xr.Dataset:
