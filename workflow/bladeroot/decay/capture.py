@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.records.runs import medians
+
 SUDDEN = 0.1  # ln A above the plateau's line of a block that slips
 LEFT = 0.1  # largest share, of what a sudden fall had two blocks before, that may be left after it
 WITHIN = 0.3  # blocks: standard error of the moment, from sliders of known critical amplitude
@@ -29,7 +31,7 @@ def sudden_onset(
     """
     # the very blocks of a capture are often given large errors, as they are off all smooth curves
     around = np.pad(std, NEAR // 2, mode="edge")
-    calm = np.median(np.lib.stride_tricks.sliding_window_view(around, NEAR), axis=1)
+    calm = medians(np.lib.stride_tricks.sliding_window_view(around, NEAR))
     std = np.minimum(std, calm)
     above = log - rate * time
     sharp = above[std < 2.0 * np.median(std)]

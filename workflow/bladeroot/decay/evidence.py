@@ -120,10 +120,9 @@ def fits(found: Sums, channel: int, excess: float) -> Fits:
     The size c has a prior as wide as its estimate, or as what one group could tell about it.
     """
     right = np.ascontiguousarray(found.right[channel])
-    evidence, size, spread = marginal(
+    evidence, size, tilted, spread = marginal(
         found.gram / excess, right / excess, found.tilt, found.groups, np.array(DOUBT)
     )
-    tilted = np.einsum("ldp,rlp->rld", size, found.tilt)
     variance = excess * found.variance + spread
     return Fits(evidence, found.rate[channel] - tilted, variance, size)
 

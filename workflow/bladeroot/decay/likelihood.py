@@ -73,9 +73,12 @@ def marginal(
     groups: int,
     doubts: Float[ndarray, " doubt"],
 ) -> tuple[
-    Float[ndarray, "law doubt"], Float[ndarray, "law doubt part"], Float[ndarray, "2 law doubt"]
+    Float[ndarray, "law doubt"],
+    Float[ndarray, "law doubt part"],
+    Float[ndarray, "2 law doubt"],
+    Float[ndarray, "2 law doubt"],
 ]:
-    """ln of the marginal likelihood, mean coefficients, and what their errors do to `tilt`.
+    """ln of the marginal likelihood, mean coefficients, what they and their errors do to `tilt`.
 
     The coefficients are T z with z ~ N(0, 1): the first of z is the size c, alike in all nodes, the
     others are each node's own and that of ln(e). The posterior of z has the precision
@@ -84,6 +87,7 @@ def marginal(
     laws = right.shape[0]
     evidence = np.empty((laws, doubts.size))
     size = np.empty((laws, doubts.size, PARTS))
+    tilted = np.zeros((2, laws, doubts.size))
     spread = np.empty((2, laws, doubts.size))
     low = np.empty((PARTS + 1, PARTS + 1))
     z = np.empty((3, PARTS + 1))  # of the data, and of both rows of `tilt`
@@ -138,4 +142,6 @@ def marginal(
             for a in range(PARTS):
                 shared = common * z[0, 0] if a < NODES else 0.0
                 size[law, doubt, a] = shared + own * z[0, a + 1]
-    return evidence, size, spread
+                for k in range(2):
+                    tilted[k, law, doubt] += size[law, doubt, a] * tilt[k, law, a]
+    return evidence, size, tilted, spread

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numba import njit
 from numpy import ndarray
 
@@ -31,13 +31,13 @@ class Stretch:
         """Ln A at the groups."""
         return self.path[::CELLS]
 
-    def first_below(self, log: float) -> int:
-        """The group from which on the amplitude, given as ln A, is not exceeded any more."""
-        return int(np.max(np.flatnonzero(self.log > log + 1e-9), initial=-1)) + 1
+    def firsts_below(self, log: Float[ndarray, " value"]) -> Int[ndarray, " value"]:
+        """The groups from which on amplitudes, given as ln A, are not exceeded any more."""
+        return np.searchsorted(-np.maximum.accumulate(self.log[::-1])[::-1], -log - 1e-9)
 
     def below(self, log: float) -> "Stretch":
-        """The groups from there on."""
-        first = self.first_below(log)
+        """The groups from which on an amplitude, given as ln A, is not exceeded any more."""
+        first = int(self.firsts_below(np.array([log]))[0])
         return Stretch(
             self.time[first:], self.y[:, first:], self.std[first:], self.width[first:],
             self.path[CELLS * first :],
@@ -155,8 +155,7 @@ def lines_below(
     """
     # what lies below an onset begins after the last group above it, and one more, which may hold
     # blocks from above
-    first = np.searchsorted(-np.maximum.accumulate(stretch.log[::-1])[::-1], -onsets)
-    first = np.minimum(first + 1, stretch.time.size - FEWEST)
+    first = np.minimum(stretch.firsts_below(onsets) + 1, stretch.time.size - FEWEST)
     weight = stretch.std**-2.0
     time = stretch.time - stretch.time[-1]
     y = stretch.y - stretch.y[:, -1:]
@@ -176,44 +175,29 @@ def first_departure(stretch: Stretch, detection: float) -> float | None:
     """
     low, high = stretch.log.min(), stretch.log.max()
     onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
+    tops = onsets[3:][onsets[3:] >= low + 0.4]
+    first = stretch.firsts_below(tops)
+    tops, first = tops[stretch.time.size - first >= 10], first[stretch.time.size - first >= 10]
     hinges = np.maximum(0.0, np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0)
-    hinges = integral(stretch, over_cells(stretch, hinges))
-    for index in range(3, onsets.size):
-        first = stretch.first_below(onsets[index])
-        if stretch.time.size - first < 10 or onsets[index] < low + 0.4:
-            continue
-        if _largest_gain(stretch.time, stretch.y, stretch.std, hinges, first, index) > detection:
-            return float(onsets[index])
-    return None
+    x = integral(stretch, over_cells(stretch, hinges))
+    line, _ = line_of(stretch)
+    y = stretch.y - stretch.y[:, -1:]
+    y = y - (y / stretch.std) @ line @ line.T * stretch.std
+    time = stretch.time - stretch.time[-1]
 
+    def over(terms: Float[ndarray, "*part group"]) -> Float[ndarray, "*part window"]:
+        """Weighted sums over the groups of each window."""
+        return np.cumsum((terms * stretch.std**-2.0)[..., ::-1], axis=-1)[..., ::-1][..., first]
 
-@njit(cache=True, error_model="numpy", fastmath=True)
-@no_type_check
-def _largest_gain(
-    time: Float[ndarray, " group"],
-    y: Float[ndarray, "2 group"],
-    std: Float[ndarray, " group"],
-    columns: Float[ndarray, "column group"],
-    first: int,
-    count: int,
-) -> float:
-    """Largest gain in chi-square, over a straight line, by one of the first `count` columns.
-
-    Of the groups from `first` on, in either channel.
-    """
-    weight = std[first:] ** -2.0
-    whole = weight.sum()
-    late = time[first:] - (time[first:] * weight).sum() / whole
-    tilt = late * weight / (late * late * weight).sum()
-    rest = np.empty((2, weight.size))
-    for k in range(2):
-        rest[k] = y[k, first:] - (y[k, first:] * weight).sum() / whole
-        rest[k] -= late * (rest[k] * tilt).sum()
-    square, gain = np.empty(count), np.empty(count)
-    for k in range(count):
-        x = columns[k, first:] - (columns[k, first:] * weight).sum() / whole
-        x -= late * (x * tilt).sum()
-        square[k] = (x * x * weight).sum()
-        gain[k] = max((x * rest[0] * weight).sum() ** 2, (x * rest[1] * weight).sum() ** 2)
-    seen = square > 1e-12 * square.max()
-    return (gain[seen] / square[seen]).max() if seen.any() else 0.0
+    whole, late = over(np.ones_like(time)), over(time)
+    spread = over(time**2) - late**2 / whole
+    tilt = over(x * time) - over(x) * late / whole  # column, window
+    square = over(x**2) - over(x) ** 2 / whole - tilt**2 / spread
+    rise = over(y * time) - over(y) * late / whole  # channel, window
+    both = over(y[:, None] * x) - over(y)[:, None] * over(x) / whole - rise[:, None] * tilt / spread
+    # of the hinges below each window's top, those that bend in it
+    square[onsets[:, None] >= tops] = 0.0
+    seen = square > 1e-12 * square.max(axis=0)
+    gain = np.where(seen, (both**2).max(axis=0) / np.where(seen, square, 1.0), 0.0).max(axis=0)
+    shown = np.flatnonzero(gain > detection)
+    return float(tops[shown[0]]) if shown.size else None
