@@ -75,21 +75,27 @@ def hinge_laws(stretch: Stretch, onsets: Float[ndarray, " onset"]) -> Laws:
 
     Every onset lies above the smallest amplitude.
     """
-    e = np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0
-    shape, between = _hinges(e)
+    shape, between = (hinges(stretch, onsets, logs) for logs in (False, True))
     return Laws(shape, between, np.repeat(onsets, HINGES), np.zeros(HINGES * onsets.size))
+
+
+def hinges(
+    stretch: Stretch, onsets: Float[ndarray, " onset"], logs: bool = False
+) -> Float[ndarray, "law cell"]:
+    """Means over the cells of the hinges at each onset (ln A0); of the same times ln(e) if `logs`.
+
+    Every onset has its `HINGES` shapes in turn.
+    """
+    return _hinges(np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0, logs)
 
 
 @njit(cache=True, error_model="numpy")
 @no_type_check
-def _hinges(
-    e: Float[ndarray, "onset step"],
-) -> tuple[Float[ndarray, "law cell"], Float[ndarray, "law cell"]]:
-    """Means over cells, by Simpson's rule, of the hinges, and of the same times ln(e)."""
+def _hinges(e: Float[ndarray, "onset step"], logs: bool) -> Float[ndarray, "law cell"]:
+    """What `hinges` says, by Simpson's rule."""
     onsets, steps = e.shape
     cells = steps // CELLS
-    shape = np.zeros((onsets * HINGES, cells))
-    between = np.zeros((onsets * HINGES, cells))
+    mean = np.zeros((onsets * HINGES, cells))
     h = np.empty(HINGES)
     for onset in range(onsets):
         for step in range(steps):
@@ -103,16 +109,16 @@ def _hinges(
             # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
             # (theta - sin(2 theta) / 2) / pi
             h[6] = 2.0 * (np.arctan(root) - root * (1.0 - x) / (1.0 + x) ** 2)
-            log = np.log(x)
             # an end of a cell belongs to the one after it and to the one before it
             place = step % CELLS
             weight = (1.0 if place == 0 else 4.0 if place % 2 else 2.0) / (3.0 * CELLS)
+            if logs:
+                weight *= np.log(x)
             for cell in range(step // CELLS - (place == 0), step // CELLS + 1):
                 if 0 <= cell < cells:
                     for k in range(HINGES):
-                        shape[onset * HINGES + k, cell] += weight * h[k]
-                        between[onset * HINGES + k, cell] += weight * h[k] * log
-    return shape, between
+                        mean[onset * HINGES + k, cell] += weight * h[k]
+    return mean
 
 
 @njit(cache=True)

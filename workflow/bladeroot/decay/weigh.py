@@ -19,7 +19,7 @@ from bladeroot.decay.evidence import (
     sums,
     with_lines_below,
 )
-from bladeroot.decay.laws import BENDING, HINGES, hinge_laws, smooth_laws
+from bladeroot.decay.laws import BENDING, HINGES, hinge_laws, hinges, smooth_laws
 from bladeroot.decay.posterior import DOUBTS, NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
 from bladeroot.decay.stretch import Stretch, first_departure
 
@@ -86,8 +86,8 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
         if not new.size:
             break
     order = np.argsort(onsets)
-    hinges = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
-    total = total.chosen(np.concatenate([np.arange(SMOOTH), hinges]))
+    rising = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
+    total = total.chosen(np.concatenate([np.arange(SMOOTH), rising]))
     both = [fits(total, channel, excess[channel]) for channel in range(2)]
     both = [with_lines_below(both[k], window, onsets[order], k) for k in range(2)]
     constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
@@ -113,7 +113,7 @@ def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndar
     A law that holds exactly may show on a range of onsets that a coarse search steps over.
     """
     onsets = np.linspace(low, high, count + 2)[1:-1]
-    columns = frame.seen(hinge_laws(frame.stretch, onsets).shape)[0]
+    columns = frame.seen(hinges(frame.stretch, onsets))[0]
     size = np.einsum("lg,lg->l", columns, columns)
     gain = (frame.y @ columns.T) ** 2 / np.maximum(size, 1e-300)
     gain = gain.reshape(2, count, HINGES)
