@@ -189,7 +189,7 @@ def _dataset(
     made["velocity"] = xr.Variable("time", velocity, decay["velocity"].attrs)
     about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
     made["usable"] = xr.Variable("time", usable, about)
-    judged = decay.assign(made)
+    judged = xr.Dataset({**decay.variables, **made}, attrs=decay.attrs)
     judged.attrs["findings"] = "; ".join(f.text for _, f in found)
     dropped = any(f.consequence == "drop" for _, f in found)
     judged.attrs["verdict"] = "rejected" if dropped else "usable"

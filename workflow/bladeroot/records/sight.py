@@ -1,7 +1,7 @@
 """What the checks of a decay look at: frames of its mode, its residual, its spectra."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -9,7 +9,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.records.lines import blackman_harris, magnitudes, peak_Hz
-from bladeroot.records.runs import block_scale, in_frames, missed
+from bladeroot.records.runs import block_scale, in_frames, medians, missed
 
 # A mode further than this (relative) from its expected frequency is not looked for.
 TOLERANCE = 0.3
@@ -19,6 +19,8 @@ SMALL = 1e-5
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
 EARLY_CYCLES = 80.0
+# Frames on either side of a step, of which the nearest are left out.
+JUMP_REACH, JUMP_APART = 7, 2
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
 BAND, BAND_HZ = 16.0, 4000.0
 
@@ -161,25 +163,18 @@ class Sight:
         A quadratic and a step are fitted to six frames on each side, two left out between.
         Zero where there are too few frames, or the mode is near the noise.
         """
-        frames, reach, apart = self.frames, 7, 2
+        frames, reach = self.frames, JUMP_REACH
         step, scale = np.zeros(frames.log.size, complex), np.ones(frames.log.size)
         if frames.clear < 2 * reach + 2:
             return step, scale
-        x = np.arange(-reach, reach + 1.0)
-        used = np.abs(x) >= apart
-        design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
-        kernel = np.zeros(x.size)
-        solver = np.linalg.pinv(design)
-        kernel[used] = solver[3]
-        bend = np.zeros(x.size)
-        bend[used] = solver[2] * reach**2
+        kernels = _step_and_bend()
         inner = slice(reach, frames.clear - reach)
         pieces = np.lib.stride_tricks.sliding_window_view(
-            np.where(frames.whole, frames.log, np.nan)[: frames.clear], x.size
+            np.where(frames.whole, frames.log, np.nan)[: frames.clear], len(kernels)
         )
-        step[inner], curve = np.nan_to_num(pieces @ np.stack([kernel, bend], axis=1)).T
+        step[inner], curve = np.nan_to_num(pieces @ kernels).T
         summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
-        for k, weight in enumerate(kernel):  # frames overlap: one row for the whole step
+        for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
             summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
         gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
         late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
@@ -213,7 +208,7 @@ class Sight:
             gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
             weights = np.linalg.solve(gram, a.T @ middle[keep])
             left = np.abs(middle - pairs @ weights)
-            keep = left <= 5.0 * np.median(left) + 1e-300
+            keep = left <= 5.0 * medians(left) + 1e-300
         response = np.concatenate([-weights[::-1], [1.0], -weights])
         miss = missed(x, weights)
         least = max(0.5 * self.quantum, SMALL * float(np.abs(x).max()))
@@ -243,3 +238,14 @@ class Sight:
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""
         return float(sample / self.sampling_Hz)
+
+
+@cache
+def _step_and_bend() -> Float[ndarray, "frame 2"]:
+    """Weights of frames that give a step beyond a quadratic, and the quadratic's own bend."""
+    x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
+    used = np.abs(x) >= JUMP_APART
+    design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
+    weights = np.zeros((x.size, 2))
+    weights[used] = np.linalg.pinv(design)[[3, 2]].T * [1.0, JUMP_REACH**2]
+    return weights

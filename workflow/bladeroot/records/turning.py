@@ -145,9 +145,14 @@ def _squares(
 
 def expected_gain(bend: float, std: float, reach: int) -> float:
     """The gain that a bend in both parts (a point) shows where points have standard error `std`."""
-    # a unit bend is what the inverse of `sizes` makes of (0, 1)
+    return bend**2 * _unit_bend(reach) / (4.0 * std**2)
+
+
+@cache
+def _unit_bend(reach: int) -> float:
+    """What only a step and a bend explain of a unit bend in both parts."""
     seen = np.linalg.solve(_weights(reach)[1], [0.0, 1.0])
-    return float(bend**2 * (seen @ seen) / (4.0 * std**2))
+    return float(seen @ seen)
 
 
 @cache

@@ -17,6 +17,8 @@ WANDER = 0.0015
 REACH = 6
 # Each half of the decay must hold so many periods of 50 Hz, or lines cannot be told apart.
 FEWEST = 6
+# Smooth backgrounds over these lines: constant, straight and bent.
+_AWAY = np.linalg.qr(np.vander(np.arange(-REACH, REACH + 1.0) / REACH, 3, increasing=True))[0]
 # The two halves show the same line if they differ by less than this part of it.
 UNEVEN = 0.12
 
@@ -66,17 +68,15 @@ def _steady(
     middle = np.round(nominal / bin_Hz).astype(int)
     bins = middle[:, None] + np.arange(-REACH, REACH + 1)
     bins = np.maximum(bins, 1)
-    x = np.arange(-REACH, REACH + 1) / REACH
-    away, _ = np.linalg.qr(np.stack([np.ones(x.size), x, x * x], axis=1))
     data = spectra[:, bins]  # half, line, bin
-    data = data - (data @ away) @ away.T
+    data = data - (data @ _AWAY) @ _AWAY.T
     room = np.maximum(0.5 * rate / count, WANDER * nominal)
     trials = int(np.clip(np.ceil(8.0 * room.max() * count / rate), 5, 81))
 
     def fit(at):
         """Phasors of a line at each frequency in both halves, and the shape's power."""
         shape = _taper_spectrum((bins[:, None, :] * bin_Hz - at[:, :, None]) * count / rate)
-        shape = shape - (shape @ away) @ away.T  # line, trial, bin
+        shape = shape - (shape @ _AWAY) @ _AWAY.T  # line, trial, bin
         power = (np.abs(shape) ** 2).sum(axis=-1)
         parts = np.einsum("hlb,ltb->hlt", data, shape.conj()) / power
         # the second half starts `count` samples later
@@ -94,7 +94,7 @@ def _steady(
     phasor = parts.mean(axis=0)
     total = (np.abs(data) ** 2).sum(axis=(0, 2))
     left = np.maximum(total - 2.0 * np.abs(phasor) ** 2 * power, 1e-12 * total)
-    error = np.sqrt(left / (2 * (x.size - 4)) / (2.0 * power)) + 1e-300
+    error = np.sqrt(left / (2 * (len(_AWAY) - 4)) / (2.0 * power)) + 1e-300
     ratio = np.abs(phasor) / error
     uneven = np.abs(parts[0] - parts[1]) > np.maximum(UNEVEN * np.abs(phasor), 4.0 * error)
     off = np.abs(at - nominal) > WANDER * nominal + 0.1 * rate / count
@@ -104,8 +104,10 @@ def _steady(
 
 def _taper_spectrum(turns: Float[ndarray, "*any"]) -> Complex[ndarray, "*any"]:
     """Spectrum of the Blackman-Harris taper at a distance (in turns over it) from a unit line."""
-    total = 0.35875 * np.sinc(turns)
-    for order, weight in ((1, 0.48829), (2, 0.14128), (3, 0.01168)):
-        # the sign of the term and that of its shifted phase cancel
-        total = total + 0.5 * weight * (np.sinc(turns - order) + np.sinc(turns + order))
-    return total * np.exp(-1j * np.pi * turns) / 0.35875
+    turns = turns + 1e-9  # a pole of a term is a zero of the sine: not to hit it
+    square = turns**2
+    # a cosine's two sinc are one, times this; its sign and that of its shifted phase cancel
+    total = 1.0 - 0.48829 / 0.35875 * square / (square - 1.0)
+    total += 0.14128 / 0.35875 * square / (square - 4.0)
+    total -= 0.01168 / 0.35875 * square / (square - 9.0)
+    return total * np.sinc(turns) * np.exp(-1j * np.pi * turns)

@@ -8,6 +8,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.records.finding import Finding
+from bladeroot.records.runs import medians
 from bladeroot.records.sight import Sight
 
 STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
@@ -80,7 +81,7 @@ def _line(
     level = np.where(inside, np.abs(line), 0.0)
     k = int(np.argmax(level))
     other = float(np.abs(line[-k]))
-    usual = float(np.median(np.abs(line[inside])))
+    usual = float(medians(np.abs(line[inside])))
     carrier = (
         2.0 * np.pi / sight.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * sight.own_Hz)
     )

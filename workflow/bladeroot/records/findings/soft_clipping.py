@@ -36,7 +36,7 @@ def find(sight: Sight) -> Finding | None:
     rest = cycles - (cycles @ away) @ away.T
     weight = count.mean(axis=1)
     weight = weight / weight.mean()
-    levels = amplitude.max() * np.geomspace(0.3, 0.98, 30)
+    levels = amplitude.max() * _DEPTHS
     shape = _cut_off(levels[:, None] / amplitude)  # level, part, bin
     power = np.einsum("p,lpb,lpb->l", weight, shape, shape)
     known = np.maximum(power, 1e-300)
@@ -70,12 +70,12 @@ def _mean_cycles(
         part[k] = part[k - 1] + full
         begin = k if full else begin
     stop = int(frames.centre[loud - 1])
-    sample = np.arange(stop)
+    sample = np.arange(float(stop))
     turns = np.interp(sample, frames.centre, frames.log.imag) / (2.0 * np.pi)
     turns += frames.frequency_Hz / sight.sampling_Hz * sample
     size = np.exp(np.interp(sample, frames.centre, frames.log.real))
     place = (np.mod(turns, 1.0) * BINS).astype(int) % BINS
-    index = np.searchsorted(frames.centre[:loud], sample, side="right") - 1
+    index = ((sample - frames.centre[0]) / frames.hop).astype(int)
     place += BINS * part[np.maximum(index, 0)]
     length = (part[-1] + 1) * BINS
     count = np.bincount(place, minlength=length).reshape(-1, BINS).astype(float)
@@ -111,6 +111,7 @@ def _cut_off(relative: Float[ndarray, "level part"]) -> Float[ndarray, "level pa
     return (1.0 - part) * shapes[low] + part * shapes[low + 1]
 
 
+_DEPTHS = np.geomspace(0.3, 0.98, 30)
 _LEVELS = np.linspace(0.02, 1.0, 99)
 # of a cosine cut off at `_LEVELS` of its amplitude, over that amplitude
 _FUNDAMENTAL = (2.0 / np.pi) * (np.arcsin(_LEVELS) + _LEVELS * np.sqrt(1.0 - _LEVELS**2))
