@@ -8,7 +8,7 @@ from numba import njit
 from numpy import ndarray
 
 
-def medians(rows: Float[ndarray, "row k"]) -> Float[ndarray, " row"]:
+def medians(rows: Float[ndarray, "*row k"]) -> Float[ndarray, "*row"] | np.float64:
     """np.median of each row, several times as fast (numpy's search for two places is slow).
 
     Of finite values only.

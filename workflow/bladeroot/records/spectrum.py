@@ -24,4 +24,5 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     spectra = fft.rfft(pieces, axis=1)[:, segment // 50 + 2 : -2]
     power = spectra.real**2 + spectra.imag**2
     floor = medians(power) / (np.log(2.0) * (taper**2).sum())
-    return float(np.sqrt(np.sort(floor)[floor.size // 4]))
+    quartile = np.interp(0.25 * (count - 1), np.arange(count), np.sort(floor))
+    return float(np.sqrt(quartile))
