@@ -13,11 +13,11 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
 
     The median over frequency ignores lines, the lower quartile over tapered segments ignores
     impacts and the loud part of the record. Segments of 1024 samples, or eighths of a shorter
-    record (64 at least, for a median); no more than 50 of them, spread evenly (the quartile
-    then rests on 13), so that a long record costs no more than one of 26,000 samples.
+    record (64 at least, for a median); no more than 100 of them, spread evenly (the quartile
+    then rests on 25), so that a long record costs no more than one of 51,000 samples.
     """
     segment = min(velocity.size, max(64, min(1024, velocity.size // 8)))
-    count = min(50, max(1, 2 * velocity.size // segment - 1))
+    count = min(100, max(1, 2 * velocity.size // segment - 1))
     start = np.linspace(0, velocity.size - segment, count).astype(int)
     taper = np.hanning(segment + 1)[:-1]  # periodic: a mean shows in the lowest two lines only
     pieces = velocity[start[:, None] + np.arange(segment)] * taper
