@@ -14,7 +14,7 @@ from bladeroot.nonlinear.flanks import (
     flank_sliders,
     width_places,
 )
-from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
+from bladeroot.nonlinear.harmonic_balance import fall, nonlinear_mode
 from bladeroot.nonlinear.system import system_of
 from bladeroot.structure.joint import exact_modes
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof
@@ -169,6 +169,20 @@ def test_area_of_the_loops_is_what_the_loss_factor_says(stuck):
     # pi decay q^2, with the decay 2 zeta omega^2 and q^2 of all modes
     given = np.pi * solution.decay * (solution.modal**2).sum()
     assert (stuck.count * area).sum() == pytest.approx(given, rel=1e-3)
+
+
+def test_the_turning_phase_of_the_laser_is_in_the_frequency(stuck):
+    """Against the difference of the phase between two amplitudes, in steady vibration."""
+    contact = FlankContact("jenkins", 0.1, 1.0, strips=4)
+    sliders = flank_sliders(coarse_joint(), stuck, POINT, contact)
+    amplitudes = first_slip(stuck, sliders) * np.array([1.0, 7.96, 8.0, 8.04])
+    _, low, here, high = nonlinear_mode(stuck, sliders, amplitudes, (1, 3), 128, False).solutions
+    phasor = [one.laser[0] - 1j * one.laser[1] for one in (low, high)]
+    turn = np.angle(phasor[1] / phasor[0]) / (high.amplitude - low.amplitude) * fall(here, 0)
+    curve = mode_curve(stuck, sliders, amplitudes, "harmonic-balance", (1, 3), False)
+    seen = 2.0 * np.pi * curve.frequency[2] / np.sqrt(here.value) - 1.0
+    assert abs(turn) > 1e-8
+    assert seen == pytest.approx(turn, rel=0.05)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -3,7 +3,8 @@
 In a free decay the action of a mode, omega q^2 / 2 with q the amplitude of unit modal mass, loses
 zeta omega^2 q^2 in a unit of time. FREEVIB's loss factor (3.11) is -(2 omega A'/A + omega') /
 omega^2 of the amplitude A at the laser. It equals 2 zeta if A keeps its ratio to q; where the shape
-changes with amplitude it does not.
+changes with amplitude it does not. Where the laser's phase against the mode changes with amplitude,
+it adds to the frequency.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from scipy.interpolate import PchipInterpolator
 from bladeroot.contact.laws import closed_forms
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.balance import Solution
-from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
+from bladeroot.nonlinear.harmonic_balance import fall, growth, nonlinear_mode
 from bladeroot.nonlinear.masing import first_harmonic
 from bladeroot.nonlinear.quasi_static import first_loading
 from bladeroot.nonlinear.system import System
@@ -101,11 +102,11 @@ def _by_harmonic_balance(system, sliders, amplitudes, harmonics, decaying) -> Cu
     rows = np.full((4 + len(system.count), len(amplitudes)), np.nan)
     first = 1 if sliders.varies and 0 in harmonics else 0
     for place, solution in enumerate(branch.solutions):
-        rows[:4, place] = _laser_values(solution, slice(first, first + 2))
+        rows[:4, place] = _laser_values(solution, first)
         rows[4:, place] = _slip_share(sliders, solution.slip)
-    value, ratio, laser, frequency = rows[:4]
+    omega, ratio, laser, frequency = rows[:4]
     return Curve(
-        np.sqrt(value) / (2.0 * np.pi),
+        omega / (2.0 * np.pi),
         _at_laser(ratio, laser, frequency),
         0.5 * ratio,
         rows[4:].T,
@@ -114,17 +115,17 @@ def _by_harmonic_balance(system, sliders, amplitudes, harmonics, decaying) -> Cu
     )
 
 
-def _laser_values(solution: Solution, first: slice) -> tuple[float, float, float, float]:
-    """omega^2, 2 zeta, and d ln A and d ln omega by d ln q; `first` is the first harmonic."""
-    rate = solution.rate
-    modal, laser = solution.modal[:, first], solution.laser[first]
-    growth = (modal * rate.modal[:, first]).sum() / (modal**2).sum()  # d ln q by the master
-    at_laser = (laser @ rate.laser[first]) / (laser @ laser)
+def _laser_values(solution: Solution, first: int) -> tuple[float, float, float, float]:
+    """omega at the laser, 2 zeta, and d ln A and d ln omega by d ln q."""
+    ln_q, frequency = growth(solution, first)
+    c, s = solution.laser[first : first + 2]
+    rate_c, rate_s = solution.rate.laser[first : first + 2]
+    turn = (s * rate_c - c * rate_s) / (c**2 + s**2)  # of the phase, by the master
     return (
-        solution.value,
+        np.sqrt(solution.value) * (1.0 + turn * fall(solution, first)),
         solution.decay / solution.value,
-        at_laser / growth,
-        0.5 * rate.value / solution.value / growth,
+        (c * rate_c + s * rate_s) / (c**2 + s**2) / ln_q,
+        frequency,
     )
 
 

@@ -62,3 +62,24 @@ def nonlinear_mode(
     stuck = np.zeros((len(system.count), 3, balance.size))
     stuck[:, :, balance.first] = first * system.shape[:, :, 0]
     return follow(at, amplitudes, at(first, stuck), at_laser)
+
+
+def growth(solution: Solution, first: int) -> tuple[float, float]:
+    """d ln q by the master amplitude (1 / (m kg^1/2)), and d ln omega by d ln q.
+
+    q: amplitude of unit modal mass of all modes together; first: the coefficient of cos(theta).
+    """
+    own = slice(first, first + 2)
+    modal, rate = solution.modal[:, own], solution.rate.modal[:, own]
+    ln_q = float((modal * rate).sum() / (modal**2).sum())
+    return ln_q, 0.5 * solution.rate.value / solution.value / ln_q
+
+
+def fall(solution: Solution, first: int) -> float:
+    """Change of the master amplitude in a free decay, m kg^1/2 per rad.
+
+    The action omega q^2 / 2 loses zeta omega^2 q^2 in a unit of time.
+    """
+    ln_q, frequency = growth(solution, first)
+    ratio = 0.5 * solution.decay / solution.value
+    return -ratio / (1.0 + 0.5 * frequency) / ln_q
