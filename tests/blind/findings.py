@@ -1,5 +1,6 @@
 """What the workflow finds in raw records with a fault: a library that the fast tier draws from."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,6 +44,7 @@ def build_library(house: Path, reduced: Path, seed: int) -> pd.DataFrame:
             conditions.append(_struck(baseline(bench, row), name, size, moment))
             library.append({"fault": name, "size": size, "mode": mode})
     folder = house / "library"
+    shutil.rmtree(folder, ignore_errors=True)
     write_campaign(folder, bench, pd.DataFrame(rows), conditions, reduced)
     targets = [f"results/library/records/{row['record']}.nc" for row in rows]
     make(house, *targets, campaign=folder)

@@ -4,7 +4,8 @@ import numpy as np
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
-from bladeroot.diagnosis.naming import Cause, Found, plausible, sizes
+from bladeroot.diagnosis.naming import Cause, Found
+from bladeroot.diagnosis.plausibility import plausible, sizes
 from bladeroot.diagnosis.shortfall import of_curves, of_records
 
 SCHEMA = "bladeroot-verdict-1"
