@@ -149,10 +149,10 @@ def _records(made: Diagnosis) -> dict[str, list[str]]:
 
 
 def runner_up(found: Found) -> tuple[str, float]:
-    """The mechanism next to the first cause, and how much less evidence it has."""
+    """The best mechanism that is not named, and how much less evidence than the first it has."""
     gains_ = found.steps[0].mechanisms
     order = sorted(gains_, key=gains_.get, reverse=True)
-    others = [name for name in order if name != found.causes[0].mechanism.id]
+    others = [name for name in order if name not in {one.mechanism.id for one in found.causes}]
     return (others[0], found.causes[0].gain - gains_[others[0]]) if others else ("", np.inf)
 
 
@@ -188,9 +188,9 @@ def _reason(made: Diagnosis, answer: str) -> str:
             text += f" (log evidence {cause.gain:.1f} over the simulation without it"
             if number == 0:
                 other, less = runner_up(found)
-                # Of two that were taken together the first may be no winner alone.
-                beside = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more"
-                text += f"; next is {other}, {beside}" if other else ""
+                why_not = "but beyond its limits, by its error, or less beside the other causes"
+                how = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more, {why_not}"
+                text += f"; next is {other}, {how}" if other else ""
                 why = found.known.barred.get(other, "")
                 text += f", not named because {why}" if why else ""
             lines.append(text + ")")
