@@ -46,7 +46,7 @@ class Structures:
             kept = slice(0, ritz.own)
 
             def share(matrix: ndarray, y: ndarray = pairs.shape, kept: slice = kept) -> ndarray:
-                return np.einsum("pi,ij,pj->p", y, matrix[kept, kept], y, optimize=True)
+                return ((y @ matrix[kept, kept]) * y).sum(axis=1)
 
             stiff = np.maximum(1.0 + share(whole.stiffness) / pairs.value, 0.05)
             mass = np.maximum(1.0 + share(whole.mass), 0.05)
