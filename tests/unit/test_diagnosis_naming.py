@@ -71,7 +71,7 @@ def test_a_cause_that_later_ones_make_needless_is_dropped(shapes):
     assert found.final.parameters == pytest.approx(40.0 * np.array([0.8, 0.6]), abs=0.5)
 
 
-def test_as_a_model_of_noise_a_law_explains_nothing(shapes):
+def test_as_a_model_of_noise_a_law_explains_nothing():
     """Its error would cover what the data scatter, its mean is none of it."""
     scatter = 20.0 * np.random.default_rng(4).choice([-1.0, 1.0], SIZE)
     even = line("even", np.ones(SIZE))

@@ -110,7 +110,7 @@ def test_follower_load_stiffens_bending_less(loaded):
         assert eigenvalue(both, mode, "follower") < 0.99 * eigenvalue(dead, mode, "dead")
 
 
-def test_a_mode_that_is_not_there_is_named(loaded):
+def test_a_mode_that_is_not_there_is_named():
     with pytest.raises(ValueError, match=r"free beam: mode 9T not found, only 1Fy, 2Fy$"):
         eigenvalue((np.array([1.0, 2.0]), ["1Fy", "2Fy"]), "9T", "free beam")
 
