@@ -90,10 +90,7 @@ def search(channel: Channel, known: Known) -> Found:
         needed = max(guards.FURTHER, guards.FURTHER_PART * explained) if causes else first
         smooth = _smooth(channel, chosen, current)
         step = Step(
-            {
-                name: one.log_evidence - current.log_evidence + more
-                for name, (one, more) in fits.items()
-            },
+            _gains(current, fits),
             {name: one.log_evidence - current.log_evidence for name, one in smooth.items()},
             needed,
         )
@@ -107,8 +104,8 @@ def search(channel: Channel, known: Known) -> Found:
             break
         if rival > gain + guards.SHAPE:
             both = max(guards.FURTHER, guards.FURTHER_PART * (explained + rival))
-            alone = {k: v for k, v in step.mechanisms.items() if k not in never}
-            ranked = _beside(channel, chosen, fits, alone, both, known, rival - guards.SHAPE)
+            least = rival - guards.SHAPE
+            ranked = _beside(channel, chosen, current, fits, both, never, known, least)
             best = max(ranked, key=ranked.get, default="")
         if ranked.get(best, -np.inf) < needed:
             if not causes or rival > guards.UNEXPLAINED_PART * explained:
@@ -123,6 +120,13 @@ def search(channel: Channel, known: Known) -> Found:
     return Found(channel, known, baseline, current, tuple(causes), tuple(steps), unexplained)
 
 
+def _gains(current: Fit, fits: Mapping[str, tuple[Fit, float]]) -> dict[str, float]:
+    """Log evidence over `current` of each fit, with what independent measurements add to it."""
+    return {
+        name: one.log_evidence - current.log_evidence + more for name, (one, more) in fits.items()
+    }
+
+
 def _ranked(
     channel: Channel,
     chosen: Sequence[Mechanism],
@@ -131,12 +135,13 @@ def _ranked(
     needed: float,
     never: Collection[str],
 ) -> dict[str, float]:
-    """Log evidence over `current` of the mechanisms that may be named next.
+    """The gains of the mechanisms that may be named next.
 
     That is: all causes stay possible, and the new one explains what is needed by its mean.
     """
+    gains = _gains(current, fits)
     return {
-        one.id: fits[one.id][0].log_evidence - current.log_evidence + fits[one.id][1]
+        one.id: gains[one.id]
         for one in channel.candidates
         if one.id in fits
         and one.id not in never
@@ -148,22 +153,24 @@ def _ranked(
 def _beside(
     channel: Channel,
     chosen: Sequence[Mechanism],
+    current: Fit,
     fits: Mapping[str, tuple[Fit, float]],
-    alone: Mapping[str, float],
     needed: float,
+    never: Collection[str],
     known: Known,
     least: float,
 ) -> dict[str, float]:
     """The ranking beside a second cause, if two explain at least so much where one does not.
 
-    Where two causes act, either law alone may miss much. `alone`: what each explains by itself.
+    Where two causes act, either law alone may miss much.
     """
     by_id = {one.id: one for one in channel.candidates}
+    alone = {name: gain for name, gain in _gains(current, fits).items() if name not in never}
 
     def beside(name: str) -> dict[str, float]:
         both, fitted = [*chosen, by_id[name]], fits[name][0]
         more = _mechanisms(channel, both, fitted, known)
-        return _ranked(channel, both, fitted, more, needed, known.barred)
+        return _ranked(channel, both, fitted, more, needed, never)
 
     best = sorted(alone, key=alone.get, reverse=True)[: guards.OPENINGS]
     rankings = {first: beside(first) for first in best}

@@ -177,7 +177,7 @@ def _of_records(
         miss = fitted.problem.data - state.mean[:n]
         free = slope[n:] - gain @ slope[:n]
         spread = own[n:, n:] - gain @ own[:n, n:] + free @ fitted.covariance @ free.T
-        # Where the scatter is large its rounding exceeds the noise: only the mean is a covariance.
+        # Where the scatter is large, rounding leaves it less symmetric than the noise is small.
         predicted.append((state.mean[n:] + gain @ miss, 0.5 * (spread + spread.T)))
         if number == 0:
             weight = np.diag(1.0 / fitted.problem.prior.std**2)
