@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
+from bladeroot.nonlinear.fast_loading import softening_curve
+from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.curve_term import curve_term, log_likelihood
 from bladeroot.stiffness.posterior import coordinates, local, log_posterior, predict
-from bladeroot.stiffness.simulated_curves import levels_at, simulate, values
+from bladeroot.stiffness.simulated_curves import (
+    by_unevenness,
+    friction_of,
+    levels_at,
+    simulate,
+    values,
+)
 from bladeroot.stiffness.softening import Softening, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 from nonlinear_systems import coarse_joint
@@ -134,6 +142,31 @@ def test_slopes_of_simulated_curves():
         numeric = (values(joint, at, friction + step) - values(joint, at, friction - step)) / 0.1
         scale = np.abs(numeric).max()
         np.testing.assert_allclose(said.by_friction[:, k], numeric, atol=0.15 * scale)
+
+
+def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():
+    joint, levels = coarse_joint(), [("1B", 4e3)]
+    z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
+    friction, one = np.log([0.4, 0.02, 0.7, 0.4]), made_up(levels)
+    at = levels_at(joint, one, levels, LASERS, z)
+    found = by_unevenness(joint, at, friction)
+    system, h = at[0].systems[0], 0.05
+    sliders = uneven_sliders(joint, system, at[0].force, friction_of(friction))
+    total = (system.count * sliders.preload.sum(axis=1)).sum()
+    contact = int(np.argmax(np.abs(found).sum(axis=0)[system.pair]))
+    curves = []
+    for sign in (1.0, -1.0):
+        preload = sliders.preload.copy()
+        preload[contact] *= np.exp(sign * h)
+        preload *= total / (system.count * preload.sum(axis=1)).sum()
+        pressed = replace(sliders, preload=preload)
+        curves.append(softening_curve(system, pressed, at[0].amplitude)[0].ravel())
+    wanted = 0.4 / np.sqrt(system.count[contact]) * (curves[0] - curves[1]) / (2.0 * h)
+    np.testing.assert_allclose(
+        found[:, system.pair[contact]], wanted, atol=0.1 * np.abs(wanted).max()
+    )
+    others = np.setdiff1d(np.arange(found.shape[1]), system.pair)
+    assert not found[:, others].any()
 
 
 @pytest.mark.slow

@@ -2,7 +2,8 @@
 
 In each round friction is fitted to the curves at the present stiffness (Levenberg and Marquardt's
 method); there the curves are made linear, friction is integrated out of them, and the joint
-posterior with what is left is climbed.
+posterior with what is left is climbed. Where on the flanks the pressure happens to be high is not
+known: what that does to the curves is an error that all levels, falls and rises share.
 """
 
 from collections.abc import Mapping
@@ -15,12 +16,20 @@ from numpy import ndarray
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_term import CurveTerm, curve_term
 from bladeroot.stiffness.posterior import coordinates, predict
-from bladeroot.stiffness.simulated_curves import FRICTION, Simulated, levels_at, simulate, values
+from bladeroot.stiffness.simulated_curves import (
+    FRICTION,
+    Simulated,
+    by_unevenness,
+    levels_at,
+    simulate,
+    values,
+)
 from bladeroot.stiffness.softening import Softening
 from bladeroot.stiffness.summit import Summit, climb
 from bladeroot.structure.joint import Joint
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
+_UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little
 _LONGEST = 0.4  # change of ln k in one round
 _MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
 _SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
@@ -58,8 +67,7 @@ def fit_curves(
     prior = np.array([entry[:2] for entry in FRICTION.values()])
     spread = np.diag(prior[:, 1] ** 2)
     measured = np.concatenate([softening.fall, softening.rise])
-    errors = covariance(softening, levels, discrepancy)
-    precision = np.linalg.inv(errors)
+    smooth = errors = covariance(softening, levels, discrepancy)
     row = np.arange(len(measured))
     friction, u, problem = prior[:, 0], summit.u, summit.problem
     largest, rounds = np.inf, 0
@@ -68,7 +76,11 @@ def fit_curves(
         z = coordinates(predict(problem, u[None]))[0]
         at = levels_at(joint, softening, levels, lasers, z)
         if rounds == 1:
-            friction = _start(joint, at, measured, precision, prior)
+            friction = _start(joint, at, measured, np.linalg.inv(smooth), prior)
+        if rounds <= _UNEVEN:
+            uneven = by_unevenness(joint, at, friction)
+            errors = smooth + uneven @ uneven.T
+            precision = np.linalg.inv(errors)
         friction, said = _fit_friction(joint, at, measured, precision, prior, friction)
         by_level = np.zeros((len(measured), len(levels), 3))
         by_level[row, np.tile(softening.level, 2)] = said.by_level

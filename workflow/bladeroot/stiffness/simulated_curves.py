@@ -5,7 +5,7 @@ force alone, so that the slopes by these two are the slope along the curve.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -98,6 +98,34 @@ def simulate(joint: Joint, at: list[Bench], friction: Float[ndarray, " parameter
             )
         )
     return Simulated(*(_stacked(list(part)) for part in zip(*parts, strict=True)))
+
+
+def by_unevenness(
+    joint: Joint, at: list[Bench], friction: Float[ndarray, " parameter"]
+) -> Float[ndarray, "number pair"]:
+    """Change of all points, falls then rises, where one pair's pressure is a standard deviation up.
+
+    The flanks' mean pressure stays. Mirror images of a contact are uneven each by itself, so that
+    their sum, which the mode feels, is so by the root of their number.
+    """
+    law = friction_of(friction)
+    parts = []
+    for one in at:
+        system = one.systems[0]
+        sliders = uneven_sliders(joint, system, one.force, law)
+        value = softening_curve(system, sliders, one.amplitude)[0]
+        slope = np.empty((*value.shape, system.pair.size))
+        for contact in range(system.pair.size):
+            preload = sliders.preload.copy()
+            preload[contact] *= np.exp(_STEP)
+            changed = softening_curve(system, replace(sliders, preload=preload), one.amplitude)[0]
+            slope[..., contact] = (changed - value) / _STEP
+        share = system.count * sliders.preload.sum(axis=1)
+        slope -= slope.sum(axis=2, keepdims=True) * share / share.sum()
+        part = np.zeros((*value.shape, system.image.size))
+        part[..., system.pair] = law.spread * slope / np.sqrt(system.count)
+        parts.append(part)
+    return _stacked(parts)
 
 
 def friction_of(parameters: Float[ndarray, " parameter"]) -> Uneven:
