@@ -17,7 +17,7 @@ def straight_line(data, scales):
 
     def covariance(state, s):
         shared = np.exp(2.0 * s[0]) * same
-        return shared + 0.01 * np.eye(X.size), [2.0 * shared]
+        return shared + 0.01 * np.eye(X.size), lambda: [2.0 * shared]
 
     return Problem(data, lambda t: State(design @ t, design, {}), covariance, PRIOR, scales)
 
@@ -79,7 +79,7 @@ def test_of_several_starts_the_better_summit_wins():
         return State(mean, np.full((5, 1), 2.0 * t[0] - 0.5), {})
 
     def covariance(state, s):
-        return 0.01 * np.eye(5), []
+        return 0.01 * np.eye(5), list
 
     none = Prior(np.zeros(0), np.zeros(0))
     problem = Problem(np.full(5, 1.5), predict, covariance, Prior(np.zeros(1), np.ones(1)), none)

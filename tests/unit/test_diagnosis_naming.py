@@ -41,7 +41,7 @@ def channel(data, candidates, trust=0.0, smooth=None):
                 np.exp(2.0 * s) * kernel for s, kernel in zip(scales, covariances, strict=True)
             ]
             crude = trust**2 * np.diag((state.facts["effects"] ** 2).sum(axis=0))
-            return sum(parts) + crude, [2.0 * part for part in parts]
+            return sum(parts) + crude, lambda: [2.0 * part for part in parts]
 
         covariances = [np.eye(SIZE), *extra]
         prior = Prior(np.zeros(len(mechanisms)), np.full(len(mechanisms), 30.0))

@@ -13,7 +13,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, State
+from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import near
 from bladeroot.mechanisms.mechanism import Mechanism, Points
@@ -214,18 +214,19 @@ def problem(
             mean = mean + both
         return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
 
-    def covariance(state: State, scales: ndarray) -> tuple[ndarray, list[ndarray]]:
+    def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
         stated = np.exp(2.0 * scales[0]) * data.noise
         floor_f = np.diag(np.where(loss, 0.0, np.exp(2.0 * scales[1])))
         floor_loss = np.diag(np.where(loss, np.exp(2.0 * scales[2]), 0.0))
         whole = free + stated + floor_f + floor_loss + best
         for e in state.facts["effects"]:
-            whole = whole + TRUST_CURVE**2 * np.outer(e, e) * kernel
-        slopes = [2.0 * stated, 2.0 * floor_f, 2.0 * floor_loss]
-        for k, (unit, _) in enumerate(extra):
-            part = np.exp(2.0 * scales[3 + k]) * unit
-            whole, slopes = whole + part, [*slopes, 2.0 * part]
-        return whole, slopes
+            whole += np.outer(TRUST_CURVE**2 * e, e) * kernel
+        parts = [
+            np.exp(2.0 * scale) * unit for scale, (unit, _) in zip(scales[3:], extra, strict=True)
+        ]
+        for part in parts:
+            whole += part
+        return whole, lambda: [2.0 * part for part in (stated, floor_f, floor_loss, *parts)]
 
     scales = [*NOISE, *((np.log(size), 1.5) for _, size in extra)]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))

@@ -8,7 +8,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, State
+from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.stick_model import StickData, trust_kernel
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -75,17 +75,17 @@ def problem(
             columns.append(slope * chain)
         return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
 
-    def covariance(state: State, scales: ndarray) -> tuple[ndarray, list[ndarray]]:
-        scatter = np.exp(2.0 * scales[0]) * held
-        noise = np.exp(2.0 * scales[1]) * np.eye(n)
+    def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
+        scatter, noise = np.exp(2.0 * scales[0]) * held, np.exp(2.0 * scales[1]) * np.eye(n)
         whole = scatter + noise + np.diag(data.std**2)
         for e, kernel in zip(state.facts["effects"], trust, strict=True):
-            whole = whole + TRUST**2 * np.outer(e, e) * kernel
-        slopes = [2.0 * scatter, 2.0 * noise]
-        for k, (unit, _) in enumerate(extra):
-            part = np.exp(2.0 * scales[2 + k]) * unit
-            whole, slopes = whole + part, [*slopes, 2.0 * part]
-        return whole, slopes
+            whole += np.outer(TRUST**2 * e, e) * kernel
+        parts = [
+            np.exp(2.0 * scale) * unit for scale, (unit, _) in zip(scales[2:], extra, strict=True)
+        ]
+        for part in parts:
+            whole += part
+        return whole, lambda: [2.0 * part for part in (scatter, noise, *parts)]
 
     scales = [SCATTER, NOISE, *((np.log(size), 1.5) for _, size in extra)]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))

@@ -6,7 +6,7 @@ Newton's method with expected curvature. The evidence is Laplace's.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -37,8 +37,9 @@ class State:
 
 
 Predict = Callable[[Float[ndarray, " parameter"]], State]
-# Covariance of the data about the mean, and its derivative by each scale's coordinate.
-Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, list[ndarray]]]
+# Covariance of the data about the mean, and a function that makes its derivatives by the scales.
+Slopes = Callable[[], list[ndarray]]
+Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
 
 
 @dataclass(frozen=True)
@@ -77,26 +78,23 @@ class Fit:
 
 @dataclass(frozen=True)
 class _Point:
-    """A candidate of the search, with the objective that it has."""
+    """A candidate of the search: its objective, and Cholesky's factor of its covariance."""
 
     parameters: ndarray
     scales: ndarray
     state: State
     cost: float
-    inverse: ndarray
-    slopes: list[ndarray]
-    log_det: float
+    factor: ndarray
+    slopes: Slopes
 
+    @property
+    def log_det(self) -> float:
+        """ln of the covariance's determinant."""
+        return 2.0 * float(np.log(np.diag(self.factor)).sum())
 
-def _inverse(matrix: ndarray) -> tuple[ndarray, float]:
-    """Inverse of a covariance and ln of its determinant; LinAlgError if it is none."""
-    factor, bad = lapack.dpotrf(matrix, lower=1)
-    if bad:
-        raise np.linalg.LinAlgError
-    half, _ = lapack.dpotri(factor, lower=1)
-    inverse = np.tril(half)
-    inverse += np.tril(half, -1).T
-    return inverse, 2.0 * float(np.log(np.diag(factor)).sum())
+    def whitened(self, columns: ndarray) -> ndarray:
+        """Columns over the covariance's root."""
+        return lapack.dtrtrs(self.factor, columns, lower=1)[0]
 
 
 def _point(
@@ -106,26 +104,28 @@ def _point(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         state = problem.predict(parameters) if state is None else state
         own, slopes = problem.covariance(state, scales)
-    if not (np.isfinite(own).all() and np.isfinite(state.mean).all()):
-        return _Point(parameters, scales, state, np.inf, own, slopes, np.inf)
-    try:
-        inverse, log_det = _inverse(own)
-    except np.linalg.LinAlgError:
-        return _Point(parameters, scales, state, np.inf, own, slopes, np.inf)
     miss = problem.data - state.mean
+    # A sum is not finite where a number is not, and cheaper to ask.
+    if not np.isfinite(own.sum() + miss.sum()):
+        return _Point(parameters, scales, state, np.inf, own, slopes)
+    factor, bad = lapack.dpotrf(own, lower=1)
+    if bad:
+        return _Point(parameters, scales, state, np.inf, own, slopes)
+    at = _Point(parameters, scales, state, np.inf, factor, slopes)
+    white = at.whitened(miss)
     off = (parameters - problem.prior.mean) / problem.prior.std
     wide = (scales - problem.scales.mean) / problem.scales.std
-    cost = 0.5 * (miss @ inverse @ miss + log_det + off @ off + wide @ wide)
-    return _Point(parameters, scales, state, float(cost), inverse, slopes, log_det)
+    cost = 0.5 * (white @ white + at.log_det + off @ off + wide @ wide)
+    return replace(at, cost=float(cost))
 
 
 def _step(problem: Problem, at: _Point, damping: float) -> ndarray:
     """The parameters after one Newton step with the curvature expected of them."""
-    slope, miss = at.state.slope, problem.data - at.state.mean
+    white = at.whitened(np.column_stack([at.state.slope, problem.data - at.state.mean]))
+    slope, miss = white[:, :-1], white[:, -1]
     weight = 1.0 / problem.prior.std**2
-    weighted = at.inverse @ slope
-    curve = slope.T @ weighted + np.diag(weight)
-    pull = weighted.T @ miss - weight * (at.parameters - problem.prior.mean)
+    curve = slope.T @ slope + np.diag(weight)
+    pull = slope.T @ miss - weight * (at.parameters - problem.prior.mean)
     return at.parameters + np.linalg.solve(curve + damping * np.diag(np.diag(curve)), pull)
 
 
@@ -137,22 +137,25 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     """
     if not at.scales.size:
         return at
-    whole, straight, before = _marginal(problem, at)
-    pulled = whole @ straight
-    parts = [whole @ part for part in at.slopes]
+    before = _marginal(problem, at)
+    whole, slopes = _precision(problem, at), at.slopes()
+    pulled = whole @ _straight(problem, at)
+    parts = [whole @ part for part in slopes]
     gradient = np.array(
         [
             0.5 * (pulled @ part @ pulled - np.trace(product))
-            for part, product in zip(at.slopes, parts, strict=True)
+            for part, product in zip(slopes, parts, strict=True)
         ]
     )
     weight = 1.0 / problem.scales.std**2
     gradient -= weight * (at.scales - problem.scales.mean)
     step = np.linalg.solve(_curvature(problem, parts), gradient)
+    # A variance v that is too large wants ln(wanted / v) / 2, of which Newton sees the first term.
+    step = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, 1e-9))
     step = np.clip(step, -_LONGEST, _LONGEST)
     for _ in range(_HALVINGS):
         new = _point(problem, at.parameters, at.scales + step, at.state)
-        if np.abs(step).max() < 0.02 or _marginal(problem, new)[2] <= before:
+        if np.abs(step).max() < 0.02 or _marginal(problem, new) <= before:
             return new
         step = 0.5 * step
     return at
@@ -160,20 +163,38 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
 
 def _curvature(problem: Problem, parts: Sequence[ndarray]) -> ndarray:
     """Expected curvature of the scales' likelihood and prior; `parts` are precision times slope."""
-    products = [[0.5 * np.sum(one * two.T) for two in parts] for one in parts]
+    turned = [np.ascontiguousarray(part.T).ravel() for part in parts]
+    products = [[0.5 * (one.ravel() @ two) for two in turned] for one in parts]
     return np.diag(1.0 / problem.scales.std**2) + np.array(products).reshape(len(parts), len(parts))
 
 
-def _marginal(problem: Problem, at: _Point) -> tuple[ndarray, ndarray, float]:
-    """Precision and miss with the parameters integrated out, and minus the scales' likelihood."""
-    slope, weighted = at.state.slope, at.inverse @ at.state.slope
+def _straight(problem: Problem, at: _Point) -> ndarray:
+    """Data less the prior's mean, by the model made straight."""
+    own = at.state.slope @ (at.parameters - problem.prior.mean)
+    return problem.data - at.state.mean + own
+
+
+def _precision(problem: Problem, at: _Point) -> ndarray:
+    """Inverse of the covariance with the parameters' prior in it."""
+    half, _ = lapack.dpotri(at.factor, lower=1)
+    inverse = np.tril(half)
+    inverse += np.tril(half, -1).T
+    slope, weighted = at.state.slope, inverse @ at.state.slope
     curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
-    whole = at.inverse - weighted @ np.linalg.solve(curve, weighted.T)
-    miss = problem.data - at.state.mean
-    straight = miss + slope @ (at.parameters - problem.prior.mean)
+    return inverse - weighted @ np.linalg.solve(curve, weighted.T)
+
+
+def _marginal(problem: Problem, at: _Point) -> float:
+    """Minus the scales' likelihood, with the parameters integrated out."""
+    if not np.isfinite(at.cost):
+        return np.inf
+    white = at.whitened(np.column_stack([at.state.slope, _straight(problem, at)]))
+    slope, straight = white[:, :-1], white[:, -1]
+    curve = slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
+    pull = slope.T @ straight
     wide = (at.scales - problem.scales.mean) / problem.scales.std
-    log_det = at.log_det + np.linalg.slogdet(curve)[1]
-    return whole, straight, float(0.5 * (straight @ whole @ straight + log_det + wide @ wide))
+    misfit = straight @ straight - pull @ np.linalg.solve(curve, pull) + wide @ wide
+    return float(0.5 * (misfit + at.log_det + np.linalg.slogdet(curve)[1]))
 
 
 def fit(problem: Problem, start: ndarray | None = None, scales: ndarray | None = None) -> Fit:
@@ -219,13 +240,16 @@ def _climb(problem: Problem, at: _Point, steps: int, free: bool = True) -> _Poin
 
 def _finish(problem: Problem, at: _Point) -> Fit:
     """The fit at a point: covariances, and the evidence by Laplace's integral."""
-    slope = at.state.slope
-    precision, miss, cost = _marginal(problem, at)
-    covariance = np.linalg.inv(slope.T @ at.inverse @ slope + np.diag(1.0 / problem.prior.std**2))
-    curvature = _curvature(problem, [precision @ part for part in at.slopes])
-    log = -cost - 0.5 * (miss.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
+    precision, slope = _precision(problem, at), at.whitened(at.state.slope)
+    covariance = np.linalg.inv(slope.T @ slope + np.diag(1.0 / problem.prior.std**2))
+    curvature = _curvature(problem, [precision @ part for part in at.slopes()])
+    straight = _straight(problem, at)
+    log = -_marginal(problem, at)
+    log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
     log -= float(np.log(problem.prior.std).sum() + np.log(problem.scales.std).sum())
-    return Fit(problem, at.parameters, at.scales, at.state, miss, precision, covariance, float(log))
+    return Fit(
+        problem, at.parameters, at.scales, at.state, straight, precision, covariance, float(log)
+    )
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,14 @@ each clamping of the specimen changes kn and kt at random, and the gauge is read
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, State
+from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import Mechanism, Records
@@ -34,6 +34,7 @@ FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
+_STEP = 1e-4  # of a force, for slopes by differences
 SCALES = ("ln_scatter_kn", "ln_scatter_kt", "atanh_correlation", "ln_noise")
 
 
@@ -58,12 +59,16 @@ class StickData:
 
 @dataclass(frozen=True)
 class Simulation:
-    """The baseline: frequencies over (ln kn, ln kt, F), bias (std) by mode, projected problems."""
+    """The baseline: frequencies over (ln kn, ln kt, F), bias (std) by mode, projected problems.
+
+    shapes: those already worked out (`Structures`).
+    """
 
     surface: Surface
     ritz: tuple[Ritz, ...]
     bias: Float[ndarray, " mode"]
     offset: Float[ndarray, " mode"]
+    shapes: dict = field(default_factory=dict)
 
 
 def simulation(
@@ -149,32 +154,50 @@ def problem(
     )  # fmt: skip
     base = 3 + 2 * modes
     rows = np.arange(n)
-    structures = Structures(records, simulated.ritz, simulated.surface)
+    structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
 
     def predict(theta: ndarray) -> State:
         ln_kn, ln_kt = (theta[k] + theta[2] * x for k in (0, 1))
-        force, direct = records.force.copy(), bias_rows @ theta[3:base]
-        slopes, parts = [], []
-        first = base
+        direct = bias_rows @ theta[3:base]
+        told, first = [], base
         for one in mechanisms:
             own = slice(first, first + len(one.parameters))
             first = own.stop
-            values, chain = one.values(theta[own])
-            if one.stick is not None:
-                effect = one.stick(records, values)
-                changes = {k: effect.changes.get(k, np.zeros(n)) for k in _COORDINATES}
-                by = {k: v * chain for k, v in effect.slopes.items()}
-            else:
-                change, slope = structures(one, values, theta[0], theta[1])
-                if one.course is not None:
-                    factor = one.course(records)
-                    change, slope = factor * change, factor[:, None] * slope
-                changes = {k: np.zeros(n) for k in _COORDINATES} | {"ln_f": change}
-                by = {"ln_f": slope * chain}
-            parts.append(changes)
-            slopes.append(by)
-            ln_kn, ln_kt = ln_kn + changes["ln_kn"], ln_kt + changes["ln_kt"]
-            force, direct = force + changes["force"], direct + changes["ln_f"]
+            told.append((one, *one.values(theta[own])))
+        nothing = dict.fromkeys(_COORDINATES, np.zeros(n))
+        parts = [dict(nothing) for _ in told]  # what each changes
+        by_law = [dict(nothing) for _ in told]  # and what laws of the force make of it
+        slopes: list[dict] = [{} for _ in told]
+        laws = [k for k, (one, *_) in enumerate(told) if one.stick is not None]
+        for k in laws:
+            changes, slopes[k] = _effect(*told[k], records)
+            parts[k].update(changes)
+        force = records.force + sum(changes["force"] for changes in parts)
+        moving = [k for k in laws if "force" in slopes[k]]
+        for k in laws if moving else ():
+            if k in moving or "force" not in told[k][0].over:
+                continue
+            # A law of the force goes by the force that there is, not by what the gauge says.
+            changes, slopes[k] = _effect(*told[k], replace(records, force=force))
+            beyond, _ = _effect(*told[k], replace(records, force=(1.0 + _STEP) * force))
+            parts[k].update(changes)
+            for name, change in changes.items():
+                rate = (beyond[name] - change) / (_STEP * force)
+                for i in moving:
+                    by_law[i][name] = by_law[i][name] + rate * parts[i]["force"]
+                    indirect = rate[:, None] * slopes[i]["force"]
+                    slopes[i][name] = slopes[i].get(name, 0.0) + indirect
+        ln_kn = ln_kn + sum(changes["ln_kn"] for changes in parts)
+        ln_kt = ln_kt + sum(changes["ln_kt"] for changes in parts)
+        for k, (one, values, chain) in enumerate(told):
+            if one.structure is None:
+                continue
+            change, slope = structures(one, values, ln_kn, ln_kt)
+            if one.course is not None:
+                factor = one.course(records)
+                change, slope = factor * change, factor[:, None] * slope
+            parts[k]["ln_f"], slopes[k] = change, {"ln_f": slope * chain}
+        direct = direct + sum(changes["ln_f"] for changes in parts)
         points, where = np.unique(
             np.stack([ln_kn, ln_kt, force], axis=1), axis=0, return_inverse=True
         )
@@ -189,9 +212,10 @@ def problem(
                 if name in by:
                     block = block + (g[:, axis : axis + 1] if axis < 3 else 1.0) * by[name]
             columns.append(block)
+        whole = np.column_stack([g, np.ones(n)])
         effects = [
-            g[:, 0] * c["ln_kn"] + g[:, 1] * c["ln_kt"] + g[:, 2] * c["force"] + c["ln_f"]
-            for c in parts
+            sum(whole[:, axis] * (c[name] + law[name]) for axis, name in enumerate(_COORDINATES))
+            for c, law in zip(parts, by_law, strict=True)
         ]
         facts = {"gradient": g, "effects": np.array(effects).reshape(len(parts), n)}
         return State(mean, np.hstack(columns), facts)
@@ -199,28 +223,37 @@ def problem(
     same_hold = data.hold[:, None] == data.hold
     trust = [trust_kernel(data, one.over) for one in mechanisms]
 
-    def covariance(state: State, scales: ndarray) -> tuple[ndarray, list[ndarray]]:
+    def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
         g = state.facts["gradient"]
         s_n, s_t, noise = np.exp(scales[0]), np.exp(scales[1]), np.exp(scales[3])
         r = np.tanh(scales[2])
-        held = [np.outer(g[:, a], g[:, b]) * same_hold for a, b in ((0, 0), (1, 1), (0, 1))]
-        both = held[2] + held[2].T
-        normal, tangential, mixed = s_n**2 * held[0], s_t**2 * held[1], r * s_n * s_t * both
-        whole = normal + tangential + mixed
-        whole = whole + data.rounding**2 * np.outer(g[:, 2], g[:, 2]) * same_hold
+        normal, tangential = s_n**2 * _AXES[0], s_t**2 * _AXES[1]
+        both = s_n * s_t * _AXES[2]
+
+        def of_hold(scatter: ndarray) -> ndarray:
+            return (g @ scatter @ g.T) * same_hold
+
+        read = np.diag([0.0, 0.0, data.rounding**2])
+        whole = of_hold(normal + tangential + r * both + read)
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
             e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
-            whole = whole + TRUST**2 * np.outer(e, e) * kernel
+            whole += np.outer(TRUST**2 * e, e) * kernel
         whole[rows, rows] += data.std**2 + noise**2
-        slopes = [
-            2.0 * normal + mixed,
-            2.0 * tangential + mixed,
-            (1.0 - r**2) * s_n * s_t * both,
-            np.diag(np.full(n, 2.0 * noise**2)),
+        parts = [
+            np.exp(2.0 * scale) * unit for scale, (unit, _) in zip(scales[4:], extra, strict=True)
         ]
-        for k, (unit, _) in enumerate(extra):
-            part = np.exp(2.0 * scales[4 + k]) * unit
-            whole, slopes = whole + part, [*slopes, 2.0 * part]
+        for part in parts:
+            whole += part
+
+        def slopes() -> list[ndarray]:
+            return [
+                of_hold(2.0 * normal + r * both),
+                of_hold(2.0 * tangential + r * both),
+                of_hold((1.0 - r**2) * both),
+                np.diag(np.full(n, 2.0 * noise**2)),
+                *(2.0 * part for part in parts),
+            ]
+
         return whole, slopes
 
     scales = [SCATTER, SCATTER, CORRELATION, NOISE]
@@ -230,6 +263,20 @@ def problem(
 
 
 _COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")
+# Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
+_AXES = (
+    np.diag([1.0, 0.0, 0.0]),
+    np.diag([0.0, 1.0, 0.0]),
+    np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+)
+
+
+def _effect(
+    one: Mechanism, values: ndarray, chain: ndarray, records: Records
+) -> tuple[dict[str, ndarray], dict[str, ndarray]]:
+    """What a mechanism changes of records, and the slopes by the fit's coordinates."""
+    effect = one.stick(records, values)
+    return dict(effect.changes), {name: slope * chain for name, slope in effect.slopes.items()}
 
 
 def _means(of_mode: ndarray, values: ndarray) -> ndarray:

@@ -10,51 +10,80 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.structure.chebyshev import Surface
 from bladeroot.structure.ritz import Ritz, solve
 
+_GRID = 0.2  # of ln kn and ln kt
+_CORNERS = np.array([[0, 0], [0, 1], [1, 0], [1, 1]])
+
 
 class Structures:
     """Change of ln f by changed matrices, from the modes' shapes at the unchanged ones.
 
-    Rayleigh's quotient: the frequency is stationary in the shape. Shapes are kept until kn or kt
-    have moved by some per cent.
+    Rayleigh's quotient: the frequency is stationary in the shape. Shapes are worked out on a grid
+    of ln kn and ln kt at each force, between whose points the change is interpolated.
     """
 
-    def __init__(self, records: Records, ritz: Sequence[Ritz], surface: Surface) -> None:
-        """Projected problems by mode, and the surface whose box their points must lie in."""
-        self.records, self.ritz, self.surface = records, ritz, surface
+    def __init__(
+        self, records: Records, ritz: Sequence[Ritz], surface: Surface, known: dict
+    ) -> None:
+        """Projected problems by mode, the surface whose box their points must lie in, and what is
+        known already by mode, force and place on the grid, which is added to.
+        """
+        self.records, self.ritz, self.surface, self.known = records, ritz, surface, known
         self.forces, self.where = np.unique(records.force, return_inverse=True)
-        self.at: ndarray | None = None
-        self.shapes: list = []
+        self.many = np.bincount(self.where)
 
     def __call__(
-        self, one: Mechanism, values: ndarray, ln_kn: float, ln_kt: float
+        self,
+        one: Mechanism,
+        values: ndarray,
+        ln_kn: Float[ndarray, " record"],
+        ln_kt: Float[ndarray, " record"],
     ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]]:
         """Change of ln f of each record, and its derivative by the mechanism's parameters."""
-        now = np.array([ln_kn, ln_kt])
-        if self.at is None or np.abs(now - self.at).max() > 0.05:
-            low, high = self.surface.low, self.surface.high
-            points = np.stack(
-                [np.full(self.forces.size, ln_kn), np.full(self.forces.size, ln_kt), self.forces],
-                axis=1,
-            )
-            points = np.clip(points, low, high)
-            self.at, self.shapes = now, [solve(one, points) for one in self.ritz]
+        ln_k = np.array([np.bincount(self.where, part) / self.many for part in (ln_kn, ln_kt)])
+        corner, weight = self._place(ln_k.T)
         n = self.records.force.size
         change, slopes = np.zeros(n), np.zeros((n, values.size))
-        for mode, (ritz, pairs) in enumerate(zip(self.ritz, self.shapes, strict=True)):
+        for mode, ritz in enumerate(self.ritz):
             mine = self.records.mode == mode
+            own, y = self._shapes(mode, corner)
             whole, parts = one.structure(ritz, values)
             kept = slice(0, ritz.own)
 
-            def share(matrix: ndarray, y: ndarray = pairs.shape, kept: slice = kept) -> ndarray:
+            def share(matrix: ndarray, y: ndarray = y, kept: slice = kept) -> ndarray:
                 return ((y @ matrix[kept, kept]) * y).sum(axis=1)
 
-            stiff = np.maximum(1.0 + share(whole.stiffness) / pairs.value, 0.05)
+            def between(at_corners: ndarray) -> ndarray:
+                at_forces = (at_corners.reshape(weight.shape) * weight).sum(axis=1)
+                return at_forces[self.where[mine]]  # noqa: B023 - used in this round only
+
+            stiff = np.maximum(1.0 + share(whole.stiffness) / own, 0.05)
             mass = np.maximum(1.0 + share(whole.mass), 0.05)
-            value = 0.5 * (np.log(stiff) - np.log(mass))
-            change[mine] = value[self.where[mine]]
+            change[mine] = between(0.5 * (np.log(stiff) - np.log(mass)))
             for k, part in enumerate(parts):
-                slope = 0.5 * (
-                    share(part.stiffness) / pairs.value / stiff - share(part.mass) / mass
-                )
-                slopes[mine, k] = slope[self.where[mine]]
+                slope = share(part.stiffness) / own / stiff - share(part.mass) / mass
+                slopes[mine, k] = between(0.5 * slope)
         return change, slopes
+
+    def _place(self, ln_k: Float[ndarray, "force 2"]) -> tuple[ndarray, ndarray]:
+        """Places on the grid (force, corner, 2) around each force's ln kn, ln kt; their weights."""
+        low, high = self.surface.low[:2], self.surface.high[:2]
+        steps = np.clip(ln_k, low, high) / _GRID
+        first = np.floor(steps)
+        over = (steps - first)[:, None]
+        weight = np.where(_CORNERS, over, 1.0 - over).prod(axis=2)
+        return first.astype(int)[:, None] + _CORNERS, weight
+
+    def _shapes(self, mode: int, corner: ndarray) -> tuple[ndarray, ndarray]:
+        """omega^2 and shape of a mode at every force's corners, in one row."""
+        keys = [
+            (mode, force, *place)
+            for force, places in zip(self.forces.tolist(), corner.tolist(), strict=True)
+            for place in places
+        ]
+        new = [key for key in dict.fromkeys(keys) if key not in self.known]
+        if new:
+            places = np.array([(*key[2:], key[1]) for key in new]) * [_GRID, _GRID, 1.0]
+            found = solve(self.ritz[mode], np.clip(places, self.surface.low, self.surface.high))
+            self.known.update(zip(new, zip(found.value, found.shape, strict=True), strict=True))
+        values, shapes = zip(*(self.known[key] for key in keys), strict=True)
+        return np.array(values), np.array(shapes)

@@ -134,7 +134,7 @@ def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> lis
 
 def _derivatives(x: Float[ndarray, " point"], count: int, scale: float, order: int) -> list:
     """Chebyshev polynomials and their derivatives by the unscaled coordinate."""
-    results = [chebyshev.chebvander(x, count - 1)]
+    results = [np.cos(np.arange(count) * np.arccos(x)[:, None])]
     for _ in range(order):
         results.append(scale * (results[-1] @ _differentiation(count)))
     return results

@@ -1,0 +1,81 @@
+"""The model of stick frequencies: slopes, causes that act on each other, changed matrices."""
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis.stick_model import ln_frequency, problem, simulation, stick_data
+from bladeroot.diagnosis.structures import Structures
+from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.structure.parametric import parametric_model
+from bladeroot.structure.sensitivity import changed_frequencies
+from diagnosis_bench import MODES, campaign, programme
+from stiffness_beam import beam_joint
+
+BY_ID = {one.id: one for one in catalogue()}
+BASE = 3 + 2 * len(MODES)
+
+
+@pytest.fixture(scope="module")
+def parts():
+    model = parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    return stick_data(seen, MODES), simulation(model, MODES, [0.005] * 2, [0.0] * 2)
+
+
+def point(mechanisms, *values):
+    """Coordinates of a fit: kn and kt of the campaign, then the mechanisms' own."""
+    own = [
+        np.log(v) if p.log else v
+        for one, some in zip(mechanisms, values, strict=True)
+        for p, v in zip(one.parameters, some, strict=True)
+    ]
+    return np.concatenate([np.log([1.2e9, 1.8e9]), [0.02], np.zeros(BASE - 3), own])
+
+
+@pytest.mark.parametrize(
+    ("ids", "values"),
+    [
+        (("incomplete-contact",), [(4e3, 1.0)]),
+        (("force-relaxation", "incomplete-contact"), [(0.02, 60.0), (4e3, 1.0)]),
+        (("load-dependent-stiffness", "force-gain"), [(0.4, 0.1), (0.1,)]),
+        (("force-offset", "loading-hysteresis"), [(800.0,), (0.2,)]),
+    ],
+)
+def test_slopes_are_derivatives(parts, ids, values):
+    mechanisms = [BY_ID[name] for name in ids]
+    predict = problem(*parts, mechanisms).predict
+    theta = point(mechanisms, *values)
+    slope = predict(theta).slope
+    for k, h in enumerate(1e-5 * np.maximum(1.0, np.abs(theta))):
+        step = h * np.eye(theta.size)[k]
+        numeric = (predict(theta + step).mean - predict(theta - step).mean) / (2.0 * h)
+        np.testing.assert_allclose(slope[:, k], numeric, atol=2e-4 * np.abs(numeric).max())
+
+
+def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
+    data, simulated = parts
+    both = [BY_ID["force-gain"], BY_ID["incomplete-contact"]]
+    found = problem(data, simulated, both).predict(point(both, (0.2,), (4e3, 1.0))).mean
+    true = 1.2 * data.records.force
+    share = np.log(-np.expm1(-true / 4e3))
+    x = 0.02 * np.log(data.records.force / 12e3)
+    points = np.column_stack([np.log(1.2e9) + x + share, np.log(1.8e9) + x + share, true])
+    wanted = ln_frequency(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
+    np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_changed_matrices_move_frequencies_as_an_exact_solution_does(parts):
+    data, simulated = parts
+    records, drift = data.records, BY_ID["drift"]
+    by_record = 0.13 * np.log(records.force / 12e3)
+    ln_kn, ln_kt = np.log(1.27e9) + by_record, np.log(1.91e9) + by_record
+    quotient = Structures(records, simulated.ritz, simulated.surface, {})
+    found = quotient(drift, np.array([0.004]), ln_kn, ln_kt)[0]
+    for mode, ritz in enumerate(simulated.ritz):
+        mine = records.mode == mode
+        points = np.column_stack([ln_kn, ln_kt, records.force])[mine]
+        whole, _ = drift.structure(ritz, np.array([0.004]))
+        f = [
+            changed_frequencies(ritz, points, [whole], np.full((mine.sum(), 1), amount))
+            for amount in (0.0, 1.0)
+        ]
+        np.testing.assert_allclose(found[mine], np.log(f[1] / f[0]), rtol=2e-3)
