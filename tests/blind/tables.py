@@ -44,6 +44,8 @@ def _claims(outcomes: pd.DataFrame) -> str:
     forces = single[
         (single["named"] > 0) & single["hidden"].map(_class).isin(("force-law", "level"))
     ]
+    level = forces[forces["hidden"].map(_class) == "level"]
+    laws = forces.drop(level.index)
     slip = single[(single["named"] > 0) & (single["hidden"] == "joint-slip")]
     rows = [
         ("wrong name, all cases", outcomes["wrong"], "at most 2 %"),
@@ -55,8 +57,11 @@ def _claims(outcomes: pd.DataFrame) -> str:
         ("pair: dominant one named", pair["dominant"], "95 %"),
         ("pair: both named", pair["named"] == 2, "60 %"),
         ("value of a named effect right", compared["parameter"] == 1, "90 %"),
-        ("error between forces halved, force-law and level", forces["between_forces"] <= 0.5, ""),
-        ("damping curves' error less by 40 %, joint-slip", slip["damping_curves"] <= 0.6, ""),
+        ("error between forces halved, force laws", laws["between_forces"] <= 0.5, "always"),
+        ("error between forces halved, level effects", level["between_forces"] <= 0.5, "always"),
+        ("error of kn, kt halved, level effects", level["k_after"] <= 0.5 * level["k_before"], ""),
+        ("kn, kt then right within 3 of their std", level["k_away"] <= 3.0, ""),
+        ("damping curves' error less by 40 %, joint-slip", slip["damping_curves"] <= 0.6, "always"),
     ]
     head = "| | cases | share | 95 % bounds | wanted |\n|---|---|---|---|---|"
     lines = [_row(name, int(hits.sum()), len(hits), wanted) for name, hits, wanted in rows]

@@ -228,6 +228,7 @@ def test_the_page_counts_what_was_scored():
         ("nothing", verdict("nothing-missing")),
         ("nothing", verdict("named", cause("drift", "time"))),
         ("damping-drift", verdict("unexplained")),
+        ("added-mass", verdict("named", cause("added-mass", "level", value=0.004))),
     ):
         answer = {"effects": [] if hidden == "nothing" else [[hidden, 0.004]]}
         outcome = score(answer, said)
@@ -238,15 +239,20 @@ def test_the_page_counts_what_was_scored():
                 "bench_s": 1.0,
                 "verdict_s": 2.0,
                 "split": None,
+                "k_before": 0.3,
+                "k_after": 0.1,
+                "k_away": 1.2,
             }
             | left_over(said)
             | vars(outcome)
         )
     page = matrix_page(pd.DataFrame(rows), {"seed": 1}, "fast")
     assert "| name on a null | 1 of 2 | 50.0% | 1.3% to 98.7% | at most 2 % |" in page
-    assert "| wrong name, all cases | 1 of 4 |" in page
+    assert "| wrong name, all cases | 1 of 5 |" in page
     assert "| `drift` | time | 1 | 1 | 100% |" in page
     assert "| effect of no catalogue flagged | 1 of 1 |" in page
+    assert "| error of kn, kt halved, level effects | 1 of 1 |" in page
+    assert "| error between forces halved, level effects | 0 of 1 |" in page
 
 
 def test_the_specimen_is_the_bench_s_own(lab):
