@@ -4,9 +4,10 @@
 
 Takes a campaign's stick frequencies and curves as the workflow left them, and the joint posterior's
 summit with curves under its own law. There it prints the standard deviations of ln kn and ln kt at
-12 kN that the information gives, with one thing known better in each row: the simulated curves, the
-clampings' friction, the friction's own parameters, the model's bias, the gauge. No row is reachable
-by another inference from the same data under the same trust.
+12 kN that the information gives, with one thing known better in each row: the simulated curves,
+where on the flanks the pressure is high, the clampings' friction, the friction's own parameters,
+the model's bias, the gauge. No row is reachable by another inference from the same data under the
+same trust.
 """
 
 import sys
@@ -24,7 +25,12 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import problems_of
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 from bladeroot.stiffness.posterior import coordinates, local, predict
-from bladeroot.stiffness.simulated_curves import FRICTION, levels_at, simulate
+from bladeroot.stiffness.simulated_curves import (
+    FRICTION,
+    by_unevenness,
+    levels_at,
+    simulate,
+)
 from bladeroot.stiffness.softening import softening_of
 from bladeroot.stiffness.summit import find_summit, freest
 from bladeroot.stiffness.worth import stiffness_rows
@@ -40,9 +46,15 @@ CASES = {
     "simulated curves trusted to 2 %": {"discrepancy": 0.02},
     "to 1 %": {"discrepancy": 0.01},
     "fully": {"discrepancy": NOTHING},
+    "the pressure's place on the flanks known": {"uneven": 0.0},
     "all clampings with one friction": {"clamping": 0.0},
     "friction law and its parameters known": {"friction": NOTHING},
-    "all three": {"discrepancy": NOTHING, "clamping": 0.0, "friction": NOTHING},
+    "all of these": {
+        "discrepancy": NOTHING,
+        "uneven": 0.0,
+        "clamping": 0.0,
+        "friction": NOTHING,
+    },
     "gauge without error, frequencies alone": {"gauge": 1e-3, "curves": False},
     "gauge without error, with curves": {"gauge": 1e-3},
     "model's bias a fifth, frequencies alone": {"bias": 0.2, "curves": False},
@@ -72,7 +84,8 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
     law = freest(both)
     summit, bare = both[law], problems[law]
     z = coordinates(predict(summit.problem, summit.u[None]))[0]
-    said = simulate(joint, levels_at(joint, softening, levels, LASERS, z), fit.friction)
+    at = levels_at(joint, softening, levels, LASERS, z)
+    said, moved = simulate(joint, at, fit.friction), by_unevenness(joint, at, fit.friction)
     row = np.arange(len(said.value))
     slope = np.zeros((len(row), len(levels), 3))
     slope[row, np.tile(softening.level, 2)] = said.by_level
@@ -80,8 +93,8 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
     spread = np.array([entry[1] for entry in FRICTION.values()])
 
     def doubt(
-        discrepancy=DISCREPANCY, clamping=curve_errors.CLAMPING, friction=1.0, bias=1.0, gauge=1.0,
-        curves=True,
+        discrepancy=DISCREPANCY, uneven=1.0, clamping=curve_errors.CLAMPING, friction=1.0,
+        bias=1.0, gauge=1.0, curves=True,
     ) -> np.ndarray:  # fmt: skip
         """Covariance of (ln kn, ln kt) at the reference force."""
         scale = [bias if n.startswith("bias_") else gauge if n.startswith("force_") else 1.0
@@ -92,6 +105,7 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
             curve_errors.CLAMPING = clamping
             errors = covariance(softening, levels, discrepancy) + np.diag((FLOOR * size) ** 2)
             curve_errors.CLAMPING = own
+            errors += uneven**2 * moved @ moved.T
             errors += said.by_friction @ np.diag((friction * spread) ** 2) @ said.by_friction.T
             term = curve_term(z, np.zeros(len(row)), slope.reshape(len(row), -1), errors)
             problem = replace(problem, curves=term)

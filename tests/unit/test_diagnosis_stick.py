@@ -18,7 +18,7 @@ BASE = 3 + 2 * len(MODES)
 def parts():
     model = parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
     seen = campaign(model, rows=programme(cycles=1), curves=False)
-    return stick_data(seen, MODES), simulation(model, MODES, [0.005] * 2, [0.0] * 2)
+    return stick_data(seen, MODES), simulation(model, MODES, [0.005] * 2, [0.0] * 2), seen
 
 
 def point(mechanisms, *values):
@@ -42,7 +42,7 @@ def point(mechanisms, *values):
 )
 def test_slopes_are_derivatives(parts, ids, values):
     mechanisms = [BY_ID[name] for name in ids]
-    predict = problem(*parts, mechanisms).predict
+    predict = problem(*parts[:2], mechanisms).predict
     theta = point(mechanisms, *values)
     slope = predict(theta).slope
     for k, h in enumerate(1e-5 * np.maximum(1.0, np.abs(theta))):
@@ -52,7 +52,7 @@ def test_slopes_are_derivatives(parts, ids, values):
 
 
 def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
-    data, simulated = parts
+    data, simulated, _ = parts
     both = [BY_ID["force-gain"], BY_ID["incomplete-contact"]]
     found = problem(data, simulated, both).predict(point(both, (0.2,), (4e3, 1.0))).mean
     true = 1.2 * data.records.force
@@ -63,8 +63,23 @@ def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
     np.testing.assert_allclose(found, wanted, atol=1e-12)
 
 
+def test_a_hold_in_which_a_frequency_jumps_counts_as_two(parts):
+    seen = parts[2]
+    hold, mode = seen["hold"].values.astype(str), seen["mode"].values
+    row = np.flatnonzero((hold == "h05") & (mode == "1B"))[-1]
+    for size, wanted in ((2e-3, ("h05",)), (5e-6, ())):
+        changed = seen.copy(deep=True)
+        changed["stick_frequency"][row] *= 1.0 - size
+        data = stick_data(changed, MODES)
+        assert data.jumped == wanted
+        of_hold = data.hold[np.flatnonzero(hold == "h05")]
+        assert np.unique(of_hold).size == 1 + len(wanted)
+        others = data.hold[hold != "h05"]
+        np.testing.assert_array_equal(others, parts[0].hold[hold != "h05"])
+
+
 def test_changed_matrices_move_frequencies_as_an_exact_solution_does(parts):
-    data, simulated = parts
+    data, simulated, _ = parts
     records, drift = data.records, BY_ID["drift"]
     by_record = 0.13 * np.log(records.force / 12e3)
     ln_kn, ln_kt = np.log(1.27e9) + by_record, np.log(1.91e9) + by_record

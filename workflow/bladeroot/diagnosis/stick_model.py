@@ -33,6 +33,7 @@ NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
+JUMP = 30.0  # times the usual difference of a hold's records: beyond it, something let go
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 _STEP = 1e-4  # of a force, for slopes by differences
 SCALES = ("ln_scatter_kn", "ln_scatter_kt", "atanh_correlation", "ln_noise")
@@ -43,7 +44,8 @@ class StickData:
     """The records with a stick frequency.
 
     std: relative, within the record. hold: number of the clamping. rounding: standard deviation of
-    the reading's rounding, N. row: number in the observations.
+    the reading's rounding, N. row: number in the observations. jumped: holds that count as two
+    clampings.
     """
 
     modes: tuple[str, ...]
@@ -55,6 +57,7 @@ class StickData:
     row: Int[ndarray, " record"]
     direction_known: bool
     time_known: bool
+    jumped: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -89,11 +92,13 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
     holds = seen["hold"].values.astype(str)[row]
     names = seen["record"].values.astype(str)[row]
-    hold = np.unique(np.where(holds == "", "record " + names, holds), return_inverse=True)[1]
+    called, hold = np.unique(np.where(holds == "", "record " + names, holds), return_inverse=True)
     time = seen["time"].values[row]
     known = bool(np.isfinite(time).all()) and row.size > 0
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
+    ln_f, error = np.log(frequency[row]), np.maximum(std[row] / frequency[row], BEST)
+    hold, jumped = _clampings(mode[row], hold, time, ln_f, error)
     direction = seen["direction"].values.astype(str)[row]
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
@@ -107,14 +112,44 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     return StickData(
         tuple(modes),
         records,
-        np.log(frequency[row]),
-        np.maximum(std[row] / frequency[row], BEST),
+        ln_f,
+        error,
         hold,
         float(seen.attrs["gauge_resolution_N"]) / np.sqrt(12.0),
         row,
         bool((records.sign > 0).any() and (records.sign < 0).any()),
         known,
+        tuple(called[jumped].tolist()),
     )
+
+
+def _clampings(
+    mode: ndarray, hold: ndarray, time: ndarray, ln_f: ndarray, std: ndarray
+) -> tuple[ndarray, list[int]]:
+    """Numbers of the clampings, where a hold counts as two if a frequency jumps within it, and the
+    numbers of such holds.
+
+    One jump would pass for noise of all records, and what tells causes in time from others, how
+    little records of a hold differ, would be lost.
+    """
+    split, jumped = hold.copy(), []
+    for one in np.unique(mode):
+        order = np.flatnonzero(mode == one)
+        order = order[np.lexsort((time[order], hold[order]))]
+        before, after = order[:-1], order[1:]
+        within = hold[before] == hold[after]
+        before, after = before[within], after[within]
+        if not after.size:
+            continue
+        change = ln_f[after] - ln_f[before]
+        off = np.abs(change - np.median(change))
+        far = off / np.hypot(np.median(off), np.hypot(std[before], std[after]))
+        for k in np.flatnonzero(far > JUMP):
+            number = int(hold[after[k]])
+            if number not in jumped:
+                jumped.append(number)
+                split[(hold == number) & (time >= time[after[k]])] = hold.max() + len(jumped)
+    return split, jumped
 
 
 def ln_frequency(

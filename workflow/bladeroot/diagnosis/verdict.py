@@ -211,6 +211,9 @@ def _reason(made: Diagnosis, answer: str) -> str:
             )
     if made.left_out:
         lines.append(made.left_out)
+    if made.data.jumped:
+        holds = ", ".join(made.data.jumped)
+        lines.append(f"a stick frequency jumps within {holds}: counted as two clampings")
     if made.lacks:
         lines.append(f"no statement on gauge and level effects: it lacks {'; '.join(made.lacks)}")
     return ". ".join(lines)
