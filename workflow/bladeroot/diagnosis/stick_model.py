@@ -5,13 +5,15 @@ each clamping of the specimen changes kn and kt at random, and the gauge is read
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
+from bladeroot.diagnosis.causes import causes
+from bladeroot.diagnosis.clampings import clampings
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.structures import Structures
@@ -33,9 +35,7 @@ NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
-JUMP = 30.0  # times the usual difference of a hold's records: beyond it, something let go
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
-_STEP = 1e-4  # of a force, for slopes by differences
 SCALES = ("ln_scatter_kn", "ln_scatter_kt", "atanh_correlation", "ln_noise")
 
 
@@ -98,7 +98,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
     ln_f, error = np.log(frequency[row]), np.maximum(std[row] / frequency[row], BEST)
-    hold, jumped = _clampings(mode[row], hold, time, ln_f, error)
+    hold, jumped = clampings(mode[row], hold, time, ln_f, error)
     direction = seen["direction"].values.astype(str)[row]
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
@@ -121,35 +121,6 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         known,
         tuple(called[jumped].tolist()),
     )
-
-
-def _clampings(
-    mode: ndarray, hold: ndarray, time: ndarray, ln_f: ndarray, std: ndarray
-) -> tuple[ndarray, list[int]]:
-    """Numbers of the clampings, where a hold counts as two if a frequency jumps within it, and the
-    numbers of such holds.
-
-    One jump would pass for noise of all records, and what tells causes in time from others, how
-    little records of a hold differ, would be lost.
-    """
-    split, jumped = hold.copy(), []
-    for one in np.unique(mode):
-        order = np.flatnonzero(mode == one)
-        order = order[np.lexsort((time[order], hold[order]))]
-        before, after = order[:-1], order[1:]
-        within = hold[before] == hold[after]
-        before, after = before[within], after[within]
-        if not after.size:
-            continue
-        change = ln_f[after] - ln_f[before]
-        off = np.abs(change - np.median(change))
-        far = off / np.hypot(np.median(off), np.hypot(std[before], std[after]))
-        for k in np.flatnonzero(far > JUMP):
-            number = int(hold[after[k]])
-            if number not in jumped:
-                jumped.append(number)
-                split[(hold == number) & (time >= time[after[k]])] = hold.max() + len(jumped)
-    return split, jumped
 
 
 def ln_frequency(
@@ -192,67 +163,23 @@ def problem(
     structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
 
     def predict(theta: ndarray) -> State:
-        ln_kn, ln_kt = (theta[k] + theta[2] * x for k in (0, 1))
-        direct = bias_rows @ theta[3:base]
-        told, first = [], base
-        for one in mechanisms:
-            own = slice(first, first + len(one.parameters))
-            first = own.stop
-            told.append((one, *one.values(theta[own])))
-        nothing = dict.fromkeys(_COORDINATES, np.zeros(n))
-        parts = [dict(nothing) for _ in told]  # what each changes
-        by_law = [dict(nothing) for _ in told]  # and what laws of the force make of it
-        slopes: list[dict] = [{} for _ in told]
-        laws = [k for k, (one, *_) in enumerate(told) if one.stick is not None]
-        for k in laws:
-            changes, slopes[k] = _effect(*told[k], records)
-            parts[k].update(changes)
-        force = records.force + sum(changes["force"] for changes in parts)
-        moving = [k for k in laws if "force" in slopes[k]]
-        for k in laws if moving else ():
-            if k in moving or "force" not in told[k][0].over:
-                continue
-            # A law of the force goes by the force that there is, not by what the gauge says.
-            changes, slopes[k] = _effect(*told[k], replace(records, force=force))
-            beyond, _ = _effect(*told[k], replace(records, force=(1.0 + _STEP) * force))
-            parts[k].update(changes)
-            for name, change in changes.items():
-                rate = (beyond[name] - change) / (_STEP * force)
-                for i in moving:
-                    by_law[i][name] = by_law[i][name] + rate * parts[i]["force"]
-                    indirect = rate[:, None] * slopes[i]["force"]
-                    slopes[i][name] = slopes[i].get(name, 0.0) + indirect
-        ln_kn = ln_kn + sum(changes["ln_kn"] for changes in parts)
-        ln_kt = ln_kt + sum(changes["ln_kt"] for changes in parts)
-        for k, (one, values, chain) in enumerate(told):
-            if one.structure is None:
-                continue
-            change, slope = structures(one, values, ln_kn, ln_kt)
-            if one.course is not None:
-                factor = one.course(records)
-                change, slope = factor * change, factor[:, None] * slope
-            parts[k]["ln_f"], slopes[k] = change, {"ln_f": slope * chain}
-        direct = direct + sum(changes["ln_f"] for changes in parts)
+        ln_k = theta[:2, None] + theta[2] * x
+        made = causes(mechanisms, theta[base:], records, structures, ln_k)
+        ln_kn, ln_kt = ln_k + made.changes[:, :2].T
         points, where = np.unique(
-            np.stack([ln_kn, ln_kt, force], axis=1), axis=0, return_inverse=True
+            np.stack([ln_kn, ln_kt, records.force + made.changes[:, 2]], axis=1),
+            axis=0,
+            return_inverse=True,
         )
         value, gradient = ln_frequency(simulated.surface, points)
         where = where.reshape(-1)
-        mean = value[where, records.mode] + direct
+        mean = value[where, records.mode] + bias_rows @ theta[3:base] + made.changes[:, 3]
         g = gradient[where, records.mode]
-        columns = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * x)[:, None], bias_rows]
-        for by in slopes:
-            block = 0.0
-            for axis, name in enumerate(_COORDINATES):
-                if name in by:
-                    block = block + (g[:, axis : axis + 1] if axis < 3 else 1.0) * by[name]
-            columns.append(block)
         whole = np.column_stack([g, np.ones(n)])
-        effects = [
-            sum(whole[:, axis] * (c[name] + law[name]) for axis, name in enumerate(_COORDINATES))
-            for c, law in zip(parts, by_law, strict=True)
-        ]
-        facts = {"gradient": g, "effects": np.array(effects).reshape(len(parts), n)}
+        columns = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * x)[:, None], bias_rows]
+        columns += [np.einsum("nc,ncp->np", whole, slope) for slope in made.slopes]
+        effects = np.einsum("nc,knc->kn", whole, made.effects)
+        facts = {"gradient": g, "effects": effects}
         return State(mean, np.hstack(columns), facts)
 
     same_hold = data.hold[:, None] == data.hold
@@ -297,21 +224,12 @@ def problem(
     return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
 
 
-_COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
     np.diag([1.0, 0.0, 0.0]),
     np.diag([0.0, 1.0, 0.0]),
     np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
 )
-
-
-def _effect(
-    one: Mechanism, values: ndarray, chain: ndarray, records: Records
-) -> tuple[dict[str, ndarray], dict[str, ndarray]]:
-    """What a mechanism changes of records, and the slopes by the fit's coordinates."""
-    effect = one.stick(records, values)
-    return dict(effect.changes), {name: slope * chain for name, slope in effect.slopes.items()}
 
 
 def _means(of_mode: ndarray, values: ndarray) -> ndarray:

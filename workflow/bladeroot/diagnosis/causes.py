@@ -1,0 +1,84 @@
+"""What several causes together change of the records' stick frequencies.
+
+They act on each other as on the specimen: a law of the axial force goes by the force that there is,
+not by what the gauge says, and changed matrices move frequencies by the stiffness that there is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.diagnosis.structures import Structures
+from bladeroot.mechanisms.mechanism import Mechanism, Records
+
+COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")
+_FORCE = COORDINATES.index("force")
+_STEP = 1e-4  # of a force, for slopes by differences
+
+
+@dataclass(frozen=True)
+class Causes:
+    """Changes by `COORDINATES` (force in N).
+
+    changes: of all together. effects: of each, with what laws of the force make of it, linear.
+    slopes: of the changes, by each one's own coordinates in the fit, shape (record, 4, own).
+    """
+
+    changes: Float[ndarray, "record 4"]
+    effects: Float[ndarray, "cause record 4"]
+    slopes: list[ndarray]
+
+
+def causes(
+    mechanisms: Sequence[Mechanism],
+    theta: Float[ndarray, " parameter"],
+    records: Records,
+    structures: Structures,
+    ln_k: Float[ndarray, "2 record"],
+) -> Causes:
+    """At coordinates `theta` of all mechanisms in order; ln_k: ln kn, ln kt without them."""
+    told, first = [], 0
+    for one in mechanisms:
+        told.append((one, *one.values(theta[first : first + len(one.parameters)])))
+        first += len(one.parameters)
+    n = records.force.size
+    own = [np.zeros((n, 4)) for _ in told]
+    through = [np.zeros((n, 4)) for _ in told]  # laws of the force
+    slopes = [np.zeros((n, 4, len(one.parameters))) for one in mechanisms]
+    laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
+    for k in laws:
+        own[k], slopes[k] = _of_law(*told[k], records)
+    force = records.force + sum(changes[:, _FORCE] for changes in own)
+    moving = [k for k in laws if slopes[k][:, _FORCE].any()]
+    for k in laws if moving else ():
+        if k in moving or "force" not in mechanisms[k].over:
+            continue
+        own[k], slopes[k] = _of_law(*told[k], replace(records, force=force))
+        beyond, _ = _of_law(*told[k], replace(records, force=(1.0 + _STEP) * force))
+        rate = (beyond - own[k]) / (_STEP * force)[:, None]
+        for i in moving:
+            through[i] += rate * own[i][:, [_FORCE]]
+            slopes[i] = slopes[i] + rate[:, :, None] * slopes[i][:, [_FORCE]]
+    there = ln_k + sum(changes[:, :2].T for changes in own)
+    for k, (one, values, chain) in enumerate(told):
+        if one.structure is not None:
+            change, slope = structures(one, values, *there)
+            factor = np.ones(n) if one.course is None else one.course(records)
+            own[k][:, 3], slopes[k][:, 3] = factor * change, factor[:, None] * slope * chain
+    effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
+    return Causes(sum(own, np.zeros((n, 4))), effects, slopes)
+
+
+def _of_law(
+    one: Mechanism, values: ndarray, chain: ndarray, records: Records
+) -> tuple[Float[ndarray, "record 4"], Float[ndarray, "record 4 parameter"]]:
+    """What a mechanism's `stick` changes, and the slopes by the fit's coordinates."""
+    effect, n = one.stick(records, values), records.force.size
+    changes, slopes = np.zeros((n, 4)), np.zeros((n, 4, values.size))
+    for axis, name in enumerate(COORDINATES):
+        if name in effect.changes:
+            changes[:, axis], slopes[:, axis] = effect.changes[name], effect.slopes[name] * chain
+    return changes, slopes
