@@ -114,7 +114,8 @@ class Mechanism:
 
     sentence: what it is. splitter: the measurement that would tell it from its siblings. course:
     factor by which a `structure` hook's effect differs between records. over: what a law on records
-    is a function of (force, time, since, sign); in these it is only trusted to some per cent.
+    is a function of (force, time, since, sign); in these it is only trusted to some per cent. A
+    `stick` law over the force is given the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start. needs: the
     measurement without which it is never named by itself, for its siblings explain the same data.
     finding: ids of findings, joined by semicolons. spoils: whether a record with such a finding is
