@@ -8,12 +8,14 @@ from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.extension import curves, model_file, read
 from bladeroot.diagnosis.naming import Known, prepared
+from bladeroot.diagnosis.records import _tail
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points
 from bladeroot.schema import check
 from bladeroot.structure.parametric import parametric_model
 from diagnosis_bench import FORCES, campaign, programme
+from scipy.stats import binom
 from stiffness_beam import beam_joint
 
 BIAS = {"1B": 0.005, "2B": 0.005}
@@ -127,6 +129,13 @@ def test_faulty_records_are_named_beyond_false_alarms(model):
         said = verdict(diagnose(seen, model, Settings(BIAS), records))
         assert said["answer"] == answer
         assert len(said["records"]) == count
+
+
+def test_the_chance_of_false_alarms_is_finite_however_small():
+    few = binom.logsf(3, 112, 0.01)
+    assert _tail(4, 112, 0.01) == pytest.approx(few)
+    assert _tail(0, 112, 0.01) == 0.0
+    assert np.isfinite(_tail(400, 400, 1e-3))
 
 
 def test_an_independent_measurement_moves_prior_and_evidence():

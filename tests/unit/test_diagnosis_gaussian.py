@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.gaussian import Prior, Problem, State, best_fit, fit, hold_out
+from bladeroot.diagnosis.gaussian import Prior, Problem, State, asked_for, best_fit, fit, hold_out
 from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)
@@ -85,3 +85,26 @@ def test_of_several_starts_the_better_summit_wins():
     problem = Problem(np.full(5, 1.5), predict, covariance, Prior(np.zeros(1), np.ones(1)), none)
     found = best_fit(problem, [np.array([3.0]), np.array([-3.0])])
     assert found.parameters[0] == pytest.approx(-1.0, abs=0.01)
+
+
+def test_a_further_covariance_is_asked_for_where_the_misses_have_it():
+    unit = np.equal.outer(GROUP, GROUP).astype(float)
+    none = Prior(np.zeros(0), np.ones(0))
+    design = np.stack([np.ones_like(X), X], axis=1)
+    noise = np.random.default_rng(4).standard_normal((400, X.size))
+    asked = []
+    for shared in (0.0, 0.3):
+        steps = np.random.default_rng(5).standard_normal((400, 4))[:, GROUP]
+        for data in 0.1 * noise + shared * steps:
+            problem = Problem(
+                data,
+                lambda t: State(design @ t, design, {}),
+                lambda state, s: (0.01 * np.eye(X.size), list),
+                PRIOR,
+                none,
+            )
+            asked.append(asked_for(fit(problem), unit))
+    without, beside = np.array(asked).reshape(2, -1)
+    assert abs(without.mean()) < 0.25
+    assert without.std() == pytest.approx(1.0, abs=0.25)
+    assert np.median(beside) > 5.0

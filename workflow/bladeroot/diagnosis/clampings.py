@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-JUMP = 30.0  # times the usual difference of a hold's records: beyond it, something let go
+from bladeroot.diagnosis import guards
 
 
 def clampings(
@@ -32,7 +32,7 @@ def clampings(
         change = ln_f[after] - ln_f[before]
         off = np.abs(change - np.median(change))
         far = off / np.hypot(np.median(off), np.hypot(std[before], std[after]))
-        for k in np.flatnonzero(far > JUMP):
+        for k in np.flatnonzero(far > guards.JUMP):
             number = int(hold[after[k]])
             if number not in jumped:
                 jumped.append(number)

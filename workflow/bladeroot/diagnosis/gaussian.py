@@ -252,6 +252,16 @@ def _finish(problem: Problem, at: _Point) -> Fit:
     )
 
 
+def asked_for(fitted: Fit, unit: Float[ndarray, "datum datum"]) -> float:
+    """How much a fit's misses ask for a further covariance: its score over the standard deviation.
+
+    Of the marginal likelihood by the covariance's size, at none (Rao's test of a component).
+    """
+    pulled = fitted.precision @ fitted.residual
+    seen = fitted.precision @ unit
+    return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(2.0 * np.sum(seen * seen.T)))
+
+
 @dataclass(frozen=True)
 class HeldOut:
     """Predictions of parts of the data by the rest: error, its covariance's blocks, log score."""

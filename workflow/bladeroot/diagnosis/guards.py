@@ -15,6 +15,8 @@ TRUST = 0.08
 TRUST_CURVE = 0.15
 # Nats by which the smooth competitor must beat the best mechanism before that is called not it.
 SHAPE = 4.0
+# Standard deviations of its score beyond which the smooth competitor is fitted from two starts.
+ASKED = 1.0
 # A remainder that the smooth competitor explains counts as unexplained beyond this part of what the
 # causes explain.
 UNEXPLAINED_PART = 0.3
@@ -23,6 +25,10 @@ MOST_CAUSES = 3  # a channel
 OPENINGS = 2
 # Mechanisms within this many nats of the best are in the credible set (95 % at equal priors).
 CREDIBLE = 3.0
+# Times the usual difference of a hold's records (and its standard error) beyond which something let
+# go between them. No drawn campaign without such a step had more than a few; a fall of kn and kt by
+# a tenth is thousands.
+JUMP = 30.0
 # A fitted size beyond its physical limit by more than this many standard deviations is not one.
 IMPLAUSIBLE = 2.0
 # The smallest campaign that can tell gauge and level effects from the scatter of clampings.

@@ -7,7 +7,7 @@ import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.gaussian import Fit, best_fit, fit
+from bladeroot.diagnosis.gaussian import Fit, asked_for, best_fit, fit
 from bladeroot.diagnosis.plausibility import explained_by_law, possible
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -266,13 +266,15 @@ def _mechanisms(
 
 
 def _smooth(channel: Channel, chosen: Sequence[Mechanism], current: Fit) -> dict[str, Fit]:
-    """Fits with each smooth competitor instead."""
+    """Fits with each smooth competitor instead; from two starts where the data ask for it."""
     fits = {}
     for name, kernels in channel.smooth(current).items():
         problem = channel.problem(chosen, kernels)
         usual = problem.scales.mean
-        start = np.append(current.scales, usual[current.scales.size :])
-        both = [fit(problem, current.parameters, scales) for scales in (start, usual)]
+        starts = [np.append(current.scales, usual[current.scales.size :])]
+        if any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels):
+            starts.append(usual)
+        both = [fit(problem, current.parameters, scales) for scales in starts]
         fits[name] = max(both, key=lambda one: one.log_evidence)
     return fits
 

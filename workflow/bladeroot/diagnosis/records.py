@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 from numpy import ndarray
+from scipy.special import gammaln
 
 from bladeroot.diagnosis.guards import FALSE_ALARM
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -45,6 +46,8 @@ def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Fa
 
 def _tail(count: int, total: int, rate: float) -> float:
     """ln of the probability of `count` or more of `total`."""
-    from scipy.stats import binom
-
-    return float(binom.logsf(count - 1, total, rate)) if count else 0.0
+    if not count:
+        return 0.0
+    k = np.arange(count, total + 1)
+    ways = gammaln(total + 1) - gammaln(k + 1) - gammaln(total - k + 1)
+    return float(np.logaddexp.reduce(ways + k * np.log(rate) + (total - k) * np.log1p(-rate)))

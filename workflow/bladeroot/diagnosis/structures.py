@@ -30,6 +30,7 @@ class Structures:
         self.records, self.ritz, self.surface, self.known = records, ritz, surface, known
         self.forces, self.where = np.unique(records.force, return_inverse=True)
         self.many = np.bincount(self.where)
+        self.together: dict = {}  # rows of corners, as they are asked for again and again
 
     def __call__(
         self,
@@ -75,6 +76,9 @@ class Structures:
 
     def _shapes(self, mode: int, corner: ndarray) -> tuple[ndarray, ndarray]:
         """omega^2 and shape of a mode at every force's corners, in one row."""
+        whole = (mode, corner.tobytes())
+        if whole in self.together:
+            return self.together[whole]
         keys = [
             (mode, force, *place)
             for force, places in zip(self.forces.tolist(), corner.tolist(), strict=True)
@@ -86,4 +90,5 @@ class Structures:
             found = solve(self.ritz[mode], np.clip(places, self.surface.low, self.surface.high))
             self.known.update(zip(new, zip(found.value, found.shape, strict=True), strict=True))
         values, shapes = zip(*(self.known[key] for key in keys), strict=True)
-        return np.array(values), np.array(shapes)
+        self.together[whole] = np.array(values), np.array(shapes)
+        return self.together[whole]
