@@ -15,6 +15,9 @@ TRUST = 0.08
 TRUST_CURVE = 0.15
 # Nats by which the smooth competitor must beat the best mechanism before that is called not it.
 SHAPE = 4.0
+# Nats by which the model without a mechanism must gain from where one with it ended before all are
+# fitted anew from there: less is how exactly fits end.
+OTHER_SUMMIT = 1.0
 # Standard deviations of its score beyond which the smooth competitor is fitted from two starts.
 ASKED = 1.0
 # A remainder that the smooth competitor explains counts as unexplained beyond this part of what the

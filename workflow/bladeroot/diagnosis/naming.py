@@ -71,21 +71,14 @@ def search(channel: Channel, known: Known) -> Found:
     A cause that the smooth competitor beats is taken where a second one makes up for it. A cause
     that a later one makes needless is dropped again, for good.
     """
-    baseline = fit(channel.problem((), ()))
-    fits = _mechanisms(channel, (), baseline, known)
-    better = _again(channel, (), baseline, fits)
-    if better is not baseline:
-        baseline, fits = better, _mechanisms(channel, (), better, known)
+    baseline, fits = _with_one_more(channel, (), fit(channel.problem((), ())), known)
     current, causes, steps, unexplained = baseline, [], [], ""
     dropped: set[str] = set()
     first = guards.MISSING if known.replicates else guards.MISSING_FEW
     while len(causes) < guards.MOST_CAUSES:
         chosen = [cause.mechanism for cause in causes]
         if causes:
-            fits = _mechanisms(channel, chosen, current, known)
-            better = _again(channel, chosen, current, fits)
-            if better is not current:
-                current, fits = better, _mechanisms(channel, chosen, better, known)
+            current, fits = _with_one_more(channel, chosen, current, known)
         explained = current.log_evidence - baseline.log_evidence
         needed = max(guards.FURTHER, guards.FURTHER_PART * explained) if causes else first
         smooth = _smooth(channel, chosen, current)
@@ -204,24 +197,24 @@ def _without_needless(
     return kept, fitted, dropped
 
 
-def _again(
-    channel: Channel,
-    chosen: Sequence[Mechanism],
-    fitted: Fit,
-    fits: Mapping[str, tuple[Fit, float]],
-) -> Fit:
-    """The fit with the chosen ones, also from where the best fit with one more ends.
+def _with_one_more(
+    channel: Channel, chosen: Sequence[Mechanism], fitted: Fit, known: Known
+) -> tuple[Fit, dict[str, tuple[Fit, float]]]:
+    """The fit with the chosen ones and those with one mechanism more.
 
-    A mechanism that does nothing may find a better summit of the model without it: that is no
-    evidence.
+    The first is also tried from where the best of the others ends: a mechanism that does nothing
+    may find a better summit of the model without it, which is no evidence.
     """
-    others = [one for one, _ in fits.values()]
+    fits = _mechanisms(channel, chosen, fitted, known)
     own = fitted.parameters.size
-    if not own or not others:
-        return fitted
-    best = max(others, key=lambda one: one.log_evidence)
+    if not own or not fits:
+        return fitted, fits
+    best = max((one for one, _ in fits.values()), key=lambda one: one.log_evidence)
     second = fit(channel.problem(chosen, ()), best.parameters[:own], best.scales)
-    return second if second.log_evidence > fitted.log_evidence + 0.1 else fitted
+    gain = second.log_evidence - fitted.log_evidence
+    if gain > guards.OTHER_SUMMIT:
+        fits = _mechanisms(channel, chosen, second, known)
+    return second if gain > 0.0 else fitted, fits
 
 
 def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
