@@ -27,7 +27,7 @@ def channel(data, candidates, trust=0.0, smooth=None):
 
     `smooth`, shape (k, SIZE): shapes of which the smooth competitor is any sum.
     """
-    kernels = {"anything": [smooth.T @ smooth]} if smooth is not None else {}
+    kernels = {"anything": [(smooth.T @ smooth, 20.0)]} if smooth is not None else {}
 
     def problem(mechanisms, extra):
         def predict(theta):
@@ -43,9 +43,11 @@ def channel(data, candidates, trust=0.0, smooth=None):
             crude = trust**2 * np.diag((state.facts["effects"] ** 2).sum(axis=0))
             return sum(parts) + crude, lambda: [2.0 * part for part in parts]
 
-        covariances = [np.eye(SIZE), *extra]
+        covariances = [np.eye(SIZE), *(unit for unit, _ in extra)]
         prior = Prior(np.zeros(len(mechanisms)), np.full(len(mechanisms), 30.0))
-        scales = Prior(np.log([1.0, *[20.0] * len(extra)]), np.array([1e-3, *[1.0] * len(extra)]))
+        scales = Prior(
+            np.log([1.0, *(size for _, size in extra)]), np.array([1e-3, *[1.0] * len(extra)])
+        )
         return Problem(data, predict, covariance, prior, scales)
 
     return Channel("toy", problem, 0, tuple(candidates), lambda _: kernels, {})
