@@ -23,7 +23,8 @@ def nonlinear_section(
             "says how much of the motion goes through the tangential springs. Friction and how "
             "pressure is spread over the flanks are unknown, too, and are integrated out. The "
             "simulated curves (first loading and Masing's rules) are trusted to "
-            f"{100 * full[0].attrs['discrepancy']:g} % of the largest effect.",
+            f"{100 * full[0].attrs['discrepancy']:g} % of the largest effect, besides what an "
+            "uneven pressure does to all of them, whose high places are not known.",
             *[_said(one) for one in full],
             Table(
                 "Standard deviations of ln kn and ln kt under the same law of the force, from the "
