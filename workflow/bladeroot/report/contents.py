@@ -67,7 +67,7 @@ def report(
     what_is_wrong = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"], remarks)
     held = {check.attrs["structure"]: check for check in checks}
     sections = [
-        summary_section(stages["stick"], stages["stiffness"], stages["theory"]),
+        summary_section(stages["stick"], stages["stiffness"], stages["theory"], joints, amplitudes),
         Section(what_is_wrong.title, [*what_is_wrong.parts, *extended_parts(joints, extended)]),
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),

@@ -1,6 +1,6 @@
 """The first and the last section: what came out in short, and what could not be decided."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,9 +8,17 @@ import xarray as xr
 from bladeroot.report.numbers import listed, percent, significant
 from bladeroot.report.page import Section
 
+_REFERENCE = 12e3  # N
 
-def summary_section(stick: xr.Dataset, stiffness: xr.Dataset, theory: xr.Dataset) -> Section:
-    """The campaign's results in a few sentences."""
+
+def summary_section(
+    stick: xr.Dataset,
+    stiffness: xr.Dataset,
+    theory: xr.Dataset,
+    joints: Sequence[xr.Dataset],
+    amplitudes: Sequence[xr.Dataset],
+) -> Section:
+    """The campaign's results in a few sentences; joints, amplitudes: of its structures."""
     parts = [_measured(stick)]
     if set(stick["mode"].values) != {"1B", "2B"}:
         missing = [mode for mode in ("1B", "2B") if mode not in stick["mode"].values]
@@ -21,6 +29,9 @@ def summary_section(stick: xr.Dataset, stiffness: xr.Dataset, theory: xr.Dataset
         return Section("In short", parts)
     for structure in stiffness["structure"].values:
         parts.append(_found(stiffness.sel(structure=structure), structure))
+        curves = [one for one in amplitudes if one.attrs["structure"] == structure]
+        alone = [one for one in joints if one.attrs["structure"] == structure]
+        parts += _together(curves, alone)
     parts.append(
         "Contact theory gives a flank "
         f"{significant(float(theory['kn_theory'].mean()) / 1e9, 3)} GN/m normal and "
@@ -104,7 +115,7 @@ def _found(line: xr.Dataset, structure: str) -> str:
     roots, tried = status.count("root"), len(status) - status.count("no measurement")
     if not tried:
         return f"{structure}: no force of the simulation lies inside the measured range of both."
-    text = f"{structure}: at {roots} of {tried} forces a contact stiffness (kn, kt) exists"
+    text = f"{structure}, force by force: at {roots} of {tried} a contact stiffness (kn, kt) exists"
     if roots:
         good = line.isel(force=np.flatnonzero(line["status"].values == "root"))
         text += (
@@ -121,6 +132,28 @@ def _found(line: xr.Dataset, structure: str) -> str:
         text += f"; {place} the model's frequencies would have to move, {listed(moves)}"
         text += f" (assumed error of the model: {_bias(line)})"
     return text + "."
+
+
+def _together(amplitudes: Sequence[xr.Dataset], joints: Sequence[xr.Dataset]) -> list[str]:
+    """kn and kt from all forces at once, with the curves if they could be used."""
+    curves = [one for one in amplitudes if one.attrs["law"] and one.attrs["converged"]]
+    found = curves or [one for one in joints if one.attrs["law"]]
+    if not found:
+        return []
+    here = found[0].isel(force=int(np.abs(found[0]["force"].values - _REFERENCE).argmin()))
+    said = []
+    for name in ("kn", "kt"):
+        of_k = 1e-9 * here["k_quantile"].sel(stiffness=name)
+        middle, low, high = (
+            significant(float(of_k.sel(quantile=q, method="nearest")), 3)
+            for q in (0.5, 0.025, 0.975)
+        )
+        said.append(f"{name} {middle} ({low} to {high}) GN/m")
+    data = "frequencies and amplitude curves" if curves else "frequencies"
+    return [
+        f"From the {data} of all forces together, at {float(here['force']) / 1e3:.1f} kN: "
+        f"{listed(said)} (median, 95 %; law {found[0].attrs['law']})."
+    ]
 
 
 def _doubt(ln_std: xr.DataArray) -> str:
