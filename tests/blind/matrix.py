@@ -120,7 +120,7 @@ def run_case(
         name = f"results/{campaign.name}/diagnosis/verdict.json"
         make(house, name, campaign=campaign)
         path = house / name
-        stiffness = _stiffness(case, path.with_name("diagnosis.nc"))
+        stiffness = _stiffness(case, path.with_name(f"{draw_bench(case.seed)['structure']}.nc"))
         verdict = json.loads(path.read_text(encoding="utf-8"))
         shutil.rmtree(campaign)
         diagnosed, split = time.monotonic(), None
