@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points, Records
+from scipy.integrate import quad
+from scipy.stats import norm
 
 FIXED = {
     "joint-slip": "amplitude", "normal-load-variation": "amplitude",
@@ -100,6 +102,24 @@ def test_slip_begins_at_a_threshold_that_grows_with_the_force():
     assert np.all(effect.ln_f[2:] < 0.0)
     # A slider's greatest loss, 1/pi of its stiffness, is at twice the threshold (eq. 3.19).
     assert effect.loss[3] == pytest.approx(0.02 / np.pi, rel=1e-6)
+
+
+@pytest.mark.parametrize("below", [0.5, 1.5, 2.5])
+def test_slip_of_uneven_pressure_begins_smoothly(below):
+    """Where the first edges slip, the loss is the integral over the thresholds."""
+    share, threshold, spread = 0.02, 1e-9, 0.4
+    slip = next(one for one in catalogue() if one.id == "joint-slip")
+    z = -below * spread
+    one = np.ones(1)
+    points = Points(np.zeros(1, int), 8e3 * one, threshold * 8e3 * np.exp(z) * one, 4e-3 * one)
+    effect = slip.curve(points, np.array([share, 1.0, threshold, 0.5, spread]))
+
+    def loss(t):
+        ratio = np.exp(z - spread * t)
+        return norm.pdf(t) * 4.0 / np.pi * (ratio - 1.0) / ratio**2 if ratio > 1.0 else 0.0
+
+    exact = share * quad(loss, -12.0, z / spread, epsabs=0.0, epsrel=1e-9)[0]
+    assert effect.loss[0] == pytest.approx(exact, rel=0.02)
 
 
 def test_a_users_file_joins_and_may_replace(tmp_path):

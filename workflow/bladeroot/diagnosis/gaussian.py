@@ -15,6 +15,9 @@ from scipy.linalg import lapack
 
 _STEPS, _FIRST_STEPS, _HALVINGS = 30, 6, 5
 _NO_GAIN = 3e-3  # nats a step
+# Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
+# steps do not know, has its own say in the rest.
+_WORTH_A_SHORTER = 0.05
 _SETTLED = 1e-2  # prior's standard deviations, and of a scale's coordinate
 _LONGEST = 1.5  # of a step of a scale's coordinate
 
@@ -119,14 +122,15 @@ def _point(
     return replace(at, cost=float(cost))
 
 
-def _step(problem: Problem, at: _Point, damping: float) -> ndarray:
-    """The parameters after one Newton step with the curvature expected of them."""
+def _step(problem: Problem, at: _Point, damping: float) -> tuple[ndarray, float]:
+    """One Newton step by the curvature expected of the parameters, and what it should gain."""
     white = at.whitened(np.column_stack([at.state.slope, problem.data - at.state.mean]))
     slope, miss = white[:, :-1], white[:, -1]
     weight = 1.0 / problem.prior.std**2
     curve = slope.T @ slope + np.diag(weight)
     pull = slope.T @ miss - weight * (at.parameters - problem.prior.mean)
-    return at.parameters + np.linalg.solve(curve + damping * np.diag(np.diag(curve)), pull)
+    step = np.linalg.solve(curve + damping * np.diag(np.diag(curve)), pull)
+    return step, float(step @ pull - 0.5 * step @ curve @ step)
 
 
 def _rescaled(problem: Problem, at: _Point) -> _Point:
@@ -218,22 +222,23 @@ def _climb(problem: Problem, at: _Point, steps: int, free: bool = True) -> _Poin
     """Newton's steps of the parameters, and of the scales in turn if they are free."""
     damping = 0.0
     for _ in range(steps):
-        new = _point(problem, _step(problem, at, damping), at.scales)
+        step, expected = _step(problem, at, damping)
+        new = _point(problem, at.parameters + step, at.scales)
         if new.cost <= at.cost + 1e-9:
             damping = damping / 10.0 if damping > 1e-4 else 0.0
-        elif damping < 1e6:
+        elif expected > _WORTH_A_SHORTER:
             damping = max(10.0 * damping, 1e-2)
             continue
         else:
             new = at
-        step = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
+        moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
         gain = at.cost - new.cost
         if free:
             new = _rescaled(problem, new)
-            step = max(step, float(np.abs(new.scales - at.scales).max(initial=0.0)))
+            moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
         settled = abs(at.cost - new.cost) < _NO_GAIN if free else gain < 0.1
         at = new
-        if step < _SETTLED or settled:
+        if moved < _SETTLED or settled:
             break
     return at
 

@@ -13,8 +13,8 @@ from numpy import ndarray
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
 from bladeroot.mechanisms.mechanism import CurveEffect, Points
 
-# Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one: with
-# a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
+# Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
+# with a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
 _NODES = np.linspace(-4.5, 4.5, 61)
 _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
 
