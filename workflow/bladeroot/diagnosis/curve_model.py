@@ -193,7 +193,7 @@ def problem(
     loss = data.quantity == 1
     group = np.concatenate([data.level, data.level + data.level.max() + 1])
     free = OFFSET**2 * (group[:, None] == group)
-    best = np.diag(np.where(loss, BEST[1] ** 2, BEST[0] ** 2))
+    best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
     kernel = law_kernel(data)
     prior = Prior(
         np.concatenate([np.zeros(0), *(m.start for m in mechanisms)]),
@@ -216,9 +216,10 @@ def problem(
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
         stated = np.exp(2.0 * scales[0]) * data.noise
-        floor_f = np.diag(np.where(loss, 0.0, np.exp(2.0 * scales[1])))
-        floor_loss = np.diag(np.where(loss, np.exp(2.0 * scales[2]), 0.0))
-        whole = free + stated + floor_f + floor_loss + best
+        floor_f = np.where(loss, 0.0, np.exp(2.0 * scales[1]))
+        floor_loss = np.where(loss, np.exp(2.0 * scales[2]), 0.0)
+        whole = free + stated
+        whole[rows, rows] += floor_f + floor_loss + best
         for e in state.facts["effects"]:
             whole += np.outer(TRUST_CURVE**2 * e, e) * kernel
         parts = [

@@ -76,8 +76,8 @@ def problem(
         return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
-        scatter, noise = np.exp(2.0 * scales[0]) * held, np.exp(2.0 * scales[1]) * np.eye(n)
-        whole = scatter + noise + np.diag(data.std**2)
+        scatter, noise = np.exp(2.0 * scales[0]) * held, np.full(n, np.exp(2.0 * scales[1]))
+        whole = scatter + np.diag(noise + data.std**2)
         for e, kernel in zip(state.facts["effects"], trust, strict=True):
             whole += np.outer(TRUST**2 * e, e) * kernel
         parts = [

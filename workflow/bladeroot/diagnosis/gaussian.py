@@ -40,7 +40,8 @@ class State:
 
 
 Predict = Callable[[Float[ndarray, " parameter"]], State]
-# Covariance of the data about the mean, and a function that makes its derivatives by the scales.
+# Covariance of the data about the mean, and a function that makes its derivatives by the scales,
+# of which a vector is the diagonal of one.
 Slopes = Callable[[], list[ndarray]]
 Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
 
@@ -144,10 +145,10 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     before = _marginal(problem, at)
     whole, slopes = _precision(problem, at), at.slopes()
     pulled = whole @ _straight(problem, at)
-    parts = [whole @ part for part in slopes]
+    parts = [_times(whole, part) for part in slopes]
     gradient = np.array(
         [
-            0.5 * (pulled @ part @ pulled - np.trace(product))
+            0.5 * (_times(pulled, part) @ pulled - np.trace(product))
             for part, product in zip(slopes, parts, strict=True)
         ]
     )
@@ -172,6 +173,11 @@ def _curvature(problem: Problem, parts: Sequence[ndarray]) -> ndarray:
     return np.diag(1.0 / problem.scales.std**2) + np.array(products).reshape(len(parts), len(parts))
 
 
+def _times(left: ndarray, part: ndarray) -> ndarray:
+    """A matrix or vector times a covariance's derivative."""
+    return left * part if part.ndim == 1 else left @ part
+
+
 def _straight(problem: Problem, at: _Point) -> ndarray:
     """Data less the prior's mean, by the model made straight."""
     own = at.state.slope @ (at.parameters - problem.prior.mean)
@@ -180,9 +186,9 @@ def _straight(problem: Problem, at: _Point) -> ndarray:
 
 def _precision(problem: Problem, at: _Point) -> ndarray:
     """Inverse of the covariance with the parameters' prior in it."""
-    half, _ = lapack.dpotri(at.factor, lower=1)
-    inverse = np.tril(half)
-    inverse += np.tril(half, -1).T
+    half, _ = lapack.dpotri(at.factor, lower=1)  # nothing above the diagonal
+    inverse = half + half.T
+    inverse[np.diag_indices_from(inverse)] *= 0.5
     slope, weighted = at.state.slope, inverse @ at.state.slope
     curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
     return inverse - weighted @ np.linalg.solve(curve, weighted.T)
@@ -247,7 +253,7 @@ def _finish(problem: Problem, at: _Point) -> Fit:
     """The fit at a point: covariances, and the evidence by Laplace's integral."""
     precision, slope = _precision(problem, at), at.whitened(at.state.slope)
     covariance = np.linalg.inv(slope.T @ slope + np.diag(1.0 / problem.prior.std**2))
-    curvature = _curvature(problem, [precision @ part for part in at.slopes()])
+    curvature = _curvature(problem, [_times(precision, part) for part in at.slopes()])
     straight = _straight(problem, at)
     log = -_marginal(problem, at)
     log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
