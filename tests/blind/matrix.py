@@ -34,9 +34,9 @@ from tables import matrix_page
 
 # Of a matrix's cases: nulls, effects of no catalogue, pairs; the others hide one effect.
 NULLS, OUTSIDE, PAIRS = 0.2, 0.15, 0.1
-# What would split the level pair: measurement and its standard deviation. Slots 5 % softer, the
-# bound, are 4.5 nats to one of 1.7 %, 12 to one of 1 %.
-SPLITTERS = {"modulus-density": ("free-free", 0.003), "rig-compliance": ("rig stiffness", 0.01)}
+# What would split the level pair: measurement and its standard deviation, a fifth of the effect's
+# bound (which is then worth 12 nats, less what the prior asks).
+SPLITTERS = {"modulus-density": ("free-free", 0.002), "rig-compliance": ("rig stiffness", 0.01)}
 POWER = (0.125, 0.25, 0.5, 1.0, 2.0)
 
 

@@ -28,8 +28,8 @@ FACTS = {
     "force-gain": ("a load cell in the line of force (to 0.5 %)", 0.005),
     "force-offset": ("a load cell in the line of force (zero to 50 N)", 50.0),
     "added-mass": ("weighing the beam as tested (to 1 g)", 1e-3),
-    "modulus-density": ("a free-free test of the beam (modulus to 0.3 %)", 3e-3),
-    "rig-compliance": ("a tap test of the empty rig (slots' stiffness to 5 %)", 0.05),
+    "modulus-density": ("a free-free test of the beam (modulus to 0.2 %)", 2e-3),
+    "rig-compliance": ("a tap test of the empty rig (slots' stiffness to 1 %)", 0.01),
 }
 CLAMPINGS = 2  # at a new force
 _DRAWS = 400
