@@ -35,7 +35,8 @@ def verdict(answer="named", causes=(), **more):
     return {
         "structure": "S", "answer": answer, "causes": list(causes), "records": {},
         "shortfall": [
-            {"quantity": "stick frequency", "mode": mode, "trend": trend.format(number)}
+            {"quantity": "stick frequency", "mode": mode, "trend": trend.format(number),
+             "explained": bool(causes)}
             for mode, number in (("1B", 0.6), ("2B", 0.4))
         ] if missing else [],
         "gain": gain if causes else {}, "reason": "why", **more,

@@ -13,8 +13,8 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.mechanisms.probe import COORDINATES
 
-COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")
 _FORCE = COORDINATES.index("force")
 _STEP = 1e-4  # of a force, for slopes by differences
 

@@ -79,17 +79,35 @@ def _possible(
     candidates: Sequence[Mechanism], channel: str, data: StickData
 ) -> tuple[Mechanism, ...]:
     """Those whose variables the campaign knows and varies."""
-    known = {
-        "force": np.unique(data.records.force).size > 1,
-        "time": data.time_known and data.records.span > 0.0,
-        "since": data.time_known and data.records.hold_span > 0.0,
-        "sign": data.direction_known,
-    }
+    known = _known(data)
     return tuple(
         one
         for one in candidates
         if one.channel == channel and all(known[name] for name in one.over)
     )
+
+
+def _known(data: StickData) -> dict[str, bool]:
+    """Which variables of laws on records the campaign knows and varies."""
+    return {
+        "force": np.unique(data.records.force).size > 1,
+        "time": data.time_known and data.records.span > 0.0,
+        "since": data.time_known and data.records.hold_span > 0.0,
+        "sign": data.direction_known,
+    }
+
+
+def not_judged(candidates: Sequence[Mechanism], data: StickData) -> str:
+    """A line on the mechanisms that want times or directions which the campaign lacks, or ""."""
+    known = _known(data)
+    lines = []
+    for names, lack in ((("time", "since"), "times"), (("sign",), "directions")):
+        missing = [
+            one.id for one in candidates if any(n in one.over and not known[n] for n in names)
+        ]
+        if missing:
+            lines.append(f"{', '.join(missing)} not judged: {lack} of records missing or alike")
+    return ". ".join(lines)
 
 
 def _smooth(data: StickData, size: float) -> dict[str, Kernels]:

@@ -7,7 +7,12 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.diagnosis import curve_model, damping_model, stick_model
-from bladeroot.diagnosis.channel import curve_channel, damping_channel, stick_channel
+from bladeroot.diagnosis.channel import (
+    curve_channel,
+    damping_channel,
+    not_judged,
+    stick_channel,
+)
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.naming import Found, Known, search
@@ -37,7 +42,8 @@ class Diagnosis:
     """All that was found; `verdict`, `dataset` and `extension` make artifacts of it.
 
     lacks: what the campaign lacks, a phrase each. hopeless: whether no law can be judged at all.
-    left_out: record mechanisms' consequence for the curves, a line, or "".
+    left_out: record mechanisms' consequence for the curves, a line, or "". not_judged: mechanisms
+    that want what the campaign does not say of its records, a line, or "".
     """
 
     seen: xr.Dataset
@@ -53,6 +59,7 @@ class Diagnosis:
     lacks: tuple[str, ...]
     hopeless: bool
     left_out: str
+    not_judged: str
 
 
 def diagnose(
@@ -95,6 +102,7 @@ def diagnose(
     return Diagnosis(
         seen, str(model.attrs["structure"]), settings, known, data, damping, curves, simulated,
         tuple(found), tuple(faulty), tuple(lacks), nothing, left_out,
+        not_judged(candidates, data),
     )  # fmt: skip
 
 

@@ -106,9 +106,9 @@ def search(channel: Channel, known: Known) -> Found:
             break
         credible = _credible(channel, ranked, known)
         mechanism = next(one for one in channel.candidates if one.id == best)
-        causes.append(Cause(mechanism, step.mechanisms[best], credible))
+        causes.append(Cause(prepared(mechanism, known)[0], step.mechanisms[best], credible))
         current = fits[best][0]
-        causes, current, needless = _without_needless(channel, causes, current, needed)
+        causes, current, needless = _without_needless(channel, causes, current, needed, known)
         dropped |= needless
     return Found(channel, known, baseline, current, tuple(causes), tuple(steps), unexplained)
 
@@ -161,7 +161,7 @@ def _beside(
     alone = {name: gain for name, gain in _gains(current, fits).items() if name not in never}
 
     def beside(name: str) -> dict[str, float]:
-        both, fitted = [*chosen, by_id[name]], fits[name][0]
+        both, fitted = [*chosen, prepared(by_id[name], known)[0]], fits[name][0]
         more = _mechanisms(channel, both, fitted, known)
         return _ranked(channel, both, fitted, more, needed, never)
 
@@ -179,10 +179,11 @@ def _beside(
 
 
 def _without_needless(
-    channel: Channel, causes: Sequence[Cause], fitted: Fit, needed: float
+    channel: Channel, causes: Sequence[Cause], fitted: Fit, needed: float, known: Known
 ) -> tuple[list[Cause], Fit, set[str]]:
     """The causes without those that the last one makes needless, their fit, and whom it dropped."""
     kept, dropped = list(causes), set()
+    by_id = {one.id: one for one in channel.candidates}
     for one in causes[:-1]:
         rest = [other for other in kept if other is not one]
         first = channel.base
@@ -191,7 +192,8 @@ def _without_needless(
         own = np.arange(first, first + len(one.mechanism.parameters))
         problem = channel.problem([other.mechanism for other in rest], ())
         without = fit(problem, np.delete(fitted.parameters, own), fitted.scales)
-        if fitted.log_evidence - without.log_evidence < needed:
+        measured = prepared(by_id[one.mechanism.id], known)[1]
+        if fitted.log_evidence + measured - without.log_evidence < needed:
             kept, fitted = rest, without
             dropped.add(one.mechanism.id)
     return kept, fitted, dropped
@@ -283,5 +285,6 @@ def _credible(channel: Channel, gains: Mapping[str, float], known: Known) -> tup
     unsplit = {n for n in by_id if by_id[n].needs and by_id[n].needs not in known.splits}
     top = by_id[order[0]]
     if top.id in unsplit:
-        near += [n for n in order if n in unsplit and by_id[n].kind == top.kind and n not in near]
+        siblings = sorted(unsplit, key=lambda n: -gains.get(n, -np.inf))
+        near += [n for n in siblings if by_id[n].kind == top.kind and n not in near]
     return tuple(near)

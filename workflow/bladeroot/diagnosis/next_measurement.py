@@ -58,9 +58,9 @@ def next_measurements(made: Diagnosis) -> xr.Dataset:
     rows = []
     for name, data in _records(made).items():
         rows.append((name, *_of_records(made, rivals, data, stick.channel.base)))
-    for one in dict.fromkeys(r.mechanisms[0].id for r in rivals if r.mechanisms):
-        if one in FACTS and one not in made.known.splits:
-            rows.append((FACTS[one][0], *_of_fact(rivals, one, stick.channel.base)))
+    for one in [r.mechanisms[0] for r in rivals if r.mechanisms]:
+        if one.id in FACTS and one.needs not in made.known.splits:
+            rows.append((FACTS[one.id][0], *_of_fact(rivals, one.id, stick.channel.base)))
     names, decided, size, ln_std = zip(*rows, strict=True)
 
     def var(dims, values, text: str) -> tuple:
@@ -82,7 +82,8 @@ def next_measurements(made: Diagnosis) -> xr.Dataset:
 
 
 def _rivals(made: Diagnosis, found: Found) -> list[Rival]:
-    """The named cause first, then what explains the data about as well, or else the next best.
+    """The named cause first, then what explains the data about as well, or else the next best if
+    that explains half as much.
 
     A mechanism that may not be named for want of data is a rival all the same. Without a cause the
     baseline stands alone.
@@ -95,9 +96,11 @@ def _rivals(made: Diagnosis, found: Found) -> list[Rival]:
     others = [n for n in order if n != first.mechanism.id]
     near = [n for n in others if n in first.credible or gains[n] > first.gain - CREDIBLE]
     by_id = {one.id: one for one in found.channel.candidates}
-    chosen = [by_id[name] for name in (near or others[:1]) if by_id[name] not in named]
-    rest = tuple(prepared(one, made.known)[0] for one in named[1:])
-    rivals = [Rival((prepared(named[0], made.known)[0], *rest), found.final)]
+    taken = {one.id for one in named}
+    serious = [name for name in others[:1] if gains[name] > 0.5 * first.gain]
+    chosen = [by_id[name] for name in (near or serious) if name not in taken]
+    rest = named[1:]
+    rivals = [Rival(named, found.final)]
     for one in chosen:
         mine = (prepared(one, made.known)[0], *rest)
         tail = [m.start for m in rest]

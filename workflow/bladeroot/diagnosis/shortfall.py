@@ -20,6 +20,7 @@ def of_records(
     along = {
         "force": np.log(records.force),
         "time": records.time,
+        "time, through the contact": records.time,
         "time in a hold": records.since,
         "direction": records.sign,
     }.get(smooth_in, np.log(records.force))
@@ -28,7 +29,7 @@ def of_records(
         mine = records.mode == number
         if mine.sum() < 3 or np.ptp(along[mine]) == 0.0:
             continue
-        size, text = _trend(along[mine], miss[mine], smooth_in)
+        size, text = _trend(along[mine], miss[mine], smooth_in.partition(",")[0])
         entries.append(
             {"quantity": _NAMES[channel], "mode": mode, "trend": text, "size": size, "unit": "1"}
         )

@@ -98,7 +98,9 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
     ln_f, error = np.log(frequency[row]), np.maximum(std[row] / frequency[row], BEST)
-    hold, jumped = clampings(mode[row], hold, time, ln_f, error)
+    jumped: list[int] = []
+    if known:
+        hold, jumped = clampings(mode[row], hold, time, ln_f, error)
     direction = seen["direction"].values.astype(str)[row]
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),

@@ -103,7 +103,7 @@ def _shortfall(made: Diagnosis) -> list[dict]:
         else:
             step = found.steps[0]
             axis = max(step.smooth, key=step.smooth.get, default="force")
-            if found.causes:
+            if found.causes and found.causes[0].mechanism.over:
                 over = found.causes[0].mechanism.over[0]
                 axis = {"sign": "direction", "since": "time in a hold"}.get(over, over)
             data = made.data if found.channel.name == "stick" else made.damping.stick
@@ -209,8 +209,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
             lines.append(
                 f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
             )
-    if made.left_out:
-        lines.append(made.left_out)
+    lines += [text for text in (made.left_out, made.not_judged) if text]
     if made.data.jumped:
         holds = ", ".join(made.data.jumped)
         lines.append(f"a stick frequency jumps within {holds}: counted as two clampings")

@@ -6,16 +6,17 @@ from importlib import import_module
 from pathlib import Path
 
 from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.probe import probe
 
-_NO_MECHANISM = ("catalogue", "mechanism", "slip_curve")
+_NO_MECHANISM = ("catalogue", "mechanism", "probe", "slip_curve")
 
 
 def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
     """The mechanisms in alphabetical order of their ids, with those of `folder` among them.
 
     A user's file is a Python file with a `MECHANISM`; one with the id of a shipped mechanism
-    replaces it. Raises ValueError if the folder is missing, a file cannot be read, or two of the
-    folder's files have one id.
+    replaces it. Raises ValueError if the folder is missing, a file cannot be read, its law fails
+    the `probe`, or two of the folder's files have one id.
     """
     found = {}
     for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
@@ -45,4 +46,8 @@ def _read(path: Path) -> Mechanism:
     one = getattr(module, "MECHANISM", None)
     if not isinstance(one, Mechanism):
         raise ValueError(f"expected MECHANISM, a bladeroot.mechanisms.mechanism.Mechanism ({path})")
+    try:
+        probe(one)
+    except Exception as error:
+        raise ValueError(f"law of {one.id}: {type(error).__name__}: {error} ({path})") from error
     return one

@@ -30,8 +30,8 @@ MECHANISM = Mechanism(
             log=True,
         ),
         Parameter(
-            "ratio", "1", 0.5, 0.7, -0.5, 1e3,
-            "other modes over the first: the same stretch by another shape",
+            "ratio", "1", 0.5, 1.0, 1e-3, 1e3,
+            "other modes over the first: the same stretch by another shape", log=True,
         ),
     ),
     splitter="higher harmonics of the velocity; the same amplitudes at another axial force",

@@ -18,6 +18,7 @@ from bladeroot.structure.ritz import Ritz
 from bladeroot.structure.sensitivity import Change
 
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
+VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
 
 
 @dataclass(frozen=True)
@@ -139,9 +140,13 @@ class Mechanism:
     spoils: bool = False
 
     def __post_init__(self) -> None:
-        """ValueError for an unknown class, or not one hook."""
+        """ValueError for an unknown class or variable, not one hook, or no chance of a finding."""
         if self.kind not in CLASSES:
             raise ValueError(f"class must be one of {', '.join(CLASSES)}, got {self.kind!r}")
+        if not set(self.over) <= set(VARIABLES):
+            raise ValueError(f"over must be of {', '.join(VARIABLES)}, got {self.over}")
+        if self.finding and not (self.parameters and 0.0 < self.parameters[0].mean < 1.0):
+            raise ValueError(f"mechanism {self.id}: its share must be expected between 0 and 1")
         if sum(hook is not None for hook in self.hooks) != (0 if self.finding else 1):
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
 

@@ -26,8 +26,8 @@ MECHANISM = Mechanism(
             "8/(3 pi) times drag over modal mass: the same at all forces", log=True,
         ),
         Parameter(
-            "ratio", "1", 1.0, 0.7, -0.5, 1e3,
-            "other modes over the first: the same drag by another shape",
+            "ratio", "1", 1.0, 1.0, 1e-3, 1e3,
+            "other modes over the first: the same drag by another shape", log=True,
         ),
     ),
     splitter="the same decays in thinner air, or with the beam's broad side covered",

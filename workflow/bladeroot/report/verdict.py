@@ -39,7 +39,7 @@ _UNITS = {
 
 def plain(name: str) -> str:
     """A mechanism's id as words."""
-    return name.replace("-", " ")
+    return re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
 
 
 def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
@@ -54,7 +54,9 @@ def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
             f"{percent(gain['after'], 2)} of the stick frequency."
         )
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
-    lines += next_sentence(one) or first
+    channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
+    of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
+    lines += (next_sentence(one) if of_stick else []) or first
     head = f"{said['structure']}: {ANSWERS[said['answer']]}"
     return Box(f"Simulated campaign. {head}" if simulated else head, lines)
 
@@ -97,6 +99,8 @@ def _missing(one: xr.Dataset, said: Mapping) -> str:
     ]
     if texts:
         return f"Missing: {'; '.join(texts)}."
+    if said["causes"] and all(cause["class"] == "record" for cause in said["causes"]):
+        return "The simulation misses nothing that these records show; the records are faulty."
     return "Whether something is missing cannot be said."
 
 
@@ -121,6 +125,11 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
                 f"Cause: {names} ({kind}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
+    left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
+    if said["causes"] and left:
+        lines.append(
+            f"What remains of the {listed(sorted(left))}, no cause of the catalogue explains."
+        )
     if said["answer"] == "unexplained":
         lines.append(f"No cause of the catalogue explains it: {said['reason']}.")
     if said["answer"] == "insufficient-data":
