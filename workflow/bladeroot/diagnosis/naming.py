@@ -256,7 +256,12 @@ def _mechanisms(
         problem = channel.problem([*chosen, changed], ())
         before = np.append(problem.prior.mean[: channel.base], causes)
         starts = [np.append(before, s) for s in (changed.start, *changed.starts)]
-        fits[one.id] = (best_fit(problem, starts, current.scales), gain)
+        if channel.name == "curve":
+            # At first all curves are noise to the fit: a few steps from there tell no start's worth.
+            ends = [fit(problem, start, current.scales) for start in starts]
+            fits[one.id] = (max(ends, key=lambda end: end.log_evidence), gain)
+        else:
+            fits[one.id] = (best_fit(problem, starts, current.scales), gain)
     return fits
 
 
