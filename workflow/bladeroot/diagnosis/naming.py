@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bladeroot.diagnosis import guards
-from bladeroot.diagnosis.channel import Channel
+from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.gaussian import Fit, asked_for, best_fit, fit
 from bladeroot.diagnosis.plausibility import explained_by_law, possible
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -249,6 +249,9 @@ def _mechanisms(
     fits = {}
     taken = {one.id for one in chosen}
     causes = current.parameters[channel.base :]
+    thorough = channel.name == "curve" and any(
+        _asks(current, kernels) for kernels in channel.smooth(current).values()
+    )
     for one in channel.candidates:
         if one.id in taken:
             continue
@@ -256,8 +259,8 @@ def _mechanisms(
         problem = channel.problem([*chosen, changed], ())
         before = np.append(problem.prior.mean[: channel.base], causes)
         starts = [np.append(before, s) for s in (changed.start, *changed.starts)]
-        if channel.name == "curve":
-            # At first all curves are noise to the fit: a few steps from there tell no start's worth.
+        if thorough:
+            # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
             ends = [fit(problem, start, current.scales) for start in starts]
             fits[one.id] = (max(ends, key=lambda end: end.log_evidence), gain)
         else:
@@ -272,11 +275,16 @@ def _smooth(channel: Channel, chosen: Sequence[Mechanism], current: Fit) -> dict
         problem = channel.problem(chosen, kernels)
         usual = problem.scales.mean
         starts = [np.append(current.scales, usual[current.scales.size :])]
-        if any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels):
+        if _asks(current, kernels):
             starts.append(usual)
         both = [fit(problem, current.parameters, scales) for scales in starts]
         fits[name] = max(both, key=lambda one: one.log_evidence)
     return fits
+
+
+def _asks(current: Fit, kernels: Kernels) -> bool:
+    """Whether a fit's misses ask for one of these covariances."""
+    return any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels)
 
 
 def _credible(channel: Channel, gains: Mapping[str, float], known: Known) -> tuple[str, ...]:
