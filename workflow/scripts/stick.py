@@ -3,15 +3,15 @@
 import json
 from pathlib import Path
 
-import pandas as pd
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.stick import stick_from_records, stick_from_table
+from bladeroot.records.campaign import stick_table
 
 
 def main(sources, campaign, settings, output):
     if Path(sources[0]).suffix == ".csv":
-        table = pd.read_csv(sources[0], skipinitialspace=True)
+        table = stick_table(Path(sources[0]))
         stick = stick_from_table(table, json.loads(settings)["table_error"])
     else:
         plateaus = [artifacts.load(plateau) for plateau in sources]

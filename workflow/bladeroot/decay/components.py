@@ -62,6 +62,8 @@ def pool(
     level = np.average(y)
     rest = y - level - design @ np.linalg.lstsq(design, y - level, rcond=None)[0]
     scale = float(np.sqrt((rest**2).mean() + (std**2).mean()))
+    # Errors far below the scatter decide nothing, and would cancel to rounding.
+    std = np.maximum(std, 1e-4 * scale)
     axis = np.geomspace(1e-3, 300.0, GRID) * scale
     of_record = axis if record_freedom else np.zeros(1)
     of_hold = axis if hold_freedom else np.zeros(1)

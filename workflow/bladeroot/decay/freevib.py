@@ -87,6 +87,12 @@ def freevib(
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
     keep = (std[0, 0] < 0.3) & np.isfinite(omega_n)
+    middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi) if keep.any() else expected_Hz
+    if not band[0] <= middle_Hz <= band[1]:
+        raise ValueError(
+            f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
+            f"{band[1]:.6g} Hz: another one dominates the record"
+        )
     result = decay_dataset(
         [values[keep] for values in (*curves, *errors)],
         [blocks.time, blocks.log.real, blocks.log.imag, blocks.std],

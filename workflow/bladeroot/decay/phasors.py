@@ -182,6 +182,9 @@ def _corrected(phasor, own, image, delta, change):
     true = np.empty_like(phasor)
     for k in range(phasor.size):
         d, c = delta[k], change[k]
+        if phasor[k] == 0.0:
+            true[k] = 0.0
+            continue
         square = d * d
         terms = (
             d,
@@ -229,10 +232,11 @@ def gather(
         weight * np.stack([phasor[:stop] * np.exp(-guess[:stop]), guess[:stop]]), starts, axis=1
     )
     total, centre = np.add.reduceat(weight * np.stack([np.ones(stop), time[:stop]]), starts, axis=1)
-    relative, known = sums / total
-    centre = centre / total
+    with np.errstate(divide="ignore", invalid="ignore"):  # a block without a phasor is lost
+        relative, known = sums / total
+        centre = centre / total
+        spread = total**-0.5
     miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
-    spread = total**-0.5
     lost = np.flatnonzero(spread > worst)
     keep = slice(0, int(lost[0]) if lost.size else None)
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]

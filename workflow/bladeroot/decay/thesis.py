@@ -263,6 +263,8 @@ def _means(
     damping: str,
 ) -> list[Float[ndarray, " point"]]:
     """Columns of `POINT`: means over two cycles at least, and their standard errors."""
+    if time.size < 2:
+        return [np.empty(0)] * len(POINT)
     step = time[1] - time[0]
     cycle = 1.0 / (centre_Hz * step)
     periods = max(2, int(np.ceil(keep.size / cycle / points)))

@@ -9,6 +9,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 from bladeroot.records.read import formats
 from bladeroot.records.sheet import read_sheet
 from bladeroot.records.units import SI, USUAL, motion
@@ -32,6 +34,12 @@ _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
 # Folders of results/ that are no campaign's.
 _RESERVED = ("structures", "bench", "logs", "benchmarks")
+
+
+def stick_table(path: Path) -> pd.DataFrame:
+    """The table of a checked `stick.csv`: text of its cells, a column each."""
+    rows, _ = read_sheet(path, STICK_COLUMNS, NUMBERS)
+    return pd.DataFrame([values for _, values in rows])
 
 
 class CampaignError(ValueError):

@@ -16,7 +16,7 @@ from bladeroot.records.beating import beat, without_beat
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
 from bladeroot.records.release import Release, find_release
-from bladeroot.records.spectrum import white_noise
+from bladeroot.records.spectrum import quantum, white_noise
 from bladeroot.records.turning import clean_falls
 
 # FREEVIB needs eight cycles of a decay.
@@ -60,7 +60,8 @@ def cut(
             there before (the thesis's 1/1000, 3.1.1).
         bins: bins of the overview kept for figures.
     """
-    noise = white_noise(velocity)
+    # Of a decay without other noise than its rounding, the last digits stand still.
+    noise = max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
@@ -154,6 +155,8 @@ def _span(
         "decays": sum(level[p] - level[t] > 0.5 * fall for p, t in found),
         "start_s": first / sampling_Hz, "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
     }  # fmt: skip
+    if not velocity[first:stop].any():
+        return (first, first), f"nothing but zeros from {start_s:.4g} s to {end_s:.4g} s"
     cycles = (stop - first) / sampling_Hz * expected_Hz
     if cycles < FEWEST_CYCLES:
         return (first, max(stop, first)), (

@@ -88,13 +88,20 @@ def bridged(
 ) -> Float[ndarray, " sample"]:
     """A raw record with single wrong samples and dropouts bridged, so that it can be cut.
 
-    Short spans are bridged by straight lines, longer ones by the mode's own course.
+    Short spans are bridged by straight lines, longer ones by the mode's own course; padding at
+    either end is left.
     """
     if expected_Hz >= 0.45 * sampling_Hz or velocity.size * expected_Hz < 40 * sampling_Hz:
         return velocity
     seen = Sight(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
     found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]
-    spans = tuple(span for f in found if f is not None and f.counts for span in f.spans)
+    spans = tuple(
+        (first, stop)
+        for f in found
+        if f is not None and f.counts
+        for first, stop in f.spans
+        if first > 0 and stop < velocity.size
+    )
     return mended(seen, spans).velocity if spans else velocity
 
 

@@ -90,7 +90,7 @@ def recording(
             f"expected a time column or a positive sampling_Hz, got sampling_Hz {sampling_Hz} "
             f"({where})"
         )
-    return Recording(raw * float(factor), float(sampling_Hz), found, float(start_s), notes)
+    return Recording(raw.astype(float) * factor, float(sampling_Hz), found, float(start_s), notes)
 
 
 def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:

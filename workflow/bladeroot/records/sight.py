@@ -10,6 +10,7 @@ from scipy import fft
 
 from bladeroot.records.lines import blackman_harris, magnitudes, peak_Hz
 from bladeroot.records.runs import block_scale, in_frames, medians, missed
+from bladeroot.records.spectrum import quantum
 
 # A mode further than this (relative) from its expected frequency is not looked for.
 TOLERANCE = 0.3
@@ -106,11 +107,8 @@ class Sight:
 
     @cached_property
     def quantum(self) -> float:
-        """The digitiser's step: the smallest difference of values (of some thousand samples)."""
-        some = np.sort(self.velocity[:: -(-self.velocity.size // 8192)])
-        steps = np.diff(some)
-        steps = steps[steps > 1e-9 * (some[-1] - some[0])]
-        return float(steps.min()) if steps.size else 0.0
+        """The digitiser's step."""
+        return quantum(self.velocity)
 
     @cached_property
     def frames(self) -> Frames:

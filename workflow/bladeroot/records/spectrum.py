@@ -26,3 +26,11 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     floor = medians(power) / (np.log(2.0) * (taper**2).sum())
     quartile = np.interp(0.25 * (count - 1), np.arange(count), np.sort(floor))
     return float(np.sqrt(quartile))
+
+
+def quantum(samples: Float[ndarray, " sample"]) -> float:
+    """The digitiser's step: the smallest difference of values (of some thousand samples)."""
+    some = np.sort(samples[:: -(-samples.size // 8192)])
+    steps = np.diff(some)
+    steps = steps[steps > 1e-9 * (some[-1] - some[0])]
+    return float(steps.min()) if steps.size else 0.0

@@ -29,7 +29,7 @@ def find(sight: Sight) -> Finding | None:
     peaks = np.zeros(level.size, bool)
     peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
     second = np.where(apart & peaks, within, 0.0)
-    rival = float(second.max()) / own
+    rival = float(second.max()) / max(own, 1e-300)
     if ratio <= THRESHOLD and rival > SECOND:
         text = (
             f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, second):.5g} Hz, "

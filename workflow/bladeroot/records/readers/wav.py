@@ -49,7 +49,9 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     if width == 1:
         samples = samples.astype(np.int16) - 128
     scale = 0.5 ** (8 * width - 1)
-    return Channel(entry.name, samples, unit="FS", scale=scale, sampling_Hz=float(rate))
+    return Channel(
+        entry.name, samples, unit="FS", scale=scale, sampling_Hz=float(rate), notes=notes
+    )
 
 
 def _chunks(file, path: str) -> tuple[str, tuple, int, int, tuple[str, ...]]:
