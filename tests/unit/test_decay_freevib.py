@@ -238,3 +238,25 @@ def test_mode_that_outlives_the_one_that_is_followed(ratio):
     if ratio >= 1.2:
         last = curve["frequency"].values[-curve.sizes["point"] // 4 : -8]
         assert np.median(last) == pytest.approx(250.0, rel=1e-3)
+
+
+def test_a_louder_mode_outside_the_band_is_not_taken_for_the_mode():
+    time = np.arange(51_200) / 25_600
+    own = np.exp(-0.002 * 2.0 * np.pi * 500.0 * time) * np.cos(2.0 * np.pi * 500.0 * time)
+    other = np.exp(-0.0005 * 2.0 * np.pi * 740.0 * time) * np.cos(2.0 * np.pi * 740.0 * time + 1.0)
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    with pytest.raises(ValueError, match=r"lies at 740 Hz, outside 350 to 650 Hz"):
+        freevib(own + 3.0 * other + noise, 25_600.0, 500.0, 1e-4)
+
+
+@pytest.mark.parametrize("bits", [8, 12])
+def test_a_decay_whose_only_noise_is_its_rounding(bits):
+    """The last digits stand still: a phasor may then be exactly none."""
+    time = np.arange(51_200) / 25_600
+    phase = 2.0 * np.pi * 500.0 * time
+    steps = 2 ** (bits - 1)
+    x = np.round(np.exp(-0.002 * phase) * np.cos(phase + 0.3) * steps) / steps
+    found = plateau(freevib(x, 25_600.0, 500.0, 1.0 / steps / np.sqrt(12.0)))
+    exact = 500.0 * np.sqrt(1.0 - 0.002**2)
+    miss = float(found["stick_frequency"]) - exact
+    assert abs(miss) < 5.0 * float(found["stick_frequency_std"])

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from bladeroot.diagnosis.curve_model import curve_data
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.extension import curves, model_file, read
@@ -182,3 +183,35 @@ def test_a_cause_of_records_leaves_the_curves_alone():
     one = np.ones(1)
     points = Points(np.zeros(1, int), one, one, one)
     assert curves(read(document, CATALOGUE), points).ln_f[0] == 0.0
+
+
+def test_a_measured_size_stays_what_was_measured(model):
+    seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
+    told = {"free-free": (0.03, 0.001)}
+    (cause,) = verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE))["causes"]
+    assert cause["mechanism"] == "modulus-density"
+    modulus = cause["parameters"][0]
+    assert modulus["value"] == pytest.approx(0.03, abs=3e-3)
+    assert modulus["std"] < 1.5e-3
+
+
+def test_what_wants_times_is_said_not_to_be_judged(model):
+    seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
+    seen["time"][5] = np.nan
+    reason = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["reason"]
+    assert "drift, force-relaxation not judged: times of records missing" in reason
+
+
+def test_the_error_of_a_plateau_is_a_step_where_its_record_ends(model):
+    seen = campaign(model, seed=1)
+    error = np.full(seen.sizes["record"], 1e-3)
+    known = curve_data(seen, ("1B", "2B"))
+    doubted = curve_data(seen.assign(stick_frequency_std=("record", error)), ("1B", "2B"))
+    more = doubted.noise - known.noise
+    n = known.points.mode.size
+    first = np.flatnonzero(known.level == 0)
+    whole = first[known.records[first] == known.records[first].max()]
+    count = known.records[whole[0]]
+    f = float(seen["stick_frequency"][0])
+    assert more[whole[0], whole[-1]] == pytest.approx((error[0] / f) ** 2 / count, rel=0.01)
+    assert np.all(more[n:, n:] == 0.0)

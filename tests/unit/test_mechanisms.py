@@ -1,5 +1,7 @@
 """Every mechanism of the catalogue: its statement is whole, its derivatives are right."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bladeroot.mechanisms.catalogue import catalogue
@@ -148,3 +150,31 @@ def test_a_users_bad_file_is_one_line(tmp_path, content, message):
 def test_a_missing_folder_is_named(tmp_path):
     with pytest.raises(ValueError, match="folder of mechanisms not found"):
         catalogue(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ("{'ln_freq': 0.0 * r.force}, {'ln_freq': 0.0 * r.force[:, None]}", "must both be of"),
+        ("{'ln_f': 0.0 * r.force}, {'ln_f': 0.0 * r.force}", "law of own"),
+        ("{'ln_f': np.nan * r.force}, {'ln_f': 0.0 * r.force[:, None]}", "not finite"),
+        ("{'ln_f': r.temperature}, {}", "AttributeError"),
+    ],
+)
+def test_a_users_bad_law_is_told_before_any_fit(tmp_path, law, message):
+    (tmp_path / "own.py").write_text(
+        "import numpy as np\n"
+        "from bladeroot.mechanisms.mechanism import Mechanism, Parameter, StickEffect\n"
+        "SIZE = Parameter('p', '1', 0.1, 1.0, 0.0, 9.0, 'guess')\n"
+        "MECHANISM = Mechanism('own', 'force-law', 'a law', (SIZE,), 'none',\n"
+        f"                      stick=lambda r, v: StickEffect({law}))\n"
+    )
+    with pytest.raises(ValueError, match=message) as error:
+        catalogue(tmp_path)
+    assert "law of own" in str(error.value)
+
+
+def test_a_law_of_an_unknown_variable_is_refused():
+    one = next(one for one in catalogue() if one.id == "drift")
+    with pytest.raises(ValueError, match="over must be of"):
+        replace(one, over=("temperature",))

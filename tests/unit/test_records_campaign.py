@@ -4,7 +4,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from bladeroot.records.campaign import CampaignError, force_scale, load_campaign
+from bladeroot.decay.stick import stick_from_table
+from bladeroot.records.campaign import CampaignError, force_scale, load_campaign, stick_table
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -265,3 +266,14 @@ def test_slips_are_warnings(folder):
     assert "force_N 12 is 12 N on a gauge of 125300 N: kN given as N?" in kilo
     assert kilo.endswith("records.csv, row 2)")
     assert "file r1.nc stands in row 2 already" in twice
+
+
+def test_a_stick_table_is_read_as_it_was_checked(folder):
+    """Semicolons, decimal commas, empty columns at the right and a remark: one reader for both."""
+    text = STICK.replace(",", ";").rstrip() + ";note a;\n"
+    text += "1B;3580,5;520,1;0,1;0,004;0,0001;second;\n;;;;;;;\n"
+    (folder / "stick.csv").write_text(text, encoding="utf-16")
+    assert load_campaign(folder).stick[0]["force_N"] == 3580.5
+    stick = stick_from_table(stick_table(folder / "stick.csv"))
+    assert stick["force"].values.tolist() == [3580.5]
+    assert stick["frequency"].values.ravel().tolist() == [520.1]

@@ -5,6 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from bladeroot.records.cut import cut, rejected
+from bladeroot.records.integrity import bridged, judge
 from decay_bench import START, ring_down, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as some
@@ -237,3 +238,15 @@ def test_unreadable_record(tmp_path):
     assert set(found.variables) == set(cut(ring_down(0)[0], 25600.0, 250.0).variables)
     assert found.attrs["verdict"] == "rejected"
     found.to_netcdf(tmp_path / "rejected.nc")
+
+
+def test_padding_after_a_record_is_not_a_decay():
+    time = np.arange(51_200) / 25_600
+    phase = 2.0 * np.pi * 500.0 * time
+    x = 0.05 * np.exp(-0.0001 * phase) * np.cos(phase)
+    x += 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    x[7_680:] = 0.0
+    np.testing.assert_array_equal(bridged(x, 25_600.0, 500.0), x)
+    found = judge(cut(x, 25_600.0, 500.0), x, 500.0)
+    assert found.attrs["verdict"] == "rejected"
+    assert "nothing but zeros" in found.attrs["findings"]

@@ -12,7 +12,7 @@ from bladeroot.report.extended import extended_parts
 from bladeroot.report.next_measurement import best_option
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
-from bladeroot.report.verdict import disagreement, size, verdict_box
+from bladeroot.report.verdict import disagreement, plain, size, verdict_box
 
 PICTURES = ("ranking", "frequencies", "curves", "residuals", "residual_maps", "law")
 POWER, SEATING = "load-dependent-stiffness", "incomplete-contact"
@@ -272,3 +272,7 @@ def test_extended_inference_stands_beside_the_plain_one():
     assert len(parts[0].rows) == 2
     assert "names drift, which" in parts[1]
     assert render("t", "s", False, [Section("x", parts)], "f")
+
+
+def test_words_lose_their_hyphens_and_numbers_keep_their_signs():
+    assert plain("force-gain (gain -0.36, 1e-05)") == "force gain (gain -0.36, 1e-05)"

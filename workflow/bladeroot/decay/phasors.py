@@ -18,6 +18,7 @@ from numpy import ndarray
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4
+_NO_PHASOR = -100.0  # ln of one that is exactly none: lost, and no overflow
 
 
 @dataclass(frozen=True)
@@ -221,6 +222,7 @@ def gather(
     blocks end where the mode is lost: where that is not enough for `worst`. Raises ValueError
     where it is lost from the start.
     """
+    guess = np.maximum(guess.real, _NO_PHASOR) + 1j * guess.imag
     share = std * np.exp(-guess.real)
     edges = _edges(share, guess.real, target, -(-time.size // most))
     stop = edges[-1]
@@ -232,11 +234,10 @@ def gather(
         weight * np.stack([phasor[:stop] * np.exp(-guess[:stop]), guess[:stop]]), starts, axis=1
     )
     total, centre = np.add.reduceat(weight * np.stack([np.ones(stop), time[:stop]]), starts, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):  # a block without a phasor is lost
-        relative, known = sums / total
-        centre = centre / total
-        spread = total**-0.5
+    relative, known = sums / total
+    centre = centre / total
     miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
+    spread = total**-0.5
     lost = np.flatnonzero(spread > worst)
     keep = slice(0, int(lost[0]) if lost.size else None)
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]
