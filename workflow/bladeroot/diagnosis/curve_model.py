@@ -133,8 +133,11 @@ def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
         smooth = np.exp(-distance[None] / np.maximum(length, 0.05)[:, None, None])
         covariances.append((s[:, :, None] * s[:, None, :] * smooth).sum(axis=0))
     # The error of a record's plateau is a step of the mean where that record begins or ends.
-    errors = seen["stick_frequency_std"].values[rows] / stuck[0], seen["stick_loss_factor_std"]
-    for own, std in zip(covariances, (errors[0], errors[1].values[rows]), strict=True):
+    plateaus = (
+        seen["stick_frequency_std"].values[rows] / stuck[0],
+        seen["stick_loss_factor_std"].values[rows],
+    )
+    for own, std in zip(covariances, plateaus, strict=True):
         step = np.nan_to_num(std)[:, None] * mask / count
         own += step.T @ step
     return amplitude[chosen], means, covariances, count, _plateau_loss(stuck[1], loss, known)
