@@ -12,8 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.structures import Structures
-from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.mechanisms.probe import COORDINATES
+from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
 
 _FORCE = COORDINATES.index("force")
 _STEP = 1e-4  # of a force, for slopes by differences

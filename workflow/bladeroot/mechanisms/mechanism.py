@@ -18,6 +18,7 @@ from bladeroot.structure.ritz import Ritz
 from bladeroot.structure.sensitivity import Change
 
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
+COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
 
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
+from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Points, Records
 
-COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what `stick` may change
 _RECORDS = Records(
     mode=np.array([0, 1, 0, 1]),
     force=np.array([2e3, 2e3, 2e4, 2e4]),
