@@ -120,7 +120,7 @@ def faulty(rng, name, size, velocity, rate, made):
     if name == "driven-residue":
         phase = 2 * np.pi * f * x + rng.uniform(0.0, 2.0 * np.pi)
         velocity = velocity + size * start * np.cos(phase)
-    if name == "baseline":
+    if name in ("baseline", "wandering-baseline"):
         velocity = velocity + size * start * np.sin(2 * np.pi * (2.0 * x * rate / n + rng.random()))
     if name == "coloured-noise":
         white = np.fft.rfft(rng.standard_normal(n))
@@ -206,6 +206,7 @@ POWER = {
     "mains-hum": (1e-4, 2e-4, 1e-3),
     "driven-residue": (0.003, 0.01, 0.03),
     "baseline": (0.03, 0.1),
+    "wandering-baseline": (0.003, 0.01, 0.03),
     "coloured-noise": (3.0, 10.0),
 }
 # What the power is stated for: a laboratory's record.

@@ -204,6 +204,17 @@ def test_driven_residue():
     assert not usable[-int(0.05 * RATE) :].any()
 
 
+def test_a_wandering_baseline_is_taken_off():
+    clean = decay(noise_db=70)
+    time = np.arange(clean.size) / RATE
+    drift = 0.1 * START * np.sin(2 * np.pi * time / time[-1]) * time / time[-1]
+    before, after = judged(clean), judged(clean + drift)
+    assert "wandering-baseline" not in ids(before)
+    assert "wandering-baseline" in ids(after)
+    left = after["velocity"].values - before["velocity"].values
+    assert np.abs(left).max() < 0.02 * np.abs(drift).max()
+
+
 def test_offset_and_coloured_noise():
     clean = decay()
     assert "baseline" in ids(judged(clean + 0.05 * START))

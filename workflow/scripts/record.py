@@ -10,9 +10,6 @@ from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
 
-# Below this part of the mode's frequency nothing of it is left; integration may drop it.
-LOWEST = 0.2
-
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
 
@@ -25,7 +22,7 @@ def main(raw, facts, campaign, settings, output):
     except ValueError as error:
         decay = judge(rejected(str(error)), np.zeros(0), expected)
     else:
-        motion = velocity(recording, LOWEST * expected)
+        motion = velocity(recording, expected)
         clear = bridged(motion, recording.sampling_Hz, expected)
         decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
         others = tuple(known["other_modes_Hz"])

@@ -13,6 +13,10 @@ from bladeroot.records.units import SI, motion
 # Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
 USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
 ABSURD = 1e4
+# Cycles of the mode over which acceleration's integral is averaged to find its drift.
+DRIFT_CYCLES = 5
+# Weights of the samples 1 to 4 ahead in the eighth-order central difference.
+_CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 
 
 @dataclass(frozen=True)
@@ -124,37 +128,50 @@ def _roughness(x: ndarray) -> float:
     return float(np.mean(np.diff(x) ** 2) / power) if power > 0.0 else np.inf
 
 
-def velocity(record: Recording, lowest_Hz: float) -> Float[ndarray, " sample"]:
-    """The recording as velocity in m/s; what matters lies above `lowest_Hz`.
+def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
+    """The recording as velocity in m/s, exact for a mode of `expected_Hz`.
 
-    Displacement is differentiated by eighth-order central differences (4e-5 of the amplitude at
-    ten samples a cycle). Acceleration is summed by the trapezoidal rule with its first
-    Euler-Maclaurin correction, and the drift below `lowest_Hz` taken off.
+    Displacement is differentiated by eighth-order central differences. Acceleration is summed by
+    the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
+    of the mode, the integration's drift, is taken off. What either does to a wave of
+    `expected_Hz` is known and made good: with few samples a cycle that is some per cent.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
         return x
+    # what lies above has no samples to be seen by, as the cut then says
+    angle = min(2.0 * np.pi * expected_Hz * step, 0.9 * np.pi)
+    gain = float(2.0 * _CENTRAL @ np.sin(angle * np.arange(1, 5)) / angle)
     if record.quantity == "displacement":
-        return _derivative(x) / step
+        return _derivative(x) / (gain * step)
     slope = _derivative(x)
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]))]) - (slope - slope[0]) / 12.0
-    summed = summed * step
-    drift = _running_mean(summed, max(3, 2 * round(record.sampling_Hz / lowest_Hz / 2) + 1))
-    return summed - drift
+    gain = 0.5 * angle / np.tan(0.5 * angle) + angle**2 * gain / 12.0
+    width = 2 * round(DRIFT_CYCLES * np.pi / angle) + 1
+    width = min(width, (x.size - 1) // 3 | 1)
+    kept = 1.0 - (np.sin(0.5 * width * angle) / (width * np.sin(0.5 * angle))) ** 2
+    gain *= max(kept, 0.5)  # less only in a record of a cycle or two, which the cut rejects
+    summed = summed * (step / gain)
+    return summed - _drift(summed, width)
 
 
 def _derivative(x: Float[ndarray, " sample"]) -> Float[ndarray, " sample"]:
-    weights = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+    weights = np.concatenate([-_CENTRAL[::-1], [0.0], _CENTRAL])
     ahead = 2.0 * x[-1] - x[-2:-6:-1]
     behind = 2.0 * x[0] - x[4:0:-1]
     return np.convolve(np.concatenate([behind, x, ahead]), weights[::-1], mode="valid")
 
 
-def _running_mean(x: Float[ndarray, " sample"], width: int) -> Float[ndarray, " sample"]:
-    """Mean over `width` samples, twice; the window shrinks symmetrically towards the ends."""
-    half = np.minimum(width // 2, np.minimum(np.arange(x.size), np.arange(x.size)[::-1]))
-    at = np.arange(x.size)
+def _drift(x: Float[ndarray, " sample"], width: int) -> Float[ndarray, " sample"]:
+    """Mean over `width` samples, twice; straight on where the windows would pass the ends.
+
+    A window that shrank there would hold part of a cycle and take the mode's own motion off.
+    """
+    mean = x
     for _ in range(2):
-        total = np.concatenate([[0.0], np.cumsum(x)])
-        x = (total[at + half + 1] - total[at - half]) / (2 * half + 1)
-    return x
+        total = np.concatenate([[0.0], np.cumsum(mean)])
+        mean = (total[width:] - total[:-width]) / width
+    reach = min(width, mean.size - 1)
+    first = mean[0] + (mean[reach] - mean[0]) / reach * np.arange(1.0 - width, 0.0)
+    last = mean[-1] + (mean[-1] - mean[-1 - reach]) / reach * np.arange(1.0, width)
+    return np.concatenate([first, mean, last])

@@ -22,6 +22,8 @@ MISSED_BEND = 0.15
 EARLY_CYCLES = 80.0
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
+# Cycles over which the baseline is averaged, twice: slow modes below the mode are none of it.
+BASELINE_CYCLES = 16
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
 BAND, BAND_HZ = 16.0, 4000.0
 
@@ -145,6 +147,17 @@ class Sight:
             row=row,
             whole=self.seen(centre - 0.5 * width, centre + 0.5 * width),
         )
+
+    @cached_property
+    def baseline(self) -> tuple[Float[ndarray, " mean"], Float[ndarray, " mean"]] | None:
+        """Local mean over some thirty cycles and its sample; None for fewer than 48 cycles."""
+        centre, mean, reach = self.frames.centre, self.frames.baseline, BASELINE_CYCLES
+        if mean.size < 3 * reach:
+            return None
+        for _ in range(2):
+            total = np.concatenate([[0.0], np.cumsum(mean)])
+            mean = (total[reach:] - total[:-reach]) / reach
+        return centre[reach - 1 : reach - 1 + mean.size], mean
 
     def seen(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
         """Whether stretches of samples are free of long blind spans."""

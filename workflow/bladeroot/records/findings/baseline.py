@@ -1,9 +1,9 @@
-"""Offset and slow drift under the decay."""
+"""An offset under the decay, constant or not."""
 
 import numpy as np
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.sight import Sight
+from bladeroot.records.sight import BASELINE_CYCLES, Sight
 
 STATISTIC = "largest local mean over some thirty cycles, relative to the first amplitude"
 # 2 % of the amplitude shifts neither frequency nor damping, but tells of a bad sensor or range.
@@ -11,19 +11,14 @@ THRESHOLD = 0.02
 
 
 def find(sight: Sight) -> Finding | None:
-    """Running mean of the frames' own means, less what noise explains."""
-    frames = sight.frames
-    reach = 16
-    if frames.baseline.size < 3 * reach:
+    """The local mean's largest value, less what noise explains."""
+    if sight.baseline is None:
         return None
-    mean = frames.baseline
-    for _ in range(2):  # twice: slow modes below this one are no drift
-        total = np.concatenate([[0.0], np.cumsum(mean)])
-        mean = (total[reach:] - total[:-reach]) / reach
-    largest = int(np.argmax(np.abs(mean)))
+    _, mean = sight.baseline
+    frames = sight.frames
     amplitude = float(frames.amplitude[: max(frames.clear, 1)].max())
-    noise = 5.0 * sight.floor / np.sqrt(reach * frames.hop)
-    size = max(abs(float(mean[largest])) - noise, 0.0)
+    noise = 5.0 * sight.floor / np.sqrt(BASELINE_CYCLES * frames.hop)
+    size = max(float(np.abs(mean).max()) - noise, 0.0)
     offset = float(np.median(mean))
     text = (
         f"baseline: offset {offset:.2g} m/s, wandering from {mean.min():.2g} to "

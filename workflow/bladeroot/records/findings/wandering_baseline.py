@@ -1,0 +1,28 @@
+"""A baseline that wanders: within a cycle it is a ramp, of which the mode's own wave has a part."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bladeroot.records.finding import Finding
+from bladeroot.records.sight import BASELINE_CYCLES, Sight
+
+STATISTIC = "the mode's share of the local mean's steepest ramp, in standard errors of thirty cycles"
+THRESHOLD = 1.0
+
+
+def find(sight: Sight) -> Finding | None:
+    """The steepest course of the local mean over thirty cycles; the whole course is taken off.
+
+    A ramp r t holds r T / pi of a wave of period T, and the louder the drift the earlier that
+    drowns a decay.
+    """
+    if sight.baseline is None:
+        return None
+    centre, mean = sight.baseline
+    reach = min(2 * BASELINE_CYCLES, mean.size - 1)
+    ramp = np.abs(mean[reach:] - mean[:-reach]).max() / reach
+    samples = 2 * BASELINE_CYCLES * sight.frames.hop
+    size = float(ramp / np.pi / (sight.floor * np.sqrt(2.0 / samples)))
+    text = f"wandering baseline: from {mean.min():.2g} to {mean.max():.2g} m/s; taken off"
+    course = CubicSpline(centre, mean)(np.arange(sight.velocity.size))
+    return Finding(size, THRESHOLD, "subtract", text, (), course)
