@@ -88,6 +88,19 @@ def test_stretch_too_short_to_be_shown():
     assert plateau(blocks(0, slip(0.5, 1.0), lowest=0.1))["plateau_reached"]
 
 
+@pytest.mark.parametrize("seed", [18, 64, 86])
+def test_an_onset_near_the_smallest_amplitude_leaves_no_plateau(seed):
+    """What a drift does to weak cycles looks like slip above the very last of them."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(38_400) / 25600.0
+    eta, drift = 10 ** rng.uniform(-2.6, -2.0), 10 ** rng.uniform(-2.0, 0.0)
+    noise = 10 ** rng.uniform(-5.0, -3.0)
+    velocity = np.exp(-np.pi * eta * 500.0 * time) * np.cos(2 * np.pi * 500.0 * time)
+    velocity += drift * time**2 + noise * rng.standard_normal(time.size)
+    found = plateau(freevib(velocity, 25600.0, 500.0, noise))
+    assert found["verdict"] == "plateau not reached"
+
+
 def test_constant_over_too_small_a_range():
     still = {"softening": 0.0, "rise": 0.0}
     assert not plateau(blocks(0, slip(0.5, 1.0), lowest=0.7, **still))["plateau_reached"]

@@ -200,6 +200,11 @@ def test_few_rows_have_no_scatter():
     ("changes", "message"),
     [
         ({"frequency_Hz": [1333.0, -1.0]}, "frequency_Hz must be a positive number, got -1.0"),
+        (
+            {"frequency_std_Hz": [np.inf, 0.1]},
+            "frequency_std_Hz must be a positive number, got inf",
+        ),
+        ({"frequency_std_Hz": [0.1, 0.0]}, "frequency_std_Hz must be a positive number, got 0.0"),
         ({"mode": ["1B", "1B"]}, "once a mode, got 1B at 3580 N"),
     ],
 )

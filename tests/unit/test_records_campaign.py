@@ -103,6 +103,14 @@ def test_a_bad_record_is_one_line_with_file_and_row(folder, row, told):
     assert line.endswith(f"({folder / 'records.csv'}, row 3)")
 
 
+@pytest.mark.parametrize("sensitivity", ["fast", "0 mV/g", "12 furlong/V"])
+def test_a_sensitivity_is_checked_where_the_file_has_the_unit(folder, sensitivity):
+    header = "record,file,mode,pressure_bar,sensitivity\n"
+    (line,) = faults(folder, "records.csv", f"{header}r1,r1.nc,1B,20,{sensitivity}\n")
+    assert "expected a" in line
+    assert line.endswith(f"({folder / 'records.csv'}, row 2)")
+
+
 def test_a_simulated_record_lies_where_the_bench_puts_it(folder):
     (folder / "campaign.yaml").write_text(DESCRIPTION + "bench: bench.yaml\n")
     (line,) = faults(folder, "records.csv", HEADER + GOOD.replace("r1.nc", "other.nc"))

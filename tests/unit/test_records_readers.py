@@ -108,6 +108,21 @@ def test_tdms_of_several_channels(tmp_path):
     assert read(path, channel="tip", mode="1B", force_N=12000.0).notes == ()
 
 
+def test_a_unit_in_a_channels_name_is_no_other_than_its_property(tmp_path):
+    from nptdms import ChannelObject, TdmsWriter
+
+    path = tmp_path / "a.tdms"
+    units = {"laser_mm/s": "m/s", "tip [mm/s]": "mm/s", "root_mm/s": None, "data(2)": "m/s"}
+    with TdmsWriter(path) as file:
+        for name, unit in units.items():
+            known = {"wf_increment": 1 / RATE} | ({"unit_string": unit} if unit else {})
+            file.write_segment([ChannelObject("run", name, WAVE, known)])
+    with pytest.raises(ValueError, match=r"unit contradicts inside the file: 'm/s' of the channel"):
+        read(path, channel="1")
+    for number, factor in (("2", 1e-3), ("3", 1e-3), ("4", 1.0)):
+        np.testing.assert_allclose(read(path, channel=number).samples, factor * WAVE, atol=1e-12)
+
+
 def test_tdms_does_not_trust_an_index_file(tmp_path):
     write_tdms(tmp_path / "a.tdms", WAVE, RATE)
     (tmp_path / "a.tdms_index").write_bytes(b"TDSh" + b"\0" * 24)

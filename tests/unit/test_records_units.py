@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from bladeroot.records.sampling import usual_rate
 from bladeroot.records.units import motion, normal_unit, quantity_of, same
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -116,3 +117,18 @@ def test_usual_units_do_not_pay_for_pint():
         "sys.exit('pint' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+@pytest.mark.parametrize("rate", [2048, 10240, 12800, 25600, 44100, 51200, 65536, 102400, 262144])
+@pytest.mark.parametrize("digits", [4, 5, 6])
+def test_a_rounded_time_step_means_the_usual_rate(rate, digits):
+    mantissa, _, power = f"{1.0 / rate:.{digits - 1}e}".partition("e")
+    step = float(mantissa) * 10.0 ** int(power)
+    assert usual_rate(1.0 / step, 0.6 * 10.0 ** (1 - digits) / float(mantissa)) == rate
+
+
+def test_where_many_rates_are_near_none_is_taken_by_chance():
+    assert usual_rate(51213.4, 1e-5) is None
+    assert usual_rate(51213.0) == 51213.0
+    assert usual_rate(1e6 / 39 * (1 + 1e-6), 3e-6) == pytest.approx(1e6 / 39)
+    assert usual_rate(51200.0 / 3 * (1 + 1e-7), 2e-7) == pytest.approx(51200 / 3)

@@ -6,7 +6,8 @@ weighed by evidence on the independent blocks of cycles (`bladeroot.decay.laws`,
 least squares is efficient and its errors hold; the rates of laws with an onset come from below it.
 A record has a plateau when at least four fifths of the weight is on laws with a constant stretch of
 a factor of two or more in amplitude, or without any slope at small amplitude (A^2 and flatter), and
-the rest of the laws' spread is in the standard error. Otherwise the plateau is not reached: the
+the rest of the laws' spread is in the standard error; and when its onset, if it has one, lies that
+factor above the smallest amplitude. Otherwise the plateau is not reached: the
 record gives a bound, and nothing is extrapolated.
 """
 
@@ -17,7 +18,7 @@ import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
 from bladeroot.decay.mixture import NORMAL, Mixture
-from bladeroot.decay.posterior import Weighed
+from bladeroot.decay.posterior import SHORTEST, Weighed
 from bladeroot.decay.stretch import cubic, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
@@ -49,9 +50,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     """
     result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
     result["plateau_reached"] = 0
-    if decay.attrs.get("verdict", "usable") == "rejected" or decay.sizes["point"] < 12:
-        reason = decay.attrs.get("findings", "") or "too few points above the noise"
-        return result | {"verdict": f"rejected: {reason}"}
+    if decay.attrs.get("verdict", "usable") == "rejected":
+        return result | {"verdict": f"rejected: {decay.attrs['findings']}"}
+    if decay.sizes["point"] < 12:
+        return result | {"verdict": "rejected: too few points above the noise"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
     within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
     if within.sum() < 12:
@@ -79,7 +81,9 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     frequency, loss = _natural(omega, alpha, damping)
     if found.decline.plateau >= SHOWN:
         result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
-    if found.phase.plateau < SHOWN:
+    ends = _ends(found, float(amplitude.max()))
+    constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
+    if found.phase.plateau < SHOWN or constant < SHORTEST:
         lowest, lowest_std = found.phase.mean(lowest=True)
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
         return result | {
@@ -89,7 +93,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
             "limit_high": high,
             "verdict": "plateau not reached",
         }
-    result |= _ends(found, float(amplitude.max()))
+    result |= ends
     fallen = np.minimum.accumulate(np.log(amplitude))
     return result | {
         "stick_frequency": frequency,

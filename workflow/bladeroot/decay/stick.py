@@ -96,7 +96,7 @@ def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
     frame = pd.DataFrame({"mode": table["mode"].astype(str)})
     for name in TABLE_COLUMNS[1:]:
         frame[name] = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~(frame[name] > 0.0))
+        bad = np.flatnonzero(~((frame[name] > 0.0) & (frame[name] < np.inf)))
         if bad.size:
             raise ValueError(
                 f"{name} must be a positive number, got {table[name].iloc[bad[0]]} "

@@ -13,7 +13,7 @@ import pandas as pd
 
 from bladeroot.records.read import formats
 from bladeroot.records.sheet import read_sheet
-from bladeroot.records.units import SI, USUAL, motion
+from bladeroot.records.units import SI, USUAL, motion, sensitivity_of
 from bladeroot.schema import read_yaml
 
 RECORD_COLUMNS = (
@@ -327,6 +327,11 @@ class _Sheet:
                         f"{unit!r}, a {found}",
                         row,
                     )
+        elif sensitivity:
+            try:
+                sensitivity_of(sensitivity)
+            except ValueError as error:
+                self.fault(str(error), row)
         return {"quantity": quantity, "unit": unit, "sensitivity": sensitivity}
 
     def exclude(self, row: int, values: dict) -> bool:

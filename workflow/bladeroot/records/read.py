@@ -12,8 +12,8 @@ from bladeroot.records import readers
 from bladeroot.records.channel import Channel, split_name
 from bladeroot.records.recording import Recording, recording
 from bladeroot.records.sampling import usual_rate
-from bladeroot.records.statements import FORCES_APART, NO_UNIT, RATES_APART
-from bladeroot.records.units import SI, motion, normal_unit, quantity_of, same
+from bladeroot.records.statements import FORCES_APART, NO_UNIT, RATES_APART, one_unit
+from bladeroot.records.units import RAW, SI, motion, normal_unit, quantity_of, same
 
 # How far a file's sampling frequency may lie from the sheet's before it is another one, and
 # from where on the difference is told.
@@ -124,6 +124,7 @@ def _unit(
 ) -> str:
     """The unit that sheet and file agree on."""
     own = found.unit if found.unit and found.unit.strip().lower() not in NO_UNIT else None
+    own = one_unit({"of the channel": own, "in its name": _unit_in(found.name)}, where)
     if own and unit:
         try:
             agree = same(own, unit)
@@ -157,6 +158,13 @@ def _unit(
             f"({where})"
         )
     return chosen
+
+
+def _unit_in(name: str) -> str | None:
+    """The unit at the end of a channel's name, None if what stands there is none."""
+    unit = split_name(name)[1]
+    known = unit and (quantity_of("", unit) or normal_unit(unit) in RAW)
+    return unit if known else None
 
 
 def _sampling(

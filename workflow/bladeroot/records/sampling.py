@@ -6,6 +6,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+# Distance from the nearest of a kind of frequencies, over that between them, that is no chance.
+CHANCE = 0.125
+
 
 def uniform(time: Float[ndarray, " sample"], count: int, where: str) -> tuple[float, float]:
     """Sampling frequency and first time of a uniform time column; rounded digits are tolerated.
@@ -49,16 +52,21 @@ def uniform(time: Float[ndarray, " sample"], count: int, where: str) -> tuple[fl
 def usual_rate(rate: float, tolerance: float = 1e-9) -> float | None:
     """The frequency near `rate` that an instrument would have, None if there is none.
 
-    A whole number of Hz; a clock's whole part (51.2 kHz / 3), up to 32 or, with a wide tolerance,
-    3; a whole number of microseconds. One written in single precision counts as the whole one.
+    A multiple of 1000, 1024 or 100 Hz, a whole number, a clock's whole part (51.2 kHz / 3), up to
+    32 or, with a wide tolerance, 3; a whole number of microseconds. Each only where so few of its
+    kind lie near that it is hardly there by chance. One written in single precision counts as the
+    whole one.
     """
     if not (np.isfinite(rate) and 1e-3 < rate < 1e12):
         return None
-    whole = round(rate)
-    parts = float(Fraction(rate).limit_denominator(32 if tolerance < 1e-8 else 3))
-    micro = 1e6 / max(round(1e6 / rate), 1)
-    single = 1e-7 if rate < 1e5 else tolerance
-    for known, within in ((whole, max(tolerance, single)), (parts, tolerance), (micro, tolerance)):
-        if known and abs(rate - known) <= within * rate:
-            return float(known)
+    single = max(tolerance, 1e-7 if rate < 1e5 else tolerance)
+    known = [(grain * round(rate / grain), grain, tolerance) for grain in (1000.0, 1024.0, 100.0)]
+    known.append((float(round(rate)), 1.0, single))
+    parts = 32 if tolerance < 1e-8 else 3
+    known.append((float(Fraction(rate).limit_denominator(parts)), 1.0 / parts, tolerance))
+    micro = max(round(1e6 / rate), 1)
+    known.append((1e6 / micro, rate / micro, tolerance))
+    for near, grain, within in known:
+        if near and abs(rate - near) <= within * rate <= CHANCE * grain:
+            return float(near)
     return None

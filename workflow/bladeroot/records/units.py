@@ -91,7 +91,7 @@ def motion(unit: str, sensitivity: str | None = None) -> tuple[str, float]:
         if found is None:
             raise ValueError(f"expected a unit of motion such as {', '.join(USUAL)}, got {unit!r}")
         return found
-    number, text = _sensitivity(sensitivity)
+    number, text = sensitivity_of(sensitivity)
     if not text:
         quantity, factor = motion(unit)
         return quantity, factor * number
@@ -103,6 +103,24 @@ def motion(unit: str, sensitivity: str | None = None) -> tuple[str, float]:
             "125 mm/s/V or 100 mV/g"
         )
     return found
+
+
+def sensitivity_of(text: str) -> tuple[float, str]:
+    """Number and unit of a sensitivity; no unit for a plain factor.
+
+    Raises:
+        ValueError: not such a text, in one line.
+    """
+    match = _NUMBER.fullmatch(text)
+    number = float(match[1]) if match else 0.0
+    if not match or number == 0.0 or not math.isfinite(number):
+        raise ValueError(
+            f"expected a sensitivity such as 125 mm/s/V, 100 mV/g or a factor, got {text!r}"
+        )
+    unit = normal_unit(match[2])
+    if unit:
+        _quantity(number, unit)
+    return number, unit
 
 
 def same(unit: str, other: str) -> bool:
@@ -128,16 +146,6 @@ def seconds(unit: str) -> float | None:
     """Factor of a unit of time to seconds, None if it is no such unit."""
     text = unit.strip().strip("[]()").strip().translate(_SPELLINGS).lower()
     return next((factor for factor, names in _TIMES.items() if text in names), None)
-
-
-def _sensitivity(text: str) -> tuple[float, str]:
-    match = _NUMBER.fullmatch(text)
-    number = float(match[1]) if match else 0.0
-    if not match or number == 0.0 or not math.isfinite(number):
-        raise ValueError(
-            f"expected a sensitivity such as 125 mm/s/V, 100 mV/g or a factor, got {text!r}"
-        )
-    return number, normal_unit(match[2])
 
 
 @cache

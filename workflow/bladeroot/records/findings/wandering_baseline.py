@@ -6,7 +6,7 @@ from scipy.interpolate import CubicSpline
 from bladeroot.records.finding import Finding
 from bladeroot.records.sight import BASELINE_CYCLES, Sight
 
-STATISTIC = "the mode's share of the local mean's steepest ramp, in standard errors of thirty cycles"
+STATISTIC = "the mode's share of the mean's steepest ramp, in standard errors of thirty cycles"
 THRESHOLD = 1.0
 
 

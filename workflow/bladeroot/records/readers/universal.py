@@ -56,24 +56,31 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     factor = seconds(chosen.time_unit)
     if factor is None:
         raise ValueError(f"expected times in s or ms, got {chosen.time_unit!r} ({path})")
+    rate, error = _rate(chosen, factor, path) if chosen.even else (None, 0.0)
     return Channel(
         name=entry.name,
         samples=values if chosen.even else values[1::2],
         unit=entry.unit,
         quantity=entry.quantity,
         time=None if chosen.even else values[0::2] * factor,
-        sampling_Hz=_rate(chosen, factor) if chosen.even else None,
+        sampling_Hz=rate,
+        sampling_error=error,
         start_s=chosen.start_s * factor if chosen.even else 0.0,
     )
 
 
-def _rate(chosen: _Set, factor: float) -> float:
-    """Sampling frequency; the increment has six digits only, so a usual one near it is meant."""
-    step = float(chosen.increment) * factor
-    digits = sum(sign.isdigit() for sign in chosen.increment.upper().split("E")[0])
+def _rate(chosen: _Set, factor: float, path: str) -> tuple[float, float]:
+    """Sampling frequency and, relative, what its increment's digits leave open.
+
+    A usual frequency within that is meant; of four or five digits several may be.
+    """
+    step = _float(chosen.increment, path) * factor
     if not 0.0 < step < np.inf:
-        return np.nan
-    return usual_rate(1.0 / step, 0.6 * 10.0 ** (1 - digits)) or 1.0 / step
+        return np.nan, 0.0
+    digits = chosen.increment.upper().replace("D", "E").split("E")[0].lstrip("+-0.")
+    error = 0.6 / float(digits.replace(".", ""))
+    found = usual_rate(1.0 / step, error)
+    return (found, 0.0) if found else (1.0 / step, error)
 
 
 def _unit(code: int, length: str | None) -> str | None:
