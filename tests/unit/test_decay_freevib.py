@@ -35,6 +35,18 @@ def test_curves_follow_the_backbone(noise_db, softening, ppm, per_cent):
     assert rms(found["loss"]) < per_cent * 1e-2
 
 
+def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():
+    velocity, noise, _, truth = ring_down(5, noise_db=60)
+    cycle = np.arange(velocity.size) < 80
+    shaken = np.where(cycle, 0.95 * velocity, velocity)
+    clean, found = (freevib(one, 25600.0, 247.0, noise) for one in (velocity, shaken))
+    assert clean["block_time"][0] < 0.003
+    assert 0.004 < found["block_time"][0] < 0.02
+    frequency, loss = truth(found["amplitude"].values[:20])
+    assert np.abs(found["frequency"].values[:20] / frequency - 1.0).max() < 1e-4
+    assert np.abs(found["loss_factor"].values[:20] / loss - 1.0).max() < 0.05
+
+
 @pytest.mark.parametrize(
     ("noise_db", "ppm", "per_cent"), [(60, 20, 1.0), (40, 60, 6.0)], ids=["60 dB", "40 dB"]
 )

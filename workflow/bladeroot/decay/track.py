@@ -1,7 +1,7 @@
 """Follow one mode through a record, other modes fitted along with it."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.carrier import strongest_line
@@ -18,6 +18,9 @@ from bladeroot.decay.phasors import Frames, Phasors, corrected, fit_frames, gath
 from bladeroot.decay.rough import cut_frames, parts, roughly
 from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
+
+# A first block belongs to the blow where ln A + i phase bends so many times more than after it.
+STRUCK = 8.0
 
 
 def follow(
@@ -161,7 +164,20 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
     # a clock and a digitiser are never better than a millionth of a radian
     std = without_knocks(off, np.hypot(std, 1e-6))
-    return Phasors(blocks.time, blocks.log, std)
+    free = slice(_struck(blocks.log), None)
+    return Phasors(blocks.time[free], blocks.log[free], std[free])
+
+
+def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> int:
+    """Number of first blocks in which what a blow set going still rings; a spline would follow.
+
+    There the log-phasor bends far more than anywhere in the blocks after it.
+    """
+    bend = np.abs(np.diff(log[: most + reach + 2], n=2))
+    for first in range(min(most, bend.size - reach)):
+        if bend[first] < STRUCK * bend[first + 1 : first + 1 + reach].max():
+            return first
+    return most if bend.size == most + reach else 0
 
 
 def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
