@@ -195,11 +195,57 @@ def test_a_measured_size_stays_what_was_measured(model):
     assert modulus["std"] < 1.5e-3
 
 
+def test_a_load_cell_tells_a_wrong_zero(model):
+    seen = campaign(model, "offset", 3000.0, seed=1, rows=programme(cycles=1), curves=False)
+    told = {"load cell zero": (2980.0, 50.0)}
+    (cause,) = verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE))["causes"]
+    assert cause["credible_set"] == ["force-offset"]
+    assert cause["parameters"][0]["value"] == pytest.approx(3000.0, abs=150.0)
+
+
 def test_what_wants_times_is_said_not_to_be_judged(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
     reason = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["reason"]
+    assert "1 records without a time left out" in reason
+    seen["time"][:20] = np.nan
+    reason = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["reason"]
     assert "drift, force-relaxation not judged: times of records missing" in reason
+
+
+def test_one_missing_time_does_not_hide_a_drift(model):
+    seen = campaign(model, "drift", 0.01, seed=1, rows=programme(cycles=1), curves=False)
+    seen["time"][5] = np.nan
+    causes = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["causes"]
+    assert [cause["mechanism"] for cause in causes] == ["drift"]
+
+
+def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
+    seen = campaign(model, seed=2, curves=False)
+    known = diagnose(seen, model, Settings(BIAS), CATALOGUE).data
+    seen["hold"][:] = ""
+    said = verdict(made := diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    assert said["answer"] == "nothing-missing"
+    assert "no holds stated" in said["reason"]
+    pairs = [one.hold[:, None] == one.hold for one in (known, made.data)]
+    assert (pairs[0] == pairs[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("column", "only", "lack"),
+    [
+        ("force", FORCES[3], "curves at a second axial force"),
+        ("mode", "1B", "curves of a second mode"),
+    ],
+)
+def test_curves_of_one_force_or_mode_name_nothing(model, column, only, lack):
+    seen = campaign(model, "hardening", 3e7, seed=1)
+    other = seen[column].values != only
+    for name in ("frequency", "loss_factor"):
+        seen[name][other] = np.nan
+    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    assert (said["answer"], said["causes"]) == ("insufficient-data", [])
+    assert lack in said["reason"]
 
 
 def test_the_error_of_a_plateau_is_a_step_where_its_record_ends(model):

@@ -98,7 +98,7 @@ def _known(data: StickData) -> dict[str, bool]:
 
 
 def not_judged(candidates: Sequence[Mechanism], data: StickData) -> str:
-    """A line on the mechanisms that want times or directions which the campaign lacks, or ""."""
+    """A line on what the campaign does not say of its records and what follows, or ""."""
     known = _known(data)
     lines = []
     for names, lack in ((("time", "since"), "times"), (("sign",), "directions")):
@@ -107,6 +107,13 @@ def not_judged(candidates: Sequence[Mechanism], data: StickData) -> str:
         ]
         if missing:
             lines.append(f"{', '.join(missing)} not judged: {lack} of records missing or alike")
+    if data.untimed:
+        lines.append(f"{data.untimed} records without a time left out")
+    if data.assumed:
+        lines.append(
+            "no holds stated: records one after another at one force and direction are taken for "
+            "one clamping"
+        )
     return ". ".join(lines)
 
 

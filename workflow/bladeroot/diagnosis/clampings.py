@@ -7,6 +7,31 @@ from numpy import ndarray
 from bladeroot.diagnosis import guards
 
 
+def stated(
+    hold: ndarray, record: ndarray, force: ndarray, direction: ndarray, time: ndarray
+) -> tuple[ndarray, bool]:
+    """Names of the records' holds, and whether any is only assumed.
+
+    Of records without one, those that follow each other at one force and direction count as one
+    clamping, as nobody takes a specimen out between two records that look alike: as clampings of
+    their own, their likeness would pass for a scatter that is not there. Where times are missing
+    each stands by itself.
+    """
+    unknown = hold == ""
+    names = np.where(unknown, np.char.add("record ", record), hold)
+    if not unknown.any() or not np.isfinite(time).all():
+        return names, False
+    order = np.argsort(time, kind="stable")
+    before, after = order[:-1], order[1:]
+    alike = (force[before] == force[after]) & (direction[before] == direction[after])
+    alike &= unknown[before] & unknown[after]
+    first = order[np.concatenate([[0], np.flatnonzero(~alike) + 1])]
+    run = np.concatenate([[0], np.cumsum(~alike)])
+    made = np.empty_like(names)
+    made[order] = names[first][run]
+    return made, bool(alike.any())
+
+
 def clampings(
     mode: ndarray,
     hold: Int[ndarray, " record"],

@@ -18,7 +18,7 @@ from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.records import Faulty, faulty_records
 from bladeroot.diagnosis.stick_model import Simulation, StickData
-from bladeroot.diagnosis.sufficiency import hopeless, lacking, replicated
+from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
 
 GAUGE_AND_LEVEL = ("force-gain", "force-offset")
@@ -41,9 +41,10 @@ class Settings:
 class Diagnosis:
     """All that was found; `verdict`, `dataset` and `extension` make artifacts of it.
 
-    lacks: what the campaign lacks, a phrase each. hopeless: whether no law can be judged at all.
-    left_out: record mechanisms' consequence for the curves, a line, or "". not_judged: mechanisms
-    that want what the campaign does not say of its records, a line, or "".
+    lacks: what the campaign lacks, a phrase each; curve_lacks: what its curves lack, which then
+    name nothing. hopeless: whether no law can be judged at all. left_out: record mechanisms'
+    consequence for the curves, a line, or "". not_judged: mechanisms that want what the campaign
+    does not say of its records, and what is done without it, a line, or "".
     """
 
     seen: xr.Dataset
@@ -57,6 +58,7 @@ class Diagnosis:
     found: tuple[Found, ...]
     faulty: tuple[Faulty, ...]
     lacks: tuple[str, ...]
+    curve_lacks: tuple[str, ...]
     hopeless: bool
     left_out: str
     not_judged: str
@@ -97,11 +99,15 @@ def diagnose(
     damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
     if damping is not None and not nothing:
         found.append(search(damping_channel(damping, candidates), known))
+    curve_lacks = curves_lacking(curves)
     if curves is not None:
-        found.append(search(curve_channel(curves, candidates), Known(settings.splits, True)))
+        channel = curve_channel(curves, candidates)
+        why = f"it lacks {' and '.join(curve_lacks)}"
+        never = {one.id: why for one in channel.candidates} if curve_lacks else {}
+        found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
         seen, str(model.attrs["structure"]), settings, known, data, damping, curves, simulated,
-        tuple(found), tuple(faulty), tuple(lacks), nothing, left_out,
+        tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
         not_judged(candidates, data),
     )  # fmt: skip
 

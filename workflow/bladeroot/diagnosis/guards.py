@@ -39,5 +39,8 @@ RECORDS = 50
 FORCES = 4
 HOLDS_A_FORCE = 2
 MODES = 2
+# Curves of fewer forces, or of one mode, name no cause: of tuning cases one of an effect of no
+# catalogue was named from curves of one force, and one was given a second cause from one mode.
+CURVE_FORCES = 2
 # Probability of as many findings by false alarms alone below which a record mechanism is named.
 FALSE_ALARM = 1e-4

@@ -16,9 +16,10 @@ from bladeroot.mechanisms.mechanism import Mechanism
 class Known:
     """What is known besides the campaign.
 
-    splits: independent measurements, by what a mechanism `needs`: value and standard deviation of
-    its first parameter. replicates: whether clampings are repeated often enough to tell gauge and
-    level effects from their scatter. barred: mechanisms that are ranked but never named, with why.
+    splits: independent measurements by what a mechanism is `measured_by`: value and standard
+    deviation of its first parameter. replicates: whether clampings are repeated often enough to
+    tell gauge and level effects from their scatter. barred: mechanisms that are ranked but never
+    named, with why.
     """
 
     splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -225,9 +226,9 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
     The measurement belongs to the data of every model: those without the mechanism must explain it
     as an error of its own.
     """
-    if mechanism.needs not in known.splits:
+    if mechanism.measured_by not in known.splits:
         return mechanism, 0.0
-    value, std = known.splits[mechanism.needs]
+    value, std = known.splits[mechanism.measured_by]
     first = mechanism.parameters[0]
     weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
     mean = weight * (first.mean / first.std**2 + value / std**2)
@@ -295,7 +296,7 @@ def _credible(channel: Channel, gains: Mapping[str, float], known: Known) -> tup
     order = sorted(gains, key=gains.get, reverse=True)
     near = [name for name in order if gains[name] > gains[order[0]] - guards.CREDIBLE]
     by_id = {one.id: one for one in channel.candidates}
-    unsplit = {n for n in by_id if by_id[n].needs and by_id[n].needs not in known.splits}
+    unsplit = {n for n in by_id if by_id[n].needed and by_id[n].measured_by not in known.splits}
     top = by_id[order[0]]
     if top.id in unsplit:
         siblings = sorted(unsplit, key=lambda n: -gains.get(n, -np.inf))

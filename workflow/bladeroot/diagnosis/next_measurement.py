@@ -59,7 +59,7 @@ def next_measurements(made: Diagnosis) -> xr.Dataset:
     for name, data in _records(made).items():
         rows.append((name, *_of_records(made, rivals, data, stick.channel.base)))
     for one in [r.mechanisms[0] for r in rivals if r.mechanisms]:
-        if one.id in FACTS and one.needs not in made.known.splits:
+        if one.id in FACTS and one.measured_by not in made.known.splits:
             rows.append((FACTS[one.id][0], *_of_fact(rivals, one.id, stick.channel.base)))
     names, decided, size, ln_std = zip(*rows, strict=True)
 

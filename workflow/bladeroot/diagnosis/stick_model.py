@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
-from bladeroot.diagnosis.clampings import clampings
+from bladeroot.diagnosis.clampings import clampings, stated
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.structures import Structures
@@ -36,6 +36,8 @@ FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
+# Where so many of the records have a time, the others are left out rather than all laws of time.
+MOSTLY = 0.8
 SCALES = ("ln_scatter_kn", "ln_scatter_kt", "atanh_correlation", "ln_noise")
 
 
@@ -45,7 +47,8 @@ class StickData:
 
     std: relative, within the record. hold: number of the clamping. rounding: standard deviation of
     the reading's rounding, N. row: number in the observations. jumped: holds that count as two
-    clampings.
+    clampings. assumed: whether holds are known only from the order of the records. untimed: records
+    that were left out for want of a time.
     """
 
     modes: tuple[str, ...]
@@ -58,6 +61,8 @@ class StickData:
     direction_known: bool
     time_known: bool
     jumped: tuple[str, ...] = ()
+    assumed: bool = False
+    untimed: int = 0
 
 
 @dataclass(frozen=True)
@@ -90,10 +95,14 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     usable = np.isin(mode, modes) & (seen["verdict"].values.astype(str) == "usable")
     usable &= (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
-    holds = seen["hold"].values.astype(str)[row]
-    names = seen["record"].values.astype(str)[row]
-    called, hold = np.unique(np.where(holds == "", "record " + names, holds), return_inverse=True)
-    time = seen["time"].values[row]
+    timed = np.isfinite(seen["time"].values[row])
+    untimed = int((~timed).sum()) if timed.sum() >= MOSTLY * row.size else 0
+    row = row[timed] if untimed else row
+    force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
+    direction = seen["direction"].values.astype(str)[row]
+    holds, names = seen["hold"].values.astype(str)[row], seen["record"].values.astype(str)[row]
+    holds, assumed = stated(holds, names, force, direction, time)
+    called, hold = np.unique(holds, return_inverse=True)
     known = bool(np.isfinite(time).all()) and row.size > 0
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
@@ -101,10 +110,9 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     jumped: list[int] = []
     if known:
         hold, jumped = clampings(mode[row], hold, time, ln_f, error)
-    direction = seen["direction"].values.astype(str)[row]
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
-        force=seen["force"].values[row].astype(float),
+        force=force,
         sign=np.where(direction == "up", 1.0, np.where(direction == "down", -1.0, 0.0)),
         time=time,
         since=since,
@@ -122,6 +130,8 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         bool((records.sign > 0).any() and (records.sign < 0).any()),
         known,
         tuple(called[jumped].tolist()),
+        assumed,
+        untimed,
     )
 
 

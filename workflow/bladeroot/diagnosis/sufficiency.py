@@ -3,6 +3,7 @@
 import numpy as np
 
 from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.stick_model import StickData
 
 
@@ -25,6 +26,18 @@ def lacking(data: StickData) -> list[str]:
             f"records: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
             "from the scatter of clampings"
         )
+    return lacks
+
+
+def curves_lacking(curves: CurveData | None) -> list[str]:
+    """What the curves lack for naming a cause, a phrase each; empty where they suffice."""
+    if curves is None:
+        return []
+    lacks = []
+    if np.unique(curves.points.mode).size < guards.MODES:
+        lacks.append("curves of a second mode")
+    if np.unique(curves.points.force).size < guards.CURVE_FORCES:
+        lacks.append("curves at a second axial force")
     return lacks
 
 

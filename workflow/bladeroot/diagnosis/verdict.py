@@ -86,9 +86,22 @@ def _fault(one) -> dict:
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
     if causes:
         return "named" if any(len(one["credible_set"]) == 1 for one in causes) else "ambiguous"
-    if any(found.unexplained for found in made.found):
+    if any(found.unexplained for found in made.found if not _cannot_name(made, found)):
         return "unexplained"
-    return "insufficient-data" if made.lacks else "nothing-missing"
+    open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
+    return "insufficient-data" if made.lacks or open_curves else "nothing-missing"
+
+
+def _cannot_name(made: Diagnosis, found: Found) -> bool:
+    """Whether the channel's data are too few to name a cause."""
+    return bool(made.curve_lacks) and found.channel.name == "curve"
+
+
+def _open(found: Found) -> bool:
+    """Whether a channel shows that something is missing, be it a mechanism that fits best."""
+    first = found.steps[0]
+    best = max([*first.mechanisms.values(), *first.smooth.values()], default=-np.inf)
+    return bool(best >= first.needed)
 
 
 def _shortfall(made: Diagnosis) -> list[dict]:
@@ -177,9 +190,16 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
 
 def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
+    departing = [
+        f"the curves depart from the simulation and name no cause: {'; '.join(made.curve_lacks)} "
+        "would tell"
+        for found in made.found
+        if _cannot_name(made, found) and _open(found)
+    ]
     if answer == "insufficient-data":
-        return f"the campaign lacks {'; '.join(made.lacks)}"
-    lines = []
+        lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
+        return ". ".join(lacks + departing)
+    lines = departing
     if answer == "nothing-missing":
         lines.append("the simulation explains all records within their scatter")
     for found in made.found:
@@ -199,7 +219,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
                     f"{', '.join(cause.credible)} explain it about as well; to decide: "
                     f"{cause.mechanism.splitter}"
                 )
-        if found.unexplained:
+        if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
                 "no mechanism of the catalogue explains"

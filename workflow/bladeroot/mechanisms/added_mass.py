@@ -42,4 +42,5 @@ MECHANISM = Mechanism(
     splitter="weigh the beam as tested, or ring it down free-free with what is mounted on it",
     structure=structure,
     starts=((0.02, 0.0),),
+    measured_by="weighing",
 )  # fmt: skip

@@ -22,4 +22,5 @@ MECHANISM = Mechanism(
     ),
     splitter="a load cell in the line of force, or strain gauges on the beam",
     stick=stick,
+    measured_by="load cell scale",
 )  # fmt: skip

@@ -23,5 +23,6 @@ MECHANISM = Mechanism(
     ),
     splitter="a load cell in the line of force; the frequency without any axial force",
     stick=stick,
+    measured_by="load cell zero",
     starts=((3000.0,), (-1000.0,)),
 )  # fmt: skip

@@ -118,8 +118,9 @@ class Mechanism:
     factor by which a `structure` hook's effect differs between records. over: what a law on records
     is a function of (force, time, since, sign); in these it is only trusted to some per cent. A
     `stick` law over the force is given the force that there is, as other causes change it.
-    starts: coordinates of the fit to begin from besides the prior's mean, a row a start. needs: the
-    measurement without which it is never named by itself, for its siblings explain the same data.
+    starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
+    measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
+    whether it is never named by itself without that, for its siblings explain the same data.
     finding: ids of findings, joined by semicolons. spoils: whether a record with such a finding is
     no use for curves.
     """
@@ -137,7 +138,8 @@ class Mechanism:
     finding: str = ""
     over: tuple[str, ...] = ("force",)
     starts: tuple[tuple[float, ...], ...] = ()
-    needs: str = ""
+    measured_by: str = ""
+    needed: bool = False
     spoils: bool = False
 
     def __post_init__(self) -> None:

@@ -36,5 +36,6 @@ MECHANISM = Mechanism(
     splitter="a free-free test of the beam and its weight",
     structure=structure,
     starts=((0.02, 0.0), (-0.02, 0.0)),
-    needs="free-free",
+    measured_by="free-free",
+    needed=True,
 )  # fmt: skip

@@ -27,5 +27,6 @@ MECHANISM = Mechanism(
     splitter="an independent measure of the slots' stiffness: a tap test of the empty rig",
     structure=structure,
     starts=((0.15,),),
-    needs="rig stiffness",
+    measured_by="rig stiffness",
+    needed=True,
 )  # fmt: skip
