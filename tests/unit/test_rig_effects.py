@@ -131,3 +131,14 @@ def test_a_tuned_cause_has_the_effect_that_was_asked_for():
     with pytest.raises(ValueError, match="cannot reach"):
         cause_of(bench, whole, [row], highest, "joint-slip", 10.0)
     assert baseline(bench, row).friction == np.inf
+
+
+@pytest.mark.parametrize("law", [("load-dependent-stiffness", 0.6), ("incomplete-contact", 4e3)])
+def test_the_joint_answers_to_the_force_that_there_is(law):
+    relaxed = ("force-relaxation", 0.02)
+    one, other = (
+        conditions_of(toy_bench(), sheet(), pair) for pair in ((law, relaxed), (relaxed, law))
+    )
+    alone = conditions_of(toy_bench(), sheet(), [law])
+    assert one == other
+    assert any(a.kn < b.kn for a, b in zip(one, alone, strict=True))

@@ -20,7 +20,7 @@ MECHANISM = Mechanism(
     sentence="the contact is stiffer when the force is reached from above than from below",
     parameters=(
         Parameter(
-            "difference", "1", 0.0, 0.2, -0.8, 0.8,
+            "difference", "1", 0.0, 0.3, -0.8, 0.8,
             "friction keeps a wedged flank in contact as the load falls; (3.21) averages over it",
         ),
     ),

@@ -33,14 +33,29 @@ def effect(name: str) -> ModuleType:
 def conditions_of(
     bench: dict, sheet: pd.DataFrame, hidden: Sequence[tuple[str, float]]
 ) -> list[Conditions]:
-    """Conditions of each row of a sheet with hidden effects (name, cause) in turn."""
+    """Conditions of each row of a sheet with hidden effects (name, cause).
+
+    The joint answers to the force that there is, whatever order the effects are hidden in.
+    """
     every = []
     for row, moment in zip(sheet.to_dict("records"), moments(bench, sheet), strict=True):
         true = baseline(bench, row)
-        for name, cause in hidden:
+        for name, cause in _force_first(hidden, true, moment):
             true = effect(name).change(true, cause, moment)
         every.append(true)
     return every
+
+
+def _force_first(
+    hidden: Sequence[tuple[str, float]], true: Conditions, moment: Moment
+) -> list[tuple[str, float]]:
+    """The effects, those that change the axial force before the others."""
+
+    def keeps_force(one: tuple[str, float]) -> bool:
+        name, cause = one
+        return bool(effect(name).change(true, cause, moment).force == true.force)
+
+    return sorted(hidden, key=keeps_force)
 
 
 def cause_of(
