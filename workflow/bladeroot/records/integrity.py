@@ -40,10 +40,9 @@ def judge(
     """A cut decay with its findings and its mask.
 
     Added to what `records.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
-    `finding_*` (finding); attributes `verdict` and `findings`. Steady hum is taken off
-    `velocity`, and `noise_velocity` becomes what coloured noise amounts to around the mode. A
-    record is rejected where a finding drops it or masks leave fewer than
-    eight cycles.
+    `finding_*` (finding); attributes `verdict` and `findings`. Steady hum and a wandering baseline
+    are taken off `velocity`, and `noise_velocity` becomes what coloured noise amounts to around
+    the mode. A record is rejected where a finding drops it or masks leave fewer than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
