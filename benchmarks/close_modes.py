@@ -21,7 +21,7 @@ from bladeroot.records.integrity import judge
 
 WRONG_PPM = 500.0
 # These compare a property with a requirement, and tell of no second mode.
-REQUIREMENTS = ("noise-floor", "too-short", "ends-early")
+REQUIREMENTS = ("noise-floor", "too-short", "ends-early", "louder-mode")
 
 
 def draw(rng: np.random.Generator) -> dict:

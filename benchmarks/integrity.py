@@ -19,7 +19,7 @@ from bladeroot.records.integrity import bridged, checks, examine, judge, sight
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, hilbert, lfilter
 
-REQUIREMENTS = ("noise-floor", "too-short", "ends-early")
+REQUIREMENTS = ("noise-floor", "too-short", "ends-early", "louder-mode")
 
 
 def decay(rng, **fixed):

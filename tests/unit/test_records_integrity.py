@@ -204,6 +204,13 @@ def test_driven_residue():
     assert not usable[-int(0.05 * RATE) :].any()
 
 
+@pytest.mark.parametrize(("second", "told"), [(0.3, False), (8.0, True)])
+def test_a_louder_mode_is_told(second, told):
+    found = judged(decay(second=second))
+    assert ("louder-mode" in ids(found)) == told
+    assert found.attrs["verdict"] == "usable"
+
+
 def test_a_wandering_baseline_is_taken_off():
     clean = decay(noise_db=70)
     time = np.arange(clean.size) / RATE

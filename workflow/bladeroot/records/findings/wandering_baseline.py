@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.sight import BASELINE_CYCLES, Sight
+from bladeroot.records.sight import BASELINE_CYCLES, FRAME_CYCLES, Sight
 
 STATISTIC = "the mode's share of the mean's steepest ramp, in standard errors of thirty cycles"
 THRESHOLD = 1.0
@@ -21,8 +21,11 @@ def find(sight: Sight) -> Finding | None:
     centre, mean = sight.baseline
     reach = min(2 * BASELINE_CYCLES, mean.size - 1)
     ramp = np.abs(mean[reach:] - mean[:-reach]).max() / reach
+    # noise that is stronger at low frequencies shows in how the means of frames scatter
+    bend = np.abs(np.diff(sight.frames.baseline[::FRAME_CYCLES], 2))
+    noise = max(sight.floor, float(np.median(bend)) * np.sqrt(sight.frames.hop))
     samples = 2 * BASELINE_CYCLES * sight.frames.hop
-    size = float(ramp / np.pi / (sight.floor * np.sqrt(2.0 / samples)))
-    text = f"wandering baseline: from {mean.min():.2g} to {mean.max():.2g} m/s; taken off"
+    size = float(ramp / np.pi / (noise * np.sqrt(2.0 / samples)))
+    text = f"wandering baseline: by {np.ptp(mean):.2g} m/s; taken off"
     course = CubicSpline(centre, mean)(np.arange(sight.velocity.size))
     return Finding(size, THRESHOLD, "subtract", text, (), course)
