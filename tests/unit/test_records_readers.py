@@ -112,7 +112,7 @@ def test_a_unit_in_a_channels_name_is_no_other_than_its_property(tmp_path):
     from nptdms import ChannelObject, TdmsWriter
 
     path = tmp_path / "a.tdms"
-    units = {"laser_mm/s": "m/s", "tip [mm/s]": "mm/s", "root_mm/s": None, "data(2)": "m/s"}
+    units = {"laser_mm/s": "m/s", "tip [mm/s]": "mm/s", "root_mm/s": None, "ai0 (V)": "m/s"}
     with TdmsWriter(path) as file:
         for name, unit in units.items():
             known = {"wf_increment": 1 / RATE} | ({"unit_string": unit} if unit else {})

@@ -13,7 +13,7 @@ from bladeroot.records.channel import Channel, split_name
 from bladeroot.records.recording import Recording, recording
 from bladeroot.records.sampling import usual_rate
 from bladeroot.records.statements import FORCES_APART, NO_UNIT, RATES_APART, one_unit
-from bladeroot.records.units import RAW, SI, motion, normal_unit, quantity_of, same
+from bladeroot.records.units import SI, motion, normal_unit, quantity_of, same
 
 # How far a file's sampling frequency may lie from the sheet's before it is another one, and
 # from where on the difference is told.
@@ -161,10 +161,9 @@ def _unit(
 
 
 def _unit_in(name: str) -> str | None:
-    """The unit at the end of a channel's name, None if what stands there is none."""
+    """The unit of motion at the end of a channel's name, None if what stands there is none."""
     unit = split_name(name)[1]
-    known = unit and (quantity_of("", unit) or normal_unit(unit) in RAW)
-    return unit if known else None
+    return unit if unit and quantity_of("", unit) else None
 
 
 def _sampling(
