@@ -213,6 +213,13 @@ def test_what_wants_times_is_said_not_to_be_judged(model):
     assert "drift, force-relaxation not judged: times of records missing" in reason
 
 
+def test_no_record_is_left_out_for_its_time_where_the_campaign_then_lacks(model):
+    seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
+    seen["time"][:11] = np.nan
+    data = diagnose(seen, model, Settings(BIAS), CATALOGUE).data
+    assert (data.ln_f.size, data.untimed, data.time_known) == (56, 0, False)
+
+
 def test_one_missing_time_does_not_hide_a_drift(model):
     seen = campaign(model, "drift", 0.01, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
@@ -226,9 +233,12 @@ def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
     seen["hold"][:] = ""
     said = verdict(made := diagnose(seen, model, Settings(BIAS), CATALOGUE))
     assert said["answer"] == "nothing-missing"
-    assert "no holds stated" in said["reason"]
+    assert "112 records without a hold" in said["reason"]
     pairs = [one.hold[:, None] == one.hold for one in (known, made.data)]
     assert (pairs[0] == pairs[1]).all()
+    # records that are left out still lie between the others
+    few = diagnose(seen, model, Settings(BIAS, least_force=FORCES[1]), CATALOGUE).data
+    assert np.unique(few.hold).size == 24
 
 
 @pytest.mark.parametrize(

@@ -222,6 +222,21 @@ def test_a_wandering_baseline_is_taken_off():
     assert np.abs(left).max() < 0.02 * np.abs(drift).max()
 
 
+def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
+    rate = 102_400.0
+    time = np.arange(150_000) / rate
+    own = 0.05 * np.exp(-np.pi * 6e-4 * 8000.0 * time) * np.cos(2 * np.pi * 8000.0 * time)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(time.size)
+    for size in (0.005, 0.1):
+        hum = size * np.cos(2 * np.pi * 50.0 * time)
+        found = judged(own + noise + hum, 8000.0, rate)
+        first = round(found.attrs["start_s"] * rate)
+        left = found["velocity"].values - (own + noise)[first : first + found.sizes["time"]]
+        assert "mains-hum" in ids(found)
+        assert not ids(found) & {"wandering-baseline", "louder-mode"}
+        assert np.abs(left).max() < 0.01 * size
+
+
 def test_offset_and_coloured_noise():
     clean = decay()
     assert "baseline" in ids(judged(clean + 0.05 * START))

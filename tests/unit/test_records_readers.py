@@ -203,6 +203,29 @@ def test_universal_file_of_an_odd_rate_says_so(tmp_path):
     assert "sampling_Hz 5120.37 of records.csv is taken" in found.notes[0]
 
 
+@pytest.mark.parametrize(
+    ("increment", "stated", "taken", "notes"),
+    [
+        ("3.9062E-05", None, 25600.0, 0),
+        ("2.27E-05", None, 44000.0, 1),
+        ("2.27E-05", 44100.0, 44100.0, 2),
+        ("0.0001", None, 10000.0, 0),
+    ],
+)
+def test_universal_increment_of_few_digits(tmp_path, increment, stated, taken, notes):
+    write_universal(tmp_path / "a.uff", WAVE, 25600.0)
+    text = (tmp_path / "a.uff").read_text()
+    written = f"{1 / 25600.0:13.5e}"
+    assert text.count(written) == 1
+    (tmp_path / "a.uff").write_text(text.replace(written, f"{increment:>13}"))
+    found = read(tmp_path / "a.uff", sampling_Hz=stated)
+    assert found.sampling_Hz == taken
+    assert len(found.notes) == notes
+    if increment == "0.0001":
+        with pytest.raises(ValueError, match="sampling_Hz contradicts: 16000"):
+            read(tmp_path / "a.uff", sampling_Hz=16000.0)
+
+
 def test_universal_file_of_several_functions(tmp_path):
     write_universal(tmp_path / "a.uff", WAVE, RATE)
     write_universal(tmp_path / "b.uff", 3 * WAVE, RATE)

@@ -50,10 +50,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     """
     result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
     result["plateau_reached"] = 0
-    if decay.attrs.get("verdict", "usable") == "rejected":
-        return result | {"verdict": f"rejected: {decay.attrs['findings']}"}
-    if decay.sizes["point"] < 12:
-        return result | {"verdict": "rejected: too few points above the noise"}
+    rejected = decay.attrs.get("verdict", "usable") == "rejected"
+    if rejected or decay.sizes["point"] < 12:
+        reason = decay.attrs.get("findings", "") if rejected else ""
+        return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
     within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
     if within.sum() < 12:

@@ -109,10 +109,10 @@ def not_judged(candidates: Sequence[Mechanism], data: StickData) -> str:
             lines.append(f"{', '.join(missing)} not judged: {lack} of records missing or alike")
     if data.untimed:
         lines.append(f"{data.untimed} records without a time left out")
-    if data.assumed:
+    if data.unheld and data.time_known:
         lines.append(
-            "no holds stated: records one after another at one force and direction are taken for "
-            "one clamping"
+            f"{data.unheld} records without a hold: those one after another at one force and "
+            "direction are taken for one clamping"
         )
     return ". ".join(lines)
 

@@ -9,27 +9,26 @@ from bladeroot.diagnosis import guards
 
 def stated(
     hold: ndarray, record: ndarray, force: ndarray, direction: ndarray, time: ndarray
-) -> tuple[ndarray, bool]:
-    """Names of the records' holds, and whether any is only assumed.
+) -> ndarray:
+    """Names of the records' holds, all records of the campaign taken together.
 
     Of records without one, those that follow each other at one force and direction count as one
     clamping, as nobody takes a specimen out between two records that look alike: as clampings of
-    their own, their likeness would pass for a scatter that is not there. Where times are missing
-    each stands by itself.
+    their own, their likeness would pass for a scatter that is not there. A record without a time
+    stands by itself, and all do where all times are one.
     """
     unknown = hold == ""
     names = np.where(unknown, np.char.add("record ", record), hold)
-    if not unknown.any() or not np.isfinite(time).all():
-        return names, False
-    order = np.argsort(time, kind="stable")
+    order = np.flatnonzero(np.isfinite(time))
+    order = order[np.argsort(time[order], kind="stable")]
+    if not unknown.any() or not order.size or not np.ptp(time[order]) > 0.0:
+        return names
     before, after = order[:-1], order[1:]
     alike = (force[before] == force[after]) & (direction[before] == direction[after])
     alike &= unknown[before] & unknown[after]
     first = order[np.concatenate([[0], np.flatnonzero(~alike) + 1])]
-    run = np.concatenate([[0], np.cumsum(~alike)])
-    made = np.empty_like(names)
-    made[order] = names[first][run]
-    return made, bool(alike.any())
+    names[order] = names[first][np.concatenate([[0], np.cumsum(~alike)])]
+    return names
 
 
 def clampings(

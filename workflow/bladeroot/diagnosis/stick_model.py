@@ -15,7 +15,7 @@ from numpy import ndarray
 from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.clampings import clampings, stated
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
-from bladeroot.diagnosis.guards import TRUST
+from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.joint import trimmed
@@ -47,8 +47,8 @@ class StickData:
 
     std: relative, within the record. hold: number of the clamping. rounding: standard deviation of
     the reading's rounding, N. row: number in the observations. jumped: holds that count as two
-    clampings. assumed: whether holds are known only from the order of the records. untimed: records
-    that were left out for want of a time.
+    clampings. unheld: records whose hold is not stated. untimed: records left out for want of a
+    time.
     """
 
     modes: tuple[str, ...]
@@ -61,7 +61,7 @@ class StickData:
     direction_known: bool
     time_known: bool
     jumped: tuple[str, ...] = ()
-    assumed: bool = False
+    unheld: int = 0
     untimed: int = 0
 
 
@@ -95,13 +95,12 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     usable = np.isin(mode, modes) & (seen["verdict"].values.astype(str) == "usable")
     usable &= (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
-    timed = np.isfinite(seen["time"].values[row])
-    untimed = int((~timed).sum()) if timed.sum() >= MOSTLY * row.size else 0
-    row = row[timed] if untimed else row
+    every = row
+    row = _timed(row, seen["time"].values, seen["force"].values, mode)
     force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
     direction = seen["direction"].values.astype(str)[row]
-    holds, names = seen["hold"].values.astype(str)[row], seen["record"].values.astype(str)[row]
-    holds, assumed = stated(holds, names, force, direction, time)
+    columns = (seen[name].values for name in ("hold", "record", "force", "direction", "time"))
+    holds = stated(*(c if c.dtype.kind == "f" else c.astype(str) for c in columns))[row]
     called, hold = np.unique(holds, return_inverse=True)
     known = bool(np.isfinite(time).all()) and row.size > 0
     time = time - time.min() if known else np.zeros(row.size)
@@ -130,9 +129,20 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         bool((records.sign > 0).any() and (records.sign < 0).any()),
         known,
         tuple(called[jumped].tolist()),
-        assumed,
-        untimed,
+        int((seen["hold"].values.astype(str)[row] == "").sum()),
+        every.size - row.size,
     )
+
+
+def _timed(
+    row: Int[ndarray, " record"], time: ndarray, force: ndarray, mode: ndarray
+) -> Int[ndarray, " timed"]:
+    """The records with a time, where they are nearly all and without the others nothing lacks."""
+    timed = row[np.isfinite(time[row])]
+    if timed.size < max(MOSTLY * row.size, RECORDS):
+        return row
+    levels = [{(mode[k], force[k]) for k in some} for some in (row, timed)]
+    return timed if levels[0] == levels[1] else row
 
 
 def _distinct(points: Float[ndarray, "point 3"]) -> tuple[ndarray, ndarray]:

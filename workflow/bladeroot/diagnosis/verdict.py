@@ -198,7 +198,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
     ]
     if answer == "insufficient-data":
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
-        return ". ".join(lacks + departing)
+        return ". ".join([*lacks, *departing, *([made.not_judged] if made.not_judged else [])])
     lines = departing
     if answer == "nothing-missing":
         lines.append("the simulation explains all records within their scatter")

@@ -4,6 +4,7 @@ import numpy as np
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
+from bladeroot.records.findings.mains_hum import without_hum
 from bladeroot.records.lines import peak_Hz
 from bladeroot.records.sight import TOLERANCE, Sight
 
@@ -14,6 +15,11 @@ THRESHOLD = 1.0
 
 def find(sight: Sight) -> Finding | None:
     """Lines of the loud first part of the decay; what drowns the mode is left to `wrong_mode`."""
+    found = _loudest(sight)
+    return _loudest(without_hum(sight)) if found is not None and found.counts else found
+
+
+def _loudest(sight: Sight) -> Finding | None:
     frequency, level = sight.early
     inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
     if not inside.any() or inside.all():
@@ -23,7 +29,7 @@ def find(sight: Sight) -> Finding | None:
     if ratio > wrong_mode.THRESHOLD:
         return None
     text = (
-        f"a louder mode: {ratio:.2g} times this one's velocity at {peak_Hz(frequency, other):.5g} "
-        "Hz; a joint slips by both"
+        f"a louder mode or tone: {ratio:.2g} times this one's velocity at "
+        f"{peak_Hz(frequency, other):.5g} Hz; by a mode's motion a joint slips, too"
     )
     return Finding(ratio, THRESHOLD, "warn", text)

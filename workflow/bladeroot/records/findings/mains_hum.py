@@ -1,5 +1,7 @@
 """Hum of the mains: steady lines at multiples of 50 or 60 Hz."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
@@ -55,6 +57,14 @@ def find(sight: Sight) -> Finding | None:
         excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
     told = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
     return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {told}; taken off", (), excess)
+
+
+def without_hum(sight: Sight) -> Sight:
+    """The decay less its hum, for checks that would take the hum for something else."""
+    found = find(sight)
+    if found is None or not found.counts:
+        return sight
+    return replace(sight, velocity=sight.velocity - found.excess)
 
 
 def _steady(

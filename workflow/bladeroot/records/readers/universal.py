@@ -12,6 +12,7 @@ import numpy as np
 
 from bladeroot.records.channel import Channel, Entry, pick
 from bladeroot.records.sampling import usual_rate
+from bladeroot.records.statements import COARSEST, RATES_APART
 from bladeroot.records.units import seconds
 
 SUFFIXES = (".uff", ".unv", ".u58")
@@ -65,6 +66,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         time=None if chosen.even else values[0::2] * factor,
         sampling_Hz=rate,
         sampling_error=error,
+        notes=_told(rate, error),
         start_s=chosen.start_s * factor if chosen.even else 0.0,
     )
 
@@ -72,15 +74,26 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
 def _rate(chosen: _Set, factor: float, path: str) -> tuple[float, float]:
     """Sampling frequency and, relative, what its increment's digits leave open.
 
-    A usual frequency within that is meant; of four or five digits several may be.
+    A usual frequency within that is meant; one or two digits are a round step, not a rounded one.
     """
     step = _float(chosen.increment, path) * factor
     if not 0.0 < step < np.inf:
         return np.nan, 0.0
     digits = chosen.increment.upper().replace("D", "E").split("E")[0].lstrip("+-0.")
     error = 0.6 / float(digits.replace(".", ""))
-    found = usual_rate(1.0 / step, error)
-    return (found, 0.0) if found else (1.0 / step, error)
+    if error > COARSEST:
+        return 1.0 / step, 0.0
+    return usual_rate(1.0 / step, error) or 1.0 / step, error
+
+
+def _told(rate: float | None, error: float) -> tuple[str, ...]:
+    """A note where the increment's digits leave the sampling frequency open."""
+    if error <= RATES_APART:
+        return ()
+    return (
+        f"the increment's digits leave the sampling frequency open to {100 * error:.1g} %, "
+        f"{rate:.9g} Hz is taken; sampling_Hz in records.csv can say it",
+    )
 
 
 def _unit(code: int, length: str | None) -> str | None:
