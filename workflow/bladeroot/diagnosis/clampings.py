@@ -7,7 +7,7 @@ from numpy import ndarray
 from bladeroot.diagnosis import guards
 
 
-def stated(
+def hold_names(
     hold: ndarray, record: ndarray, force: ndarray, direction: ndarray, time: ndarray
 ) -> ndarray:
     """Names of the records' holds, all records of the campaign taken together.

@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
-from bladeroot.diagnosis.clampings import clampings, stated
+from bladeroot.diagnosis.clampings import clampings, hold_names
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.structures import Structures
@@ -98,10 +98,10 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     every = row
     row = _timed(row, seen["time"].values, seen["force"].values, mode)
     force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
-    direction = seen["direction"].values.astype(str)[row]
-    columns = (seen[name].values for name in ("hold", "record", "force", "direction", "time"))
-    holds = stated(*(c if c.dtype.kind == "f" else c.astype(str) for c in columns))[row]
-    called, hold = np.unique(holds, return_inverse=True)
+    hold, record, way = (seen[name].values.astype(str) for name in ("hold", "record", "direction"))
+    unheld = int((hold[row] == "").sum())
+    holds = hold_names(hold, record, seen["force"].values, way, seen["time"].values)
+    called, hold = np.unique(holds[row], return_inverse=True)
     known = bool(np.isfinite(time).all()) and row.size > 0
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
@@ -112,7 +112,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
         force=force,
-        sign=np.where(direction == "up", 1.0, np.where(direction == "down", -1.0, 0.0)),
+        sign=np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))[row],
         time=time,
         since=since,
         span=float(time.max(initial=0.0)),
@@ -129,7 +129,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         bool((records.sign > 0).any() and (records.sign < 0).any()),
         known,
         tuple(called[jumped].tolist()),
-        int((seen["hold"].values.astype(str)[row] == "").sum()),
+        unheld,
         every.size - row.size,
     )
 

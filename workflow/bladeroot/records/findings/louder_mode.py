@@ -4,7 +4,7 @@ import numpy as np
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
-from bladeroot.records.findings.mains_hum import without_hum
+from bladeroot.records.findings.mains_hum import beside_hum
 from bladeroot.records.lines import peak_Hz
 from bladeroot.records.sight import TOLERANCE, Sight
 
@@ -15,8 +15,7 @@ THRESHOLD = 1.0
 
 def find(sight: Sight) -> Finding | None:
     """Lines of the loud first part of the decay; what drowns the mode is left to `wrong_mode`."""
-    found = _loudest(sight)
-    return _loudest(without_hum(sight)) if found is not None and found.counts else found
+    return beside_hum(_loudest, sight)
 
 
 def _loudest(sight: Sight) -> Finding | None:

@@ -1,5 +1,6 @@
 """Hum of the mains: steady lines at multiples of 50 or 60 Hz."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -59,12 +60,15 @@ def find(sight: Sight) -> Finding | None:
     return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {told}; taken off", (), excess)
 
 
-def without_hum(sight: Sight) -> Sight:
-    """The decay less its hum, for checks that would take the hum for something else."""
-    found = find(sight)
+def beside_hum(check: Callable[[Sight], Finding | None], sight: Sight) -> Finding | None:
+    """What a check finds; where that counts, what it finds without the hum it may have seen."""
+    found = check(sight)
     if found is None or not found.counts:
-        return sight
-    return replace(sight, velocity=sight.velocity - found.excess)
+        return found
+    hum = find(sight)
+    if hum is None or not hum.counts:
+        return found
+    return check(replace(sight, velocity=sight.velocity - hum.excess))
 
 
 def _steady(

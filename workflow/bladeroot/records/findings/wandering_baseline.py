@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.findings.mains_hum import without_hum
+from bladeroot.records.findings.mains_hum import beside_hum
 from bladeroot.records.sight import BASELINE_CYCLES, FRAME_CYCLES, Sight
 
 STATISTIC = "the mode's share of the mean's steepest ramp, in standard errors of thirty cycles"
@@ -17,13 +17,12 @@ def find(sight: Sight) -> Finding | None:
     A ramp r t holds r T / pi of a wave of period T, and the louder the drift the earlier that
     drowns a decay. Hum under a far higher mode would be one; it is taken off by itself.
     """
+    return beside_hum(_steepest, sight)
+
+
+def _steepest(sight: Sight) -> Finding | None:
     if sight.baseline is None:
         return None
-    found = _steepest(sight)
-    return _steepest(without_hum(sight)) if found.counts else found
-
-
-def _steepest(sight: Sight) -> Finding:
     centre, mean = sight.baseline
     reach = min(2 * BASELINE_CYCLES, mean.size - 1)
     ramp = np.abs(mean[reach:] - mean[:-reach]).max() / reach
