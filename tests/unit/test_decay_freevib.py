@@ -47,6 +47,19 @@ def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():
     assert np.abs(found["loss_factor"].values[:20] / loss - 1.0).max() < 0.05
 
 
+def test_what_a_filter_leaves_at_the_end_is_no_part_of_the_curve():
+    velocity, noise, _, truth = ring_down(5, noise_db=70, eta=(0.001, 0.0015))
+    left_s = (velocity.size - np.arange(velocity.size)) / 25600.0
+    shaped = 0.2 * np.abs(velocity[-200:]).max() * np.exp(-left_s / 0.01)
+    shaped *= np.cos(2 * np.pi * 270.0 * left_s + 1.0)
+    clean, found = (freevib(one, 25600.0, 247.0, noise) for one in (velocity, velocity + shaped))
+    assert clean["block_time"][-1] > 1.99
+    assert 1.85 < found["block_time"][-1] < 1.97
+    frequency, loss = truth(found["amplitude"].values[-20:])
+    assert np.abs(found["frequency"].values[-20:] / frequency - 1.0).max() < 1e-4
+    assert np.abs(found["loss_factor"].values[-20:] / loss - 1.0).max() < 0.05
+
+
 @pytest.mark.parametrize(
     ("noise_db", "ppm", "per_cent"), [(60, 20, 1.0), (40, 60, 6.0)], ids=["60 dB", "40 dB"]
 )

@@ -204,11 +204,33 @@ def test_driven_residue():
     assert not usable[-int(0.05 * RATE) :].any()
 
 
-@pytest.mark.parametrize(("second", "told"), [(0.3, False), (8.0, True)])
-def test_a_louder_mode_is_told(second, told):
-    found = judged(decay(second=second))
-    assert ("louder-mode" in ids(found)) == told
+def ringing(own, second, eta):
+    """A decay with another mode of twice its frequency, and the other mode's amplitude."""
+    time = time_of(own)
+    envelope = second * START * np.exp(-np.pi * eta * 500.0 * time)
+    return own + envelope * np.cos(2 * np.pi * 500.0 * time), envelope
+
+
+@pytest.mark.parametrize("eta", [0.006, 0.02])
+def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
+    own = decay(second=0.0, noise_db=60)
+    velocity, envelope = ringing(own, 3.0, eta)
+    found = judged(velocity)
+    assert "louder-mode" in ids(found)
     assert found.attrs["verdict"] == "usable"
+    loudest = own[: own.size // 1024 * 1024].reshape(-1, 1024).max(axis=1)
+    equal_s = (np.argmax(envelope[512::1024] < loudest) + 0.5) * 1024 / RATE
+    usable = found["usable"].values == 1
+    begin = int(np.argmax(usable))
+    assert begin / RATE + found.attrs["start_s"] == pytest.approx(equal_s, abs=10 / 250.0)
+    assert usable[begin:].all()
+
+
+@pytest.mark.parametrize(("second", "eta"), [(0.9, 0.01), (2.0, 0.0008)])
+def test_a_mode_that_is_less_loud_or_stays_louder_masks_nothing(second, eta):
+    found = judged(ringing(decay(second=0.0), second, eta)[0])
+    assert ("louder-mode" in ids(found)) == (second > 1.0)
+    assert found["usable"].values.all()
 
 
 def test_a_wandering_baseline_is_taken_off():

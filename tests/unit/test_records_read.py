@@ -193,13 +193,14 @@ def test_every_quantity_becomes_velocity(quantity, unit, scale):
 
 
 @pytest.mark.parametrize("a_cycle", [2.6, 3.3, 5.0, 8.7, 20.0])
+@pytest.mark.parametrize("expected_Hz", [90.0, 100.0, 112.0])
 @pytest.mark.parametrize(("quantity", "unit"), [("displacement", "m"), ("acceleration", "m/s^2")])
-def test_few_samples_a_cycle_do_not_lower_the_amplitude(quantity, unit, a_cycle):
+def test_few_samples_a_cycle_do_not_lower_the_amplitude(quantity, unit, expected_Hz, a_cycle):
     omega = 2 * np.pi * 100.0
     turn = np.exp(1j * omega * np.arange(4000) / (100.0 * a_cycle))
     order = {"displacement": 0, "acceleration": 2}[quantity]
     motion = recording((turn * (1j * omega) ** order).real, unit, "here", sampling_Hz=100 * a_cycle)
-    missed = velocity(motion, 100.0) - (turn * 1j * omega).real
+    missed = velocity(motion, expected_Hz) - (turn * 1j * omega).real
     assert np.abs(missed[200:-200]).max() < 1e-4 * omega
 
 

@@ -163,9 +163,10 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     off = parts(miss)
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
     # a clock and a digitiser are never better than a millionth of a radian
-    std = without_knocks(off, np.hypot(std, 1e-6))
-    free = slice(_struck(blocks.log), None)
-    return Phasors(blocks.time[free], blocks.log[free], std[free])
+    std = np.hypot(std, 1e-6)
+    doubted = without_knocks(off, std)
+    free = slice(_struck(blocks.log), _shaped(doubted > std))
+    return Phasors(blocks.time[free], blocks.log[free], doubted[free])
 
 
 def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> int:
@@ -178,6 +179,20 @@ def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> i
         if bend[first] < STRUCK * bend[first + 1 : first + 1 + reach].max():
             return first
     return most if bend.size == most + reach else 0
+
+
+def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
+    """Number of blocks before the transient that a filter leaves at a record's end.
+
+    A third of the last blocks are then thrown off. It grows towards the end, so it is taken to
+    begin as far again before the first of those.
+    """
+    at = np.flatnonzero(knocked)
+    if np.count_nonzero(knocked[-reach:]) < reach / 3:
+        return knocked.size
+    far = np.flatnonzero(np.diff(at) > gap)
+    first = 2 * int(at[far[-1] + 1 if far.size else 0]) - knocked.size
+    return first if first > 0.75 * knocked.size else knocked.size
 
 
 def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:

@@ -7,7 +7,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.records.channel import SHORTEST
+from bladeroot.records.lines import magnitudes, peak_Hz
 from bladeroot.records.sampling import uniform
+from bladeroot.records.sight import TOLERANCE
 from bladeroot.records.units import SI, motion
 
 # Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
@@ -129,18 +131,19 @@ def _roughness(x: ndarray) -> float:
 
 
 def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
-    """The recording as velocity in m/s, exact for a mode of `expected_Hz`.
+    """The recording as velocity in m/s, exact for the strongest line near `expected_Hz`.
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
     of the mode, the integration's drift, is taken off. What either does to a wave of
-    `expected_Hz` is known and made good: with few samples a cycle that is some per cent.
+    the mode's frequency is known and made good: with few samples a cycle that is some per cent.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
         return x
+    own_Hz = _strongest_line(x, record.sampling_Hz, expected_Hz)
     # what lies above has no samples to be seen by, as the cut then says
-    angle = min(2.0 * np.pi * expected_Hz * step, 0.9 * np.pi)
+    angle = min(2.0 * np.pi * own_Hz * step, 0.9 * np.pi)
     gain = float(2.0 * _CENTRAL @ np.sin(angle * np.arange(1, 5)) / angle)
     if record.quantity == "displacement":
         return _derivative(x) / (gain * step)
@@ -153,6 +156,13 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     gain *= max(kept, 0.5)  # less only in a record of a cycle or two, which the cut rejects
     summed = summed * (step / gain)
     return summed - _drift(summed, width)
+
+
+def _strongest_line(x: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float) -> float:
+    """Frequency of the strongest line near the expected one, which stands in for none."""
+    frequency, level = magnitudes(x, sampling_Hz)
+    level[np.abs(frequency / expected_Hz - 1.0) > TOLERANCE] = 0.0
+    return peak_Hz(frequency, level) if level.any() else expected_Hz
 
 
 def _derivative(x: Float[ndarray, " sample"]) -> Float[ndarray, " sample"]:

@@ -1,34 +1,77 @@
 """Another mode is louder than the one that is looked for: a joint slips by the sum of both."""
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
 from bladeroot.records.findings.mains_hum import beside_hum
-from bladeroot.records.lines import peak_Hz
+from bladeroot.records.lines import magnitudes, peak_Hz
+from bladeroot.records.runs import in_frames
 from bladeroot.records.sight import TOLERANCE, Sight
 
-STATISTIC = "strongest line out of the band over the strongest in it, in the loudest 80 cycles"
+STATISTIC = "velocity of the strongest line out of the band over this mode's, in the first cycles"
 # A requirement, not a test: the curves are then not those of this mode alone.
 THRESHOLD = 1.0
+# Cycles whose lines are looked at, and what one that is louder in the first of them has at least.
+FIRST_CYCLES, HARMLESS = 32, 0.2
+FRAME_CYCLES = 8
+# Where the other mode stays louder for longer than this part of the decay nothing is masked.
+LONGEST = 0.5
 
 
 def find(sight: Sight) -> Finding | None:
-    """Lines of the loud first part of the decay; what drowns the mode is left to `wrong_mode`."""
+    """The strongest other line of the first cycles, and for how long it is louder.
+
+    Modes couple where it is: damping and frequency of this one depend on the other's phase and
+    amplitude. What drowns the mode is left to `wrong_mode`.
+    """
     return beside_hum(_loudest, sight)
 
 
 def _loudest(sight: Sight) -> Finding | None:
-    frequency, level = sight.early
-    inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
-    if not inside.any() or inside.all():
+    if _strongest(*sight.early, sight)[1] > wrong_mode.THRESHOLD:
         return None
-    other = np.where(inside, 0.0, level)
-    ratio = float(other.max()) / max(float(level[inside].max()), 1e-300)
-    if ratio > wrong_mode.THRESHOLD:
-        return None
+    count = min(int(FIRST_CYCLES * sight.sampling_Hz / sight.own_Hz), sight.velocity.size)
+    first = magnitudes(sight.velocity[:count], sight.sampling_Hz)
+    other_Hz, ratio = _strongest(*first, sight)
+    if ratio < HARMLESS:
+        return Finding(ratio, THRESHOLD, "warn", "")
+    step = max(1, round(sight.sampling_Hz / sight.own_Hz))
+    course = _course(sight, other_Hz, step)
+    less = np.flatnonzero(course <= THRESHOLD)
+    frames = int(less[0]) if less.size else course.size
+    ratio = float(course[: frames + 1].max(initial=0.0))
     text = (
-        f"a louder mode or tone: {ratio:.2g} times this one's velocity at "
-        f"{peak_Hz(frequency, other):.5g} Hz; by a mode's motion a joint slips, too"
+        f"a louder mode or tone: {ratio:.2g} times this one's velocity at {other_Hz:.5g} Hz; "
+        "by a mode's motion a joint slips, too"
     )
-    return Finding(ratio, THRESHOLD, "warn", text)
+    stop = (frames + FRAME_CYCLES // 2) * step
+    if stop > LONGEST * sight.velocity.size:
+        return Finding(ratio, THRESHOLD, "warn", text)
+    text += f"; the first {1e3 * sight.seconds(stop):.3g} ms are not used"
+    return Finding(ratio, THRESHOLD, "mask", text, ((0, stop),))
+
+
+def _strongest(
+    frequency: Float[ndarray, " line"], level: Float[ndarray, " line"], sight: Sight
+) -> tuple[float, float]:
+    """Frequency of the strongest line out of the band, and its size over the strongest within."""
+    inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    other = np.where(inside, 0.0, level)
+    own = float(level.max(where=inside, initial=0.0))
+    return peak_Hz(frequency, other), float(other.max()) / max(own, 1e-300)
+
+
+def _course(sight: Sight, other_Hz: float, step: int) -> Float[ndarray, " frame"]:
+    """Ratio of the two velocities in frames of eight cycles, a cycle apart."""
+    width = min(FRAME_CYCLES, sight.velocity.size // step) * step
+    time = (np.arange(width) - 0.5 * (width - 1)) / sight.sampling_Hz
+    turns = 2.0 * np.pi * np.outer(time, [sight.own_Hz, other_Hz])
+    design = np.hstack([np.cos(turns), np.sin(turns), np.ones((width, 1))])
+    taper = np.sqrt(np.hanning(width + 2)[1:-1])
+    solver = np.linalg.pinv(design * taper[:, None]) * taper
+    own_cos, other_cos, own_sin, other_sin = in_frames(sight.velocity, solver[:4].T, step).T
+    own = np.maximum(np.hypot(own_cos, own_sin), 1e-300)
+    return np.hypot(other_cos, other_sin) / own
