@@ -1,6 +1,10 @@
 """Two processes share the tests: a file stays together, and so do all that use the small house."""
 
+import os
 from pathlib import Path
+
+# two processes on two cores, before anyone imports numpy
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import pytest
 

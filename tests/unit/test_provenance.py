@@ -82,6 +82,14 @@ def test_comments_docstrings_and_other_modules_change_nothing(copy):
     assert code_hash(copy) == before
 
 
+def test_what_earlier_runs_kept_changes_no_hash(copy):
+    first, again = code_hash(copy), code_hash(copy)
+    (kept,) = (copy / "bladeroot" / "__pycache__").glob("sources-*.json")
+    kept.write_text("no JSON")
+    assert first == again == code_hash(copy)
+    assert kept.read_text().startswith("{")
+
+
 def test_equal_settings_give_equal_text():
     assert canonical_json({"b": 1, "a": [1.5, None]}) == canonical_json({"a": [1.5, None], "b": 1})
     assert canonical_json({"a": 1, "b": 2}) != canonical_json({"a": 2, "b": 1})

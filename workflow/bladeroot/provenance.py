@@ -8,11 +8,16 @@ code and the canonical JSON of the settings that it reads.
 import ast
 import hashlib
 import json
+import os
+import platform
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 _LIBRARY = Path(__file__).parent
 _PACKAGE = _LIBRARY.name
+# What is known of sources, by the hash of their text: to parse a whole library takes seconds.
+_KNOWN = _LIBRARY / "__pycache__" / f"sources-{platform.python_version()}.json"
 
 
 def canonical_json(settings: object) -> str:
@@ -27,6 +32,8 @@ def code_hash(script: str | Path) -> str:
     nothing, any real change does. Raises SyntaxError when a module cannot be parsed.
     """
     script = Path(script).resolve()
+    known = _known()
+    before = len(known)
     seen = {script}
     waiting = [script]
     while waiting:
@@ -34,9 +41,28 @@ def code_hash(script: str | Path) -> str:
             seen.add(imported)
             waiting.append(imported)
     digest = hashlib.sha256()
-    for name, dump in sorted((_module_name(path), _dumped(path)) for path in seen):
-        digest.update(f"{name}\n{dump}\n".encode())
+    for name, tree in sorted((_module_name(path), _source(path)["tree"]) for path in seen):
+        digest.update(f"{name}\n{tree}\n".encode())
+    if len(known) > before:
+        _keep(known)
     return digest.hexdigest()[:16]
+
+
+@cache
+def _known() -> dict[str, dict]:
+    """What earlier runs learnt of sources; nothing where that cannot be read."""
+    with suppress(OSError, ValueError):
+        return json.loads(_KNOWN.read_text(encoding="utf-8"))
+    return {}
+
+
+def _keep(known: dict[str, dict]) -> None:
+    """Write it for later runs, whole or not at all; a library that cannot be written to goes on."""
+    part = _KNOWN.with_name(f"{_KNOWN.name}.{os.getpid()}.tmp")
+    with suppress(OSError):
+        _KNOWN.parent.mkdir(exist_ok=True)
+        part.write_text(json.dumps(known), encoding="utf-8")
+        part.replace(_KNOWN)
 
 
 def _module_name(path: Path) -> str:
@@ -46,9 +72,33 @@ def _module_name(path: Path) -> str:
 
 
 @cache
-def _bare_tree(path: Path) -> ast.Module:
+def _source(path: Path) -> dict:
+    """Hash of a file's syntax tree without docstrings, and what the file imports."""
+    text = path.read_text(encoding="utf-8")
+    key = hashlib.sha256(text.encode()).hexdigest()
+    if key not in _known():
+        tree = _bare_tree(text, path)
+        _known()[key] = {
+            "tree": hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
+            "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
+        }
+    return _known()[key]
+
+
+_IMPORTS = (ast.Import, ast.ImportFrom)
+
+
+def _import(node: ast.Import | ast.ImportFrom) -> tuple[int, str | None, list[str]]:
+    """Level, module (None for a plain import) and names of an import statement."""
+    names = [alias.name for alias in node.names]
+    if isinstance(node, ast.Import):
+        return 0, None, names
+    return node.level, node.module or "", names
+
+
+def _bare_tree(text: str, path: Path) -> ast.Module:
     """Syntax tree without docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+    tree = ast.parse(text, filename=str(path))
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if (
@@ -63,11 +113,6 @@ def _bare_tree(path: Path) -> ast.Module:
 
 
 @cache
-def _dumped(path: Path) -> str:
-    return ast.dump(_bare_tree(path))
-
-
-@cache
 def _library_imports(path: Path) -> frozenset[Path]:
     """Files of the library that a file imports, anywhere in it (late imports, too).
 
@@ -75,15 +120,12 @@ def _library_imports(path: Path) -> frozenset[Path]:
     that finds them by itself. So do files beside a script.
     """
     found = set()
-    for node in ast.walk(_bare_tree(path)):
-        if isinstance(node, ast.Import):
-            names = whole = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = _absolute(node, path)
-            whole = [f"{base}.{alias.name}" for alias in node.names]
+    for level, module, imported in _source(path)["imports"]:
+        names = whole = imported
+        if module is not None:
+            base = _absolute(level, module, path)
+            whole = [f"{base}.{name}" for name in imported]
             names = [base, *whole]
-        else:
-            continue
         for name in names:
             found |= _files(name)
             beside = path.parent / f"{name}.py"
@@ -103,11 +145,11 @@ def _modules_of(name: str) -> set[Path]:
     return set(folder.glob("*.py"))
 
 
-def _absolute(node: ast.ImportFrom, path: Path) -> str:
-    if node.level == 0:
-        return node.module or ""
-    folder = path.parents[node.level - 1].relative_to(_LIBRARY.parent)
-    return ".".join([*folder.parts, *([node.module] if node.module else [])])
+def _absolute(level: int, module: str, path: Path) -> str:
+    if level == 0:
+        return module
+    folder = path.parents[level - 1].relative_to(_LIBRARY.parent)
+    return ".".join([*folder.parts, *([module] if module else [])])
 
 
 def _files(module: str) -> set[Path]:

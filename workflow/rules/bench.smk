@@ -14,7 +14,7 @@ rule bench:
         bench=lambda w: bench_of(CAMPAIGNS[w.campaign]),
         reduced=lambda w: expand(
             rules.reduced.output.reduced,
-            structure=read_yaml(bench_of(CAMPAIGNS[w.campaign]), "bench")["structure"],
+            structure=bench_structure(CAMPAIGNS[w.campaign]),
         ),
     output:
         raw="results/bench/{campaign}/{record}.nc",

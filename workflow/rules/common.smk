@@ -2,6 +2,7 @@
 import os
 import sys
 
+from functools import cache
 from pathlib import Path
 
 from bladeroot.provenance import canonical_json, code_hash
@@ -48,6 +49,17 @@ def bench_of(campaign):
     return (campaign.folder / campaign.description["bench"]).resolve()
 
 
+def bench_structure(campaign):
+    """Name of the structure that a simulated campaign's bench is made of."""
+    return _structure_named(bench_of(campaign))
+
+
+@cache
+def _structure_named(bench):
+    # every record's job asks
+    return read_yaml(bench, "bench")["structure"]
+
+
 def with_numbers(node):
     """The configuration with the numbers that a command line could only give as text."""
     if isinstance(node, dict):
@@ -77,7 +89,7 @@ def checked_campaigns():
             campaign = load_campaign(folder)
             wanted = list(campaign.description["structure"])
             if campaign.simulated:
-                wanted.append(read_yaml(bench_of(campaign), "bench")["structure"])
+                wanted.append(bench_structure(campaign))
             for structure in wanted:
                 add_structure(structure, campaign, structures)
         except ValueError as error:
