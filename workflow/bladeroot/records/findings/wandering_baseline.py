@@ -1,7 +1,6 @@
 """A baseline that wanders: within a cycle it is a ramp, of which the mode's own wave has a part."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings.mains_hum import beside_hum
@@ -31,6 +30,10 @@ def _steepest(sight: Sight) -> Finding | None:
     noise = max(sight.floor, float(np.median(bend)) * np.sqrt(sight.frames.hop))
     samples = 2 * BASELINE_CYCLES * sight.frames.hop
     size = float(ramp / np.pi / (noise * np.sqrt(2.0 / samples)))
+    if size <= THRESHOLD:
+        return Finding(size, THRESHOLD, "subtract", "")
+    from scipy.interpolate import CubicSpline  # seldom needed, and slow to load
+
     text = f"wandering baseline: by {np.ptp(mean):.2g} m/s; taken off"
     course = CubicSpline(centre, mean)(np.arange(sight.velocity.size))
     return Finding(size, THRESHOLD, "subtract", text, (), course)
