@@ -16,8 +16,11 @@ from pathlib import Path
 
 _LIBRARY = Path(__file__).parent
 _PACKAGE = _LIBRARY.name
+_IMPORTS = (ast.Import, ast.ImportFrom)
 # What is known of sources, by the hash of their text: to parse a whole library takes seconds.
-_KNOWN = _LIBRARY / "__pycache__" / f"sources-{platform.python_version()}.json"
+# Another Python or another version of this file sees them differently.
+_READER = hashlib.sha256(platform.python_version().encode() + Path(__file__).read_bytes())
+_KNOWN = _LIBRARY / "__pycache__" / f"sources-{_READER.hexdigest()[:8]}.json"
 
 
 def canonical_json(settings: object) -> str:
@@ -58,7 +61,7 @@ def _known() -> dict[str, dict]:
 
 def _keep(known: dict[str, dict]) -> None:
     """Write it for later runs, whole or not at all; a library that cannot be written to goes on."""
-    part = _KNOWN.with_name(f"{_KNOWN.name}.{os.getpid()}.tmp")
+    part = _KNOWN.with_name(f"{_KNOWN.name}.tmp.{os.getpid()}")
     with suppress(OSError):
         _KNOWN.parent.mkdir(exist_ok=True)
         part.write_text(json.dumps(known), encoding="utf-8")
@@ -83,9 +86,6 @@ def _source(path: Path) -> dict:
             "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
         }
     return _known()[key]
-
-
-_IMPORTS = (ast.Import, ast.ImportFrom)
 
 
 def _import(node: ast.Import | ast.ImportFrom) -> tuple[int, str | None, list[str]]:
