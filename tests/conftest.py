@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-# two processes on two cores, before anyone imports numpy
+# for the two processes that share the tests, and for what they start: two cores
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import pytest

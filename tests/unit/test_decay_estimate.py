@@ -54,6 +54,24 @@ def test_masked_samples_reach_the_estimators(cut):
     )
 
 
+@pytest.mark.parametrize("estimator", ["blocks", "thesis"])
+@pytest.mark.parametrize("masked_s", [0.1, 0.8])
+def test_a_start_that_is_masked_is_no_part_of_the_curve(cut, estimator, masked_s):
+    spoiled = cut.copy(deep=True)
+    count = int(masked_s * 25600.0)
+    spoiled["velocity"][:count] *= 3.0
+    spoiled["usable"][:count] = 0
+    whole, found = estimate(cut, estimator), estimate(spoiled, estimator)
+    assert masked_s - 1e-4 < float(found["block_time"][0]) < masked_s + 0.1
+    assert int(found["pff_agrees"]) == 1
+    middle = slice(found.sizes["point"] // 4, found.sizes["point"] // 2)
+    coarse = 1.0 if estimator == "blocks" else 8.0
+    close = {"frequency": 1e-4 * coarse, "loss_factor": 0.05 * coarse}
+    for name, most in close.items():
+        late = np.interp(found["time"], whole["time"], whole[name])
+        assert np.median(np.abs(found[name].values / late - 1.0)[middle]) < most
+
+
 def test_a_rejected_record_has_no_points(cut):
     rejected = cut.assign_attrs(verdict="rejected", findings="clipped")
     found = estimate(rejected)

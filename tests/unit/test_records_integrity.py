@@ -211,7 +211,7 @@ def ringing(own, second, eta):
     return own + envelope * np.cos(2 * np.pi * 500.0 * time), envelope
 
 
-@pytest.mark.parametrize("eta", [0.006, 0.02])
+@pytest.mark.parametrize("eta", [0.01, 0.02])
 def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
     own = decay(second=0.0, noise_db=60)
     velocity, envelope = ringing(own, 3.0, eta)
@@ -226,11 +226,28 @@ def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
     assert usable[begin:].all()
 
 
-@pytest.mark.parametrize(("second", "eta"), [(0.9, 0.01), (2.0, 0.0008)])
+@pytest.mark.parametrize(("second", "eta"), [(0.9, 0.01), (2.0, 0.0008), (4.0, 0.005)])
 def test_a_mode_that_is_less_loud_or_stays_louder_masks_nothing(second, eta):
     found = judged(ringing(decay(second=0.0), second, eta)[0])
     assert ("louder-mode" in ids(found)) == (second > 1.0)
     assert found["usable"].values.all()
+
+
+def test_a_mode_that_becomes_louder_is_told():
+    own = decay(second=0.0, eta=(0.02, 0.025), noise_db=70)
+    found = judged(ringing(own, 0.5, 0.001)[0])
+    assert "louder-mode" in ids(found)
+    assert found["usable"].values.all()
+
+
+def test_two_close_modes_that_are_louder_are_not_told_apart_by_their_beat():
+    own = decay(second=0.0, noise_db=60)
+    time = time_of(own)
+    pair = np.cos(2 * np.pi * 500.0 * time) + np.cos(2 * np.pi * 525.0 * time)
+    found = judged(own + 1.5 * START * np.exp(-np.pi * 0.01 * 500.0 * time) * pair)
+    equal_s = np.log(3.0) / (np.pi * (5.0 - 250.0 * 0.005))
+    begin = np.argmax(found["usable"].values) / RATE + found.attrs["start_s"]
+    assert begin == pytest.approx(equal_s, abs=12 / 250.0)
 
 
 def test_a_wandering_baseline_is_taken_off():

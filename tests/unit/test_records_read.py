@@ -201,7 +201,7 @@ def test_few_samples_a_cycle_do_not_lower_the_amplitude(quantity, unit, expected
     order = {"displacement": 0, "acceleration": 2}[quantity]
     motion = recording((turn * (1j * omega) ** order).real, unit, "here", sampling_Hz=100 * a_cycle)
     missed = velocity(motion, expected_Hz) - (turn * 1j * omega).real
-    assert np.abs(missed[200:-200]).max() < 1e-4 * omega
+    assert np.abs(missed[200:-200]).max() < 3e-4 * omega
 
 
 def test_acceleration_that_begins_in_the_decay_is_right_from_its_start():

@@ -54,8 +54,10 @@ def code_hash(script: str | Path) -> str:
 @cache
 def _known() -> dict[str, dict]:
     """What earlier runs learnt of sources; nothing where that cannot be read."""
-    with suppress(OSError, ValueError):
-        return json.loads(_KNOWN.read_text(encoding="utf-8"))
+    with suppress(Exception):  # whatever is wrong with it, it only saves time
+        known = json.loads(_KNOWN.read_text(encoding="utf-8"))
+        if {"tree", "imports"} <= set.intersection(*map(set, known.values())):
+            return known
     return {}
 
 
@@ -64,8 +66,11 @@ def _keep(known: dict[str, dict]) -> None:
     part = _KNOWN.with_name(f"{_KNOWN.name}.tmp.{os.getpid()}")
     with suppress(OSError):
         _KNOWN.parent.mkdir(exist_ok=True)
-        part.write_text(json.dumps(known), encoding="utf-8")
-        part.replace(_KNOWN)
+        try:
+            part.write_text(json.dumps(known), encoding="utf-8")
+            part.replace(_KNOWN)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def _module_name(path: Path) -> str:

@@ -29,22 +29,33 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
     facts = dict(cut.attrs)
     curves, peaks = no_decay(), no_peaks()
     if facts["verdict"] == "usable":
+        usable = cut["usable"].values.astype(bool)
+        first = int(np.argmax(usable))  # a start that is masked is no part of the decay
         record = (
-            cut["velocity"].values.astype(float),
+            cut["velocity"].values[first:].astype(float),
             facts["sampling_Hz"],
             facts["expected_Hz"],
             facts["noise_velocity"],
         )
-        options = {"damping": damping, "usable": cut["usable"].values.astype(bool)}
+        options = {"damping": damping, "usable": usable[first:]}
         try:
-            curves = ESTIMATORS[estimator](*record, **options)
-            peaks = peak_fit(*record, **options)
+            curves = _later(ESTIMATORS[estimator](*record, **options), first / record[1])
+            peaks = _later(peak_fit(*record, **options), first / record[1])
         except ValueError as error:
             facts |= {"verdict": "rejected", "findings": str(error)}
     whole = curves.assign(peaks.variables).assign(compare(curves, peaks).variables)
     noise = facts["noise_velocity"]
     whole = whole.assign(_published_bounds(curves, noise).variables)
     return whole.assign_attrs({**facts, "estimator": estimator, "damping": damping})
+
+
+def _later(curves: xr.Dataset, seconds: float) -> xr.Dataset:
+    """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
+    if not seconds:
+        return curves
+    times = [name for name in ("time", "block_time", "pff_time") if name in curves]
+    moved = {name: (curves[name] + seconds).assign_attrs(curves[name].attrs) for name in times}
+    return curves.assign(moved)
 
 
 def _published_bounds(curves: xr.Dataset, noise: float) -> xr.Dataset:

@@ -185,7 +185,7 @@ def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> i
     """Number of blocks before the transient that a filter leaves at a record's end.
 
     A third of the last blocks are then thrown off. It grows towards the end, so it is taken to
-    begin as far again before the first of those.
+    begin as far again before the first of those. One that the curve can follow is not seen.
     """
     at = np.flatnonzero(knocked)
     if np.count_nonzero(knocked[-reach:]) < reach / 3:

@@ -5,6 +5,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
+LOUD_CYCLES = 80.0
+
 
 def magnitudes(
     velocity: Float[ndarray, " sample"], sampling_Hz: float
@@ -16,6 +18,15 @@ def magnitudes(
     frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
     level[frequency < 3.0 * sampling_Hz / count] = 0.0
     return frequency, level
+
+
+def loudest(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
+    """Frequencies and magnitudes of the loudest 80 cycles of a record, a decay's first."""
+    length = min(int(LOUD_CYCLES * sampling_Hz / expected_Hz), velocity.size)
+    parts = velocity[: velocity.size // length * length].reshape(-1, length)
+    return magnitudes(parts[int(np.argmax(np.einsum("ij,ij->i", parts, parts)))], sampling_Hz)
 
 
 def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) -> float:

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.records.channel import SHORTEST
-from bladeroot.records.lines import magnitudes, peak_Hz
+from bladeroot.records.lines import loudest, peak_Hz
 from bladeroot.records.sampling import uniform
 from bladeroot.records.sight import TOLERANCE
 from bladeroot.records.units import SI, motion
@@ -131,12 +131,13 @@ def _roughness(x: ndarray) -> float:
 
 
 def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
-    """The recording as velocity in m/s, exact for the strongest line near `expected_Hz`.
+    """The recording as velocity in m/s, exact for the loudest cycles' strongest line.
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
-    of the mode, the integration's drift, is taken off. What either does to a wave of
-    the mode's frequency is known and made good: with few samples a cycle that is some per cent.
+    of the mode, the integration's drift, is taken off. What either does to a wave is
+    known and made good for the strongest line near `expected_Hz`: some per cent with few samples a
+    cycle.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
@@ -160,7 +161,7 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
 
 def _strongest_line(x: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float) -> float:
     """Frequency of the strongest line near the expected one, which stands in for none."""
-    frequency, level = magnitudes(x, sampling_Hz)
+    frequency, level = loudest(x - x.mean(), sampling_Hz, expected_Hz)
     level[np.abs(frequency / expected_Hz - 1.0) > TOLERANCE] = 0.0
     return peak_Hz(frequency, level) if level.any() else expected_Hz
 

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.lines import blackman_harris, magnitudes, peak_Hz
+from bladeroot.records.lines import blackman_harris, loudest, peak_Hz
 from bladeroot.records.runs import block_scale, in_frames, medians, missed
 from bladeroot.records.spectrum import quantum
 
@@ -19,7 +19,6 @@ FRAME_CYCLES = 4
 SMALL = 1e-5
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
-EARLY_CYCLES = 80.0
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
 # Cycles over which the baseline is averaged, twice: slow modes below the mode are none of it.
@@ -94,10 +93,7 @@ class Sight:
     @cached_property
     def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
         """Frequencies and magnitudes (Hann) of the loudest 80 cycles, a decay's first."""
-        length = min(int(EARLY_CYCLES * self.sampling_Hz / self.expected_Hz), self.velocity.size)
-        parts = self.velocity[: self.velocity.size // length * length].reshape(-1, length)
-        loudest = int(np.argmax(np.einsum("ij,ij->i", parts, parts)))
-        return magnitudes(parts[loudest], self.sampling_Hz)
+        return loudest(self.velocity, self.sampling_Hz, self.expected_Hz)
 
     @cached_property
     def own_Hz(self) -> float:

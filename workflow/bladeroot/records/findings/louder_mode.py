@@ -7,18 +7,19 @@ from numpy import ndarray
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
 from bladeroot.records.findings.mains_hum import beside_hum
-from bladeroot.records.lines import magnitudes, peak_Hz
+from bladeroot.records.lines import LOUD_CYCLES, magnitudes, peak_Hz
 from bladeroot.records.runs import in_frames
 from bladeroot.records.sight import TOLERANCE, Sight
 
-STATISTIC = "velocity of the strongest line out of the band over this mode's, in the first cycles"
+STATISTIC = "velocity of the strongest line out of the band over this mode's, first 80 cycles"
 # A requirement, not a test: the curves are then not those of this mode alone.
 THRESHOLD = 1.0
 # Cycles whose lines are looked at, and what one that is louder in the first of them has at least.
 FIRST_CYCLES, HARMLESS = 32, 0.2
 FRAME_CYCLES = 8
-# Where the other mode stays louder for longer than this part of the decay nothing is masked.
-LONGEST = 0.5
+# What is masked leaves at least this part of the decay, and of this mode's first amplitude, or the
+# larger amplitudes would be lost.
+LEAST_LEFT = 0.5
 
 
 def find(sight: Sight) -> Finding | None:
@@ -38,17 +39,22 @@ def _loudest(sight: Sight) -> Finding | None:
     other_Hz, ratio = _strongest(*first, sight)
     if ratio < HARMLESS:
         return Finding(ratio, THRESHOLD, "warn", "")
-    step = max(1, round(sight.sampling_Hz / sight.own_Hz))
-    course = _course(sight, other_Hz, step)
-    less = np.flatnonzero(course <= THRESHOLD)
-    frames = int(less[0]) if less.size else course.size
-    ratio = float(course[: frames + 1].max(initial=0.0))
+    own, other = _course(sight, other_Hz)
+    course = other[: sight.frames.clear] / own[: sight.frames.clear]
+    early = course[: int(LOUD_CYCLES)]
+    if not early.size:
+        return None
+    ratio = float(early.max())
     text = (
         f"a louder mode or tone: {ratio:.2g} times this one's velocity at {other_Hz:.5g} Hz; "
         "by a mode's motion a joint slips, too"
     )
-    stop = (frames + FRAME_CYCLES // 2) * step
-    if stop > LONGEST * sight.velocity.size:
+    louder = np.flatnonzero(course > THRESHOLD)
+    if not louder.size or louder[0] > FRAME_CYCLES:
+        return Finding(ratio, THRESHOLD, "warn", text)
+    stop = int(louder[-1] + 1 + FRAME_CYCLES // 2) * sight.frames.hop
+    left = sight.velocity.size - stop
+    if left < LEAST_LEFT * sight.velocity.size or own[louder[-1]] < LEAST_LEFT * own[0]:
         return Finding(ratio, THRESHOLD, "warn", text)
     text += f"; the first {1e3 * sight.seconds(stop):.3g} ms are not used"
     return Finding(ratio, THRESHOLD, "mask", text, ((0, stop),))
@@ -64,8 +70,11 @@ def _strongest(
     return peak_Hz(frequency, other), float(other.max()) / max(own, 1e-300)
 
 
-def _course(sight: Sight, other_Hz: float, step: int) -> Float[ndarray, " frame"]:
-    """Ratio of the two velocities in frames of eight cycles, a cycle apart."""
+def _course(
+    sight: Sight, other_Hz: float
+) -> tuple[Float[ndarray, " frame"], Float[ndarray, " frame"]]:
+    """Velocity of this mode and of the other in frames of eight cycles, a cycle apart."""
+    step = sight.frames.hop
     width = min(FRAME_CYCLES, sight.velocity.size // step) * step
     time = (np.arange(width) - 0.5 * (width - 1)) / sight.sampling_Hz
     turns = 2.0 * np.pi * np.outer(time, [sight.own_Hz, other_Hz])
@@ -73,5 +82,4 @@ def _course(sight: Sight, other_Hz: float, step: int) -> Float[ndarray, " frame"
     taper = np.sqrt(np.hanning(width + 2)[1:-1])
     solver = np.linalg.pinv(design * taper[:, None]) * taper
     own_cos, other_cos, own_sin, other_sin = in_frames(sight.velocity, solver[:4].T, step).T
-    own = np.maximum(np.hypot(own_cos, own_sin), 1e-300)
-    return np.hypot(other_cos, other_sin) / own
+    return np.maximum(np.hypot(own_cos, own_sin), 1e-300), np.hypot(other_cos, other_sin)
