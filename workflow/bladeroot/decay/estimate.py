@@ -31,6 +31,7 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
     if facts["verdict"] == "usable":
         usable = cut["usable"].values.astype(bool)
         first = int(np.argmax(usable))  # a start that is masked is no part of the decay
+        begin_s = first / facts["sampling_Hz"]
         record = (
             cut["velocity"].values[first:].astype(float),
             facts["sampling_Hz"],
@@ -39,8 +40,8 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
         )
         options = {"damping": damping, "usable": usable[first:]}
         try:
-            curves = _later(ESTIMATORS[estimator](*record, **options), first / record[1])
-            peaks = _later(peak_fit(*record, **options), first / record[1])
+            curves = _later(ESTIMATORS[estimator](*record, **options), begin_s)
+            peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
             facts |= {"verdict": "rejected", "findings": str(error)}
     whole = curves.assign(peaks.variables).assign(compare(curves, peaks).variables)
@@ -51,8 +52,6 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
 
 def _later(curves: xr.Dataset, seconds: float) -> xr.Dataset:
     """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
-    if not seconds:
-        return curves
     times = [name for name in ("time", "block_time", "pff_time") if name in curves]
     moved = {name: (curves[name] + seconds).assign_attrs(curves[name].attrs) for name in times}
     return curves.assign(moved)

@@ -131,13 +131,13 @@ def _roughness(x: ndarray) -> float:
 
 
 def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
-    """The recording as velocity in m/s, exact for the loudest cycles' strongest line.
+    """The recording as velocity in m/s, exact for the mode.
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
-    of the mode, the integration's drift, is taken off. What either does to a wave is
-    known and made good for the strongest line near `expected_Hz`: some per cent with few samples a
-    cycle.
+    of the mode, the integration's drift, is taken off. What either does to a wave, some
+    per cent with few samples a cycle, is made good for the strongest line near `expected_Hz` in the
+    loudest cycles.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
