@@ -10,7 +10,7 @@ from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing
 
 
 def cuts(records: Sequence[xr.Dataset]) -> Figure:
-    """Raw records with their cut: velocity over time, the free decay in colour."""
+    """Raw records with their cut: velocity over time, the free decay and what is masked."""
     if not records:
         return nothing("no usable record")
     drawn, axes = panels(len(records), 1, 7.2, 1.7 * len(records) + 0.4)
@@ -22,6 +22,14 @@ def cuts(records: Sequence[xr.Dataset]) -> Figure:
         axis.fill_between(
             time, low, high, where=decay, color=MEASURED, step="mid", label="free decay"
         )
+        at = record.attrs["start_s"] + np.arange(record.sizes["time"]) / record.attrs["sampling_Hz"]
+        masked = decay & (np.interp(time, at, record["usable"]) < 0.5)
+        if masked.any():
+            axis.fill_between(
+                time, low, high, where=masked, color=PUBLISHED, step="mid", label="masked"
+            )
+        if masked.any() or axis is axes[0, 0]:
+            axis.legend(loc="upper right", ncols=3)
         for edge in ("release_s", "end_s"):
             axis.axvline(record.attrs[edge], color=PUBLISHED, linewidth=0.8, linestyle="--")
         axis.set_ylabel("velocity / mm/s")
@@ -31,7 +39,6 @@ def cuts(records: Sequence[xr.Dataset]) -> Figure:
             loc="left",
         )
         axis.set_xlim(time[0], time[-1])
-    axes[0, 0].legend(loc="upper right", ncols=2)
     axes[-1, 0].set_xlabel("time / s")
     return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in records))
 
