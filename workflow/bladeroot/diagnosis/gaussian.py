@@ -250,13 +250,17 @@ def _climb(problem: Problem, at: _Point, steps: int, free: bool = True) -> _Poin
 
 
 def _finish(problem: Problem, at: _Point) -> Fit:
-    """The fit at a point: covariances, and the evidence by Laplace's integral."""
+    """The fit at a point: covariances, and the evidence by Laplace's integral.
+
+    No evidence at all (-inf) where the model has no finite likelihood from any start.
+    """
     precision, slope = _precision(problem, at), at.whitened(at.state.slope)
     covariance = np.linalg.inv(slope.T @ slope + np.diag(1.0 / problem.prior.std**2))
     curvature = _curvature(problem, [_times(precision, part) for part in at.slopes()])
     straight = _straight(problem, at)
     log = -_marginal(problem, at)
-    log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
+    if np.isfinite(log):
+        log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
     log -= float(np.log(problem.prior.std).sum() + np.log(problem.scales.std).sum())
     return Fit(
         problem, at.parameters, at.scales, at.state, straight, precision, covariance, float(log)
