@@ -204,6 +204,13 @@ def test_few_samples_a_cycle_do_not_lower_the_amplitude(quantity, unit, expected
     assert np.abs(missed[200:-200]).max() < 3e-4 * omega
 
 
+@pytest.mark.parametrize("unit", ["m", "m/s^2"])
+@pytest.mark.parametrize("expected_Hz", [1e-3, 0.6 * RATE, 79 * RATE, 1e4 * RATE])
+def test_a_mode_that_the_samples_cannot_show_is_no_fault_of_the_conversion(unit, expected_Hz):
+    motion = recording(np.sin(0.7 * np.arange(3000)), unit, "here", sampling_Hz=RATE)
+    assert np.isfinite(velocity(motion, expected_Hz)).all()
+
+
 def test_acceleration_that_begins_in_the_decay_is_right_from_its_start():
     rate = -6.0 + 2j * np.pi * 100.0
     signal = np.exp(rate * TIME + 2j)

@@ -24,7 +24,7 @@ def loudest(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
 ) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
     """Frequencies and magnitudes of the loudest 80 cycles of a record, a decay's first."""
-    length = min(int(LOUD_CYCLES * sampling_Hz / expected_Hz), velocity.size)
+    length = min(max(1, int(LOUD_CYCLES * sampling_Hz / expected_Hz)), velocity.size)
     parts = velocity[: velocity.size // length * length].reshape(-1, length)
     return magnitudes(parts[int(np.argmax(np.einsum("ij,ij->i", parts, parts)))], sampling_Hz)
 
@@ -38,6 +38,17 @@ def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) 
     bend = before - 2.0 * at + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
     return float(frequency[k] + np.clip(shift, -0.5, 0.5) * (frequency[1] - frequency[0]))
+
+
+def near_Hz(
+    frequency: Float[ndarray, " line"],
+    level: Float[ndarray, " line"],
+    expected_Hz: float,
+    tolerance: float,
+) -> float:
+    """Frequency of the strongest line near the expected one, which stands in for none."""
+    inside = np.where(np.abs(frequency / expected_Hz - 1.0) <= tolerance, level, 0.0)
+    return peak_Hz(frequency, inside) if inside.any() else expected_Hz
 
 
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.records.channel import SHORTEST
-from bladeroot.records.lines import loudest, peak_Hz
+from bladeroot.records.lines import loudest, near_Hz
 from bladeroot.records.sampling import uniform
 from bladeroot.records.sight import TOLERANCE
 from bladeroot.records.units import SI, motion
@@ -142,7 +142,8 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
         return x
-    own_Hz = _strongest_line(x, record.sampling_Hz, expected_Hz)
+    lines = loudest(x - x.mean(), record.sampling_Hz, expected_Hz)
+    own_Hz = near_Hz(*lines, expected_Hz, TOLERANCE)
     # what lies above has no samples to be seen by, as the cut then says
     angle = min(2.0 * np.pi * own_Hz * step, 0.9 * np.pi)
     gain = float(2.0 * _CENTRAL @ np.sin(angle * np.arange(1, 5)) / angle)
@@ -157,13 +158,6 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     gain *= max(kept, 0.5)  # less only in a record of a cycle or two, which the cut rejects
     summed = summed * (step / gain)
     return summed - _drift(summed, width)
-
-
-def _strongest_line(x: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float) -> float:
-    """Frequency of the strongest line near the expected one, which stands in for none."""
-    frequency, level = loudest(x - x.mean(), sampling_Hz, expected_Hz)
-    level[np.abs(frequency / expected_Hz - 1.0) > TOLERANCE] = 0.0
-    return peak_Hz(frequency, level) if level.any() else expected_Hz
 
 
 def _derivative(x: Float[ndarray, " sample"]) -> Float[ndarray, " sample"]:

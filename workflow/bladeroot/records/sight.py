@@ -8,7 +8,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.lines import blackman_harris, loudest, peak_Hz
+from bladeroot.records.lines import blackman_harris, loudest, near_Hz
 from bladeroot.records.runs import block_scale, in_frames, medians, missed
 from bladeroot.records.spectrum import quantum
 
@@ -98,10 +98,7 @@ class Sight:
     @cached_property
     def own_Hz(self) -> float:
         """The strongest line's frequency near the expected one, which stands in for none."""
-        frequency, level = self.early
-        inside = np.abs(frequency / self.expected_Hz - 1.0) <= TOLERANCE
-        found = peak_Hz(frequency, np.where(inside, level, 0.0))
-        return found if abs(found / self.expected_Hz - 1.0) <= 1.5 * TOLERANCE else self.expected_Hz
+        return near_Hz(*self.early, self.expected_Hz, TOLERANCE)
 
     @cached_property
     def quantum(self) -> float:
