@@ -1,19 +1,22 @@
 """Do kn, kt from frequencies and amplitude curves hold truths drawn blind, and how narrow are they?
 
-    python benchmarks/amplitude_coverage.py results/structures/dovetail-HB [truths] [seed] [exact]
+    python benchmarks/amplitude_coverage.py results/structures/dovetail-HB --truths 20
 
 A truth is a virtual bench whose stiffness law, friction, pressure, waviness, gauge and deviation
 from the model are drawn; its curves are those of `rig/curves.py`, one quasi-static cycle in place
 of records, with errors as records leave them. The inference gets stick frequencies and curves only.
 Printed by truth and in all: which law was taken, how much narrower the curves make ln kn, ln kt and
 the area of their ellipse, and the share of the region on whose edge the truth lies, for three ways
-to choose the law. With `exact` the specimen is the model's own: what a deviation that is no
-constant bias does to the coverage is seen by leaving it out.
+to choose the law.
+
+How the specimen deviates from the model: `told`, each mode's frequencies by a draw of their own,
+which is what the inference is told; `material`, by modulus and an added mass, which move both modes
+by as much but mostly alike; `none`. With `--alone` there are no curves.
 """
 
+import argparse
 import os
 import secrets
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -61,7 +64,7 @@ def draw(rng) -> dict:
     friction["coefficient"] = float(np.exp(rng.uniform(*np.log([0.2, 0.6]))))
     friction["edge_pressure"] = float(np.exp(rng.uniform(*np.log([0.004, 0.06]))))
     friction["spread"] = float(rng.uniform(0.2, 0.7))
-    # Together some 0.4 % of each mode's frequency, within the 0.5 % that the inference is told.
+    # Together 0.5 % of each mode's frequency (rms of 60 draws), with a correlation of 0.8.
     real["modulus_factor"] = float(np.exp(0.007 * rng.standard_normal()))
     real["added_mass_kg"] = float(0.004 * rng.standard_normal())
     real["added_mass_x_mm"] = float(rng.uniform(0.0, 70.0))
@@ -69,24 +72,36 @@ def draw(rng) -> dict:
     return bench
 
 
-def measured(bench: dict, whole, few, rng) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
+def deviate(bench: dict, deviation: str, rng) -> dict[str, float]:
+    """Makes the specimen deviate as asked; factors on what is measured of each mode's frequency."""
+    if deviation != "material":
+        bench["specimen"] |= {"modulus_factor": 1.0, "added_mass_kg": 0.0}
+    size = deviation == "told"
+    return {mode: float(np.exp(size * std * rng.standard_normal())) for mode, std in BIAS.items()}
+
+
+def measured(
+    bench: dict, factors: dict[str, float], ladder: np.ndarray, whole, few, rng
+) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
     """Stick frequencies and curves by record, as the stages before the inference give them."""
     plateaus, decays = [], {}
     for _, sheet in programme(bench).groupby("pressure_bar"):
         rows = sheet.to_dict("records")
         true = [baseline(bench, row) for row in rows]
-        curves = campaign_curves(bench, whole, few, sheet, true, LADDER)
+        curves = campaign_curves(bench, whole, few, sheet, true, ladder)
         for k, row in enumerate(rows):
             at = curves.isel(record=k)
-            plateau, decay = _record(row, at, reading(bench, row), rng)
+            for name in ("frequency", "stuck_frequency"):
+                at[name] = at[name] * factors[row["mode"]]
+            plateau, decay = _record(row, at, ladder, reading(bench, row), rng)
             plateaus.append(plateau)
             decays[row["record"]] = decay
     return stick_from_records(plateaus), decays
 
 
-def _record(row: dict, at: xr.Dataset, force: float, rng) -> tuple[xr.Dataset, xr.Dataset]:
+def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Dataset, xr.Dataset]:
     known = np.isfinite(at["frequency"].values)
-    data: dict[str, tuple] = {"amplitude": ("point", LADDER[known])}
+    data: dict[str, tuple] = {"amplitude": ("point", ladder[known])}
     plateau = {name: ((), np.nan) for name in RECORD}
     for name, stuck, size in (
         ("frequency", "stick_frequency", NOISE),
@@ -103,17 +118,15 @@ def _record(row: dict, at: xr.Dataset, force: float, rng) -> tuple[xr.Dataset, x
     return xr.Dataset(plateau, attrs=attrs), xr.Dataset(data)
 
 
-def infer(joint, model, stick, decays, lasers):
-    """Summits of every law without and with curves, and the fit of the curves."""
-    problems = problems_of(model, stick, GAUGE, BIAS)
-    levels = level_names(next(iter(problems.values())))
+def with_curves(joint, alone, stick, decays, lasers):
+    """Summits of every law with curves, from those without, and the fit of the curves."""
+    levels = level_names(next(iter(alone.values())).problem)
     softening = softening_of(decays, stick, levels)
-    alone = {name: find_summit(problem) for name, problem in problems.items()}
     fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, DISCREPANCY)
     together = {
-        name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
+        name: find_summit(replace(one.problem, curves=fit.term)) for name, one in alone.items()
     }
-    return alone, together, fit
+    return together, fit
 
 
 def of_k(summit) -> np.ndarray:
@@ -142,75 +155,88 @@ def regions(summits, truth) -> tuple[dict[str, float], dict[str, np.ndarray]]:
     return shares, ways
 
 
-def main(folder: str, truths: int, seed: int, exact: bool) -> None:
-    reduced = xr.open_dataset(f"{folder}/reduced.nc").load()
-    model = xr.open_dataset(f"{folder}/parametric.nc").load()
+def narrowing(alone, after: np.ndarray) -> np.ndarray:
+    """How much narrower ln kn, ln kt and the area of their ellipse are, from one law's draws."""
+    before = of_k(alone)
+    area = np.sqrt(np.linalg.det(np.cov(before.T)) / np.linalg.det(np.cov(after.T)))
+    return np.array([*before.std(axis=0) / after.std(axis=0), area])
+
+
+def summary(rows: list[dict], stages: tuple[str, ...]) -> None:
+    """Prints how many regions hold their truth, and the narrowing."""
+    for stage in stages:
+        for way in rows[0][stage]:
+            inside = np.array([one[stage][way] for one in rows])
+            held = ", ".join(f"{np.sum(inside < c)} in {100 * c:g} %" for c in SHARES)
+            print(f"  {stage:7s} {way:15s} {held} of {len(rows)}")
+    if "curves" in stages:
+        narrower = np.array([one["narrower"] for one in rows])
+        middle, low, high = (np.quantile(narrower, q, axis=0) for q in (0.5, 0.1, 0.9))
+        for k, name in enumerate(("ln kn", "ln kt", "area")):
+            print(
+                f"  narrower {name}: median {middle[k]:.2f}, {low[k]:.2f} to {high[k]:.2f} "
+                "(10, 90 %)"
+            )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", help="of a structure's artifacts: reduced.nc, parametric.nc")
+    parser.add_argument("--truths", type=int, default=20)
+    parser.add_argument("--seed", type=int, help="repeat a run; drawn afresh if not given")
+    parser.add_argument("--deviation", choices=("told", "material", "none"), default="told")
+    parser.add_argument("--alone", action="store_true", help="without curves")
+    options = parser.parse_args()
+    seed = secrets.randbits(31) if options.seed is None else options.seed
+    reduced = xr.open_dataset(f"{options.folder}/reduced.nc").load()
+    model = xr.open_dataset(f"{options.folder}/parametric.nc").load()
     joint, whole = joint_of_reduced(reduced), parts(reduced)
     few = few_dofs(whole)
-    print(f"{truths} truths, seed {seed}{', exact' if exact else ''}, sampler {STEPS} steps")
-    rows, k, drawn = [], 0, 0
-    while len(rows) < truths:
+    stages = ("alone",) if options.alone else ("alone", "curves")
+    ladder = LADDER[:3] if options.alone else LADDER
+    print(f"{options.truths} truths, seed {seed}, deviation {options.deviation}, {STEPS} steps")
+    rows, drawn = [], 0
+    while len(rows) < options.truths:
         rng = np.random.default_rng([seed, drawn])
         drawn += 1
         bench = draw(rng)
-        if exact:
-            bench["specimen"] |= {"modulus_factor": 1.0, "added_mass_kg": 0.0}
-        lasers = {mode: 1e-3 * x for mode, x in bench["laser"]["x_mm"].items()}
+        factors = deviate(bench, options.deviation, rng)
         began = time.process_time()
         try:
-            stick, decays = measured(bench, whole, few, rng)
+            stick, decays = measured(bench, factors, ladder, whole, few, rng)
         except ValueError as error:  # a specimen so soft that its modes change places
             print(f"  drawn again: {error}")
             continue
-        made = time.process_time() - began
-        alone, together, fit = infer(joint, model, stick, decays, lasers)
+        problems = problems_of(model, stick, GAUGE, BIAS)
+        summits = {"alone": {name: find_summit(problem) for name, problem in problems.items()}}
+        told = ""
+        if not options.alone:
+            lasers = {mode: 1e-3 * x for mode, x in bench["laser"]["x_mm"].items()}
+            summits["curves"], fit = with_curves(joint, summits["alone"], stick, decays, lasers)
+            told = f"; {fit.term.points} numbers" + ("" if fit.converged else ", NOT CONVERGED")
         truth = np.log([bench["joint"][f"{name}_N_per_m"] for name in ("kn", "kt")])
-        one: dict = {"converged": fit.converged, "points": fit.term.points}
-        for stage, summits in (("alone", alone), ("curves", together)):
-            shares, ways = regions(summits, truth)
-            one |= {(stage, way): share for way, share in shares.items()}
-            one |= {(stage, way, "draws"): found for way, found in ways.items()}
-        law = freest(together)
-        before = of_k(alone[law])
-        after = one["curves", "freest of 20:1", "draws"]
-        one["narrower"] = before.std(axis=0) / after.std(axis=0)
-        one["area"] = np.sqrt(np.linalg.det(np.cov(before.T)) / np.linalg.det(np.cov(after.T)))
-        one["away"] = (after.mean(axis=0) - truth) / after.std(axis=0)
+        one: dict = {}
+        for stage in stages:
+            one[stage], ways = regions(summits[stage], truth)
+        law, after = freest(summits[stages[-1]]), ways["freest of 20:1"]
+        if not options.alone:
+            one["narrower"] = narrowing(summits["alone"][law], after)
+            told += "; narrower kn {:.2f} kt {:.2f} area {:.2f}".format(*one["narrower"])
         rows.append(one)
-        std = after.std(axis=0)
+        std, away = after.std(axis=0), (after.mean(axis=0) - truth) / after.std(axis=0)
         print(
             f"{drawn - 1:3d} kn, kt {' '.join(f'{1e-9 * k:.2f}' for k in np.exp(truth))} GN/m, mu "
-            f"{bench['friction']['coefficient']:.2f}; {one['points']} numbers, {law}"
-            + ("" if fit.converged else ", NOT CONVERGED")
-            + f"; narrower kn {one['narrower'][0]:.2f} kt {one['narrower'][1]:.2f} area "
-            f"{one['area']:.2f}; std {std[0]:.3f} {std[1]:.3f}, off by {one['away'][0]:+.1f} "
-            f"{one['away'][1]:+.1f} of them; shares alone "
-            + " ".join(f"{one['alone', way]:.3f}" for way in shares)
-            + ", with curves "
-            + " ".join(f"{one['curves', way]:.3f}" for way in shares)
-            + f"; CPU s {made:.0f}, {time.process_time() - began - made:.0f}",
+            f"{bench['friction']['coefficient']:.2f}; {law}{told}; std {std[0]:.3f} {std[1]:.3f}, "
+            f"off by {away[0]:+.1f} {away[1]:+.1f} of them; shares "
+            + ", ".join(
+                f"{stage} " + " ".join(f"{share:.3f}" for share in one[stage].values())
+                for stage in stages
+            )
+            + f"; CPU s {time.process_time() - began:.0f}",
             flush=True,
         )
-    good = [one for one in rows if one["converged"]]
-    print(f"{len(good)} of {len(rows)} converged; of these, regions that hold the truth:")
-    for stage in ("alone", "curves"):
-        for way in shares:
-            inside = np.array([one[stage, way] for one in good])
-            held = ", ".join(f"{np.sum(inside < c)} in {100 * c:g} %" for c in SHARES)
-            print(f"  {stage:7s} {way:15s} {held}")
-    narrower = np.array([[*one["narrower"], one["area"]] for one in good])
-    middle, low, high = np.median(narrower, axis=0), *np.quantile(narrower, (0.1, 0.9), axis=0)
-    for k, name in enumerate(("ln kn", "ln kt", "area")):
-        print(
-            f"  narrower {name}: median {middle[k]:.2f}, {low[k]:.2f} to {high[k]:.2f} (10, 90 %)"
-        )
+    summary(rows, stages)
 
 
 if __name__ == "__main__":
-    asked = sys.argv[2:]
-    main(
-        sys.argv[1],
-        int(asked[0]) if asked else 20,
-        int(asked[1]) if len(asked) > 1 else secrets.randbits(31),
-        asked[2:] == ["exact"],
-    )
+    main()

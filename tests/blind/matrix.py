@@ -37,6 +37,7 @@ NULLS, OUTSIDE, PAIRS = 0.2, 0.15, 0.1
 # What would split the level pair: measurement and its standard deviation, a fifth of the effect's
 # bound (which is then worth 12 nats, less what the prior asks).
 SPLITTERS = {"modulus-density": ("free-free", 0.002), "rig-compliance": ("rig stiffness", 0.01)}
+NOT_SPLIT = dict.fromkeys(("split", "split_between_forces", "split_k"), np.nan)
 POWER = (0.125, 0.25, 0.5, 1.0, 2.0)
 
 
@@ -111,7 +112,7 @@ def run_case(
         verdict = diagnose(seen / "observations.nc", parametric)
         diagnosed = time.monotonic()
         stiffness = _stiffness(case, seen / "diagnosis.nc")
-        split = _split(case, seen / "observations.nc", parametric)
+        split = _split(case, seen, parametric)
     else:
         campaign = house / "campaigns" / f"c{number:04d}"
         shutil.rmtree(campaign, ignore_errors=True)
@@ -123,7 +124,7 @@ def run_case(
         stiffness = _stiffness(case, path.with_name(f"{draw_bench(case.seed)['structure']}.nc"))
         verdict = json.loads(path.read_text(encoding="utf-8"))
         shutil.rmtree(campaign)
-        diagnosed, split = time.monotonic(), None
+        diagnosed, split = time.monotonic(), {}
     answer = open_seal(sealed, shown)
     return {
         "hidden": "+".join(sorted(name for name, _ in answer["effects"])) or "nothing",
@@ -131,22 +132,32 @@ def run_case(
         "answer": verdict["answer"],
         "bench_s": made - began,
         "verdict_s": diagnosed - made,
-        "split": split,
+        **NOT_SPLIT,
+        **split,
         **left_over(verdict),
         **stiffness,
         **asdict(score(answer, verdict)),
     }
 
 
-def _split(case: Case, observations: Path, parametric: Path) -> int | None:
-    """Whether one of the level pair is named once its own measurement is there; None for others."""
+def _split(case: Case, seen: Path, parametric: Path) -> dict[str, float]:
+    """What one of the level pair is worth once its own measurement is there; empty for others.
+
+    Whether it is named, and what is then left of the error between forces and of kn and kt.
+    """
     if len(case.effects) != 1 or case.effects[0][0] not in SPLITTERS:
-        return None
+        return {}
     name, size = case.effects[0]
     measurement, std = SPLITTERS[name]
     error = std * np.random.default_rng([case.seed, 9]).standard_normal()
     told = {"measurement": measurement, "value": float(size + error), "std": std}
-    return score(case.answer(), diagnose(observations, parametric, {"independent": [told]})).named
+    verdict = diagnose(seen / "observations.nc", parametric, {"independent": [told]})
+    stiffness = _stiffness(case, seen / "diagnosis.nc")
+    return {
+        "split": score(case.answer(), verdict).named,
+        "split_between_forces": left_over(verdict)["between_forces_without_bias"],
+        "split_k": stiffness["k_after"] / stiffness["k_before"],
+    }
 
 
 def _stiffness(case: Case, diagnosis: Path) -> dict[str, float]:

@@ -104,6 +104,7 @@ def left_over(verdict: dict) -> dict[str, float]:
     gain = verdict.get("gain") or {}
     places = {
         "between_forces": gain.get("between_forces"),
+        "between_forces_without_bias": gain.get("between_forces_without_bias"),
         "damping_curves": gain.get("within_records", {}).get("loss_factor"),
     }
     return {

@@ -41,11 +41,13 @@ def _claims(outcomes: pd.DataFrame) -> str:
     single = outcomes[kind == "single"]
     compared = outcomes[(outcomes["named"] > 0) & outcomes["parameter"].notna()]
     alone = single[single["hidden"].isin(NOT_ALONE)]
+    split = alone[alone["split"].notna()]
     forces = single[
         (single["named"] > 0) & single["hidden"].map(_class).isin(("force-law", "level"))
     ]
     level = forces[forces["hidden"].map(_class) == "level"]
     laws = forces.drop(level.index)
+    fitted, counted = "between_forces", "between_forces_without_bias"
     slip = single[(single["named"] > 0) & (single["hidden"] == "joint-slip")]
     rows = [
         ("wrong name, all cases", outcomes["wrong"], "at most 2 %"),
@@ -53,12 +55,20 @@ def _claims(outcomes: pd.DataFrame) -> str:
         ("wrong name, effect of no catalogue", outside["wrong"], "at most 5 %"),
         ("effect of no catalogue flagged", outside["column"] != "nothing-missing", "75 %"),
         ("level pair named without its splitter", alone["named"] > 0, "never"),
-        ("level pair named with its splitter", alone["split"].dropna() == 1, "always"),
+        ("level pair named with its splitter", split["split"] == 1, "always"),
+        (
+            "error between forces then halved, bias not spared",
+            split["split_between_forces"] <= 0.5,
+            "",
+        ),
+        ("error of kn, kt then halved", split["split_k"] <= 0.5, ""),
         ("pair: dominant one named", pair["dominant"], "95 %"),
         ("pair: both named", pair["named"] == 2, "60 %"),
         ("value of a named effect right", compared["parameter"] == 1, "90 %"),
-        ("error between forces halved, force laws", laws["between_forces"] <= 0.5, "always"),
-        ("error between forces halved, level effects", level["between_forces"] <= 0.5, "always"),
+        ("error between forces halved, force laws", laws[fitted] <= 0.5, "always"),
+        ("the same, bias not spared, force laws", laws[counted] <= 0.5, ""),
+        ("error between forces halved, level effects", level[fitted] <= 0.5, ""),
+        ("the same, bias not spared, level effects", level[counted] <= 0.5, "always"),
         ("error of kn, kt halved, level effects", level["k_after"] <= 0.5 * level["k_before"], ""),
         ("kn, kt then right within 3 of their std", level["k_away"] <= 3.0, ""),
         ("damping curves' error less by 40 %, joint-slip", slip["damping_curves"] <= 0.6, "always"),

@@ -179,6 +179,15 @@ def test_a_level_is_split_by_an_independent_measurement_alone(
     assert name in names(verdict_on(seen, settings={"independent": [told]}))
 
 
+def test_a_level_that_is_named_brings_the_simulation_itself_nearer(case_of, verdict_on):
+    """The model's bias, learned from other forces, would hide most of the error and of the gain."""
+    gain = verdict_on(case_of(("added-mass",))[1])["gain"]
+    spared, whole = gain["between_forces"], gain["between_forces_without_bias"]
+    assert whole["before"] > 3.0 * spared["before"]
+    assert whole["after"] < 0.5 * whole["before"]
+    assert whole["after"] < 2.0 * spared["after"]
+
+
 @pytest.mark.parametrize("lacking", ["records", "force", "mode", "holds"])
 def test_too_little_data_is_said_to_be_too_little(case_of, verdict_on, lacking):
     # Single clampings cannot tell a gauge's gain; a drift they can, from records of one hold.

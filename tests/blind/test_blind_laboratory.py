@@ -18,6 +18,14 @@ from score import left_over, score, share
 from seal import open_seal, seal
 from tables import matrix_page
 
+GAIN = {
+    "gain": {
+        "between_forces": {"before": 2e-3, "after": 1.5e-3},
+        "between_forces_without_bias": {"before": 1e-2, "after": 1e-3},
+        "within_records": {"loss_factor": {"before": 1e-3, "after": 1e-4}},
+    }
+}
+
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory):
@@ -190,12 +198,9 @@ def test_a_name_a_class_and_a_wrong_name_are_told_apart():
 
 
 def test_what_is_left_of_the_error():
-    gain = {
-        "between_forces": {"before": 2e-3, "after": 5e-4},
-        "within_records": {"loss_factor": {"before": 1e-3, "after": 1e-4}},
-    }
-    left = left_over({"gain": gain})
-    assert (left["between_forces"], left["damping_curves"]) == pytest.approx((0.25, 0.1))
+    left = left_over(GAIN)
+    assert (left["between_forces"], left["damping_curves"]) == pytest.approx((0.75, 0.1))
+    assert left["between_forces_without_bias"] == pytest.approx(0.1)
     assert np.isnan(left_over({"gain": {}})["between_forces"])
 
 
@@ -228,7 +233,9 @@ def test_the_page_counts_what_was_scored():
         ("nothing", verdict("nothing-missing")),
         ("nothing", verdict("named", cause("drift", "time"))),
         ("damping-drift", verdict("unexplained")),
-        ("added-mass", verdict("named", cause("added-mass", "level", value=0.004))),
+        ("added-mass", verdict("named", cause("added-mass", "level", value=0.004)) | GAIN),
+        ("rig-compliance", verdict("nothing-missing")),
+        ("rig-compliance", verdict("nothing-missing")),
     ):
         answer = {"effects": [] if hidden == "nothing" else [[hidden, 0.004]]}
         outcome = score(answer, said)
@@ -238,7 +245,9 @@ def test_the_page_counts_what_was_scored():
                 "relative_size": None,
                 "bench_s": 1.0,
                 "verdict_s": 2.0,
-                "split": None,
+                "split": len(rows) % 2 if hidden == "rig-compliance" else np.nan,
+                "split_between_forces": 0.9,
+                "split_k": 0.2,
                 "k_before": 0.3,
                 "k_after": 0.1,
                 "k_away": 1.2,
@@ -248,11 +257,15 @@ def test_the_page_counts_what_was_scored():
         )
     page = matrix_page(pd.DataFrame(rows), {"seed": 1}, "fast")
     assert "| name on a null | 1 of 2 | 50.0% | 1.3% to 98.7% | at most 2 % |" in page
-    assert "| wrong name, all cases | 1 of 5 |" in page
+    assert "| wrong name, all cases | 1 of 7 |" in page
     assert "| `drift` | time | 1 | 1 | 100% |" in page
     assert "| effect of no catalogue flagged | 1 of 1 |" in page
     assert "| error of kn, kt halved, level effects | 1 of 1 |" in page
     assert "| error between forces halved, level effects | 0 of 1 |" in page
+    assert "| the same, bias not spared, level effects | 1 of 1 |" in page
+    assert "| level pair named with its splitter | 1 of 2 |" in page
+    assert "| error between forces then halved, bias not spared | 0 of 2 |" in page
+    assert "| error of kn, kt then halved | 2 of 2 |" in page
 
 
 def test_the_specimen_is_the_bench_s_own(lab):

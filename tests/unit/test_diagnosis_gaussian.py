@@ -55,6 +55,23 @@ def test_a_group_left_out_is_predicted_as_by_a_fit_without_it():
     assert held.log_score[2] == pytest.approx(score, abs=1e-3)
 
 
+def test_a_prediction_may_go_without_a_parameter_that_the_rest_of_the_data_taught():
+    known = Prior(np.array([np.log(0.3)]), np.array([1e-4]))
+    data = drawn(2)
+    held = hold_out(fit(straight_line(data, known)), GROUP, slice(1, 2))
+    design = np.stack([np.ones_like(X), X], axis=1)
+    out, rest = GROUP == 2, GROUP != 2
+    covariance = (0.09 * (GROUP[:, None] == GROUP) + 0.01 * np.eye(12))[np.ix_(rest, rest)]
+    weighted = np.linalg.solve(covariance, design[rest])
+    curve = weighted.T @ design[rest] + np.diag(1.0 / PRIOR.std**2)
+    pull = weighted.T @ data[rest] + PRIOR.mean / PRIOR.std**2
+    level, slope = np.linalg.solve(curve, pull)
+    assert abs(slope - PRIOR.mean[1]) > 0.3
+    assert held.error[out] == pytest.approx(data[out] - level - PRIOR.mean[1] * X[out], abs=1e-6)
+    whole = hold_out(fit(straight_line(data, known)), GROUP)
+    assert held.log_score == pytest.approx(whole.log_score)
+
+
 def test_the_scale_is_that_of_most_marginal_likelihood():
     free = Prior(np.array([np.log(0.1)]), np.array([3.0]))
     found = fit(straight_line(drawn(3), free))

@@ -153,6 +153,15 @@ def test_an_implausible_size_and_a_gain_that_is_none_are_said():
     assert "does not fall" in text
 
 
+def test_a_level_is_worth_what_the_model_s_bias_would_hide():
+    said = verdict(causes=[cause(**{"class": "level"})])
+    said["gain"]["between_forces_without_bias"] = {"before": 9e-3, "after": 2e-3}
+    text = " ".join(verdict_box(found(), said, False).lines)
+    assert "what is the same at all forces counted, falls, from 0.90 % to 0.20 %" in text
+    told = [row[1] for row in gain_table([said]).rows]
+    assert "stick frequency, a force left out, without the model's bias" in told
+
+
 def test_a_rival_that_was_not_judged_is_not_hidden():
     text, _ = page(found(barred="too few records"), verdict(causes=[cause()]))
     assert "incomplete contact (18.0) would explain the records about as well" in text

@@ -19,20 +19,24 @@ class Score:
     by_group: dict[int, tuple[float, float]]
 
 
-def score(found: Found, part: str, group: Int[ndarray, " datum"]) -> Score:
+def score(
+    found: Found, part: str, group: Int[ndarray, " datum"], allowance: slice = slice(0)
+) -> Score:
     """Leave out every force, or every hold, once with the baseline and once with the causes.
 
     group: number of each datum's mode or quantity; an error is the mean miss of a part's data of
-    one group, so that records of one hold count once.
+    one group, so that records of one hold count once. allowance: as of `hold_out`.
     """
     parts = found.channel.part[part]
-    sides = [_side(fitted, parts, group) for fitted in (found.baseline, found.final)]
+    sides = [_side(fitted, parts, group, allowance) for fitted in (found.baseline, found.final)]
     groups = {int(g): (sides[0][1][int(g)], sides[1][1][int(g)]) for g in np.unique(group)}
     return Score((sides[0][0], sides[1][0]), (sides[0][2], sides[1][2]), groups)
 
 
-def _side(fitted: Fit, parts: ndarray, group: ndarray) -> tuple[float, dict[int, float], float]:
-    held = hold_out(fitted, parts)
+def _side(
+    fitted: Fit, parts: ndarray, group: ndarray, allowance: slice
+) -> tuple[float, dict[int, float], float]:
+    held = hold_out(fitted, parts, allowance)
     means: dict[int, list[float]] = {int(g): [] for g in np.unique(group)}
     for g, rows in means.items():
         for p in np.unique(parts[group == g]):

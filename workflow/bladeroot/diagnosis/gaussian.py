@@ -286,14 +286,18 @@ class HeldOut:
     log_score: Float[ndarray, " part"]
 
 
-def hold_out(fitted: Fit, part: Int[ndarray, " datum"]) -> HeldOut:
+def hold_out(fitted: Fit, part: Int[ndarray, " datum"], allowance: slice = slice(0)) -> HeldOut:
     """Leave out each part in turn (parts are numbers from 0), scales kept, model made straight.
 
     With Q the precision, the error of part B is Q_BB^-1 (Q r)_B, its covariance Q_BB^-1.
+    allowance: parameters that the prediction goes without (left at their prior's mean): what they
+    took up in the rest of the data is an error then. The log score has them.
     """
     pulled = fitted.precision @ fitted.residual
     error, std = np.zeros(part.size), np.zeros(part.size)
     scores = np.zeros(int(part.max()) + 1)
+    spared = fitted.state.slope[:, allowance]
+    learned = (fitted.problem.prior.std[allowance] ** 2)[:, None] * spared.T
     for number in range(scores.size):
         rows = np.flatnonzero(part == number)
         block = np.linalg.inv(fitted.precision[np.ix_(rows, rows)])
@@ -304,4 +308,6 @@ def hold_out(fitted: Fit, part: Int[ndarray, " datum"]) -> HeldOut:
             + np.linalg.slogdet(block)[1]
             + rows.size * np.log(2.0 * np.pi)
         )
+        without = pulled - fitted.precision[:, rows] @ error[rows]  # of the fit to the rest
+        error[rows] += spared[rows] @ (learned @ without)
     return HeldOut(error, std, scores)

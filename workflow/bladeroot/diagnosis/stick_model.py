@@ -165,6 +165,11 @@ def ln_frequency(
     return value + np.einsum("pma,pa->pm", slope, points - inside), slope
 
 
+def biases(modes: int) -> slice:
+    """Where the model's biases and their tilts stand among the parameters."""
+    return slice(3, 3 + 2 * modes)
+
+
 def problem(
     data: StickData,
     simulated: Simulation,
@@ -191,7 +196,8 @@ def problem(
              *(m.std for m in mechanisms)]
         ),
     )  # fmt: skip
-    base = 3 + 2 * modes
+    own = biases(modes)
+    base = own.stop
     rows = np.arange(n)
     structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
 
@@ -202,7 +208,7 @@ def problem(
         places = np.stack([ln_kn, ln_kt, records.force + made.changes[:, 2]], axis=1)
         points, where = _distinct(places)
         value, gradient = ln_frequency(simulated.surface, points)
-        mean = value[where, records.mode] + bias_rows @ theta[3:base] + made.changes[:, 3]
+        mean = value[where, records.mode] + bias_rows @ theta[own] + made.changes[:, 3]
         g = gradient[where, records.mode]
         whole = np.column_stack([g, np.ones(n)])
         columns = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * x)[:, None], bias_rows]

@@ -7,6 +7,7 @@ from bladeroot.diagnosis.gain import score, within_records
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import plausible, sizes
 from bladeroot.diagnosis.shortfall import of_curves, of_records
+from bladeroot.diagnosis.stick_model import biases
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -132,9 +133,13 @@ def gains(made: Diagnosis) -> dict:
         if not found.causes:
             continue
         if found.channel.name == "stick":
-            mode = made.data.records.mode
-            for part, name in (("force", "between_forces"), ("hold", "between_holds")):
-                one = score(found, part, mode)
+            mode, bias = made.data.records.mode, biases(len(made.data.modes))
+            for name, part, allowance in (
+                ("between_forces", "force", slice(0)),
+                ("between_forces_without_bias", "force", bias),
+                ("between_holds", "hold", slice(0)),
+            ):
+                one = score(found, part, mode, allowance)
                 result[name] = {
                     "before": one.error[0], "after": one.error[1], "unit": "1",
                     "by_mode": {
@@ -142,7 +147,7 @@ def gains(made: Diagnosis) -> dict:
                         for g, (a, b) in one.by_group.items()
                     },
                 }  # fmt: skip
-                if part == "force":
+                if name == "between_forces":
                     result["log_score"] = {"before": one.log_score[0], "after": one.log_score[1]}
         elif found.channel.name == "curve":
             sides = within_records(found, made.curves.quantity)

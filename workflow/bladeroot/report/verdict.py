@@ -45,20 +45,38 @@ def plain(name: str) -> str:
 def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     """What is missing, why, and what to do, a line each."""
     lines = [_missing(one, said), *_because(one, said)]
-    gain = said["gain"].get("between_forces")
-    if gain:
-        better = "falls" if gain["after"] < gain["before"] else "does not fall"
-        lines.append(
-            f"With {'it' if len(said['causes']) == 1 else 'them'} in the simulation the error at "
-            f"forces that the fit has not seen {better}, from {percent(gain['before'], 2)} to "
-            f"{percent(gain['after'], 2)} of the stick frequency."
-        )
+    lines += _gain(said)
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
     lines += (next_sentence(one) if of_stick else []) or first
     head = f"{said['structure']}: {ANSWERS[said['answer']]}"
     return Box(f"Simulated campaign. {head}" if simulated else head, lines)
+
+
+def of_level(said: Mapping) -> bool:
+    """Whether a cause changes what is the same at all forces, which the model's bias takes up."""
+    return any(cause["class"] == "level" for cause in said["causes"])
+
+
+def between_forces(said: Mapping) -> Mapping:
+    """Errors at forces left out; for a level without the model's bias, which would hide them."""
+    key = "between_forces_without_bias" if of_level(said) else "between_forces"
+    return said["gain"].get(key, {})
+
+
+def _gain(said: Mapping) -> list[str]:
+    """What the causes are worth at forces left out."""
+    gain = between_forces(said)
+    if not gain:
+        return []
+    constant = ", what is the same at all forces counted," if of_level(said) else ""
+    better = "falls" if gain["after"] < gain["before"] else "does not fall"
+    return [
+        f"With {'it' if len(said['causes']) == 1 else 'them'} in the simulation the error at "
+        f"forces that the fit has not seen{constant} {better}, from {percent(gain['before'], 2)} "
+        f"to {percent(gain['after'], 2)} of the stick frequency."
+    ]
 
 
 def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
