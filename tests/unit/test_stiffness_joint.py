@@ -322,8 +322,17 @@ def test_a_further_mode_of_a_higher_order_joins_those_that_are_used(model):
 
 
 def test_no_frequency_no_posterior(model):
-    empty = stick(np.full(10, 500.0)).isel(level=slice(0, 0))
-    assert joint(model, empty, GAUGE, [12e3], BIAS).attrs["law"] == ""
+    given = stick(np.full(10, 500.0))
+    one_mode = given.isel(level=np.flatnonzero(given["mode"].values == "1B"))
+    for lacking in (given.isel(level=slice(0, 0)), one_mode):
+        assert joint(model, lacking, GAUGE, [12e3], BIAS).attrs["law"] == ""
+    assert joint(model, given, GAUGE, [12e3], BIAS, least_force=50e3).attrs["law"] == ""
+
+
+def test_a_mode_that_was_not_measured_is_left_out(model):
+    given = stick(np.full(10, 500.0))
+    made = problems_of(model, given, GAUGE, {**BIAS, "3B": 0.005})["constant"]
+    assert made.levels.modes == tuple(BIAS)
 
 
 def test_modes_and_forces_that_are_not_there_are_named(model):
@@ -331,4 +340,4 @@ def test_modes_and_forces_that_are_not_there_are_named(model):
     with pytest.raises(ValueError, match="lacks modes 4B"):
         joint(model, given, GAUGE, [12e3], {**BIAS, "4B": 0.01})
     with pytest.raises(ValueError, match="no stick frequency at 50000 N or above"):
-        joint(model, given, GAUGE, [12e3], BIAS, least_force=50e3)
+        problems_of(model, given, GAUGE, BIAS, least_force=50e3)

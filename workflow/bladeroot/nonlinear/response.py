@@ -167,6 +167,9 @@ def _gains(
     """Modal coordinate per modal force, and its derivatives by omega^2 and by the decay.
 
     A complex gain p + iq acts on x_c - i x_s: motion is the real part of that times e^(ih theta).
+    A stuck contact has its part of the other modes' material loss. What it fails to carry, it fails
+    to damp: without its loss on the missing force, modes of stuck contacts would damp flanks that
+    slide as if they still pressed springs between them.
     """
     modes, size = len(system.values), balance.size
     gain, by_value, by_decay = np.zeros((3, modes, size, size))
@@ -184,10 +187,11 @@ def _gains(
         given = 1 if h == 1 else 0  # the master's first harmonic is given
         inverse = np.zeros(modes, dtype=complex)
         inverse[given:] = 1.0 / (system.values - h**2 * value + 1j * loss)[given:]
+        missing = 1.0 + 1j * system.loss
         for matrix, number in (
-            (gain, inverse),
-            (by_value, h**2 * inverse**2),
-            (by_decay, 1j * h * inverse**2),
+            (gain, missing * inverse),
+            (by_value, missing * h**2 * inverse**2),
+            (by_decay, missing * 1j * h * inverse**2),
         ):
             matrix[:, i, i] = matrix[:, i + 1, i + 1] = number.real
             matrix[:, i, i + 1], matrix[:, i + 1, i] = number.imag, -number.imag

@@ -19,7 +19,9 @@ def joint_parts(found: Sequence[xr.Dataset], picture: str) -> list:
     """Posterior of kn(F), kt(F), laws, misfit, what it rests on, what would help."""
     full = [one for one in found if one.attrs["law"]]
     if not full:
-        return []
+        return [
+            "All forces at once: kn and kt need stick frequencies of two modes; there are none."
+        ]
     first = full[0]
     least = first.attrs["least_force_N"]
     parts: list = [

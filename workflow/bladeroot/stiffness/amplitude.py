@@ -20,7 +20,7 @@ from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.joint import posterior_of, problems_of
+from bladeroot.stiffness.joint import measured_modes, posterior_of, problems_of
 from bladeroot.stiffness.posterior import Problem, coordinates, predict
 from bladeroot.stiffness.sampler import STEPS
 from bladeroot.stiffness.simulated_curves import FRICTION, friction_of
@@ -57,10 +57,10 @@ def amplitude(
 
     Returns the variables of `joint` without its variations, the friction, the curves measured and
     simulated, and `shrinkage`: the standard deviation of ln k without curves over that with them.
-    Without curves that soften, or without frequencies, it is empty and its `law` is "".
+    Without curves that soften, or stick frequencies of two modes, it is empty and its `law` is "".
     """
     nothing = xr.Dataset(attrs={"structure": model.attrs["structure"], "law": ""})
-    if not np.isin(stick["mode"].values.astype(str), tuple(fe_bias)).any():
+    if len(measured_modes(stick, fe_bias, least_force)) < 2:
         return nothing
     problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force)
     levels = level_names(next(iter(problems.values())))

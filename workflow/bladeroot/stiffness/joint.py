@@ -50,10 +50,10 @@ def joint(
     which contact is not full and frequencies are left out. steps: of the sampler. extension: a law
     that a named cause asks for; it is compared with the others, and the result is in full under it.
 
-    Without any stick frequency the result is empty and its `law` is "". Raises ValueError if a mode
-    of `fe_bias` is not in the model or all frequencies lie below `least_force`.
+    Without stick frequencies of two modes (from `least_force` up) the result is empty and its
+    `law` is "". Raises ValueError if a mode of `fe_bias` is not in the model.
     """
-    if not np.isin(stick["mode"].values.astype(str), tuple(fe_bias)).any():
+    if len(measured_modes(stick, fe_bias, least_force)) < 2:
         return xr.Dataset(attrs={"structure": model.attrs["structure"], "law": ""})
     laws = LAWS if extension is None else {**LAWS, extension.name: extension}
     problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force, laws)
@@ -79,6 +79,14 @@ def joint(
     )
 
 
+def measured_modes(
+    stick: xr.Dataset, fe_bias: Mapping[str, float], least_force: float
+) -> tuple[str, ...]:
+    """The modes of `fe_bias` with a stick frequency; one alone does not fix kn and kt."""
+    known = np.isfinite(stick["frequency"].values) & (stick["force"].values >= least_force)
+    return tuple(mode for mode in fe_bias if mode in stick["mode"].values.astype(str)[known])
+
+
 def problems_of(
     model: xr.Dataset,
     stick: xr.Dataset,
@@ -88,11 +96,16 @@ def problems_of(
     least_force: float = 0.0,
     laws: Mapping[str, Law] = LAWS,
 ) -> dict[str, Problem]:
-    """The posterior of every law of stiffness; arguments and errors as of `joint`."""
-    modes = tuple(fe_bias)
-    missing = set(modes) - set(model["mode"].values)
+    """The posterior of every law of stiffness; arguments and errors as of `joint`.
+
+    Raises ValueError if there is no stick frequency from `least_force` up, too.
+    """
+    missing = set(fe_bias) - set(model["mode"].values)
     if missing:
         raise ValueError(f"the parametric model lacks modes {', '.join(sorted(missing))}")
+    modes = measured_modes(stick, fe_bias, least_force)
+    if not modes:
+        raise ValueError(f"no stick frequency at {least_force:g} N or above")
     surface, _, _ = surfaces_of(model, modes)
     levels = _from(levels_of(stick, modes), least_force)
     bias = np.array([fe_bias[mode] for mode in modes])
@@ -160,8 +173,6 @@ def trimmed(surface: Surface, tolerance: float = 1e-5) -> Surface:
 def _from(levels: Levels, least_force: float) -> Levels:
     """The levels at or above a force."""
     kept = levels.force >= least_force
-    if not kept.any():
-        raise ValueError(f"no stick frequency at {least_force:g} N or above")
     parts = {
         name: getattr(levels, name)[kept]
         for name in ("mode", "force", "ln_frequency", "std", "holds")
@@ -392,7 +403,7 @@ def _variations(
     every = levels_of(stick, modes)
     if len(every.force) > len(problem.levels.force):
         cases["all forces"] = replace(problem, levels=every)
-    elif (every.force >= REFERENCE_FORCE).any():
+    elif len(np.unique(every.mode[every.force >= REFERENCE_FORCE])) == len(modes):
         cases["forces from 12 kN up"] = replace(problem, levels=_from(every, REFERENCE_FORCE))
     at = np.array([REFERENCE_FORCE])
     middle, std = [], []
