@@ -132,6 +132,18 @@ def test_faulty_records_are_named_beyond_false_alarms(model):
         assert len(said["records"]) == count
 
 
+@pytest.mark.parametrize(("effect", "answer"), [("bump", "unexplained"), ("", "named")])
+def test_faulty_records_do_not_name_what_is_missing_besides(model, effect, answer):
+    """A smooth bump in one mode stays unexplained, however many records hum."""
+    without = [one for one in CATALOGUE if one.channel == "record" or one.id == "drift"]
+    seen = campaign(model, effect, 5e-3, rows=programme(cycles=1), curves=False)
+    seen["findings"] = ("record", np.where(np.arange(56) < 20, "mains-hum", ""))
+    said = verdict(diagnose(seen, model, Settings(BIAS), without))
+    assert said["answer"] == answer
+    assert names(said) == ["mains-hum"]
+    assert "mains-hum: 20 of 56 records" in said["reason"]
+
+
 def test_the_chance_of_false_alarms_is_finite_however_small():
     few = binom.logsf(3, 112, 0.01)
     assert _tail(4, 112, 0.01) == pytest.approx(few)

@@ -153,6 +153,14 @@ def test_an_implausible_size_and_a_gain_that_is_none_are_said():
     assert "does not fall" in text
 
 
+def test_a_fault_of_records_is_no_cause_of_what_is_unexplained():
+    hum = cause(**{"class": "record"})
+    text = " ".join(verdict_box(found(), verdict("unexplained", [hum]), False).lines)
+    assert "Besides: load dependent stiffness" in text
+    assert "Cause:" not in text
+    assert "No cause of the catalogue explains it" in text
+
+
 def test_a_level_is_worth_what_the_model_s_bias_would_hide():
     said = verdict(causes=[cause(**{"class": "level"})])
     said["gain"]["between_forces_without_bias"] = {"before": 9e-3, "after": 2e-3}

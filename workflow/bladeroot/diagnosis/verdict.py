@@ -85,12 +85,16 @@ def _fault(one) -> dict:
 
 
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
+    """The answer; faults of records alone do not name what the simulation lacks besides them."""
+    if all(one["class"] == "record" for one in causes):
+        if any(found.unexplained for found in made.found if not _cannot_name(made, found)):
+            return "unexplained"
+        open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
+        if open_curves or (made.lacks and not causes):
+            return "insufficient-data"
     if causes:
         return "named" if any(len(one["credible_set"]) == 1 for one in causes) else "ambiguous"
-    if any(found.unexplained for found in made.found if not _cannot_name(made, found)):
-        return "unexplained"
-    open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
-    return "insufficient-data" if made.lacks or open_curves else "nothing-missing"
+    return "nothing-missing"
 
 
 def _cannot_name(made: Diagnosis, found: Found) -> bool:
@@ -201,9 +205,15 @@ def _reason(made: Diagnosis, answer: str) -> str:
         for found in made.found
         if _cannot_name(made, found) and _open(found)
     ]
+    faults = [
+        f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
+        for one in made.faulty
+        if one.named
+    ]
     if answer == "insufficient-data":
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
-        return ". ".join([*lacks, *departing, *([made.not_judged] if made.not_judged else [])])
+        judged = [made.not_judged] if made.not_judged else []
+        return ". ".join([*lacks, *departing, *faults, *judged])
     lines = departing
     if answer == "nothing-missing":
         lines.append("the simulation explains all records within their scatter")
@@ -229,11 +239,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
                 "no mechanism of the catalogue explains"
             )
-    for one in made.faulty:
-        if one.named:
-            lines.append(
-                f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
-            )
+    lines += faults
     lines += [text for text in (made.left_out, made.not_judged) if text]
     if made.data.jumped:
         holds = ", ".join(made.data.jumped)

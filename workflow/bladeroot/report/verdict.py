@@ -132,8 +132,10 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
         if len(cause["credible_set"]) == 1:
             row = one.isel(candidate=one["candidate"].values == cause["mechanism"])
             sizes = listed([f"{plain(p['name'])} {size(p)}" for p in cause["parameters"][:1]])
+            what = "Cause" if said["answer"] in ("named", "ambiguous") else "Besides"
             lines.append(
-                f"Cause: {plain(cause['mechanism'])} ({kind}), {row['sentence'].values[0]}; {sizes}"
+                f"{what}: {plain(cause['mechanism'])} ({kind}), {row['sentence'].values[0]}; "
+                + sizes
                 + ("" if cause["plausible"] else ", beyond what is physically plausible")
                 + "."
             )

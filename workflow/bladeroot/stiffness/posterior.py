@@ -28,6 +28,9 @@ LEAST_FORCE = 100.0  # N; a law in ln F ends before zero force
 # modulus moves 1B by 0.39 to 0.44 % between 1.8 and 24 kN.
 BIAS_TILT = 0.05
 SCATTER = (np.log(0.05), 1.0)  # ln of the scatter of ln k between clampings: 2 to 14 %
+# Standard deviations from there where it ends (a factor of e^20 in k): a sampler's far proposals
+# would drown a covariance in rounding.
+FAR_SCATTER = 6.0
 
 
 @dataclass(frozen=True)
@@ -167,7 +170,8 @@ def inner_products(
 
 def _scatter_square(problem: Problem, u_scatter: Float[ndarray, " point"]) -> ndarray:
     """Variance of ln k between clampings."""
-    return np.exp(2.0 * (problem.mean[-1] + problem.std[-1] * u_scatter))
+    u = np.clip(u_scatter, -FAR_SCATTER, FAR_SCATTER)
+    return np.exp(2.0 * (problem.mean[-1] + problem.std[-1] * u))
 
 
 def of_curves(problem: Problem, said: Prediction) -> Float[ndarray, " point"]:
