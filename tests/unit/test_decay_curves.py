@@ -13,12 +13,18 @@ def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B"):
     frequency = 500.0 - 2.0 * np.log10(amplitude / 1e-7) + offset
     values = {"amplitude": amplitude, "frequency": frequency, "loss_factor": 1e-3 * frequency}
     values |= {"frequency_std": 0.0 * amplitude + std, "loss_factor_std": 0.0 * amplitude + std}
-    attrs = {"mode": mode, "force_N": force, "simulated": 0}
+    attrs = {"record": f"{mode} {force:g} {offset:g}", "mode": mode, "force_N": force}
     return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=attrs)
 
 
+def mean_of(decays, rejected=()):
+    names = [str(decay.attrs["record"]) for decay in decays]
+    verdicts = ["rejected: too short" if name in rejected else "plateau" for name in names]
+    return mean_curves(decays, xr.Dataset({"verdict": ("record", verdicts)}, {"record": names}))
+
+
 def test_the_mean_of_records_that_agree_is_theirs_with_a_smaller_error():
-    mean = mean_curves([curve(4000.0)] * 4)
+    mean = mean_of([curve(4000.0)] * 4)
     here = mean.isel(level=0)
     expected = 500.0 - 2.0 * np.log10(here["amplitude"] / 1e-7)
     assert np.abs(here["frequency"] - expected).max() < 1e-6
@@ -29,21 +35,21 @@ def test_the_mean_of_records_that_agree_is_theirs_with_a_smaller_error():
 def test_scatter_between_records_is_found_and_widens_the_error():
     rng = np.random.default_rng(7)
     offsets = rng.normal(0.0, 0.3, 40)
-    here = mean_curves([curve(4000.0, offset) for offset in offsets]).isel(level=0)
+    here = mean_of([curve(4000.0, offset) for offset in offsets]).isel(level=0)
     spread = np.std(offsets, ddof=1)
     assert float(here["frequency_scatter"].mean()) == pytest.approx(spread, rel=1e-3)
     assert float(here["frequency_std"].mean()) == pytest.approx(spread / np.sqrt(40), rel=1e-3)
 
 
 def test_an_uncertain_record_hardly_moves_the_mean():
-    here = mean_curves([curve(4000.0), curve(4000.0, 0.1, std=1.0)]).isel(level=0)
+    here = mean_of([curve(4000.0), curve(4000.0, 0.1, std=1.0)]).isel(level=0)
     expected = 500.0 - 2.0 * np.log10(here["amplitude"] / 1e-7)
     assert np.abs(here["frequency"] - expected).max() < 1e-3
 
 
 def test_nothing_is_extrapolated_and_levels_stay_apart():
     made = [curve(4000.0, low=1e-6), curve(8000.0, high=1e-6), curve(4000.0, 5.0, mode="2B")]
-    mean = mean_curves(made)
+    mean = mean_of(made)
     assert list(mean["mode"].values) == ["1B", "1B", "2B"]
     assert list(mean["force"].values) == [4000.0, 8000.0, 4000.0]
     for level, (low, high) in enumerate([(1e-6, 1e-5), (1e-7, 1e-6), (1e-7, 1e-5)]):
@@ -53,8 +59,15 @@ def test_nothing_is_extrapolated_and_levels_stay_apart():
         assert reached.sum() >= inside.sum() - 2
 
 
+def test_a_record_that_is_rejected_has_no_part_in_the_mean():
+    made = [curve(4000.0), curve(4000.0, 100.0)]
+    here = mean_of(made, rejected=["1B 4000 100"]).isel(level=0)
+    assert int(here["records"].max()) == 1
+    assert float(here["frequency"].max()) < 501.0
+
+
 def test_no_records_give_an_empty_dataset():
-    assert mean_curves([]).sizes["level"] == 0
+    assert mean_of([]).sizes["level"] == 0
 
 
 def decaying(rate_Hz=8000.0, seconds=1.0):

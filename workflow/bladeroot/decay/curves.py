@@ -17,11 +17,13 @@ KINDS = {
 }
 
 
-def mean_curves(decays: Sequence[xr.Dataset], points_a_decade: int = 40) -> xr.Dataset:
+def mean_curves(
+    decays: Sequence[xr.Dataset], stick: xr.Dataset, points_a_decade: int = 40
+) -> xr.Dataset:
     """The mean curve of each mode and force, on one ladder of amplitudes.
 
-    decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
-    attributes. At each amplitude the mean over the records that reach it is weighted by within-
+    decays: as from `bladeroot.decay.freevib.freevib`, with record, mode, force_N and simulated in
+    the attributes. stick: from `bladeroot.decay.stick`; records that it rejects are left out. At each amplitude the mean over the records that reach it is weighted by within-
     and between-record variance (DerSimonian-Laird); nothing is extrapolated. First cycles that
     decay unlike all records which pass them later (`settling`) are left out.
 
@@ -30,7 +32,9 @@ def mean_curves(decays: Sequence[xr.Dataset], points_a_decade: int = 40) -> xr.D
         standard errors and the scatter between records (NaN for one record alone), `records`,
         how many reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
-    decays = [decay for decay in decays if decay.sizes["point"] > 1]
+    rejected = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
+    bad = set(stick["record"].values.astype(str)[rejected])
+    decays = [d for d in decays if d.sizes["point"] > 1 and d.attrs["record"] not in bad]
     level_of = [(str(d.attrs["mode"]), float(d.attrs["force_N"])) for d in decays]
     levels = sorted(set(level_of))
     ladder = ladder_of(decays, points_a_decade)
