@@ -23,9 +23,10 @@ def mean_curves(
     """The mean curve of each mode and force, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with record, mode, force_N and simulated in
-    the attributes. stick: from `bladeroot.decay.stick`; records that it rejects are left out. At each amplitude the mean over the records that reach it is weighted by within-
-    and between-record variance (DerSimonian-Laird); nothing is extrapolated. First cycles that
-    decay unlike all records which pass them later (`settling`) are left out.
+    the attributes. stick: from `bladeroot.decay.stick`; records that it rejects are left out.
+    At each amplitude the mean over the records that reach it is weighted by within- and between-
+    record variance (DerSimonian-Laird); nothing is extrapolated. First cycles that decay unlike all
+    records which pass them later (`settling`) are left out.
 
     Returns:
         dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
