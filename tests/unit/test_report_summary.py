@@ -63,3 +63,15 @@ def test_else_the_frequencies_alone(stages, curves):
     assert text.startswith("From the frequencies of all forces together")
     assert "kn 3.00 (1.50 to 6.00) GN/m" in text
     assert not said(stages, [inference(3.0, law="")], [])
+
+
+@pytest.mark.parametrize(("move", "foreign"), [(0.01, False), (-0.42, True)])
+def test_a_structure_that_is_not_the_specimen_is_said(stages, move, foreign):
+    stick, stiffness, theory = stages
+    stiffness["status"] = (("structure", "force"), [["no root", "no root"]])
+    for name, value in (("needed_bias", move), ("fe_bias_std", 0.005)):
+        one = np.full((1, 2, 2), value)
+        stiffness[name] = (("structure", "force", "mode"), one, {"units": "1"})
+    stiffness = stiffness.assign_coords(mode=["1B", "2B"])
+    text = " ".join(summary_section(stick, stiffness, theory, [], []).parts)
+    assert ("this structure is not the specimen" in text) == foreign

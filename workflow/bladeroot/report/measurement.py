@@ -14,7 +14,8 @@ PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself, for each mode at the "
     "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
     "spectra": "Amplitude spectra of the same free decays before and after the mode was separated: "
-    "what is left over holds the other modes and the noise, and nothing of the mode.",
+    "what is left over should hold the other modes and the noise, and nothing of the mode. Where "
+    "it stands above the record itself the separation failed there.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
     "3.11), every usable record; bands are one standard error, and points are drawn where it is "
     "below 0.05 % of the frequency and 20 % of the loss factor.",
