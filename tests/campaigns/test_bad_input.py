@@ -11,6 +11,22 @@ SHEET = "resources/campaigns/small/records.csv"
 TINY = "resources/structures/tiny.yaml"
 
 
+def test_mechanisms_that_are_not_there_or_no_python_end_the_run(tmp_path):
+    house = copy_house(tmp_path / "house")
+    folder = tmp_path / "own"
+    asked = ("--config", f"diagnosis={{mechanisms: {folder}}}")
+    done = house.run(*asked, check=False)
+    assert f"bad input: folder of mechanisms not found: {folder}\n" in done.stderr
+    folder.mkdir()
+    (folder / "wire.py").write_text("one = 1\nx = (\n")
+    done = house.run(*asked, check=False)
+    assert done.returncode != 0
+    assert f"bad input: expected Python: '(' was never closed ({folder}/wire.py, row 2)\n" in (
+        done.stderr
+    )
+    assert not (house.folder / "results").exists()
+
+
 @pytest.mark.parametrize(
     ("path", "old", "new", "told"),
     [
