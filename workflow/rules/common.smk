@@ -5,12 +5,16 @@ import sys
 from functools import cache
 from pathlib import Path
 
+ROOT = Path(workflow.basedir)
+# This checkout's library, before an installed one, which may be another checkout's; the scripts
+# do the same (_cli.py).
+sys.path.insert(0, str(ROOT / "workflow"))
+
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.campaign import load_campaign
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
 
-ROOT = Path(workflow.basedir)
 SCRIPTS = ROOT / "workflow" / "scripts"
 PYTHON = sys.executable
 
