@@ -298,6 +298,12 @@ def test_one_file_may_hold_two_modes_or_channels(folder):
     assert load_campaign(folder).warnings == ()
 
 
+def test_a_channel_with_a_comma_stands_in_quotes(folder):
+    text = 'record,file,mode,force_N,channel\nr1,r1.nc,1B,12000,"xData{3,2}"\n'
+    (folder / "records.csv").write_text(text)
+    assert load_campaign(folder).records[0]["channel"] == "xData{3,2}"
+
+
 def thesis_table(**changed):
     """The published frequencies of 2B by force, some of them changed."""
     campaign = load_campaign(ROOT / "resources" / "campaigns" / "thesis")
