@@ -39,10 +39,8 @@ class House:
 
     @property
     def environment(self) -> dict:
-        # The copy's library, not the installed one: its code is what the tests edit. One BLAS
-        # thread, as in the workflow's jobs: another number rounds differently.
-        library = str(self.folder / "workflow")
-        return {**os.environ, "PYTHONPATH": library, "OMP_NUM_THREADS": "1"}
+        # One BLAS thread, as in the workflow's jobs: another number rounds differently.
+        return {**os.environ, "OMP_NUM_THREADS": "1"}
 
     def planned(self, *options: str) -> Counter:
         """The rules (with how many jobs each) that the next run would do: Snakemake's job table."""

@@ -11,6 +11,29 @@ SHEET = "resources/campaigns/small/records.csv"
 TINY = "resources/structures/tiny.yaml"
 
 
+def test_a_campaign_that_is_not_there_is_called_as_asked(tmp_path):
+    house = copy_house(tmp_path / "house")
+    for asked, told in ((f"{tmp_path}/none", f"{tmp_path}/none"), ("own/none", "own/none")):
+        done = house.run("--config", f"campaigns={asked}", check=False)
+        assert f"bad input: campaign folder not found: {house.folder / told}\n" in done.stderr
+
+
+def test_mechanisms_that_are_not_there_or_no_python_end_the_run(tmp_path):
+    house = copy_house(tmp_path / "house")
+    folder = tmp_path / "own"
+    asked = ("--config", f"diagnosis={{mechanisms: {folder}}}")
+    done = house.run(*asked, check=False)
+    assert f"bad input: folder of mechanisms not found: {folder}\n" in done.stderr
+    folder.mkdir()
+    (folder / "wire.py").write_text("one = 1\nx = (\n")
+    done = house.run(*asked, check=False)
+    assert done.returncode != 0
+    assert f"bad input: expected Python: '(' was never closed ({folder}/wire.py, row 2)\n" in (
+        done.stderr
+    )
+    assert not (house.folder / "results").exists()
+
+
 @pytest.mark.parametrize(
     ("path", "old", "new", "told"),
     [
@@ -44,7 +67,10 @@ def test_without_any_stick_frequency_there_is_still_a_report(visited, tmp_path):
     description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
     (folder / "campaign.yaml").write_text(description)
     (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
-    (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
+    (folder / "b.csv").touch()
+    (folder / "records.csv").write_text(
+        "record,file,mode,force_N\na,a.csv,1B,12000\nb,b.csv,1B,12000\n"
+    )
     mesh = visited.folder / "results" / "structures" / "tiny" / "mesh.nc"
     made = mesh.stat().st_mtime_ns
     visited.run("--config", f"campaigns={folder}")
@@ -52,6 +78,7 @@ def test_without_any_stick_frequency_there_is_still_a_report(visited, tmp_path):
     page = (visited.folder / "results" / "poor" / "report.html").read_text()
     assert "No record reached its stick plateau" in page
     assert "at least 64 samples" in page
+    assert "got an empty file" in page
     assert "no stick frequency of 1B and 2B" in page
 
 

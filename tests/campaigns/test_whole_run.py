@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import xarray as xr
+from house import SMALL, copy_house
 
 
 def load(house, name):
@@ -97,3 +98,18 @@ def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
     for output in outputs:
         made = load(house, f"small/{output.stem}/r001.nc")
         xr.testing.assert_equal(xr.load_dataset(output), made)
+
+
+def test_the_measurement_alone_needs_no_structure(tmp_path):
+    """For a specimen that is no dovetail (config/README.md)."""
+    house = copy_house(tmp_path / "house")
+    folder = tmp_path / "plate"
+    folder.mkdir()
+    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    (folder / "campaign.yaml").write_text(description)
+    (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
+    (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
+    only = ("--until", "stick", "integrity", "figures_records")
+    assert set(house.planned("--config", f"campaigns={folder}", *only)) == {
+        "record", "decay", "curves", "stick", "integrity", "figures_records",
+    }  # fmt: skip

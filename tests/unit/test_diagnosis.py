@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis.curve_model import curve_data
 from bladeroot.diagnosis.dataset import dataset
-from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import curves, model_file, read
 from bladeroot.diagnosis.naming import Known, prepared
 from bladeroot.diagnosis.records import _tail
+from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points
@@ -43,6 +44,37 @@ def names(said):
 
 def test_without_an_effect_nothing_is_missing(model):
     assert judged(model)[1]["answer"] == "nothing-missing"
+
+
+def test_lower_forces_are_spoken_of_only_where_there_are_some(model):
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    lowest = float(seen["force"].min())
+    assert with_lower_forces(seen, model, Settings(BIAS), CATALOGUE) is None
+    assert with_lower_forces(seen, model, Settings(BIAS, least_force=lowest), CATALOGUE) is None
+    above = Settings(BIAS, least_force=1.01 * lowest)
+    made = with_lower_forces(seen, model, above, CATALOGUE)
+    assert made.settings.least_force == 0.0
+    assert made.data.records.force.min() == lowest
+    seen["stick_frequency"][seen["force"].values == lowest] = np.nan
+    assert with_lower_forces(seen, model, above, CATALOGUE) is None
+
+
+@pytest.mark.parametrize(
+    ("rise", "said"),
+    [(-1.63, "falls with the force by 80 %"), (1.63, "rises with the force by 410 %"),
+     (0.004, "rises with the force by 0.4 %")],
+)  # fmt: skip
+def test_a_trend_is_a_change_in_per_cent(rise, said):
+    x = np.linspace(0.0, 1.0, 3)
+    size, text = _trend(x, rise * x, "force")
+    assert size == pytest.approx(rise)
+    assert text == f"{said} more than simulated"
+
+
+def test_a_bend_is_what_the_simulation_is_off():
+    x = np.linspace(-1.0, 1.0, 21)
+    assert "too high at both ends of the force by 172 %" in _trend(x, -1.0 * x**2, "force")[1]
+    assert "too low at both ends of the force by 63 %" in _trend(x, 1.0 * x**2, "force")[1]
 
 
 @pytest.mark.slow

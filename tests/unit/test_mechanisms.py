@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.mechanisms.mechanism import Points, Records
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
+from bladeroot.mechanisms.probe import probe
 from scipy.integrate import quad
 from scipy.stats import norm
 
@@ -138,7 +139,11 @@ def test_a_users_file_joins_and_may_replace(tmp_path):
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [("X = 1\n", "expected MECHANISM"), ("1 / 0\n", "ZeroDivisionError"), ("x = (\n", "Syntax")],
+    [
+        ("X = 1\n", "expected MECHANISM"),
+        ("1 / 0\n", "ZeroDivisionError"),
+        ("x = (\n", "expected Python"),
+    ],
 )
 def test_a_users_bad_file_is_one_line(tmp_path, content, message):
     (tmp_path / "own.py").write_text(content)
@@ -156,8 +161,11 @@ def test_a_missing_folder_is_named(tmp_path):
     ("law", "message"),
     [
         ("{'ln_freq': 0.0 * r.force}, {'ln_freq': 0.0 * r.force[:, None]}", "must both be of"),
-        ("{'ln_f': 0.0 * r.force}, {'ln_f': 0.0 * r.force}", "law of own"),
-        ("{'ln_f': np.nan * r.force}, {'ln_f': 0.0 * r.force[:, None]}", "not finite"),
+        ("{'ln_f': 0.0 * r.force}, {'ln_f': 0.0 * r.force}", r"expected shape \(4, 1\)"),
+        ("{'ln_f': np.nan * r.force}, {'ln_f': 0.0 * r.force[:, None]}", "expected finite"),
+        ("{'ln_f': v * r.force}, {'ln_f': -3.0 * r.force[:, None]}", "must be 2e.04 .*got -6e.04"),
+        ("{'ln_f': v * r.force}, {'ln_f': 1.2 * r.force[:, None]}", "derivative of ln_f by p"),
+        ("{'ln_f': np.where(v < 0.2, v, np.nan) * r.force}, {'ln_f': r.force[:, None]}", "finite"),
         ("{'ln_f': r.temperature}, {}", "AttributeError"),
     ],
 )
@@ -171,7 +179,82 @@ def test_a_users_bad_law_is_told_before_any_fit(tmp_path, law, message):
     )
     with pytest.raises(ValueError, match=message) as error:
         catalogue(tmp_path)
-    assert "law of own" in str(error.value)
+    assert "law of own: hook stick" in str(error.value)
+    assert "own.py" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("hook", "law", "message"),
+    [
+        ("structure", "None", "expected a Change and a list of its derivatives, got None"),
+        (
+            "structure",
+            "(Change(v * r.beam, v * r.beam), [Change(r.beam, -r.beam)])",
+            "of mass by p",
+        ),
+        ("structure", "(Change(v * r.beam, v * r.beam), [])", r"expected shape \(4, 4, 1\)"),
+        ("structure", "(Change(v * r.beam[0], v * r.beam), [])", r"stiffness: expected shape \(4,"),
+        ("damping", "None", "expected the change and its derivatives, got None"),
+        ("damping", "(v * r.force, 2.0 * r.force[:, None])", "derivative of ln_loss by p"),
+        ("curve", "None", "expected an effect with ln_f, got None"),
+    ],
+)
+def test_every_hook_is_tried(tmp_path, hook, law, message):
+    (tmp_path / "own.py").write_text(
+        "from bladeroot.mechanisms.mechanism import Mechanism, Parameter\n"
+        "from bladeroot.structure.sensitivity import Change\n"
+        "SIZE = Parameter('p', '1', 0.1, 1.0, 0.0, 9.0, 'guess')\n"
+        "MECHANISM = Mechanism('own', 'level', 'a law', (SIZE,), 'none',\n"
+        f"                      {hook}=lambda r, v: {law})\n"
+    )
+    with pytest.raises(ValueError, match=message) as error:
+        catalogue(tmp_path)
+    assert f"law of own: hook {hook}" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("mechanism", catalogue(), ids=lambda one: one.id)
+def test_what_is_shipped_passes_the_trial_of_a_users_law(mechanism):
+    probe(mechanism)
+
+
+def test_a_law_with_a_kink_or_a_limit_passes_the_trial():
+    """At zero one side has another slope; below it the root is not defined."""
+    size = Parameter("p", "1", 0.0, 1.0, 0.0, 9.0, "guess")
+
+    def root(records, values):
+        x = np.sqrt(1e-4 + values[0]) * records.force
+        return StickEffect({"ln_f": x}, {"ln_f": (0.5 * x / (1e-4 + values[0]))[:, None]})
+
+    def kink(records, values):
+        x = np.where(values[0] > 0.0, records.force, 0.0)
+        return StickEffect({"ln_f": values[0] * x}, {"ln_f": x[:, None]})
+
+    for prior, law in ((size, root), (replace(size, low=-9.0), kink)):
+        probe(Mechanism("own", "level", "a law", (prior,), "none", stick=law))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "log", "message"),
+    [
+        ((0.0, -0.01, -1.0, 1.0), False, "c: std must be positive, got -0.01"),
+        ((0.0, 0.0, -1.0, 1.0), False, "std must be positive"),
+        ((0.0, np.nan, -1.0, 1.0), False, "std must be positive"),
+        ((0.0, 0.01, 1.0, -1.0), False, "expected low <= mean <= high"),
+        ((2.0, 0.01, -1.0, 1.0), False, "expected low <= mean <= high"),
+        ((np.nan, 0.01, -1.0, 1.0), False, "expected low <= mean <= high"),
+        ((0.0, 0.01, -1.0, 1.0), True, "mean must be positive with log"),
+    ],
+)
+def test_a_prior_that_is_none_is_refused(numbers, log, message):
+    with pytest.raises(ValueError, match=message):
+        Parameter("c", "1", *numbers, "guess", log=log)
+
+
+def test_a_mechanism_without_parameters_is_refused():
+    one = next(one for one in catalogue() if one.id == "drift")
+    with pytest.raises(ValueError, match="at least one parameter"):
+        replace(one, parameters=())
 
 
 def test_a_law_of_an_unknown_variable_is_refused():

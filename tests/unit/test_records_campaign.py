@@ -3,9 +3,12 @@
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from bladeroot.decay.stick import stick_from_table
 from bladeroot.records.campaign import CampaignError, force_scale, load_campaign, stick_table
+from bladeroot.records.lone import lone
+from bladeroot.records.read import read
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -29,7 +32,6 @@ def folder(tmp_path):
     folder.mkdir()
     (folder / "campaign.yaml").write_text(DESCRIPTION)
     (folder / "r1.nc").write_bytes(b"raw")
-    (folder / "empty.nc").touch()
     return folder
 
 
@@ -71,7 +73,6 @@ def test_every_published_force_is_a_whole_number_of_bars():
             "r1,r1.xyz,1B,20,h1,up,0,velocity,mm/s,",
             ".mat, .nc, .nc4, .tdms, .tsv, .txt, .u58, .uff, .unv, .wav, .wave, got 'r1.xyz'",
         ),
-        ("r1,empty.nc,1B,20,h1,up,0,velocity,mm/s,", "file is empty: empty.nc"),
         ("r1,r1.nc,1B,2_0,h1,up,0,velocity,mm/s,", "must be a finite number, got '2_0'"),
         ("r1,,1B,20,h1,up,0,velocity,mm/s,", "file is missing"),
         ("r1,r1.nc,1B,20,h1,up,0,velocity,furlong,", "expected a unit such as m/s, mm/s"),
@@ -212,6 +213,21 @@ def test_a_bad_description_names_the_key(folder, old, new, told):
     assert any(told in line and "campaign.yaml" in line for line in lines)
 
 
+def test_an_empty_description_is_called_empty(folder):
+    (folder / "campaign.yaml").write_text("# to be written\n")
+    (line,) = faults(folder, "records.csv", HEADER + GOOD)
+    assert line == f"the file is empty; expected keys and values ({folder / 'campaign.yaml'})"
+
+
+def test_an_empty_raw_file_is_left_to_its_own_job(folder):
+    """It is left out there with its reason, as any other bad file."""
+    (folder / "r1.nc").write_bytes(b"")
+    (folder / "records.csv").write_text(HEADER + GOOD)
+    assert len(load_campaign(folder).records) == 1
+    with pytest.raises(ValueError, match="empty file"):
+        read(folder / "r1.nc")
+
+
 def test_a_missing_folder(tmp_path):
     with pytest.raises(CampaignError, match="campaign folder not found"):
         load_campaign(tmp_path / "nowhere")
@@ -274,6 +290,61 @@ def test_slips_are_warnings(folder):
     assert "force_N 12 is 12 N on a gauge of 125300 N: kN given as N?" in kilo
     assert kilo.endswith("records.csv, row 2)")
     assert "file r1.nc stands in row 2 already" in twice
+
+
+def test_one_file_may_hold_two_modes_or_channels(folder):
+    text = "record,file,mode,force_N,channel\nr1,r1.nc,1B,12000,1\nr2,r1.nc,2B,12000,1\n"
+    (folder / "records.csv").write_text(text + "r3,r1.nc,1B,12000,2\n")
+    assert load_campaign(folder).warnings == ()
+
+
+def test_a_channel_with_a_comma_stands_in_quotes(folder):
+    text = 'record,file,mode,force_N,channel\nr1,r1.nc,1B,12000,"xData{3,2}"\n'
+    (folder / "records.csv").write_text(text)
+    assert load_campaign(folder).records[0]["channel"] == "xData{3,2}"
+
+
+def thesis_table(**changed):
+    """The published frequencies of 2B by force, some of them changed."""
+    campaign = load_campaign(ROOT / "resources" / "campaigns" / "thesis")
+    rows = {f"{row['force_N']:g}": row for row in campaign.stick if row["mode"] == "2B"}
+    lines = [
+        f"2B,{force},{changed.get(f'at_{force}', row['frequency_Hz'])},0.1,0.004,0.0001\n"
+        for force, row in rows.items()
+    ]
+    return STICK + "".join(lines), list(rows)
+
+
+def test_a_wrong_digit_in_the_stick_table_is_a_warning(folder):
+    text, forces = thesis_table(at_12172=1095.92)
+    (folder / "stick.csv").write_text(text)
+    campaign = load_campaign(folder)
+    (line,) = campaign.warnings
+    assert line.startswith("frequency_Hz 1095.92 of 2B at 12172 N lies far from 14")
+    assert line.endswith(f"({folder / 'stick.csv'}, row {forces.index('12172') + 2})")
+    assert len(campaign.stick) == len(forces)  # nothing is left out
+
+
+def test_the_published_frequencies_stand_together():
+    assert load_campaign(ROOT / "resources" / "campaigns" / "thesis").warnings == ()
+
+
+@pytest.mark.parametrize("k", [0, 4, 9])
+def test_a_lone_frequency_is_found_also_at_the_ends(k):
+    force = np.geomspace(2e3, 24e3, 10)
+    frequency = 500.0 * (force / 24e3) ** 0.05
+    frequency[k] *= 0.8
+    ((row, expected),) = lone(force, frequency)
+    assert row == k
+    assert expected == pytest.approx(frequency[k] / 0.8, rel=0.05)
+
+
+def test_a_law_that_bends_has_no_lone_frequency():
+    """Contact that is not full below 4 kN: steep there, flat above."""
+    force = np.array([1.8e3, 2.5e3, 3.6e3, 5.4e3, 7.2e3, 12e3, 18e3, 24e3])
+    frequency = 500.0 * (force / 24e3) ** 0.01 * np.minimum(force / 4e3, 1.0) ** 0.5
+    assert lone(force, frequency) == []
+    assert lone(force[:5], np.array([400.0, 500.0, 600.0, 500.0, 400.0])) == []  # too few
 
 
 def test_a_stick_table_is_read_as_it_was_checked(folder):

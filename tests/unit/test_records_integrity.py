@@ -2,12 +2,14 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.records.cut import cut, rejected
 from bladeroot.records.finding import CONSEQUENCES
+from bladeroot.records.findings import coloured_noise
 from bladeroot.records.findings.sampling_rate import RATIOS
 from bladeroot.records.integrity import bridged, checks, examine, judge, sight
 from bladeroot.records.spectrum import white_noise
@@ -286,6 +288,14 @@ def test_offset_and_coloured_noise():
     found = judged(clean + 10 * before * np.fft.irfft(white, clean.size))
     assert "coloured-noise" in ids(found)
     assert found.attrs["noise_velocity"] == pytest.approx(10 * before, rel=0.25)
+
+
+def test_noise_of_a_hundred_decibels_is_said_in_plain_digits():
+    frequency = np.arange(0.0, 1000.0)
+    seen = SimpleNamespace(
+        halves=(frequency, np.full((2, 1000), 1e5), 1000), own_Hz=250.0, floor=1.0, few=1
+    )
+    assert re.search(r"noise: 1\d\d\.\d dB stronger", coloured_noise.find(seen).text)
 
 
 @pytest.mark.parametrize("ratio", [1.28, 1.0 / 1.28])

@@ -12,7 +12,8 @@ from bladeroot.report.score import score
     ("text", "expected"),
     [
         (fixed(1445.574, 2), "1\u202f445.57"),
-        (fixed(-0.004, 2), "-0.00"),
+        (fixed(-0.004, 2), "0.00"),
+        (percent(-1e-9), "0.0 %"),
         (fixed(np.nan, 2), NONE),
         (significant(0.0012345, 2), "0.0012"),
         (significant(1234567.0, 3), "1\u202f234\u202f567"),
@@ -22,6 +23,8 @@ from bladeroot.report.score import score
         (with_std(539.051, 2.349, 2, "Hz"), "539.05 ± 2.35 Hz"),
         (with_std(539.051, np.nan, 2), "539.05"),
         (with_std(np.nan, 1.0, 2), NONE),
+        (with_std(242.91234, 0.0012, 2), "242.9123 ± 0.0012"),
+        (with_std(0.4, 0.0, 3), "0.400 ± 0.000"),
         (percent(0.0235), "2.4 %"),
         (listed([]), ""),
         (listed(["a"]), "a"),

@@ -46,7 +46,7 @@ def stages():
 
 
 def said(stages, joints, amplitudes):
-    parts = summary_section(*stages, joints, amplitudes).parts
+    parts = summary_section(*stages, joints, amplitudes, of_the_thesis=False).parts
     return [part for part in parts if "together" in part]
 
 

@@ -16,6 +16,8 @@ def read_yaml(path: str | Path, schema: str) -> dict:
     `schema` is a name in workflow/schemas/, without its ending.
     """
     document = parse_yaml(path)
+    if document is None:
+        raise ValueError(f"the file is empty; expected keys and values ({path})")
     check(document, schema, str(path))
     return document
 

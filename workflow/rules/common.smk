@@ -5,12 +5,16 @@ import sys
 from functools import cache
 from pathlib import Path
 
+ROOT = Path(workflow.basedir)
+# This checkout's library, before an installed one, which may be another checkout's; the scripts
+# do the same (_cli.py).
+sys.path.insert(0, str(ROOT / "workflow"))
+
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.campaign import load_campaign
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
 
-ROOT = Path(workflow.basedir)
 SCRIPTS = ROOT / "workflow" / "scripts"
 PYTHON = sys.executable
 
@@ -72,6 +76,13 @@ def with_numbers(node):
         return node
 
 
+def campaign_folder(name):
+    """A folder of that path, else the shipped campaign of that name."""
+    is_path = Path(name).is_dir() or os.sep in name.rstrip(os.sep)
+    shipped = ROOT / "resources" / "campaigns"
+    return Path(name).resolve() if is_path else shipped / name.rstrip(os.sep)
+
+
 def checked_campaigns():
     """The campaigns by name and the structure files by name, with all their files checked."""
     asked = config["campaigns"]
@@ -83,8 +94,7 @@ def checked_campaigns():
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
     campaigns, structures, faults = {}, {}, []
     for name in names:
-        shipped = ROOT / "resources" / "campaigns" / name.strip(os.sep)
-        folder = Path(name).resolve() if Path(name).is_dir() else shipped
+        folder = campaign_folder(name)
         try:
             campaign = load_campaign(folder)
             wanted = list(campaign.description["structure"])
@@ -118,6 +128,7 @@ def tell_warnings():
             print(f"warning: {line}", file=sys.stderr)
 
 
+# Once, before the work: a wrong digit is best put right before it.
 tell_warnings()
 
 

@@ -1,6 +1,20 @@
 # What the simulation gets wrong: all records as one table, then their causes, for each structure.
 import json
 
+from bladeroot.mechanisms.own_files import own_files
+
+
+def mechanism_files():
+    """The user's mechanisms; a missing folder or a file that is not Python ends the run."""
+    folder = config["diagnosis"]["mechanisms"]
+    try:
+        return own_files(folder) if folder else []
+    except ValueError as error:
+        refuse(error)
+
+
+MECHANISMS = mechanism_files()
+
 
 def observed_facts(wildcards):
     """The gauge, where the laser looks and when each record began."""
@@ -64,11 +78,7 @@ rule diagnosis:
     input:
         observations=rules.observations.output.observations,
         parametric=rules.parametric.output.parametric,
-        mechanisms=lambda w: (
-            sorted(Path(config["diagnosis"]["mechanisms"]).glob("*.py"))
-            if config["diagnosis"]["mechanisms"]
-            else []
-        ),
+        mechanisms=MECHANISMS,
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",

@@ -4,14 +4,13 @@ import re
 
 
 def tell_results():
-    """Where the reports are, the time of every rule (Snakemake's benchmark files), and warnings."""
+    """Where the reports are, and the time of every rule (Snakemake's benchmark files)."""
     write_timings("results/timings.csv")
     for name in CAMPAIGNS:
         page = Path("results", name, "report.html").resolve()
         if page.is_file():
             print(f"report of {name}: {page}")
     print("time of every rule: results/timings.csv")
-    tell_warnings()
 
 
 def write_timings(path):

@@ -1,8 +1,15 @@
-"""The command line that all stage scripts share."""
+"""The command line that all stage scripts share, and the library that they use.
+
+Scripts import this first: it puts their own checkout's library before an installed one, which may
+be another checkout's.
+"""
 
 import argparse
 import sys
 from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 
 def run(stage: Callable[..., None], **options: str) -> None:

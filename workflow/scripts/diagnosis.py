@@ -1,13 +1,12 @@
 """What the simulation gets wrong, why, and what the cause is worth -> diagnosis, verdict, model."""
 
 import json
-from dataclasses import replace
 
 import yaml
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.diagnosis.dataset import dataset
-from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.verdict import verdict as verdict_of
@@ -29,9 +28,7 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
     given = (seen, artifacts.load(parametric))
     candidates = catalogue(asked.get("mechanisms") or None)
     made = diagnose(*given, told, candidates)
-    every = None
-    if told.least_force > 0.0:
-        every = diagnose(*given, replace(told, least_force=0.0), candidates)
+    every = with_lower_forces(*given, told, candidates)
     whole = dataset(made, every).merge(next_measurements(made))
     artifacts.save(whole, diagnosis, origin=seen, settings=settings)
     text = json.dumps(verdict_of(made, every), indent=2, allow_nan=False)

@@ -1,7 +1,7 @@
 """One campaign with one structure: what the simulation misses, why, and what the cause is worth."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -110,6 +110,16 @@ def diagnose(
         tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
         not_judged(candidates, data),
     )  # fmt: skip
+
+
+def with_lower_forces(
+    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism]
+) -> Diagnosis | None:
+    """The same with the records below the force of full contact; None where there are none."""
+    below = seen["force"].values < settings.least_force
+    if not (below & np.isfinite(seen["stick_frequency"].values)).any():
+        return None
+    return diagnose(seen, model, replace(settings, least_force=0.0), candidates)
 
 
 def _barred(

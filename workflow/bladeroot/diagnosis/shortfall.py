@@ -47,12 +47,16 @@ def _trend(
     if degree == 2 and abs(1.5 * poly[2]) > abs(rise):
         way = "low" if poly[2] > 0 else "high"
         return float(1.5 * abs(poly[2])), (
-            f"the simulation is too {way} at both ends of the {name} by "
-            f"{100 * 1.5 * abs(poly[2]):.2g} %"
+            f"the simulation is too {way} at both ends of the {name} by {_percent(-1.5 * poly[2])}"
         )
     way = "rises" if rise > 0 else "falls"
-    than = "than simulated"
-    return float(rise), f"{way} with the {name} by {100 * abs(rise):.2g} % more {than}"
+    return float(rise), f"{way} with the {name} by {_percent(rise)} more than simulated"
+
+
+def _percent(ln_ratio: float) -> str:
+    """A change of a logarithm as the size of the change in per cent: a fall is below 100."""
+    size = 100 * abs(np.expm1(ln_ratio))
+    return f"{size:.2g} %" if size < 99.5 else f"{size:.0f} %"
 
 
 def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
@@ -68,7 +72,7 @@ def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
                 continue
             size = float(value[tops[np.argmax(np.abs(value[tops]))]])
             way = "rises" if size > 0 else "falls"
-            shown = f"{100 * abs(size):.2g} %" if quantity == 0 else f"{abs(size):.2g}"
+            shown = _percent(size) if quantity == 0 else f"{abs(size):.2g}"
             entries.append(
                 {"quantity": f"{name} over amplitude", "mode": mode, "size": size, "unit": "1",
                  "trend": f"{way} with the amplitude by up to {shown} more than simulated"}

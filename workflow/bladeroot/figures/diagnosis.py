@@ -7,7 +7,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator
 
 from bladeroot.figures.style import (
     MEASURED,
@@ -70,7 +69,7 @@ def _ranks(axis, one: xr.Dataset, said: Mapping, channel: str) -> None:
         else:
             axis.barh(y, evidence[y], color=_FILL[_kind(row, name, credible)], height=0.7)
         axis.annotate(
-            f"{evidence[y]:.1f}", (max(evidence[y], 0.0), y), (3, 0), textcoords="offset points",
+            f"{evidence[y]:z.1f}", (max(evidence[y], 0.0), y), (3, 0), textcoords="offset points",
             va="center", fontsize=7,
         )  # fmt: skip
     names = [
@@ -156,7 +155,7 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
             axis = axes[row, column]
             for f in chosen:
                 _curve(axis, one, mode, f, name, colours.to_rgba(f / 1e3), (100.0, 1e3)[row])
-            axis.set_xscale("log")
+            plain_log_scale(axis, "x")
         axes[0, column].set_title(mode, loc="left")
         axes[1, column].set_xlabel("amplitude at the sensor / µm")
     axes[0, 0].set_ylabel("frequency less its plateau / %")
@@ -203,8 +202,6 @@ def law(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
             axis.set_xlabel("axial force / kN")
             axis.set_ylabel(f"{name} of a flank / GN/m")
             plain_log_scale(axis)
-            if np.divide(*axis.get_ylim()[::-1]) > 5.0:  # fewer numbers than small ranges need
-                axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_title(one.attrs["structure"], loc="left", color=STRUCTURE_COLOURS[3])
     axes[0, 0].legend(fontsize=7, title="simulation ± std", title_fontsize=7)
     return note_simulated(drawn, simulated)

@@ -10,7 +10,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bladeroot.figures.style import note_simulated, nothing, panels
+from bladeroot.figures.style import note_simulated, nothing, panels, plain_log_scale
 
 _MODES = ("#1b3a5c", "#d08a1d", "#6a51a3", "#4c4c4c")
 _DIRECTIONS = {1.0: ("^", "loading"), -1.0: ("v", "unloading"), 0.0: ("o", "direction not known")}
@@ -96,7 +96,7 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
                 1e6 * one["curve_amplitude"].values[mine], place[1][mine], c=left.values[mine],
                 cmap="RdBu_r", norm=norm, marker="s", s=34, linewidths=0.2, edgecolors="#5c6b7a",
             )  # fmt: skip
-            axis.set_xscale("log")
+            plain_log_scale(axis, "x")
             axis.set_yticks(range(place[0].size), [f"{f / 1e3:.3g}" for f in place[0]])
             quantity = "frequency" if name == "curve_frequency" else "loss factor"
             axis.set_title(f"{mode}, {quantity}, {_STAGES[stage]}", loc="left", fontsize=9)

@@ -10,13 +10,20 @@ from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, NullLocator
 from numpy import ndarray
 
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
 STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
 MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#8a4fa3"}
+_TICKS = 7  # at most, on a logarithmic axis
+_ROUND = (
+    (1.0, 3.0),
+    (1.0, 2.0, 5.0),
+    (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
+    (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0),
+)
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
 _STYLE = {
@@ -83,11 +90,34 @@ def note_simulated(drawn: Figure, simulated: bool) -> Figure:
     return drawn
 
 
-def plain_log_scale(axis) -> None:
-    """A logarithmic axis with plain numbers, as many as the range can bear."""
-    axis.set_yscale("log")
-    low, high = axis.get_ylim()
-    steps = (1.0,) if high / low > 50 else (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0)
-    axis.yaxis.set_major_locator(LogLocator(subs=steps, numticks=30))
-    axis.yaxis.set_minor_locator(NullLocator())
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+def plain_log_scale(axis, name: str = "y") -> None:
+    """A logarithmic axis (`x` or `y`) with plain numbers, as many as the range can bear."""
+    axis.set(**{f"{name}scale": "log"})
+    line = getattr(axis, f"{name}axis")
+    line.set_major_locator(_PlainNumbers())
+    line.set_minor_locator(NullLocator())
+    line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+class _PlainNumbers(Locator):
+    """Round numbers on a logarithmic axis."""
+
+    def __call__(self) -> ndarray:
+        """Those in the axis's view."""
+        return self.tick_values(*sorted(self.axis.get_view_interval()))
+
+    def tick_values(self, vmin: float, vmax: float) -> ndarray:
+        """The most that do not crowd; over a short range, at equal steps."""
+        first, last = np.floor(np.log10(vmin)), np.ceil(np.log10(vmax))
+        stride = max(1, int(np.ceil((last - first) / _TICKS)))
+        decades = 10.0 ** np.arange(first, last + 1, stride)
+        found = decades[(decades >= vmin) & (decades <= vmax)]
+        for steps in _ROUND if stride == 1 else ():
+            every = np.outer(decades, steps).ravel()
+            inside = every[(every >= vmin) & (every <= vmax)]
+            if inside.size <= _TICKS:
+                found = inside
+        if found.size < 3:
+            even = MaxNLocator(5).tick_values(vmin, vmax)
+            found = even[(even >= vmin) & (even <= vmax)]
+        return found

@@ -6,9 +6,10 @@ from importlib import import_module
 from pathlib import Path
 
 from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.own_files import own_files
 from bladeroot.mechanisms.probe import probe
 
-_NO_MECHANISM = ("catalogue", "mechanism", "probe", "slip_curve")
+_NO_MECHANISM = ("catalogue", "mechanism", "own_files", "probe", "slip_curve")
 
 
 def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
@@ -25,9 +26,7 @@ def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
             found[one.id] = one
     own = {}
     if folder:
-        if not Path(folder).is_dir():
-            raise ValueError(f"folder of mechanisms not found: {folder}")
-        for path in sorted(Path(folder).glob("*.py")):
+        for path in own_files(folder):
             one = _read(path)
             if one.id in own:
                 raise ValueError(f"two mechanisms have the id {one.id!r} ({path})")
@@ -41,6 +40,8 @@ def _read(path: Path) -> Mechanism:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
+    except ValueError as error:
+        raise ValueError(f"{error} ({path})") from error
     except Exception as error:
         raise ValueError(f"{type(error).__name__}: {error} ({path})") from error
     one = getattr(module, "MECHANISM", None)
@@ -48,6 +49,6 @@ def _read(path: Path) -> Mechanism:
         raise ValueError(f"expected MECHANISM, a bladeroot.mechanisms.mechanism.Mechanism ({path})")
     try:
         probe(one)
-    except Exception as error:
-        raise ValueError(f"law of {one.id}: {type(error).__name__}: {error} ({path})") from error
+    except ValueError as error:
+        raise ValueError(f"law of {one.id}: {error} ({path})") from error
     return one

@@ -39,6 +39,20 @@ class Parameter:
     source: str
     log: bool = False
 
+    def __post_init__(self) -> None:
+        """ValueError for a prior that is none, or that its limits shut out."""
+        if not 0.0 < self.std < np.inf:
+            raise ValueError(f"parameter {self.name}: std must be positive, got {self.std}")
+        if self.log and not self.mean > 0.0:
+            raise ValueError(
+                f"parameter {self.name}: mean must be positive with log, got {self.mean}"
+            )
+        if not (self.low < self.high and self.low <= self.mean <= self.high):
+            raise ValueError(
+                f"parameter {self.name}: expected low <= mean <= high, got {self.low}, "
+                f"{self.mean}, {self.high}"
+            )
+
     @property
     def start(self) -> float:
         """Mean of the Gaussian in the fit's coordinate."""
@@ -143,13 +157,17 @@ class Mechanism:
     spoils: bool = False
 
     def __post_init__(self) -> None:
-        """ValueError for an unknown class or variable, not one hook, or no chance of a finding."""
+        """ValueError for an unknown class or variable, no parameter, not one hook, or no chance of
+        a finding.
+        """
         if self.kind not in CLASSES:
             raise ValueError(f"class must be one of {', '.join(CLASSES)}, got {self.kind!r}")
         if not set(self.over) <= set(VARIABLES):
             raise ValueError(f"over must be of {', '.join(VARIABLES)}, got {self.over}")
         if self.finding and not (self.parameters and 0.0 < self.parameters[0].mean < 1.0):
             raise ValueError(f"mechanism {self.id}: its share must be expected between 0 and 1")
+        if not self.parameters:
+            raise ValueError(f"mechanism {self.id}: expected at least one parameter")
         if sum(hook is not None for hook in self.hooks) != (0 if self.finding else 1):
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
 

@@ -9,8 +9,10 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
+from bladeroot.records.lone import lone
 from bladeroot.records.read import formats
 from bladeroot.records.sheet import read_sheet
 from bladeroot.records.units import SI, USUAL, motion, sensitivity_of
@@ -246,10 +248,10 @@ class _Sheet:
         return tuple(checked)
 
     def one_use(self, rows: list[tuple[int, dict]]) -> None:
-        """Warn of a raw file that stands for two records."""
+        """Warn of a raw file that stands for two records of one mode."""
         first_row: dict[tuple, int] = {}
         for row, values in rows:
-            place = (values["file"], values.get("channel", ""))
+            place = (values["file"], values.get("channel", ""), values["mode"])
             if values["file"] and place in first_row:
                 self.warnings.append(
                     f"file {values['file']} stands in row {first_row[place]} already "
@@ -281,7 +283,23 @@ class _Sheet:
                 self.fault(f"mode {mode} at {line['force_N']:g} N stands in {where}", row)
             first_row.setdefault(place, row)
             checked.append(line)
+        if not self.faults:
+            self.lone_frequencies([row for row, _ in rows], checked)
         return tuple(checked)
+
+    def lone_frequencies(self, rows: list[int], checked: list[dict]) -> None:
+        """Warn of a frequency that lies far from what its neighbours in force say."""
+        for mode in self.description["modes"]:
+            mine = [k for k, line in enumerate(checked) if line["mode"] == mode]
+            force, frequency = (
+                np.array([checked[k][name] for k in mine]) for name in ("force_N", "frequency_Hz")
+            )
+            for k, expected in lone(force, frequency):
+                self.warnings.append(
+                    f"frequency_Hz {frequency[k]:g} of {mode} at {force[k]:g} N lies far from "
+                    f"{expected:.5g}, which its neighbours in force say: a wrong digit? "
+                    f"({self.path}, row {rows[mine[k]]})"
+                )
 
     def raw_file(self, row: int, record: str, name: str) -> str:
         if not name:
@@ -293,8 +311,6 @@ class _Sheet:
             self.fault(f"file must end in {', '.join(sorted(formats()))}, got {name!r}", row)
         elif not (self.folder / name).is_file():
             self.fault(f"file not found: {name}", row)
-        elif (self.folder / name).stat().st_size == 0:
-            self.fault(f"file is empty: {name}", row)
         return name
 
     def choice(self, row: int, values: dict, name: str, choices: tuple[str, ...], default: str):

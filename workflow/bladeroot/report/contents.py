@@ -67,14 +67,21 @@ def report(
     what_is_wrong = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"], remarks)
     held = {check.attrs["structure"]: check for check in checks}
     sections = [
-        summary_section(stages["stick"], stages["stiffness"], stages["theory"], joints, amplitudes),
+        summary_section(
+            stages["stick"],
+            stages["stiffness"],
+            stages["theory"],
+            joints,
+            amplitudes,
+            of_the_thesis,
+        ),
         Section(what_is_wrong.title, [*what_is_wrong.parts, *extended_parts(joints, extended)]),
         measurement_section(facts, stages["stick"], figures),
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
         structure_section(held, accuracies, calibrations, figures),
         Section(stiffness.title, [*stiffness.parts, *whole]),
-        nonlinear_section(amplitudes, shortfalls, figures),
+        nonlinear_section(amplitudes, shortfalls, figures, of_the_thesis),
         theory_section(stages["theory"], stages["stiffness"], figures),
         undecided_section(facts, stages["stick"], stages["stiffness"]),
     ]

@@ -133,7 +133,7 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
             if key in said["gain"]:
                 before, after = said["gain"][key]["before"], said["gain"][key]["after"]
                 name = f"{text}: log score of what was left out (more is better)"
-                cells = fixed(before, 1), fixed(after, 1), f"{after - before:+.1f}"
+                cells = fixed(before, 1), fixed(after, 1), f"{after - before:+z.1f}"
                 rows.append((said["structure"], name, *cells))
     return Table(
         "What the cause is worth: errors (root mean square) of predictions of data that the fit "

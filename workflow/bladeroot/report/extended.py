@@ -49,7 +49,7 @@ def _row(one: xr.Dataset) -> tuple[str, ...]:
     near = abs(one["force"].values[at] - one.attrs["reference_force_N"]) < 1.0
     std = [fixed(float(v), 2) if near else NONE for v in one["ln_std"].isel(force=at)]
     biases = [
-        f"{100 * float(one['posterior_mean'].sel(parameter=n)):+.2f} % in {str(n)[5:]}"
+        f"{100 * float(one['posterior_mean'].sel(parameter=n)):+z.2f} % in {str(n)[5:]}"
         for n in one["parameter"].values
         if str(n).startswith("bias_")
     ]

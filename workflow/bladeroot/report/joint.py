@@ -69,7 +69,7 @@ def _said(one: xr.Dataset) -> str:
         if str(name).startswith("bias_"):
             here = one.sel(parameter=name)
             biases.append(
-                f"{100 * float(here['posterior_mean']):+.2f} ± "
+                f"{100 * float(here['posterior_mean']):+z.2f} ± "
                 f"{100 * float(here['posterior_std']):.2f} % in {str(name)[5:]}"
             )
     z = one["level_misfit"] / one["level_misfit_std"]
@@ -117,7 +117,7 @@ def _row(one: xr.Dataset, f: int) -> tuple[str, ...]:
     cells.append(fixed(float(here["correlation"]), 2))
     for name in ("stiff", "sloppy"):
         weights = here["combination_weight"].sel(combination=name).values
-        cells.append(f"{weights[0]:.2f} ln kn {weights[1]:+.2f} ln kt")
+        cells.append(f"{weights[0]:.2f} ln kn {weights[1]:+z.2f} ln kt")
         cells.append(fixed(float(here["combination_std"].sel(combination=name)), 2))
     return tuple(cells)
 

@@ -10,6 +10,7 @@ import xarray as xr
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
 
+FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
 PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself, for each mode at the "
     "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
@@ -46,6 +47,12 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         rows = [(str(record), stick["verdict"].sel(record=record).item())
                 for record in stick["record"].values[bad]]  # fmt: skip
         parts.append(Table("Left out", ("record", "why"), rows))
+        if any(FEW_CYCLES in why for _, why in rows):
+            parts.append(
+                "Too few cycles are sharp enough where noise hides the phase of most of them. A "
+                "larger amplitude at the release, a finer range of the sensor or a longer record "
+                "helps; so does a record of its own for a mode that another outshines."
+            )
     if (stick["verdict"].values == "plateau not reached").any():
         parts.append(_bounds(stick))
     if facts["excluded"]:
@@ -84,7 +91,9 @@ def stick_section(
             "Stick frequency and loss factor against axial force, and their linear interpolation "
             "to the simulation's forces with the force error included (5.13, 5.14).",
         ),
-        Table(
+    ]
+    if rows:
+        parts.append(Table(
             "Stick frequencies. Within: propagated standard error of the records (3.21); between: "
             "standard deviation of the records at one force. The stated error counts both, and "
             "the scatter between holds where there are several. The onset is where the whole "
@@ -93,8 +102,7 @@ def stick_section(
             ("mode", "force / kN", "frequency / Hz", "within / Hz", "between / Hz",
              "loss factor / %", "onset of slip / µm", "records / holds"),
             rows,
-        ),
-    ]  # fmt: skip
+        ))  # fmt: skip
     parts += scatter_parts(stick)
     if score is not None:
         parts += _score_parts(stick, score)
@@ -105,7 +113,8 @@ def stick_section(
 def scatter_parts(stick: xr.Dataset) -> list:
     """What repeats scatter, or what a table's rows scatter beside its printed errors."""
     if "scatter_ratio" in stick:
-        return [_printed_errors(stick)]
+        known = np.isfinite(stick["scatter_ratio"].values).any()
+        return [_printed_errors(stick)] if known else []
     rows = []
     for mode in dict.fromkeys(stick["mode"].values):
         here = stick.isel(level=int(np.flatnonzero(stick["mode"].values == mode)[0]))
@@ -144,9 +153,9 @@ def _printed_errors(stick: xr.Dataset) -> Table:
         cells = [str(mode)]
         for name in ("scatter_ratio", "loss_factor_scatter_ratio"):
             low, middle, high = (float(v) for v in stick[name].sel(table_mode=mode))
-            cells.append(
-                f"{significant(middle, 2)} ({significant(low, 2)} to {significant(high, 2)})"
-            )
+            known = np.isfinite(middle)
+            interval = f"({significant(low, 2)} to {significant(high, 2)})"
+            cells.append(f"{significant(middle, 2)} {interval}" if known else NONE)
         rows.append(tuple(cells))
     return Table(
         "How many times the printed errors of the table its own rows scatter about a smooth law "
@@ -286,7 +295,12 @@ def _onset_ratios(stick: xr.Dataset, score: xr.Dataset) -> str:
     return listed(texts)
 
 
-def _interpolated(fe_forces: xr.Dataset) -> Table:
+def _interpolated(fe_forces: xr.Dataset) -> Table | str:
+    if not np.isfinite(fe_forces["frequency"].values).any():
+        forces = listed([f"{force / 1e3:g}" for force in fe_forces["force"].values])
+        return (
+            f"None of the simulation's forces ({forces} kN) lies between forces that were measured."
+        )
     primary = fe_forces.attrs["primary_force_error"]
     modes = list(fe_forces["mode"].values)
     rows = []

@@ -10,9 +10,14 @@ from bladeroot.report.page import Picture, Section, Table
 
 
 def nonlinear_section(
-    found: Sequence[xr.Dataset], shortfalls: Sequence[xr.Dataset], figures: Mapping[str, str]
+    found: Sequence[xr.Dataset],
+    shortfalls: Sequence[xr.Dataset],
+    figures: Mapping[str, str],
+    of_the_thesis: bool,
 ) -> Section:
-    """Inference with amplitude where there are records; the shortfall of uniform friction."""
+    """Inference with amplitude where there are records; the shortfall of uniform friction, for a
+    campaign of the thesis beside the amplitude at which the thesis sees slip.
+    """
     full = [one for one in found if one.attrs["law"]]
     parts: list = []
     if full:
@@ -74,7 +79,8 @@ def nonlinear_section(
                 "part of each node pair that slips on one flank.",
             ),
         ]
-    return Section("Nonlinear joint", [*parts, *[p for s in shortfalls for p in _shortfall(s)]])
+    slips = [part for one in shortfalls for part in _shortfall(one, of_the_thesis)]
+    return Section("Nonlinear joint", [*parts, *slips])
 
 
 def _said(one: xr.Dataset) -> str:
@@ -124,23 +130,19 @@ def _friction(one: xr.Dataset, k: int) -> tuple[str, ...]:
     )
 
 
-def _shortfall(table: xr.Dataset) -> list:
+def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     """Where slip begins, by pressure, in words and as tables."""
-    seen, onset, partial = table.attrs["seen_m"], table["onset"], table["partial_onset"]
-    exponent = np.interp(np.log(seen), np.log(onset.values[::-1]), table["exponent"].values[::-1])
-    best = partial.isel(np.abs(np.log(partial / seen)).argmin(dim=["share", "loose"]))
+    onset, partial = table["onset"], table["partial_onset"]
     words = (
         f"What slips first. With uniform pressure and friction {table.attrs['friction']:g} nothing "
         f"slips in {table.attrs['mode']} at {table.attrs['force_N'] / 1e3:g} kN below "
         f"{1e6 * float(table['first_slip'][0]):.0f} µm ({table.attrs['structure']}, kn "
-        f"{1e-9 * table.attrs['kn']:.2g} and kt {1e-9 * table.attrs['kt']:.2g} GN/m); the source "
-        f"sees the frequency fall from {1e6 * seen:.0f} µm on. A pressure that falls to the edges "
-        f"of the whole width with exponent {exponent:.2g} would do that; an elliptic one (0.5) "
-        f"lets it fall at {1e6 * float(onset.sel(exponent=0.5)):.0f} µm. So would partial contact: "
-        f"with {100 * float(best['share']):g} % of the width bearing all but "
-        f"{100 * float(best['loose']):g} % of the load the frequency has fallen by 200 ppm at "
-        f"{1e6 * float(best):.1f} µm."
+        f"{1e-9 * table.attrs['kn']:.2g} and kt {1e-9 * table.attrs['kt']:.2g} GN/m); an elliptic "
+        "pressure (exponent 0.5) lets the frequency fall at "
+        f"{1e6 * float(onset.sel(exponent=0.5)):.0f} µm."
     )
+    if of_the_thesis:
+        words += _as_the_thesis_sees(table)
     full = Table(
         "Full contact: amplitude at which the first place slips and at which the frequency has "
         "fallen by 200 ppm, by the exponent of pressure over the width (0 uniform, 0.5 elliptic)",
@@ -161,3 +163,17 @@ def _shortfall(table: xr.Dataset) -> list:
         ],
     )
     return [words, full, part]
+
+
+def _as_the_thesis_sees(table: xr.Dataset) -> str:
+    """Which pressure would let the frequency fall where the thesis sees it fall."""
+    seen, onset, partial = table.attrs["seen_m"], table["onset"], table["partial_onset"]
+    exponent = np.interp(np.log(seen), np.log(onset.values[::-1]), table["exponent"].values[::-1])
+    best = partial.isel(np.abs(np.log(partial / seen)).argmin(dim=["share", "loose"]))
+    return (
+        f" The thesis sees it fall from {1e6 * seen:.0f} µm on. A pressure that falls to the edges "
+        f"of the whole width with exponent {exponent:.2g} would do that. So would partial contact: "
+        f"with {100 * float(best['share']):g} % of the width bearing all but "
+        f"{100 * float(best['loose']):g} % of the load the frequency has fallen by 200 ppm at "
+        f"{1e6 * float(best):.1f} µm."
+    )

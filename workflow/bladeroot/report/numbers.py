@@ -6,10 +6,10 @@ NONE = "–"
 
 
 def fixed(value: float, digits: int, unit: str = "") -> str:
-    """A number with a fixed count of decimals; a dash where there is none."""
+    """A number with a fixed count of decimals, zero without a sign; a dash where there is none."""
     if not math.isfinite(value):
         return NONE
-    return f"{value:,.{digits}f}".replace(",", "\u202f") + (f" {unit}" if unit else "")
+    return f"{value:z,.{digits}f}".replace(",", "\u202f") + (f" {unit}" if unit else "")
 
 
 def significant(value: float, digits: int = 3, unit: str = "") -> str:
@@ -25,9 +25,11 @@ def significant(value: float, digits: int = 3, unit: str = "") -> str:
 
 
 def with_std(value: float, std: float, digits: int, unit: str = "") -> str:
-    """Value ± standard deviation with the same decimals."""
+    """Value ± standard deviation with the same decimals, more where the deviation needs them."""
     if not math.isfinite(value):
         return NONE
+    if math.isfinite(std) and std > 0.0:  # two significant digits of it
+        digits = max(digits, 1 - math.floor(math.log10(std)))
     spread = f" ± {fixed(std, digits)}" if math.isfinite(std) else ""
     return f"{fixed(value, digits)}{spread}" + (f" {unit}" if unit else "")
 

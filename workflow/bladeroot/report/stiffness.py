@@ -28,6 +28,14 @@ def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None
                 roots.append(_root_row(found, structure, force))
             elif status == "no root":
                 misses.append(_miss_row(found, structure, force))
+    if not roots and not misses:
+        return Section(
+            "Contact stiffness",
+            [
+                "No force of the simulation has measured frequencies of both modes: force by "
+                "force there is no search for kn and kt."
+            ],
+        )
     parts: list = [
         "At each axial force the two measured frequencies are inverted for the normal and the "
         "tangential stiffness of a flank (5.8). Two numbers from two numbers leave no residual: "
@@ -79,7 +87,7 @@ def _truth(stiffness: xr.Dataset, score: xr.Dataset) -> list:
                 cells += [
                     fixed(float(found[name]) / 1e6, 0),
                     fixed(true / 1e6, 0),
-                    f"{100 * (float(found[name]) / true - 1):+.1f} %",
+                    f"{100 * (float(found[name]) / true - 1):+z.1f} %",
                 ]
             rows.append(tuple(cells))
     header = ["structure", "force / kN"]
@@ -129,7 +137,7 @@ def _miss_row(found: xr.Dataset, structure: str, force: float) -> tuple[str, ...
     return (
         structure,
         f"{force / 1e3:g}",
-        *(f"{100 * float(needed.sel(mode=m)):+.2f} %" for m in ("1B", "2B")),
+        *(f"{100 * float(needed.sel(mode=m)):+z.2f} %" for m in ("1B", "2B")),
         significant(float(np.sqrt(((needed / spread) ** 2).sum())), 2),
         percent(float(found["root_share"]), 0),
         *(fixed(float(found["bonded_frequency"].sel(mode=m)), 1) for m in ("1B", "2B")),

@@ -18,8 +18,12 @@ def summary_section(
     theory: xr.Dataset,
     joints: Sequence[xr.Dataset],
     amplitudes: Sequence[xr.Dataset],
+    of_the_thesis: bool,
 ) -> Section:
-    """The campaign's results in a few sentences; joints, amplitudes: of its structures."""
+    """The campaign's results in a few sentences; joints, amplitudes: of its structures.
+
+    of_the_thesis: whether its Table 5.2 belongs beside them.
+    """
     parts = [_measured(stick)]
     if set(stick["mode"].values) != {"1B", "2B"}:
         missing = [mode for mode in ("1B", "2B") if mode not in stick["mode"].values]
@@ -39,7 +43,7 @@ def summary_section(
         f"{significant(float(theory['kt_theory'].mean()) / 1e9, 3)} GN/m tangential stiffness, "
         "nearly the same at every force."
     )
-    if np.isfinite(theory["kn_published_ratio"]).any():
+    if of_the_thesis and np.isfinite(theory["kn_published_ratio"]).any():
         parts.append(
             f"Table 5.2 of the thesis has {_range(theory['kn_published_ratio'])} times the normal "
             f"and {_range(theory['kt_published_ratio'])} times the tangential stiffness of theory, "
@@ -50,11 +54,13 @@ def summary_section(
 
 def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) -> Section:
     """What the data and the model leave open, and what would settle it."""
-    parts = [
-        "Two frequencies fix two stiffnesses: the inversion has no freedom left to show an error "
-        "of the model. A bias of the model's frequencies and a true change of kn and kt cannot be "
-        "told apart here; a third mode, or frequencies of the free beam, would.",
-    ]
+    parts = []
+    if np.isin(stiffness["status"].values, ["root", "no root"]).any():
+        parts.append(
+            "Two frequencies fix two stiffnesses: the inversion has no freedom left to show an "
+            "error of the model. A bias of the model's frequencies and a true change of kn and kt "
+            "cannot be told apart here; a third mode, or frequencies of the free beam, would."
+        )
     correlation = stiffness["correlation"].values
     if np.isfinite(correlation).any():
         parts.append(
@@ -181,4 +187,4 @@ def _range(values: xr.DataArray) -> str:
 
 def _signed_range(values: xr.DataArray) -> str:
     low, high = 100 * float(values.min()), 100 * float(values.max())
-    return f"{low:+.2f}" if f"{low:.2f}" == f"{high:.2f}" else f"{low:+.2f} to {high:+.2f}"
+    return f"{low:+z.2f}" if f"{low:z.2f}" == f"{high:z.2f}" else f"{low:+z.2f} to {high:+z.2f}"

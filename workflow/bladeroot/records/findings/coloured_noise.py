@@ -30,7 +30,7 @@ def find(sight: Sight) -> Finding | None:
     statistic = excess / max(error, LEAST / THRESHOLD)
     noise = float(sight.floor * np.exp(0.5 * excess))
     text = (
-        f"coloured noise: {10.0 * excess / np.log(10.0):.2g} dB stronger around the mode than the "
+        f"coloured noise: {10.0 * excess / np.log(10.0):.1f} dB stronger around the mode than the "
         f"white floor; standard errors reckon with {noise:.2g} m/s"
     )
     return Finding(statistic, THRESHOLD, "warn", text, noise=noise)

@@ -1,0 +1,140 @@
+"""Sections of a report for campaigns that lack something, or are not the thesis's."""
+
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from bladeroot.decay.stick import stick_from_table
+from bladeroot.figures.style import panels, plain_log_scale
+from bladeroot.report.measurement import measurement_section, stick_section
+from bladeroot.report.nonlinear import nonlinear_section
+from bladeroot.report.page import Table
+from bladeroot.report.stiffness import stiffness_section
+from bladeroot.report.summary import summary_section, undecided_section
+from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
+
+GAUGE = ForceGauge(0.1, 1e3, "full-scale")
+NO_PAIR = xr.Dataset(
+    {
+        "status": (("structure", "force"), [["no measurement"] * 2]),
+        "correlation": (("structure", "force"), [[np.nan] * 2]),
+    },
+    {"structure": ["s"], "force": [12e3, 14e3]},
+)
+FACTS = {"entry": "records", "excluded": (), "description": {"force": {
+    "gauge": "pressure", "piston_area_cm2": 17.9, "full_scale_bar": 700, "accuracy_percent": 1,
+    "accuracy_of": "full-scale"}}}  # fmt: skip
+
+
+def sticks(*forces):
+    rows = [("1B", f, 500.123 + 1e-3 * f, 0.0012, 0.004, 1e-5) for f in forces]
+    columns = ["mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor",
+               "loss_factor_std"]  # fmt: skip
+    return stick_from_table(pd.DataFrame([map(str, row) for row in rows], columns=columns))
+
+
+def tables(section):
+    return [part for part in section.parts if isinstance(part, Table)]
+
+
+def test_errors_of_clean_records_are_no_zeros():
+    stick = sticks(10e3, 16e3)
+    found = tables(stick_section(stick, "", None, fe_forces(stick, np.array([12e3]), GAUGE)))
+    assert "510.1230 ± 0.0012" in found[0].rows[0]
+    assert "0.4000 ± 0.0010" in found[0].rows[0]
+
+
+def test_no_simulated_force_between_measured_ones_is_a_sentence():
+    stick = sticks(10e3)
+    section = stick_section(stick, "", None, fe_forces(stick, np.array([12e3, 14e3]), GAUGE))
+    assert len(tables(section)) == 1  # the frequencies, and no scatter of a single row
+    assert section.parts[-1] == (
+        "None of the simulation's forces (12 and 14 kN) lies between forces that were measured."
+    )
+
+
+def test_no_stick_frequency_leaves_no_caption():
+    stick = sticks(10e3)
+    nothing = stick.isel(level=slice(0))
+    section = stick_section(nothing, "", None, fe_forces(stick, np.array([12e3]), GAUGE))
+    assert tables(section) == []
+
+
+def test_one_mode_is_not_inverted():
+    (text,) = stiffness_section(NO_PAIR, "", None).parts
+    assert text.startswith("No force of the simulation has measured frequencies of both modes")
+    stick = xr.Dataset({"verdict": ("record", ["plateau"])})
+    said = undecided_section({"entry": "records"}, stick, NO_PAIR).parts
+    assert not any("Two frequencies" in text for text in said)
+
+
+def test_what_to_do_where_too_few_cycles_are_sharp():
+    verdict = "rejected: too few cycles are sharp enough"
+    stick = xr.Dataset(
+        {
+            "verdict": ("record", [verdict]),
+            "record_mode": ("record", ["1B"]),
+            "record_force": ("record", [12e3]),
+            "hold": ("record", ["h"]),
+            "plateau_reached": ("record", [0]),
+        },
+        {"record": ["r1"]},
+    )
+    said = [part for part in measurement_section(FACTS, stick, {}).parts if isinstance(part, str)]
+    assert any("a finer range of the sensor or a longer record helps" in text for text in said)
+
+
+@pytest.fixture
+def theory():
+    return xr.Dataset({
+        f"{k}_{end}": ("force", [1.3e9] * 2) for k in ("kn", "kt")
+        for end in ("theory", "published_ratio")
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize("of_the_thesis", [True, False])
+def test_the_thesis_is_compared_only_with_its_own_campaigns(theory, of_the_thesis):
+    stick = xr.Dataset(
+        {
+            "frequency": ("level", [500.0, 1400.0]),
+            "mode": ("level", ["1B", "2B"]),
+            "force": ("level", [12e3, 12e3]),
+        }
+    )
+    said = summary_section(stick, NO_PAIR, theory, [], [], of_the_thesis).parts
+    assert any("Table 5.2 of the thesis" in text for text in said) == of_the_thesis
+    slip = xr.Dataset(
+        {
+            "first_slip": ("exponent", [1e-4, 5e-5]),
+            "onset": ("exponent", [1e-4, 5e-5]),
+            "partial_onset": (("share", "loose"), [[2e-6]]),
+        },
+        {"exponent": [0.0, 0.5], "share": [0.3], "loose": [0.1]},
+        {"seen_m": 2e-6, "friction": 0.4, "mode": "1B", "force_N": 4e3, "structure": "s",
+         "kn": 1e9, "kt": 1e9},
+    )  # fmt: skip
+    words = nonlinear_section([], [slip], {}, of_the_thesis).parts[0]
+    assert ("The thesis sees it fall from 2 µm on" in words) == of_the_thesis
+    assert "source" not in words
+
+
+@pytest.mark.parametrize("ratio", [1.03, 1.5, 4.0, 9.0, 40.0, 300.0, 1e4, 1e9])
+@pytest.mark.parametrize("name", ["x", "y"])
+@pytest.mark.parametrize("low", [0.13, 2.7])
+def test_numbers_of_a_logarithmic_axis_do_not_overlap(ratio, name, low):
+    drawn, ((axis,),) = panels(1, 1, 4.6, 2.8)
+    values = [low, ratio * low]
+    axis.plot(values, values)
+    plain_log_scale(axis, name)
+    drawn.draw_without_rendering()
+    line = getattr(axis, f"{name}axis")
+    inside = [
+        label.get_window_extent()
+        for label, place in zip(line.get_ticklabels(), line.get_majorticklocs(), strict=True)
+        if np.prod(np.subtract(place, line.get_view_interval())) <= 0.0
+    ]
+    assert len(inside) >= 2
+    along = sorted((getattr(box, f"{name}0"), getattr(box, f"{name}1")) for box in inside)
+    assert all(end < start for (_, end), (start, _) in pairwise(along))
