@@ -105,5 +105,5 @@ def test_a_branch_that_cannot_be_followed_says_how_far_it_came(system):
 
     branch = follow(broken, np.array([1e-6, 1e-5]), first, lambda one: np.hypot(*one.laser[:2]))
     assert len(branch.solutions) == 1
-    assert "no solution could be followed above" in branch.reason
+    assert branch.reason == "no further solution could be followed"
     assert follow(broken, np.array([1e-6]), None, lambda one: 0.0).reason

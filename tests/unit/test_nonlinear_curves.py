@@ -1,10 +1,13 @@
 """Curves of frequency and damping against closed forms and linear limits, and one another."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bladeroot.contact.laws import closed_forms
 from bladeroot.contact.laws.jenkins import jenkins
 from bladeroot.contact.laws.sliders import Sliders, at_rest, history, stuck_stiffness
+from bladeroot.nonlinear import continuation, harmonic_balance, quasi_static
 from bladeroot.nonlinear.aft import cycle
 from bladeroot.nonlinear.curves import METHODS, first_slip, mode_curve
 from bladeroot.nonlinear.flanks import (
@@ -143,10 +146,68 @@ def test_places_cover_the_width():
     )
 
 
-def test_quasi_static_refuses_varying_normal_load(stuck):
+@pytest.mark.parametrize("method", ["quasi-static", "fixed-shape"])
+def test_all_but_harmonic_balance_refuse_varying_normal_load(stuck, method):
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("coulomb"))
-    with pytest.raises(ValueError, match="needs constant normal load"):
-        mode_curve(stuck, sliders, np.array([1e-6]), "quasi-static")
+    with pytest.raises(ValueError, match="constant normal load"):
+        mode_curve(stuck, sliders, np.array([1e-6]), method)
+
+
+def test_flanks_that_slide_are_not_damped_as_if_they_stuck(stuck):
+    """Almost without friction what is left is material loss of the loose joint alone."""
+    system = replace(stuck, loss=np.full(len(stuck.values), 1e-3))
+    sliders = flank_sliders(coarse_joint(), system, POINT, FlankContact("jenkins", 1e-6))
+    amplitudes = np.geomspace(1e-5, 1e-4, 3)
+    lossy, loaded = (
+        mode_curve(system, sliders, amplitudes, method)
+        for method in ("harmonic-balance", "quasi-static")
+    )
+    bare = mode_curve(stuck, sliders, amplitudes, "harmonic-balance")
+    stick = np.sqrt(system.values[0]) / (2.0 * np.pi)
+    alone = lossy.loss_factor - bare.loss_factor  # material's, without the little by friction
+    np.testing.assert_allclose(alone, 1e-3 * (stick / lossy.frequency) ** 2, rtol=0.05)
+    np.testing.assert_allclose(lossy.loss_factor[-1], loaded.loss_factor[-1], rtol=0.05)
+    np.testing.assert_allclose(lossy.frequency, bare.frequency, rtol=1e-5)
+
+
+def test_a_curve_that_ends_early_says_why_and_where(stuck, monkeypatch):
+    """One number, that of the last amplitude with a value, by either method."""
+    sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
+    amplitudes = np.array([1e-6, 1e-5, 1e-4])
+    for method in ("harmonic-balance", "quasi-static"):
+        whole = mode_curve(stuck, sliders, amplitudes, method)
+        assert (np.isfinite(whole.frequency).all(), whole.reason) == (True, "")
+    honest = continuation.follow
+
+    def ends(solve, targets, start, measure, close=1e-4):
+        def cut(amplitude, guess, across=None):
+            too_far = amplitude * abs(stuck.laser[0]) > 2e-5
+            return None if too_far else solve(amplitude, guess, across)
+
+        return honest(cut, targets, start, measure, close)
+
+    for room, method in ((harmonic_balance, "harmonic-balance"), (quasi_static, "quasi-static")):
+        monkeypatch.setattr(room, "follow", ends)
+        curve = mode_curve(stuck, sliders, amplitudes, method)
+        assert np.isfinite(curve.frequency).tolist() == [True, True, False]
+        assert curve.reason == (
+            "no further solution could be followed; the curve holds to 10 um at the laser"
+        )
+
+
+def test_a_laser_at_a_node_of_the_mode_is_refused():
+    joint = coarse_joint()
+    with pytest.raises(ValueError, match=r"at a node of 2B: at 0\.0001 m it sees 0\.\d+ %"):
+        system_of(joint, POINT, "2B", 1e-4)
+    with pytest.raises(ValueError, match="must stand on the beam"):
+        system_of(joint, POINT, "2B", 1.0)
+    assert system_of(joint, POINT, "2B", 2e-3).laser[0] != 0.0
+
+
+def test_a_joint_that_cannot_slide_is_named_by_its_own_stiffness():
+    """Tension holds it while it sticks; the sliding joint behind the kept modes is not stable."""
+    with pytest.raises(ValueError, match=r"kt 2e\+09 N/m and 1e\+07 N once its flanks slide"):
+        system_of(coarse_joint(), np.array([*POINT[:2], 1e7]), "1B")
 
 
 def contact_loops(sliders, motion, times):

@@ -1,5 +1,7 @@
 """Uneven pressure, fast curves and loops, and curves against decays integrated in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bladeroot.contact.laws import closed_forms
@@ -11,7 +13,7 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
 from bladeroot.nonlinear.one_step import exact, hysteretic
 from bladeroot.nonlinear.pictures import pictures
-from bladeroot.nonlinear.shortfall import FALL, onset_table, partial_contact
+from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_contact
 from bladeroot.nonlinear.system import system_of
 from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.nonlinear.uneven import Uneven, edge_distance, relative_pressure, uneven_sliders
@@ -90,6 +92,14 @@ def test_a_varying_normal_load_has_no_fast_curve():
         softening_curve(one_dof(), coulomb(one, one, one, 0.3), np.array([1.0]))
 
 
+def test_a_laser_that_moves_back_while_the_mode_rises_has_no_fast_curve():
+    """Amplitudes at the laser then have two states each."""
+    back = replace(one_dof(), laser_flexibility=np.array([[0.0, -2.0 / TANGENTIAL, 0.0]]))
+    slider = jenkins(np.array([1e6]), np.array([TANGENTIAL]), np.array([LIMIT]), 1.0)
+    with pytest.raises(RuntimeError, match="does not rise with that of 1B"):
+        softening_curve(back, slider, LIMIT / TANGENTIAL * np.geomspace(0.5, 20.0, 25))
+
+
 def test_loops_have_the_area_of_the_loss_factor(coarse):
     joint, system = coarse
     sliders, size = uneven_sliders(joint, system, 4e3, LAW), 3e-5
@@ -117,6 +127,28 @@ def test_less_pressure_at_the_edges_lets_slip_begin_earlier():
     assert np.all(np.diff(table["partial_onset"].values, axis=1) < 0.0)
     assert table["onset"].values[0] > 20.0 * table["partial_onset"].values[-1, -1]
     assert 0.0 < FALL < 1e-3
+    assert table.attrs["reason"] == ""
+
+
+def test_a_fall_that_is_not_reached_has_no_onset():
+    ladder = np.array([1.0, 10.0, 100.0])
+    assert crossing(ladder, np.array([0.0, 1.0, 3.0]), 2.0) == pytest.approx(10.0**1.5)
+    assert np.isnan(crossing(ladder, np.array([0.0, 0.5, 1.0]), 2.0))
+    assert crossing(ladder, np.array([3.0, 4.0, 5.0]), 2.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("point", "laser_x", "reason"),
+    [
+        ((1e9, 1e13, 4e3), 0.0, "did not settle under first loading to"),
+        ((2e9, 2e9, 1e7), 0.0, "once its flanks slide"),
+        ((2e9, 2e9, 4e3), 1.0, "must stand on the beam"),
+    ],
+)
+def test_where_nothing_can_be_simulated_the_onsets_are_a_reason(point, laser_x, reason):
+    table = onset_table(coarse_joint(), np.array([*np.log(point[:2]), point[2]]), laser_x=laser_x)
+    assert reason in table.attrs["reason"]
+    assert not table.data_vars
 
 
 @pytest.mark.slow

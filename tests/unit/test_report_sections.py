@@ -113,10 +113,11 @@ def test_the_thesis_is_compared_only_with_its_own_campaigns(theory, of_the_thesi
         },
         {"exponent": [0.0, 0.5], "share": [0.3], "loose": [0.1]},
         {"seen_m": 2e-6, "friction": 0.4, "mode": "1B", "force_N": 4e3, "structure": "s",
-         "kn": 1e9, "kt": 1e9},
+         "kn": 1e9, "kt": 1e9, "reason": ""},
     )  # fmt: skip
+    slip["highest"] = 4e-4
     words = nonlinear_section([], [slip], {}, of_the_thesis).parts[0]
-    assert ("The thesis sees it fall from 2 µm on" in words) == of_the_thesis
+    assert ("The thesis sees the frequency fall from 2 µm on" in words) == of_the_thesis
     assert "source" not in words
 
 

@@ -73,5 +73,5 @@ def test_a_structure_that_is_not_the_specimen_is_said(stages, move, foreign):
         one = np.full((1, 2, 2), value)
         stiffness[name] = (("structure", "force", "mode"), one, {"units": "1"})
     stiffness = stiffness.assign_coords(mode=["1B", "2B"])
-    text = " ".join(summary_section(stick, stiffness, theory, [], []).parts)
+    text = " ".join(summary_section(stick, stiffness, theory, [], [], False).parts)
     assert ("this structure is not the specimen" in text) == foreign

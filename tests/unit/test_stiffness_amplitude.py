@@ -2,18 +2,21 @@
 
 from dataclasses import replace
 
+import bladeroot.stiffness.amplitude as stage
 import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.uneven import uneven_sliders
+from bladeroot.stiffness import curve_fit
 from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.curve_term import curve_term, log_likelihood
 from bladeroot.stiffness.posterior import coordinates, local, log_posterior, predict
 from bladeroot.stiffness.simulated_curves import (
+    FRICTION,
     by_unevenness,
     friction_of,
     levels_at,
@@ -23,7 +26,8 @@ from bladeroot.stiffness.simulated_curves import (
 from bladeroot.stiffness.softening import Softening, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 from nonlinear_systems import coarse_joint
-from test_stiffness_joint import problem
+from test_stiffness_joint import GAUGE, HIGH, LOW, problem, surface
+from test_stiffness_joint import stick as stick_of
 
 LASERS = {"1B": 0.0, "2B": -0.07}
 
@@ -108,6 +112,16 @@ def test_a_frequency_that_does_not_fall_gives_no_points():
     assert not len(softening_of(*records(falls=(0.0, 0.0)), [("1B", 4e3)]).level)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_one_amplitude_that_is_no_number_costs_one_point(wrong):
+    decays, stick = records()
+    whole = softening_of(decays, stick, [("1B", 4e3)])
+    decays["r0"]["amplitude"][5] = wrong
+    found = softening_of(decays, stick, [("1B", 4e3)])
+    np.testing.assert_array_equal(found.amplitude, whole.amplitude)
+    np.testing.assert_allclose(found.fall, whole.fall, atol=1e-4)
+
+
 def made_up(levels, size=8):
     level = np.repeat(np.arange(len(levels)), size)
     amplitude = np.tile(np.geomspace(4e-6, 6e-5, size), len(levels))
@@ -167,6 +181,67 @@ def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():
     )
     others = np.setdiff1d(np.arange(found.shape[1]), system.pair)
     assert not found[:, others].any()
+
+
+@pytest.fixture
+def campaign(monkeypatch):
+    """What `amplitude` reads, with curves of all levels; their fit says which modes came to it."""
+    box = xr.Dataset(
+        {
+            "ln_frequency": (("mode", "kn", "kt", "f"), surface(0.003).coefficients),
+            "box": (("end", "coordinate"), np.stack([LOW, HIGH])),
+        },
+        {"mode": ["1B", "2B"]},
+        {"structure": "toy"},
+    )
+    made, u = problem("one power", 0.003)
+    frequencies = stick_of(np.exp(predict(made, u[None]).ln_frequency[0]))
+    monkeypatch.setattr(stage, "softening_of", lambda decays, stick, levels: made_up(levels, 2))
+
+    def fails(joint, summit, softening, levels, lasers, discrepancy):
+        modes = sorted({levels[k][0] for k in softening.level})
+        raise RuntimeError(f"the contacts of {' and '.join(modes)} did not settle")
+
+    monkeypatch.setattr(stage, "fit_curves", fails)
+    bias = {"1B": 0.005, "2B": 0.005}
+
+    def run(lasers):
+        return stage.amplitude(
+            coarse_joint(), box, frequencies, {}, lasers, GAUGE, [12e3], bias, steps=30
+        )
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("lasers", "reason"),
+    [
+        (LASERS, "the contacts of 1B and 2B did not settle"),
+        ({"1B": 0.0, "2B": 0.0}, "the contacts of 1B did not settle"),
+        ({"1B": 0.0, "2B": 1.0}, "the contacts of 1B did not settle"),
+        ({"1B": 1.0, "2B": 0.0}, "1B: the laser must stand on the beam"),
+    ],
+)
+def test_curves_that_cannot_be_simulated_are_an_answer(campaign, lasers, reason):
+    found = campaign(lasers)
+    assert found.attrs["law"] == ""
+    assert found.attrs["reason"].startswith(reason)
+    if lasers["1B"] == 1.0:
+        assert "2B: the laser stands at a node of 2B" in found.attrs["reason"]
+
+
+def test_a_friction_that_cannot_be_simulated_is_not_taken(monkeypatch):
+    prior = np.array([entry[:2] for entry in FRICTION.values()])
+    best = prior[0, 0] - 2.0 * prior[0, 1]
+
+    def values_of(joint, at, friction):
+        if friction[0] < best - 0.1:
+            raise RuntimeError("the contacts did not settle")
+        return np.array([friction[0]])
+
+    monkeypatch.setattr(curve_fit, "values", values_of)
+    measured, precision = np.array([best - 1.0]), np.array([[1e3]])
+    assert curve_fit._start(None, None, measured, precision, prior)[0] == pytest.approx(best)
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from bladeroot.figures.style import (
     MEASURED,
+    PUBLISHED,
     STRUCTURE_COLOURS,
     force_colours,
     note_simulated,
@@ -17,7 +18,7 @@ from bladeroot.figures.style import (
     plain_log_scale,
 )
 
-_NOTHING = "no curve that softens: nothing to simulate"
+_NOTHING = "no curves were used: nothing to simulate"
 
 
 def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
@@ -39,6 +40,14 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
             axis.set_ylabel(label)
             axis.set_title(mode, loc="left")
     drawn.colorbar(colours, ax=axes, label="axial force / kN", shrink=0.7)
+    return _noted(drawn, one, simulated)
+
+
+def _noted(drawn: Figure, one: xr.Dataset, simulated: bool) -> Figure:
+    """Say on the figure whether its records are simulated and whether its fit is of any use."""
+    if not one.attrs["converged"]:
+        text = f"{one.attrs['structure']}: the fit did NOT converge: not to be used"
+        drawn.supxlabel(text, fontsize=9, fontweight="bold", color=PUBLISHED)
     return note_simulated(drawn, simulated)
 
 
@@ -94,9 +103,12 @@ def stiffness(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
         axis.set_ylabel(f"{name} of a flank / GN/m, 95 %")
         plain_log_scale(axis)
     axes[0, 0].legend(loc="best")
-    modes = list(dict.fromkeys(one["level_mode"].values.astype(str)))[:2]
+    simulable = np.isfinite(one["map_fall"].values).any(axis=1)
+    modes = list(dict.fromkeys(one["level_mode"].values.astype(str)[simulable]))[:2]
+    for axis in axes[1, len(modes) :]:
+        axis.set_axis_off()
     for axis, mode in zip(axes[1], modes, strict=False):
-        own = np.flatnonzero(one["level_mode"].values.astype(str) == mode)
+        own = np.flatnonzero(simulable & (one["level_mode"].values.astype(str) == mode))
         own = own[np.argsort(one["level_force"].values[own])]
         drop = -100.0 * one["map_fall"].values[own]
         mesh = axis.pcolormesh(
@@ -112,7 +124,7 @@ def stiffness(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
         axis.set_ylabel("axial force / kN")
         axis.set_title(f"{mode}, simulated", loc="left")
         drawn.colorbar(mesh, ax=axis, label="fall of frequency / %")
-    return note_simulated(drawn, simulated)
+    return _noted(drawn, one, simulated)
 
 
 def slip(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
@@ -141,4 +153,4 @@ def slip(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
         axis.margins(x=0.3)
     axes[0, 1].set_ylabel("along Y / mm")
     drawn.colorbar(dots, ax=axes[0, 1:], label="part that slips")
-    return note_simulated(drawn, simulated)
+    return _noted(drawn, one, simulated)

@@ -67,8 +67,7 @@ def follow(
                     new, passed = _around(solve, last, float(target), measure)
                     turns += passed
             if new is None:
-                reason = f"no solution could be followed above {measure(last):.4g}"
-                return Branch(tuple(found), reason, tuple(turns))
+                return Branch(tuple(found), "no further solution could be followed", tuple(turns))
             last = new
         found.append(last)
     return Branch(tuple(found), "", tuple(turns))

@@ -7,7 +7,7 @@ changes with amplitude it does not. Where the laser's phase against the mode cha
 it adds to the frequency.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -55,18 +55,30 @@ def mode_curve(
     """Curve of a mode at rising amplitudes (m) of the first harmonic at the laser.
 
     method: one of `METHODS`. decaying: for harmonic balance, whether the contacts move as in a free
-    decay; the other methods take them in steady vibration. ValueError for an unknown method, or for
-    amplitudes that do not rise.
+    decay; the other methods take them in steady vibration. ValueError for an unknown method, for a
+    law of varying normal load unless by harmonic balance, or for amplitudes that do not rise.
     """
     if not (amplitudes[0] > 0.0 and np.all(np.diff(amplitudes) > 0.0)):
         raise ValueError("amplitudes must be positive and rising")
     if method == "harmonic-balance":
-        return _by_harmonic_balance(system, sliders, amplitudes, harmonics, decaying)
-    if method == "quasi-static":
-        return _by_loading(system, sliders, amplitudes)
-    if method == "fixed-shape":
-        return _by_fixed_shape(system, sliders, amplitudes)
-    raise ValueError(f"the method must be one of {', '.join(METHODS)}, got {method!r}")
+        curve = _by_harmonic_balance(system, sliders, amplitudes, harmonics, decaying)
+    elif method == "quasi-static":
+        curve = _by_loading(system, sliders, amplitudes)
+    elif method == "fixed-shape":
+        curve = _by_fixed_shape(system, sliders, amplitudes)
+    else:
+        raise ValueError(f"the method must be one of {', '.join(METHODS)}, got {method!r}")
+    return replace(curve, reason=_reason(curve, amplitudes))
+
+
+def _reason(curve: Curve, amplitudes: Float[ndarray, " amplitude"]) -> str:
+    """Why the curve ends early, and where, or ""."""
+    known = np.flatnonzero(np.isfinite(curve.frequency))
+    if len(known) == len(amplitudes):
+        return ""
+    last = amplitudes[known[-1]] if len(known) else 0.0
+    why = curve.reason or "the first harmonic stays below the peaks of first loading"
+    return f"{why}; the curve holds to {1e6 * last:.4g} um at the laser"
 
 
 def first_slip(system: System, sliders: Sliders) -> float:
@@ -165,6 +177,11 @@ def _by_loading(system, sliders, amplitudes) -> Curve:
 
 
 def _by_fixed_shape(system, sliders, amplitudes) -> Curve:
+    if sliders.varies:
+        raise ValueError(
+            "closed forms in the stuck shape need constant normal load; "
+            "use harmonic balance for a law with varying normal load"
+        )
     tangential = np.hypot(system.shape[:, 1, 0], system.shape[:, 2, 0])[:, None]
     slip = np.broadcast_to(tangential, sliders.tangential.shape)
     limit = sliders.friction * sliders.preload

@@ -24,7 +24,8 @@ def softening_curve(
     """Fall of the frequency f / f_stick - 1 and friction's loss factor, and both's slope by ln A.
 
     amplitudes: m, at the laser, rising. sliders: of constant normal load. ValueError for another
-    law; RuntimeError if a state does not settle.
+    law; RuntimeError if a state does not settle, or if the laser's motion does not rise with the
+    mode's.
     """
     if sliders.varies:
         raise ValueError("first loading with Masing's rules needs constant normal load")
@@ -36,7 +37,10 @@ def softening_curve(
     cosine, sine = first_harmonic(master, np.column_stack([load, laser]), slope)
     value = cosine[:, 0] / master
     rows = np.stack([np.sqrt(value / system.values[0]) - 1.0, -sine[:, 0] / cosine[:, 0]])
-    fit = PchipInterpolator(np.log(np.abs(cosine[:, 1])), rows, axis=1)
+    seen = np.log(np.abs(cosine[:, 1]))
+    if not np.all(np.diff(seen) > 0.0):
+        raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
+    fit = PchipInterpolator(seen, rows, axis=1)
     at = np.log(amplitudes)
     return fit(at), fit.derivative()(at)
 
@@ -44,7 +48,7 @@ def softening_curve(
 def states(system: System, sliders: Sliders, master: ndarray) -> tuple[ndarray, ndarray]:
     """Load on the master coordinate (N kg^-1/2) and motion of the laser (m) on first loading.
 
-    master: rising coordinates, m kg^1/2.
+    master: rising coordinates, m kg^1/2. RuntimeError if a state does not settle.
     """
     k = system.stiffness[:, [1, 1]].copy()
     shape = system.shape[:, 1:].reshape(k.size, -1)
@@ -61,7 +65,11 @@ def states(system: System, sliders: Sliders, master: ndarray) -> tuple[ndarray, 
     for i, q in enumerate(master):
         u = (shape[:, 0] * q + g.ravel() @ give).reshape(k.shape)
         if not 0 < correct(*law, k, give, _TOLERANCE * np.abs(u).max(), w, u, g) < SWEEPS:
-            raise RuntimeError(f"the contacts did not settle at a coordinate of {q:.3g} m kg^1/2")
+            at = 1e6 * abs(system.laser[0] * q)
+            raise RuntimeError(
+                f"the contacts of {system.mode} did not settle under first loading to {at:.3g} um "
+                "at the laser"
+            )
         settle(*law, system.count, u, w, tension)
         load[i] = system.values[0] * q - g.ravel() @ pushed[:, 0]
         laser[i] = system.laser[0] * q + g.ravel() @ at_laser

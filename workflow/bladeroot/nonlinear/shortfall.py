@@ -41,7 +41,28 @@ def onset_table(
     point: (ln kn, ln kt, F). By `exponent` of the pressure over the whole width (0 uniform, 0.5
     elliptic); and for partial contact by the `share` of the width that bears the load evenly, but
     for the part `loose` of it that stays spread over all, so that the joint still sticks at rest.
+
+    Where the curves cannot be simulated the table is empty and its `reason` says why.
     """
+    attrs = {
+        "structure": joint.assembly.attrs["structure"],
+        "mode": mode,
+        "friction": friction,
+        "force_N": float(point[2]),
+        "kn": float(np.exp(point[0])),
+        "kt": float(np.exp(point[1])),
+        "seen_m": SEEN,
+        "reason": "",
+    }
+    try:
+        return _onsets(joint, point, mode, laser_x, friction).assign_attrs(attrs)
+    except (ValueError, RuntimeError) as error:
+        return xr.Dataset(attrs=attrs | {"reason": str(error)})
+
+
+def _onsets(
+    joint: Joint, point: Float[ndarray, "3"], mode: str, laser_x: float, friction: float
+) -> xr.Dataset:
     system = system_of(joint, point, mode, laser_x)
     whole = jenkins(
         *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], friction
@@ -53,10 +74,7 @@ def onset_table(
     def onsets(profile: Profile) -> tuple[float, float]:
         sliders = distributed(whole, place, profile, _STRIPS)
         fall = -softening_curve(system, sliders, ladder)[0][0]
-        past = int(np.argmax(fall > FALL))
-        at = np.array([past - 1, past])
-        onset = np.exp(np.interp(FALL, fall[at], np.log(ladder[at])))
-        return first_slip(system, sliders), float(onset)
+        return first_slip(system, sliders), crossing(ladder, fall, FALL)
 
     full = np.array([onsets(power_profile(exponent)) for exponent in EXPONENTS])
     even = power_profile(0.0)
@@ -64,25 +82,34 @@ def onset_table(
         [[onsets(partial_contact(even, share, loose)) for loose in LOOSE] for share in SHARES]
     )
     first = {"units": "m", "long_name": "amplitude where the first place slips"}
-    fallen = {"units": "m", "long_name": "amplitude where the frequency has fallen by 200 ppm"}
+    fallen = {
+        "units": "m",
+        "long_name": "amplitude where the frequency has fallen by 200 ppm, NaN if nowhere",
+    }
     return xr.Dataset(
         {
             "first_slip": ("exponent", full[:, 0], first),
             "onset": ("exponent", full[:, 1], fallen),
             "partial_first_slip": (("share", "loose"), partial[..., 0], first),
             "partial_onset": (("share", "loose"), partial[..., 1], fallen),
+            "highest": ((), ladder[-1], {"units": "m", "long_name": "largest amplitude tried"}),
         },
         coords={"exponent": list(EXPONENTS), "share": list(SHARES), "loose": list(LOOSE)},
-        attrs={
-            "structure": joint.assembly.attrs["structure"],
-            "mode": mode,
-            "friction": friction,
-            "force_N": float(point[2]),
-            "kn": float(np.exp(point[0])),
-            "kt": float(np.exp(point[1])),
-            "seen_m": SEEN,
-        },
     )
+
+
+def crossing(
+    ladder: Float[ndarray, " amplitude"], fall: Float[ndarray, " amplitude"], level: float
+) -> float:
+    """Amplitude at which a fall first exceeds a level, between rungs; NaN if at none.
+
+    The first rung, if there already.
+    """
+    past = np.flatnonzero(fall > level)
+    if not len(past):
+        return np.nan
+    at = np.array([past[0] - 1, past[0]]).clip(min=0)
+    return float(np.exp(np.interp(level, fall[at], np.log(ladder[at]))))
 
 
 def partial_contact(inner: Profile, share: float, loose: float) -> Profile:

@@ -18,6 +18,7 @@ from bladeroot.structure.joint import Joint, described, exact_modes, stable_fact
 _SAME = 1e-5  # of the largest motion: how well a mirror image must agree
 _LOOSE = 1e3  # tangential stiffness over that of the sliding joint whose modes are kept, too
 _INDEPENDENT = 1e-8  # of the largest mass of a combination of shapes
+_NODE = 0.02  # of the mode's largest motion: as much as a misplacement of 1 mm makes at a node
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,11 @@ def system_of(
     laser_x: m, the laser's place along the beam. loss: material loss factor of every mode.
     odd_force: whether reversed motion reverses the contact forces, as it does under constant normal
     load; without it, only images that move alike are joined. Raises ValueError if the joint is not
-    stable there or the mode is not found.
+    stable there, or would not be with sliding flanks, if the mode is not found, or if the laser is
+    off the beam or at a node of the mode.
     """
     modes = exact_modes(joint, point, [mode])
+    laser = _laser_row(joint, mode, laser_x, modes.shapes[:, 0])
     rows = contact_rows(joint)
     image, sign = _images(joint, np.einsum("cad,d->ca", rows, modes.shapes[:, 0]), odd_force)
     pair = np.unique(image)
@@ -70,7 +73,9 @@ def system_of(
     # loads on a contact and all its images at once
     joined = np.zeros((3 * len(pair), rows.shape[2]))
     np.add.at(joined.reshape(len(pair), 3, -1), image, sign[:, :, None] * rows)
-    loose = exact_modes(joint, point - [0.0, np.log(_LOOSE), 0.0], [mode])
+    sliding = point - [0.0, np.log(_LOOSE), 0.0]
+    stable_factor(stiffness_at(joint, sliding), f"{described(point)} once its flanks slide")
+    loose = exact_modes(joint, sliding, [mode])
     stiffness = stiffness_at(joint, point)
     values, shapes = _kept(
         joint,
@@ -83,7 +88,6 @@ def system_of(
     factor = stable_factor(stiffness, described(point))
     pushed = scipy.linalg.cho_solve((factor, True), joined.T, check_finite=False)
     pushed -= shapes @ ((joined @ shapes) / values).T
-    laser = _laser_row(joint, mode, laser_x)
     kn, kt = np.exp(point[:2])
     weight = joint_weight(joint)[pair]
     return System(
@@ -169,17 +173,29 @@ def _images(joint: Joint, motion: ndarray, odd_force: bool) -> tuple[ndarray, nd
     return image, sign
 
 
-def _laser_row(joint: Joint, mode: str, x: float) -> Float[ndarray, " dof"]:
-    """Row of the laser: across the beam in the mode's direction, between the display nodes."""
+def _laser_row(
+    joint: Joint, mode: str, x: float, shape: Float[ndarray, " dof"]
+) -> Float[ndarray, " dof"]:
+    """Row of the laser: across the beam in the mode's direction, between the display nodes.
+
+    ValueError if it stands off the beam, or where the mode's shape hardly moves.
+    """
     place = joint.assembly["display_position"].values[:, 0]
     order = np.argsort(place)
-    if not place[order[0]] <= x <= place[order[-1]]:
+    place = place[order]
+    if not place[0] <= x <= place[-1]:
         raise ValueError(
-            f"the laser must stand on the beam, {place.min():g} to {place.max():g} m, got {x:g}"
+            f"the laser must stand on the beam, {place[0]:g} to {place[-1]:g} m, got {x:g}"
         )
     axis = 2 if mode.endswith("B") else 1
-    shape = joint.assembly["display_shape"].values[order, axis]
-    after = int(np.clip(np.searchsorted(place[order], x), 1, len(place) - 1))
-    low, high = place[order][after - 1], place[order][after]
-    part = (x - low) / (high - low)
-    return (1.0 - part) * shape[after - 1] + part * shape[after]
+    rows = joint.assembly["display_shape"].values[order, axis]
+    after = int(np.clip(np.searchsorted(place, x), 1, len(place) - 1))
+    part = (x - place[after - 1]) / (place[after] - place[after - 1])
+    row = (1.0 - part) * rows[after - 1] + part * rows[after]
+    share = abs(row @ shape) / np.abs(rows @ shape).max()
+    if share < _NODE:
+        raise ValueError(
+            f"the laser stands at a node of {mode}: at {x:g} m it sees {100 * share:.2g} % of the "
+            f"mode's largest motion along the beam, at least {100 * _NODE:g} % are needed"
+        )
+    return row

@@ -8,6 +8,8 @@ import xarray as xr
 from bladeroot.report.numbers import fixed, significant
 from bladeroot.report.page import Picture, Section, Table
 
+_CLOSE = 1.1  # what falls at an amplitude that much off does what the source saw
+
 
 def nonlinear_section(
     found: Sequence[xr.Dataset],
@@ -31,6 +33,11 @@ def nonlinear_section(
             f"{100 * full[0].attrs['discrepancy']:g} % of the largest effect, besides what an "
             "uneven pressure does to all of them, whose high places are not known.",
             *[_said(one) for one in full],
+            *[
+                f"{one.attrs['structure']}: without the curves of {one.attrs['left_out']}."
+                for one in full
+                if one.attrs["left_out"]
+            ],
             Table(
                 "Standard deviations of ln kn and ln kt under the same law of the force, from the "
                 "frequencies alone and with the curves, and how much smaller they become; area: of "
@@ -79,12 +86,20 @@ def nonlinear_section(
                 "part of each node pair that slips on one flank.",
             ),
         ]
+    parts += [
+        f"{one.attrs['structure']}: no curves were used: {one.attrs['reason']}."
+        for one in found
+        if not one.attrs["law"]
+    ]
     slips = [part for one in shortfalls for part in _shortfall(one, of_the_thesis)]
     return Section("Nonlinear joint", [*parts, *slips])
 
 
 def _said(one: xr.Dataset) -> str:
-    z = (one["fall"] - one["fall_simulated"]) / one["fall_std"]
+    fall, rise = (
+        float(np.sqrt((((one[name] - one[f"{name}_simulated"]) / one[f"{name}_std"]) ** 2).mean()))
+        for name in ("fall", "rise")
+    )
     relative = np.sqrt(
         np.mean((one["fall_simulated"] / one["fall"] - 1.0).values[_large(one)] ** 2)
     )
@@ -96,7 +111,8 @@ def _said(one: xr.Dataset) -> str:
         f"the area of their ellipse is {fixed(float(one['area_shrinkage'].median()), 1)} times "
         f"smaller. {one.sizes['point']} points of curves; where the frequency falls by more than a "
         f"fifth of the largest fall, simulation misses it by {significant(100 * relative, 2)} %; "
-        f"in all, by {fixed(float(np.sqrt((z**2).mean())), 1)} of the standard deviations granted."
+        f"in all, simulation misses the fall by {fixed(fall, 2)} of the standard deviations "
+        f"granted and the rise of damping by {fixed(rise, 2)}."
     )
     if not one.attrs["converged"]:
         text += " The fit did NOT converge: these numbers are not to be used."
@@ -132,20 +148,28 @@ def _friction(one: xr.Dataset, k: int) -> tuple[str, ...]:
 
 def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     """Where slip begins, by pressure, in words and as tables."""
+    joint = (
+        f"{table.attrs['mode']} at {table.attrs['force_N'] / 1e3:g} kN "
+        f"({table.attrs['structure']}, kn {1e-9 * table.attrs['kn']:.2g} and kt "
+        f"{1e-9 * table.attrs['kt']:.2g} GN/m, friction {table.attrs['friction']:g})"
+    )
+    if table.attrs["reason"]:
+        return [f"What slips first in {joint} could not be simulated: {table.attrs['reason']}."]
     onset, partial = table["onset"], table["partial_onset"]
     words = (
-        f"What slips first. With uniform pressure and friction {table.attrs['friction']:g} nothing "
-        f"slips in {table.attrs['mode']} at {table.attrs['force_N'] / 1e3:g} kN below "
-        f"{1e6 * float(table['first_slip'][0]):.0f} µm ({table.attrs['structure']}, kn "
-        f"{1e-9 * table.attrs['kn']:.2g} and kt {1e-9 * table.attrs['kt']:.2g} GN/m); an elliptic "
-        "pressure (exponent 0.5) lets the frequency fall at "
-        f"{1e6 * float(onset.sel(exponent=0.5)):.0f} µm."
+        f"What slips first, in {joint}. With uniform pressure nothing slips below "
+        f"{_um(table['first_slip'][0])}; {_elliptic(table)}."
     )
     if of_the_thesis:
-        words += _as_the_thesis_sees(table)
+        words += (
+            f" The thesis sees the frequency fall from {1e6 * table.attrs['seen_m']:g} µm on. "
+            f"{_full_contact(table)} {_partial_contact(table)}"
+        )
+    never = f"a dash: not up to {_um(table['highest'])}"
     full = Table(
         "Full contact: amplitude at which the first place slips and at which the frequency has "
-        "fallen by 200 ppm, by the exponent of pressure over the width (0 uniform, 0.5 elliptic)",
+        "fallen by 200 ppm, by the exponent of pressure over the width (0 uniform, 0.5 elliptic); "
+        + never,
         ("exponent", "first slip / µm", "fallen by 200 ppm / µm"),
         [
             (f"{e:g}", *(significant(1e6 * float(v.sel(exponent=e)), 2)
@@ -155,7 +179,8 @@ def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     )  # fmt: skip
     part = Table(
         "Partial contact: amplitude in µm at which the frequency has fallen by 200 ppm, by the "
-        "part of the width that bears the load evenly and the load that stays spread over all",
+        "part of the width that bears the load evenly and the load that stays spread over all; "
+        + never,
         ("share in contact", *(f"{100 * v:g} % spread over all" for v in table["loose"].values)),
         [
             (f"{100 * s:g} %", *(significant(1e6 * float(v), 2) for v in partial.sel(share=s)))
@@ -165,15 +190,63 @@ def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     return [words, full, part]
 
 
-def _as_the_thesis_sees(table: xr.Dataset) -> str:
-    """Which pressure would let the frequency fall where the thesis sees it fall."""
-    seen, onset, partial = table.attrs["seen_m"], table["onset"], table["partial_onset"]
-    exponent = np.interp(np.log(seen), np.log(onset.values[::-1]), table["exponent"].values[::-1])
-    best = partial.isel(np.abs(np.log(partial / seen)).argmin(dim=["share", "loose"]))
-    return (
-        f" The thesis sees it fall from {1e6 * seen:.0f} µm on. A pressure that falls to the edges "
-        f"of the whole width with exponent {exponent:.2g} would do that. So would partial contact: "
-        f"with {100 * float(best['share']):g} % of the width bearing all but "
+def _um(metres: xr.DataArray | float) -> str:
+    return significant(1e6 * float(metres), 2, "µm")
+
+
+def _full_contact(table: xr.Dataset) -> str:
+    """Which pressure over the whole width does what the source saw, or how near any comes."""
+    seen, known = table.attrs["seen_m"], table["onset"].dropna("exponent")
+    tried = f"exponents of 0 to {float(table['exponent'].max()):g}"
+    if not known.size:
+        return (
+            f"A pressure that falls to the edges of the whole width ({tried}) does not let it fall "
+            f"by 200 ppm up to {_um(table['highest'])}."
+        )
+    if _reaches(known, seen):
+        exponent = np.interp(np.log(seen), np.log(known[::-1]), known["exponent"][::-1])
+        text = (
+            "A pressure that falls to the edges of the whole width with exponent "
+            f"{exponent:.2g} would do that"
+        )
+    else:
+        near = _nearest(known, seen)
+        text = (
+            f"Of pressures that fall to the edges of the whole width ({tried}) none does that; the "
+            f"nearest is exponent {float(near['exponent']):g}, at {_um(near)}"
+        )
+    return f"{text}."
+
+
+def _elliptic(table: xr.Dataset) -> str:
+    onset = float(table["onset"].sel(exponent=0.5))
+    if np.isfinite(onset):
+        return f"an elliptic one (exponent 0.5) lets the frequency fall at {_um(onset)}"
+    highest = _um(table["highest"])
+    return f"nor does an elliptic one (exponent 0.5) let the frequency fall up to {highest}"
+
+
+def _partial_contact(table: xr.Dataset) -> str:
+    """The same of contact on a part of the width."""
+    seen = table.attrs["seen_m"]
+    known = table["partial_onset"].stack(contact=("share", "loose")).dropna("contact")
+    if not known.size:
+        return "Nor does partial contact."
+    best = _nearest(known, seen)
+    where = (
+        f"{100 * float(best['share']):g} % of the width bearing all but "
         f"{100 * float(best['loose']):g} % of the load the frequency has fallen by 200 ppm at "
-        f"{1e6 * float(best):.1f} µm."
+        f"{_um(best)}"
     )
+    if _reaches(known, seen):
+        return f"Partial contact would do it: with {where}."
+    return f"Partial contact, as far as tried, does not do that: nearest, with {where}."
+
+
+def _reaches(onsets: xr.DataArray, seen: float) -> bool:
+    """Whether what was tried goes from later than what was seen to earlier."""
+    return bool(onsets.min() <= seen * _CLOSE and onsets.max() >= seen / _CLOSE)
+
+
+def _nearest(onsets: xr.DataArray, seen: float) -> xr.DataArray:
+    return onsets[int(np.abs(np.log(onsets.values / seen)).argmin())]

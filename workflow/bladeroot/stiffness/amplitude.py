@@ -6,6 +6,7 @@ combination. The friction's own parameters are found with them and integrated ou
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,6 @@ from numpy import ndarray
 
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.pictures import pictures
-from bladeroot.nonlinear.system import System, system_of
 from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
@@ -23,8 +23,8 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import measured_modes, posterior_of, problems_of
 from bladeroot.stiffness.posterior import Problem, coordinates, predict
 from bladeroot.stiffness.sampler import STEPS
-from bladeroot.stiffness.simulated_curves import FRICTION, friction_of
-from bladeroot.stiffness.softening import Softening, softening_of
+from bladeroot.stiffness.simulated_curves import FRICTION, friction_of, level_system
+from bladeroot.stiffness.softening import Softening, of_modes, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 from bladeroot.structure.joint import Joint
 
@@ -57,17 +57,72 @@ def amplitude(
 
     Returns the variables of `joint` without its variations, the friction, the curves measured and
     simulated, and `shrinkage`: the standard deviation of ln k without curves over that with them.
-    Without curves that soften, or stick frequencies of two modes, it is empty and its `law` is "".
+    Modes whose curves cannot be simulated, as where the laser stands at their node, go without;
+    `left_out` says which and why. Without curves that soften and can be simulated, or stick
+    frequencies of two modes, it is empty, its `law` is "" and its `reason` says why.
     """
-    nothing = xr.Dataset(attrs={"structure": model.attrs["structure"], "law": ""})
+
+    def nothing(reason: str) -> xr.Dataset:
+        attrs = {"structure": model.attrs["structure"], "law": "", "reason": reason}
+        return xr.Dataset(attrs=attrs)
+
     if len(measured_modes(stick, fe_bias, least_force)) < 2:
-        return nothing
+        return nothing("there are stick frequencies of fewer than two modes")
     problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force)
     levels = level_names(next(iter(problems.values())))
     softening = softening_of(decays, stick, levels)
     if not len(softening.level):
-        return nothing
+        return nothing("no record's frequency clearly falls with amplitude")
     alone = {name: find_summit(problem) for name, problem in problems.items()}
+    refused = _refused(joint, alone[freest(alone)], levels, lasers)
+    left_out = "; ".join(f"{mode}: {reason}" for mode, reason in refused.items())
+    lasers = {mode: x for mode, x in lasers.items() if mode not in refused}
+    softening = of_modes(softening, levels, lasers)
+    if not len(softening.level):
+        return nothing(left_out)
+    try:
+        whole = _with_curves(
+            joint, problems, alone, softening, levels, lasers, forces, discrepancy, steps
+        )
+    except RuntimeError as error:
+        return nothing(str(error))
+    return whole.assign_attrs(
+        structure=model.attrs["structure"], left_out=left_out, discrepancy=discrepancy
+    )
+
+
+def _refused(
+    joint: Joint,
+    summit: Summit,
+    levels: list[tuple[str, float]],
+    lasers: Mapping[str, float],
+) -> dict[str, str]:
+    """Modes of which a level cannot be simulated at the summit, and why."""
+    z = coordinates(predict(summit.problem, summit.u[None]))[0]
+    refused = {}
+    for (mode, _), place in zip(levels, z, strict=True):
+        try:
+            level_system(joint, place, mode, lasers[mode])
+        except RuntimeError as error:
+            refused[mode] = str(error)
+    return refused
+
+
+def _with_curves(
+    joint: Joint,
+    problems: Mapping[str, Problem],
+    alone: Mapping[str, Summit],
+    softening: Softening,
+    levels: list[tuple[str, float]],
+    lasers: Mapping[str, float],
+    forces: Sequence[float],
+    discrepancy: float,
+    steps: int,
+) -> xr.Dataset:
+    """The inference of `amplitude` where there are points; alone: summits without curves.
+
+    RuntimeError if the curves cannot be simulated at the stiffness that they lead to.
+    """
     fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, discrepancy)
     together = {
         name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
@@ -82,13 +137,7 @@ def amplitude(
         _simulated(joint, summit, levels, lasers, fit, softening),
     ]
     whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
-    return whole.assign_attrs(
-        structure=model.attrs["structure"],
-        discrepancy=discrepancy,
-        rounds=fit.rounds,
-        converged=int(fit.converged),
-        **found.attrs,
-    )
+    return whole.assign_attrs(rounds=fit.rounds, converged=int(fit.converged), **found.attrs)
 
 
 def level_names(problem: Problem) -> list[tuple[str, float]]:
@@ -206,27 +255,24 @@ def _simulated(
     z = coordinates(predict(summit.problem, summit.u[None]))[0]
     law = friction_of(fit.friction)
 
-    def made(level: int) -> tuple[System, float]:
-        force = float(np.exp(z[level, 2]))
+    def made(level: int) -> tuple:
         mode = levels[level][0]
-        return system_of(joint, np.array([*z[level, :2], force]), mode, lasers[mode]), force
+        system = level_system(joint, z[level], mode, lasers[mode])
+        return system, uneven_sliders(joint, system, float(np.exp(z[level, 2])), law)
 
-    curves = np.empty((2, len(levels), len(_MAP)))
-    for level in range(len(levels)):
-        system, force = made(level)
-        curves[:, level] = softening_curve(system, uneven_sliders(joint, system, force, law), _MAP)[
-            0
-        ]
+    curves = np.full((2, len(levels), len(_MAP)), np.nan)
+    for level, (mode, _) in enumerate(levels):
+        if mode in lasers:
+            with suppress(RuntimeError):  # beyond what was measured it may not settle
+                curves[:, level] = softening_curve(*made(level), _MAP)[0]
     most = int(softening.level[np.argmin(softening.fall)])
     largest = float(softening.amplitude[softening.level == most].max())
-    system, force = made(most)
-    shown = pictures(
-        joint, system, uneven_sliders(joint, system, force, law), [p * largest for p in _PICTURES]
-    )
+    shown = pictures(joint, *made(most), [p * largest for p in _PICTURES])
     over: tuple[str, str] = ("level", "amplitude")
+    left = ", NaN where there is none"
     values: dict[str, tuple] = {
-        "map_fall": _var(over, curves[0], "1", "simulated f / f_stick - 1"),
-        "map_rise": _var(over, curves[1], "1", "simulated loss factor of friction"),
+        "map_fall": _var(over, curves[0], "1", "simulated f / f_stick - 1" + left),
+        "map_rise": _var(over, curves[1], "1", "simulated loss factor of friction" + left),
     }
     ladder: Float[ndarray, " amplitude"] = _MAP
     coords = {

@@ -63,7 +63,10 @@ def fit_curves(
     lasers: Mapping[str, float],
     discrepancy: float,
 ) -> CurveFit:
-    """Start from the summit of the frequencies alone."""
+    """Start from the summit of the frequencies alone.
+
+    RuntimeError if the curves cannot be simulated at a stiffness that the rounds come to.
+    """
     prior = np.array([entry[:2] for entry in FRICTION.values()])
     spread = np.diag(prior[:, 1] ** 2)
     measured = np.concatenate([softening.fall, softening.rise])
@@ -110,8 +113,16 @@ def fit_curves(
 def _start(joint, at, measured, precision, prior) -> Float[ndarray, " parameter"]:
     """The friction coefficient to start from: where nothing slips no slope leads away."""
     trials = prior[:, 0] + _SCAN[:, None] * np.array([prior[0, 1], 0.0, 0.0, 0.0])
-    misses = [_misfit(one, values(joint, at, one), measured, precision, prior) for one in trials]
+    misses = [_trial(joint, at, one, (measured, precision, prior)) for one in trials]
     return trials[int(np.argmin(misses))]
+
+
+def _trial(joint, at, friction, known) -> float:
+    """The misfit of a friction; infinite where the curves cannot be simulated with it."""
+    try:
+        return _misfit(friction, values(joint, at, friction), *known)
+    except RuntimeError:
+        return np.inf
 
 
 def _misfit(trial, value, measured, precision, prior) -> float:
@@ -133,7 +144,7 @@ def _fit_friction(
         bend = said.by_friction.T @ precision @ said.by_friction + np.diag(prior[:, 1] ** -2)
         step = np.linalg.solve(bend + damping * np.diag(np.diag(bend)), pull)
         step *= min(1.0, 1.0 / np.abs(step).max())
-        trial = _misfit(friction + step, values(joint, at, friction + step), *known)
+        trial = _trial(joint, at, friction + step, known)
         if trial < now:
             gained, now, friction = now - trial, trial, friction + step
             said, damping = simulate(joint, at, friction), 0.2 * damping

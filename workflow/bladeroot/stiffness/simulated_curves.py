@@ -63,14 +63,25 @@ def levels_at(
     """The systems of the levels (mode, force) that have points, at z = (ln kn, ln kt, ln F)."""
     made = []
     for number in np.unique(softening.level):
-        mode, force = levels[number][0], float(np.exp(z[number, 2]))
+        mode = levels[number][0]
         systems = tuple(
-            system_of(joint, np.array([*(z[number, :2] + step), force]), mode, lasers[mode])
-            for step in _STEP * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+            level_system(joint, z[number] + step, mode, lasers[mode])
+            for step in _STEP * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
         )
         amplitude = softening.amplitude[softening.level == number]
-        made.append(Bench(int(number), force, amplitude, systems))
+        made.append(Bench(int(number), float(np.exp(z[number, 2])), amplitude, systems))
     return made
+
+
+def level_system(joint: Joint, z: Float[ndarray, "3"], mode: str, laser_x: float) -> System:
+    """The system of a mode at z = (ln kn, ln kt, ln F), the laser at a place along the beam (m).
+
+    RuntimeError where there is none, as of curves that cannot be simulated.
+    """
+    try:
+        return system_of(joint, np.array([*z[:2], np.exp(z[2])]), mode, laser_x)
+    except ValueError as error:
+        raise RuntimeError(str(error)) from None
 
 
 def values(

@@ -4,8 +4,8 @@ Each record is counted from its own stick frequency and loss factor, so that wha
 gauge does to these drops out. Records of a level are averaged.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields
 
 import numpy as np
 import xarray as xr
@@ -66,6 +66,14 @@ def softening_of(
     return Softening(columns[0].astype(int), *columns[1:])
 
 
+def of_modes(
+    softening: Softening, levels: list[tuple[str, float]], modes: Collection[str]
+) -> Softening:
+    """The points of some modes."""
+    own = np.array([levels[k][0] in modes for k in softening.level])
+    return Softening(*(getattr(softening, field.name)[own] for field in fields(Softening)))
+
+
 def _mean(value: ndarray, std: ndarray) -> tuple[float, float]:
     weight = 1.0 / std**2
     return float(weight @ value / weight.sum()), float(weight.sum() ** -0.5)
@@ -73,8 +81,10 @@ def _mean(value: ndarray, std: ndarray) -> tuple[float, float]:
 
 def _on_ladder(decay: xr.Dataset, stick: xr.Dataset) -> dict[int, tuple[float, ...]]:
     """Fall and rise with their errors at the rungs that a record's curve reaches."""
-    order = np.argsort(decay["amplitude"].values)
-    x = A_DECADE * np.log10(decay["amplitude"].values[order])
+    amplitude = decay["amplitude"].values
+    order = np.argsort(amplitude)
+    order = order[np.isfinite(amplitude[order])]
+    x = A_DECADE * np.log10(amplitude[order])
     if len(x) < 2:
         return {}
     rungs = np.arange(np.ceil(x[0]), np.floor(x[-1]) + 1).astype(int)
