@@ -4,7 +4,7 @@
 rule curves:
     input:
         decays=lambda w: of_records(rules.decay.output.decay, w),
-        stick=rules.stick.output.stick,
+        plateaus=lambda w: of_records(rules.decay.output.plateau, w),
     output:
         curves="results/{campaign}/curves.nc",
     log:
@@ -17,5 +17,5 @@ rule curves:
     message:
         "mean curves over amplitude of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/curves.py --decays {input.decays:q} --stick {input.stick:q}"
+        "{PYTHON:q} {SCRIPTS:q}/curves.py --decays {input.decays:q} --plateaus {input.plateaus:q}"
         " --campaign {wildcards.campaign} --output {output.curves} > {log} 2>&1"

@@ -5,8 +5,8 @@ from bladeroot import artifacts
 from bladeroot.decay.curves import mean_curves
 
 
-def main(decays, stick, campaign, output):
-    curves = mean_curves([artifacts.load(decay) for decay in decays], artifacts.load(stick))
+def main(decays, plateaus, campaign, output):
+    curves = mean_curves(*([artifacts.load(one) for one in many] for many in (decays, plateaus)))
     curves.attrs["campaign"] = campaign
     artifacts.save(curves, output)
 
@@ -15,7 +15,7 @@ if __name__ == "__main__":
     run(
         main,
         decays="many: curves over amplitude of every record",
-        stick="stick.nc, which says what records are rejected",
+        plateaus="many: plateaus of the same records, which say what is rejected",
         campaign="the campaign's name",
         output="curves.nc",
     )

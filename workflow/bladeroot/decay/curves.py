@@ -18,14 +18,14 @@ KINDS = {
 
 
 def mean_curves(
-    decays: Sequence[xr.Dataset], stick: xr.Dataset, points_a_decade: int = 40
+    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset], points_a_decade: int = 40
 ) -> xr.Dataset:
     """The mean curve of each mode and force, on one ladder of amplitudes.
 
-    decays: as from `bladeroot.decay.freevib.freevib`, with record, mode, force_N and simulated in
-    the attributes. stick: from `bladeroot.decay.stick`; records that it rejects are left out.
-    At each amplitude the mean over the records that reach it is weighted by within- and between-
-    record variance (DerSimonian-Laird); nothing is extrapolated. First cycles that decay unlike all
+    decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
+    attributes. plateaus: of the same records; what is rejected there is left out. At each
+    amplitude the mean over the records that reach it is weighted by within- and between-record
+    variance (DerSimonian-Laird); nothing is extrapolated. First cycles that decay unlike all
     records which pass them later (`settling`) are left out.
 
     Returns:
@@ -33,9 +33,11 @@ def mean_curves(
         standard errors and the scatter between records (NaN for one record alone), `records`,
         how many reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
-    rejected = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
-    bad = set(stick["record"].values.astype(str)[rejected])
-    decays = [d for d in decays if d.sizes["point"] > 1 and d.attrs["record"] not in bad]
+    decays = [
+        decay
+        for decay, plateau in zip(decays, plateaus, strict=True)
+        if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
+    ]
     level_of = [(str(d.attrs["mode"]), float(d.attrs["force_N"])) for d in decays]
     levels = sorted(set(level_of))
     ladder = ladder_of(decays, points_a_decade)
