@@ -244,6 +244,19 @@ def test_a_friction_that_cannot_be_simulated_is_not_taken(monkeypatch):
     assert curve_fit._start(None, None, measured, precision, prior)[0] == pytest.approx(best)
 
 
+def test_a_friction_far_from_all_that_is_known_is_not_tried():
+    """With it pressures overflow."""
+    joint, levels = coarse_joint(), [("1B", 4e3)]
+    z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
+    at = levels_at(joint, made_up(levels), levels, LASERS, z)
+    prior = np.array([entry[:2] for entry in FRICTION.values()])
+    known = (np.zeros(16), np.eye(16), prior)
+    for sign in (1.0, -1.0):
+        edge = prior[:, 0] + sign * (curve_fit._FAR - 0.1) * prior[:, 1]
+        assert np.isfinite(values(joint, at, edge)).all()
+        assert curve_fit._trial(joint, at, edge + sign * prior[:, 1], known) == np.inf
+
+
 @pytest.mark.slow
 def test_curves_find_stiffness_and_friction_that_made_them():
     joint = coarse_joint()

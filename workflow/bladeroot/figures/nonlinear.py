@@ -28,7 +28,7 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
         return nothing(_NOTHING)
     modes = list(dict.fromkeys(one["point_mode"].values.astype(str)))
     drawn, axes = panels(len(modes), 2, 8.4, 2.9 * len(modes))
-    colours = force_colours(one["point_force"].values)
+    colours = force_colours(one["point_force"].values.tolist())
     for row, mode in enumerate(modes):
         for column, (name, scale, label) in enumerate(
             (("fall", 100.0, "change of frequency / %"), ("rise", 1.0, "loss factor by friction"))

@@ -33,6 +33,7 @@ _UNEVEN = 4  # rounds after which the error by unevenness stays: with friction i
 _LONGEST = 0.4  # change of ln k in one round
 _MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
 _SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
+_FAR = 8.0  # prior's std beyond which no friction is tried: its powers overflow
 _FITS, _GAIN = 25, 1e-2  # steps of the friction, and the least gain in log posterior to go on
 
 
@@ -118,7 +119,10 @@ def _start(joint, at, measured, precision, prior) -> Float[ndarray, " parameter"
 
 
 def _trial(joint, at, friction, known) -> float:
-    """The misfit of a friction; infinite where the curves cannot be simulated with it."""
+    """The misfit of a friction; infinite far off or where curves cannot be simulated."""
+    prior = known[2]
+    if np.abs((friction - prior[:, 0]) / prior[:, 1]).max() > _FAR:
+        return np.inf
     try:
         return _misfit(friction, values(joint, at, friction), *known)
     except RuntimeError:
