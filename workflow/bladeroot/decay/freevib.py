@@ -9,6 +9,7 @@ from numpy import ndarray
 
 from bladeroot.decay.smooth import Spline
 from bladeroot.decay.track import follow
+from bladeroot.records.alone import alone
 
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
@@ -73,7 +74,9 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    blocks, fit, others = follow(velocity, sampling_Hz, band, noise, usable)
+    velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
+    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable)
+    others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
     first, last = _trusted(blocks.std)
     count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
