@@ -7,12 +7,16 @@ from scipy import fft
 
 from bladeroot.records.runs import in_frames
 
-# A line counts from this part of the mode's own height in the spectrum of the whole decay, which
-# weighs its middle most: what outlives the mode is larger there than at the start.
-LOUD = 0.3
+# A line counts from this part of the mode's own height in the spectrum of a decay's later half,
+# where one that outlives the mode is louder than at the start; one that dies sooner, or a frequency
+# that the mode itself had at large amplitudes, is not there any more. Before, it was no weaker
+# than this part of itself, or the mode has moved to it.
+LOUD, GROWN = 0.3, 0.7
 # Distance from the mode (over its frequency) from which a line is another mode's, and of lines.
 APART = 0.2
 MOST = 4
+# It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
+BESIDE, CLEAR = 0.1, 12.0
 # Lines below this part of the mode's frequency are a baseline, and samples in its cycle that show
 # all lines that matter.
 LOWEST, SAMPLES = 0.05, 16.0
@@ -57,24 +61,29 @@ def loud_lines(
     """Frequencies (Hz) of the mode and of other lines that are loud beside it, loudest first."""
     few = max(1, int(sampling_Hz / expected_Hz / SAMPLES))
     means = velocity[: velocity.size // few * few].reshape(-1, few) @ np.full(few, 1.0 / few)
-    count = fft.prev_fast_len(means.size, real=True)
-    spectrum = fft.rfft(means[:count])
-    level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:]))  # Hann's window
+    count = fft.prev_fast_len(means.size // 2, real=True)
+    spectra = fft.rfft(np.stack([means[:count], means[-count:]]))
+    spectra = spectra[:, 1:-1] - 0.5 * (spectra[:, :-2] + spectra[:, 2:])  # Hann's window
+    early, late = np.abs(spectra)
     width = sampling_Hz / (few * count)
-    frequency = np.arange(1, level.size + 1) * width
+    frequency = np.arange(1, late.size + 1) * width
     near = np.abs(frequency / expected_Hz - 1.0) <= APART
     if not near.any():
         return expected_Hz, []
-    own = int(np.argmax(np.where(near, level, 0.0)))
+    own = int(np.argmax(np.where(near, late, 0.0)))
     own_Hz = float(frequency[own])
-    rest = np.where(np.abs(frequency - own_Hz) < APART * own_Hz, 0.0, level)
+    rest = np.where(np.abs(frequency - own_Hz) < APART * own_Hz, 0.0, late)
     rest[frequency < max(LOWEST * own_Hz, 4.0 * width)] = 0.0
     found: list[float] = []
-    while len(found) < MOST:
+    reach = max(BESIDE * own_Hz, 6.0 * width)
+    for _ in range(2 * MOST):
         at = int(np.argmax(rest))
-        if rest[at] <= LOUD * level[own]:
+        if rest[at] <= LOUD * late[own] or len(found) == MOST:
             break
-        found.append(float(frequency[at]))
+        around = np.abs(np.abs(frequency - frequency[at]) / reach - 1.0) < 0.3
+        before = early[max(at - 2, 0) : at + 3].max()
+        if late[at] > CLEAR * late[around].mean() and before > GROWN * late[at]:
+            found.append(float(frequency[at]))
         rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0
     return own_Hz, found
 
