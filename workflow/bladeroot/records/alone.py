@@ -5,18 +5,19 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.runs import in_frames
+from bladeroot.records.runs import in_frames, medians
 
 # A line counts from this part of the mode's own height in the spectrum of a decay's later half,
 # where one that outlives the mode is louder than at the start; one that dies sooner, or a frequency
 # that the mode itself had at large amplitudes, is not there any more. Before, it was no weaker
 # than this part of itself, or the mode has moved to it.
 LOUD, GROWN = 0.3, 0.7
-# Distance from the mode (over its frequency) from which a line is another mode's, and of lines.
-APART = 0.2
+# Distance from the mode (over its frequency) from which a line's wave can be taken off, which is
+# that of lines, too; and from which a line is another mode's at all.
+APART, NEAREST = 0.17, 0.04
 MOST = 4
 # It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
-BESIDE, CLEAR = 0.1, 12.0
+BESIDE, CLEAR = 0.06, 12.0
 # Lines below this part of the mode's frequency are a baseline, and samples in its cycle that show
 # all lines that matter.
 LOWEST, SAMPLES = 0.05, 16.0
@@ -35,13 +36,15 @@ def alone(
     expected_Hz: float,
     usable: Bool[ndarray, " sample"] | None = None,
 ) -> tuple[Float[ndarray, " sample"], list[float]]:
-    """A decay (m/s) without the loud other modes, and their frequencies (Hz).
+    """A decay (m/s) without the loud other modes, and the frequencies (Hz) of all that are loud.
 
-    The decay itself where there are none. What lies in samples that are not usable does not count.
+    The decay itself where there are none, and with those that are too close to this mode. What
+    lies in samples that are not usable does not count.
     """
-    own_Hz, others_Hz = loud_lines(velocity, sampling_Hz, expected_Hz)
+    own_Hz, loud_Hz = loud_lines(velocity, sampling_Hz, expected_Hz)
+    others_Hz = [line for line in loud_Hz if abs(line - own_Hz) >= APART * own_Hz]
     if not others_Hz:
-        return velocity, []
+        return velocity, loud_Hz
     seen = np.arange(velocity.size) if usable is None else np.flatnonzero(usable)
     part = slice(int(seen[0]), int(seen[-1]) + 1)
     piece = velocity[part]
@@ -52,7 +55,7 @@ def alone(
             theirs, every = waves(filled, sampling_Hz, own_Hz, others_Hz)
     left = velocity.copy()
     left[part] -= theirs
-    return left, others_Hz
+    return left, loud_Hz
 
 
 def loud_lines(
@@ -72,7 +75,7 @@ def loud_lines(
         return expected_Hz, []
     own = int(np.argmax(np.where(near, late, 0.0)))
     own_Hz = float(frequency[own])
-    rest = np.where(np.abs(frequency - own_Hz) < APART * own_Hz, 0.0, late)
+    rest = np.where(np.abs(frequency - own_Hz) < max(NEAREST * own_Hz, 6.0 * width), 0.0, late)
     rest[frequency < max(LOWEST * own_Hz, 4.0 * width)] = 0.0
     found: list[float] = []
     reach = max(BESIDE * own_Hz, 6.0 * width)
@@ -82,7 +85,7 @@ def loud_lines(
             break
         around = np.abs(np.abs(frequency - frequency[at]) / reach - 1.0) < 0.3
         before = early[max(at - 2, 0) : at + 3].max()
-        if late[at] > CLEAR * late[around].mean() and before > GROWN * late[at]:
+        if late[at] > CLEAR * medians(late[around]) and before > GROWN * late[at]:
             found.append(float(frequency[at]))
         rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0
     return own_Hz, found

@@ -12,6 +12,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.records.alone import APART, alone
 from bladeroot.records.beating import beat, without_beat
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
@@ -147,6 +148,22 @@ def _span(
         calm = without_beat(seen, one.begin, period)
         _, course, later = _falls(calm, floor, broken, one.begin)
         end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
+    if reason == "disturbed":
+        # another mode that outlives this one leaks into its envelope and beats there, too
+        first = int(np.ceil(start_s * sampling_Hz))
+        left, loud = alone(velocity[first:], sampling_Hz, seen.frequency_Hz)
+        close = [line for line in loud if abs(line / seen.frequency_Hz - 1.0) < APART]
+        if close:
+            return (0, 0), (
+                f"a mode at {close[0]:.5g} Hz, too close to that at {seen.frequency_Hz:.5g} Hz to "
+                "be told from it, outlives it"
+            )
+        if loud:
+            left = np.concatenate([velocity[:first], left])
+            calm = envelope(left, sampling_Hz, seen.frequency_Hz)
+            broken = strikes(calm, noise)
+            _, course, later = _falls(calm, floor, broken, one.begin)
+            end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
