@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from bladeroot.decay.smooth import Spline
 from bladeroot.decay.track import follow
-from bladeroot.records.alone import APART, alone
+from bladeroot.records.alone import alone
 
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
@@ -77,13 +77,6 @@ def freevib(
     velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
     blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable)
     others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
-    for line in loud:
-        close = abs(line / expected_Hz - 1.0) < APART
-        if close and all(abs(line - one) > 0.02 * line for one in found):
-            raise ValueError(
-                f"expected a mode that can be told from others, got one at {line:.6g} Hz beside it "
-                "that outlives it"
-            )
     first, last = _trusted(blocks.std)
     count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)

@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.records.lines import loudest, near_Hz
 from bladeroot.records.runs import in_frames, medians
 
 # A line counts from this part of the mode's own height in the spectrum of a decay's later half,
@@ -18,16 +19,16 @@ APART, NEAREST = 0.17, 0.04
 MOST = 4
 # It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
 BESIDE, CLEAR = 0.06, 12.0
-# Lines below this part of the mode's frequency are a baseline, and samples in its cycle that show
-# all lines that matter.
-LOWEST, SAMPLES = 0.05, 16.0
+# Lines below this part of the mode's frequency are a baseline, those above this multiple are told
+# from it within a cycle; samples in its cycle that show what lies between.
+LOWEST, HIGHEST, SAMPLES = 0.05, 4.5, 16.0
 # A frame holds so many cycles of the least difference of frequencies: a mode that grows or drifts
 # as a parabola of time does in it then leaks into no other one.
 BEATS = 4.0
 # Steps in a frame. A Hann taper that moves on by them adds up to half their number.
 STEPS = 4
 # Times that samples without weight are filled with what the frames make of them.
-FILLED = 8
+FILLED = 24
 
 
 def alone(
@@ -73,10 +74,11 @@ def loud_lines(
     near = np.abs(frequency / expected_Hz - 1.0) <= APART
     if not near.any():
         return expected_Hz, []
+    own_Hz = own_line(means, sampling_Hz / few, expected_Hz)
+    near = np.abs(frequency - own_Hz) < max(NEAREST * own_Hz, 6.0 * width)
     own = int(np.argmax(np.where(near, late, 0.0)))
-    own_Hz = float(frequency[own])
-    rest = np.where(np.abs(frequency - own_Hz) < max(NEAREST * own_Hz, 6.0 * width), 0.0, late)
-    rest[frequency < max(LOWEST * own_Hz, 4.0 * width)] = 0.0
+    far = (frequency < max(LOWEST * own_Hz, 4.0 * width)) | (frequency > HIGHEST * own_Hz)
+    rest = np.where(near | far, 0.0, late)
     found: list[float] = []
     reach = max(BESIDE * own_Hz, 6.0 * width)
     for _ in range(2 * MOST):
@@ -89,6 +91,11 @@ def loud_lines(
             found.append(float(frequency[at]))
         rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0
     return own_Hz, found
+
+
+def own_line(velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float) -> float:
+    """The mode's frequency (Hz): the strongest line near the expected one in the loudest cycles."""
+    return near_Hz(*loudest(velocity, sampling_Hz, expected_Hz), expected_Hz, APART)
 
 
 def waves(
