@@ -12,7 +12,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.records.alone import APART, alone, own_line
+from bladeroot.records.alone import APART, NEAREST, alone, own_line
 from bladeroot.records.beating import beat, without_beat
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
@@ -33,9 +33,10 @@ DEEPER = 1.5
 LATE = 16
 # Cycles from which the mode's own frequency is taken.
 LOUD_CYCLES = 200
-# A lower mode's harmonic lies at the mode where it is within this part of its frequency. Harmonics
-# have some per cent of their mode: they are heard from this ratio of the mode to the lower one on.
-AT_HARMONIC, HEARD = 0.02, 0.25
+# A lower mode's harmonic, up to this order, lies at the mode where it is within this part of its
+# frequency. Harmonics have some per cent of their mode: they are heard from this ratio of the mode
+# to the lower one on.
+AT_HARMONIC, HEARD, HIGHEST_ORDER = 0.02, 0.25, 5
 
 
 def cut(
@@ -158,6 +159,9 @@ def _span(
     own_Hz = own_line(piece, sampling_Hz, expected_Hz)
     left, loud = alone(piece, sampling_Hz, own_Hz)
     close = [line for line in loud if abs(line / own_Hz - 1.0) < APART]
+    loudest_Hz = own_line(velocity, sampling_Hz, expected_Hz)
+    if abs(own_Hz / loudest_Hz - 1.0) > NEAREST:  # it is the louder one from the release on
+        close, own_Hz = [own_Hz], loudest_Hz
     if close and reason == "disturbed":
         return (0, 0), (
             f"a mode at {close[0]:.5g} Hz, too close to that at {own_Hz:.5g} Hz to "
@@ -200,7 +204,7 @@ def _harmonic(
 
     order: the mode's frequency over the other's.
     """
-    if order < 1.5 or abs(order / round(order) - 1.0) > AT_HARMONIC:
+    if not 1.5 < order < HIGHEST_ORDER + 0.5 or abs(order / round(order) - 1.0) > AT_HARMONIC:
         return float(np.inf)
     other = envelope(velocity, sampling_Hz, seen.frequency_Hz / order)
     level = np.interp(seen.time, other.time, other.level)
