@@ -47,7 +47,7 @@ def freevib(
     A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
     lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
     lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis.
+    thesis. Other modes that are loud beside this one late in the decay are taken off first.
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
