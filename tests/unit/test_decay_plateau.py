@@ -299,3 +299,13 @@ def test_weak_step_below_the_onset_is_no_plateau():
         found = plateau(blocks(seed, law, softening=0.01, noise_db=40.0, lowest=0.03))
         assert not found["plateau_reached"]
         assert found["limit_low"] < FREQUENCY_HZ < found["limit_high"]
+
+
+def test_a_bound_out_of_the_band_or_far_from_the_curve_is_not_given():
+    decay = bending(0)
+    bound = plateau(decay)["frequency_bound"]
+    assert bound == pytest.approx(FREQUENCY_HZ, rel=0.05)
+    narrow = decay.assign_attrs(band_low_Hz=bound + 1.0, band_high_Hz=bound + 9.0)
+    found = plateau(narrow)
+    assert found["verdict"].startswith("rejected")
+    assert np.isnan([found["frequency_bound"], found["limit_low"], found["limit_high"]]).all()

@@ -9,6 +9,7 @@ from numpy import ndarray
 
 from bladeroot.decay.smooth import Spline
 from bladeroot.decay.track import follow
+from bladeroot.records.alone import alone
 
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
@@ -46,7 +47,7 @@ def freevib(
     A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
     lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
     lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis.
+    thesis. Other modes that are loud beside this one late in the decay are taken off first.
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
@@ -73,7 +74,9 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    blocks, fit, others = follow(velocity, sampling_Hz, band, noise, usable)
+    velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
+    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable)
+    others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
     first, last = _trusted(blocks.std)
     count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
@@ -93,9 +96,12 @@ def freevib(
             f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
             f"{band[1]:.6g} Hz: another one dominates the record"
         )
+    part = within_band(omega_n[keep] / (2.0 * np.pi), band)
+    whole = part == slice(0, np.count_nonzero(keep))
+    own = slice(None) if whole else _between(blocks.time, centre[keep][part])
     result = decay_dataset(
-        [values[keep] for values in (*curves, *errors)],
-        [blocks.time, blocks.log.real, blocks.log.imag, blocks.std],
+        [values[keep][part] for values in (*curves, *errors)],
+        [blocks.time[own], blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["other_modes_Hz"] = others
@@ -119,6 +125,30 @@ def natural(
     if damping == "viscous":
         return omega_n, -(2.0 * alpha + chirp / omega) / omega_n
     return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
+
+
+def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:
+    """The longest run of points within the band: beyond its ends it is not the mode that is seen.
+
+    Raises ValueError where more of the points lie out of that run than in it.
+    """
+    outside = (frequency_Hz < band_Hz[0]) | (frequency_Hz > band_Hz[1])
+    edges = np.concatenate([[-1], np.flatnonzero(outside), [frequency_Hz.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    first, stop = int(edges[longest]) + 1, int(edges[longest + 1])
+    if 2 * (stop - first) < frequency_Hz.size:
+        raise ValueError(
+            f"the frequency wanders from {frequency_Hz.min():.6g} to {frequency_Hz.max():.6g} Hz, "
+            f"out of {band_Hz[0]:.6g} to {band_Hz[1]:.6g} Hz: no mode can be followed"
+        )
+    return slice(first, stop)
+
+
+def _between(times: Float[ndarray, " block"], points: Float[ndarray, " point"]) -> slice:
+    """The blocks from the first point to the last."""
+    return slice(
+        int(np.searchsorted(times, points[0])), int(np.searchsorted(times, points[-1])) + 1
+    )
 
 
 def no_decay() -> xr.Dataset:

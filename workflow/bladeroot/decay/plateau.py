@@ -19,7 +19,7 @@ import xarray as xr
 from bladeroot.decay.capture import sudden_onset
 from bladeroot.decay.mixture import NORMAL, Mixture
 from bladeroot.decay.posterior import SHORTEST, Weighed
-from bladeroot.decay.stretch import cubic, grouped
+from bladeroot.decay.stretch import Stretch, cubic, grouped
 from bladeroot.decay.weigh import SHOWN, weigh
 
 NUMBERS = (
@@ -83,11 +83,20 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
-    if found.phase.plateau < SHOWN or constant < SHORTEST:
-        lowest, lowest_std = found.phase.mean(lowest=True)
+    reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
+    lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
+    bound = _natural(lowest, alpha, damping)[0]
+    if not (_seen(stretch, lowest) and _in_band(bound, decay)):
+        return dict.fromkeys(NUMBERS, np.nan) | {
+            "plateau_reached": 0,
+            "verdict": "rejected: too few cycles are sharp enough",
+        }
+    if not reached:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
+        if not all(_in_band(limit, decay) for limit in (low, high)):
+            low, high = np.nan, np.nan  # an extrapolation that leaves the band tells no limit
         return result | {
-            "frequency_bound": _natural(lowest, alpha, damping)[0],
+            "frequency_bound": bound,
             "frequency_bound_std": lowest_std / (2.0 * np.pi),
             "limit_low": low,
             "limit_high": high,
@@ -102,6 +111,25 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         "plateau_reached": 1,
         "verdict": "plateau",
     }
+
+
+def _seen(stretch: Stretch, omega: float, parts: int = 8) -> bool:
+    """Whether the phase shows a rate (rad/s) that a law has at its end.
+
+    A law may go on from what parts of the record advance by, but not beyond all that they span.
+    """
+    edge = np.linspace(0, stretch.time.size - 1, parts + 1).astype(int)
+    length = np.diff(stretch.time[edge])
+    advance = np.diff(stretch.y[1, edge]) / length
+    error = np.hypot(stretch.std[edge[1:]], stretch.std[edge[:-1]]) / length
+    span = np.ptp(advance) + 3.0 * error.max()
+    return bool(advance.min() - span <= omega <= advance.max() + span)
+
+
+def _in_band(frequency: float, decay: xr.Dataset) -> bool:
+    """Whether a frequency (Hz) lies in the band in which the mode was looked for."""
+    low, high = decay.attrs.get("band_low_Hz", 0.0), decay.attrs.get("band_high_Hz", np.inf)
+    return bool(low < frequency < high)
 
 
 def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:
