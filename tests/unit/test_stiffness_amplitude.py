@@ -1,6 +1,7 @@
 """The inference with amplitude curves: its likelihood, its data, and a truth that it must find."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import bladeroot.stiffness.amplitude as stage
 import numpy as np
@@ -228,6 +229,17 @@ def test_curves_that_cannot_be_simulated_are_an_answer(campaign, lasers, reason)
     assert found.attrs["reason"].startswith(reason)
     if lasers["1B"] == 1.0:
         assert "2B: the laser stands at a node of 2B" in found.attrs["reason"]
+
+
+def test_a_posterior_that_is_no_number_is_an_answer(campaign, monkeypatch):
+    def fails(*_):
+        raise ValueError("Probability function returned NaN")
+
+    monkeypatch.setattr(stage, "fit_curves", lambda *_: SimpleNamespace(term=None))
+    monkeypatch.setattr(stage, "posterior_of", fails)
+    found = campaign(LASERS)
+    assert found.attrs["law"] == ""
+    assert "cannot be drawn from: Probability function" in found.attrs["reason"]
 
 
 def test_a_friction_that_cannot_be_simulated_is_not_taken(monkeypatch):

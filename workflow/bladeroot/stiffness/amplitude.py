@@ -121,13 +121,17 @@ def _with_curves(
 ) -> xr.Dataset:
     """The inference of `amplitude` where there are points; alone: summits without curves.
 
-    RuntimeError if the curves cannot be simulated at the stiffness that they lead to.
+    RuntimeError if the curves cannot be simulated at the stiffness that they lead to, or leave no
+    posterior.
     """
     fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, discrepancy)
     together = {
         name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
     }
-    found, summit = posterior_of(together, forces, steps)
+    try:
+        found, summit = posterior_of(together, forces, steps)
+    except ValueError as error:  # curves that no stiffness explains leave no posterior to draw from
+        raise RuntimeError(f"the posterior with curves cannot be drawn from: {error}") from None
     before, _ = posterior_of(alone, forces, steps, found.attrs["law"])
     parts = [
         found,
