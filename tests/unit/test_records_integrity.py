@@ -293,7 +293,12 @@ def test_offset_and_coloured_noise():
 def test_noise_of_a_hundred_decibels_is_said_in_plain_digits():
     frequency = np.arange(0.0, 1000.0)
     seen = SimpleNamespace(
-        halves=(frequency, np.full((2, 1000), 1e5), 1000), own_Hz=250.0, floor=1.0, few=1
+        halves=(frequency, np.full((2, 1000), 1e5), 1000),
+        own_Hz=250.0,
+        floor=1.0,
+        few=1,
+        alone=frequency,
+        velocity=frequency,  # no loud other mode
     )
     assert re.search(r"noise: 1\d\d\.\d dB stronger", coloured_noise.find(seen).text)
 
