@@ -7,9 +7,9 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from bladeroot.decay.alone import alone
 from bladeroot.decay.smooth import Spline
 from bladeroot.decay.track import follow
-from bladeroot.records.alone import alone
 
 POINT = (
     ("time", "s", "time since the start of the cut", ""),

@@ -12,7 +12,6 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.records.alone import APART, NEAREST, alone, own_line
 from bladeroot.records.beating import beat, without_beat
 from bladeroot.records.ending import RISE, find_end, running_power, strikes
 from bladeroot.records.envelope import Envelope, envelope
@@ -33,10 +32,6 @@ DEEPER = 1.5
 LATE = 16
 # Cycles from which the mode's own frequency is taken.
 LOUD_CYCLES = 200
-# A lower mode's harmonic, up to this order, lies at the mode where it is within this part of its
-# frequency. Harmonics have some per cent of their mode: they are heard from this ratio of the mode
-# to the lower one on.
-AT_HARMONIC, HEARD, HIGHEST_ORDER = 0.02, 0.25, 5
 
 
 def cut(
@@ -152,32 +147,6 @@ def _span(
         calm = without_beat(seen, one.begin, period)
         _, course, later = _falls(calm, floor, broken, one.begin)
         end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
-    first = int(np.ceil(start_s * sampling_Hz))
-    # another mode that outlives this one leaks into its envelope and beats there, too
-    stop = velocity.size if reason == "disturbed" else int(end_s * sampling_Hz)
-    piece = velocity[first:stop]
-    own_Hz = own_line(piece, sampling_Hz, expected_Hz)
-    left, loud = alone(piece, sampling_Hz, own_Hz)
-    close = [line for line in loud if abs(line / own_Hz - 1.0) < APART]
-    loudest_Hz = own_line(velocity, sampling_Hz, expected_Hz)
-    if abs(own_Hz / loudest_Hz - 1.0) > NEAREST:  # it is the louder one from the release on
-        close, own_Hz = [own_Hz], loudest_Hz
-    if close and reason == "disturbed":
-        return (0, 0), (
-            f"a mode at {close[0]:.5g} Hz, too close to that at {own_Hz:.5g} Hz to "
-            "be told from it, outlives it"
-        )
-    if loud:
-        left = np.concatenate([velocity[:first], left, velocity[stop:]])
-        calm = envelope(left, sampling_Hz, seen.frequency_Hz)
-        if reason == "disturbed":
-            broken = strikes(calm, noise)
-            _, course, later = _falls(calm, floor, broken, one.begin)
-            end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
-        for line in loud:
-            drowned_s = _harmonic(velocity, sampling_Hz, calm, own_Hz / line, start_s)
-            if drowned_s < end_s:
-                end_s, reason = drowned_s, f"a harmonic of {line:.4g} Hz"
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -195,21 +164,6 @@ def _span(
             f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
         )
     return (first, stop), ""
-
-
-def _harmonic(
-    velocity: ndarray, sampling_Hz: float, seen: Envelope, order: float, start_s: float
-) -> float:
-    """Time from which on another mode's harmonic, if it lies at the mode, may be heard in it.
-
-    order: the mode's frequency over the other's.
-    """
-    if not 1.5 < order < HIGHEST_ORDER + 0.5 or abs(order / round(order) - 1.0) > AT_HARMONIC:
-        return float(np.inf)
-    other = envelope(velocity, sampling_Hz, seen.frequency_Hz / order)
-    level = np.interp(seen.time, other.time, other.level)
-    weak = np.flatnonzero((seen.level < level + np.log(HEARD)) & (seen.time > start_s))
-    return float(seen.time[weak[0]]) if weak.size else float(np.inf)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.alone import alone
 from bladeroot.records.lines import blackman_harris, loudest, near_Hz
 from bladeroot.records.runs import block_scale, in_frames, medians, missed
 from bladeroot.records.spectrum import quantum
@@ -102,11 +101,6 @@ class Sight:
         return near_Hz(*self.early, self.expected_Hz, TOLERANCE)
 
     @cached_property
-    def alone(self) -> Float[ndarray, " sample"]:
-        """The cut decay without other modes that are loud beside this one, or outlive it."""
-        return alone(self.velocity, self.sampling_Hz, self.expected_Hz)[0]
-
-    @cached_property
     def quantum(self) -> float:
         """The digitiser's step."""
         return quantum(self.velocity)
@@ -114,7 +108,7 @@ class Sight:
     @cached_property
     def frames(self) -> Frames:
         """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
-        x, rate, f = self.alone, self.sampling_Hz, self.own_Hz
+        x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
         hop = max(1, round(rate / f))
         width = min(max(FRAME_CYCLES, -(-16 // hop)), x.size // hop) * hop
         local = (np.arange(width) - 0.5 * (width - 1)) / rate

@@ -1,7 +1,5 @@
 """Noise that is stronger around the mode than the white floor that standard errors assume."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.records.finding import Finding
@@ -19,8 +17,6 @@ def find(sight: Sight) -> Finding | None:
     The later half of the decay is looked at, where the modes have died down most; what remains
     of them near 0.8 and 1.3 cannot raise the median.
     """
-    if sight.alone is not sight.velocity:  # modes that are still loud are no noise
-        sight = replace(sight, velocity=sight.alone)
     frequency, spectra, count = sight.halves
     relative = frequency / sight.own_Hz
     around = ((relative > 0.3) & (relative < 0.8)) | ((relative > 1.3) & (relative < 1.8))
