@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from bladeroot.records.finding import CONSEQUENCES
 from bladeroot.records.findings import coloured_noise
 from bladeroot.records.findings.sampling_rate import RATIOS
 from bladeroot.records.integrity import bridged, checks, examine, judge, sight
+from bladeroot.records.sight import Sight
 from bladeroot.records.spectrum import white_noise
 from decay_bench import START, ring_down, shaken
 from hypothesis import given, settings
@@ -292,7 +292,8 @@ def test_offset_and_coloured_noise():
 
 def test_noise_of_a_hundred_decibels_is_said_in_plain_digits():
     frequency = np.arange(0.0, 1000.0)
-    seen = SimpleNamespace(
+    seen = object.__new__(Sight)
+    vars(seen).update(
         halves=(frequency, np.full((2, 1000), 1e5), 1000),
         own_Hz=250.0,
         floor=1.0,
