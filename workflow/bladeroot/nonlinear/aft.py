@@ -25,7 +25,7 @@ TIMES = 128
 
 @dataclass(frozen=True)
 class Cycle:
-    """A march: coefficients to samples, samples to coefficients, and both in turn.
+    """A march: coefficients to samples, and samples to coefficients.
 
     The samples before `first` only lead to the steady state.
     """
@@ -34,7 +34,6 @@ class Cycle:
     first: int
     synthesis: Float[ndarray, "time coefficient"]
     analysis: Float[ndarray, "time coefficient"]
-    product: Float[ndarray, "time coefficient coefficient"]
 
 
 def cycle(harmonics: Sequence[int], times: int = TIMES, fade: float = 0.0) -> Cycle:
@@ -59,8 +58,7 @@ def cycle(harmonics: Sequence[int], times: int = TIMES, fade: float = 0.0) -> Cy
         envelope = np.exp(-fade * after)
     synthesis = envelope[:, None] * basis
     analysis = (weight / envelope)[:, None] * basis / (basis[:times] ** 2).sum(axis=0)
-    product = analysis[:, :, None] * synthesis[:, None, :]
-    return Cycle(tuple(harmonics), times, synthesis, analysis, product)
+    return Cycle(tuple(harmonics), times, synthesis, analysis)
 
 
 def layout(harmonics: Sequence[int]) -> list[tuple[int, int]]:
@@ -86,123 +84,112 @@ def contact_forces(
         samples.first,
         samples.synthesis,
         samples.analysis,
-        samples.product,
     )
 
 
 @njit(cache=True, error_model="numpy", fastmath=True)
 @no_type_check
-def _contact_forces(kn, kt, n0, mu, varies, coefficients, first, synthesis, analysis, product):
+def _contact_forces(kn, kt, n0, mu, varies, coefficients, first, synthesis, analysis):
     contacts, sliders = kn.shape
     times, size = synthesis.shape
     force = np.zeros((contacts, 3, size))
     jacobian = np.zeros((contacts, 3, size, 3, size))
     slipped = np.zeros((contacts, sliders))
-    motion = np.zeros((times, 3))
-    wave = np.zeros((times, 3))
-    slope_t = np.zeros(times)
+    counted = analysis[first:].copy()
+    whole = np.dot(counted.T, synthesis[first:].copy())
+    wave = np.zeros((times - first, 3))
+    lifted = np.zeros((size, size))
     moved = np.zeros((2, 3 * size))  # derivative of the friction point by all coefficients
-    turned = np.zeros(3 * size)
     wait = np.zeros(size)  # analysis summed over the present stick
-    stuck = np.zeros((size, size))
-    bent = np.zeros((3, size, size))  # slip's own part: e1 e1, e1 e2, e2 e2
-    steep = np.zeros((2, size, size))
+    # A row for each time in slip, so that sums over time are products of matrices: the force's
+    # derivative across the slip, and that direction's samples to coefficients; motion's samples,
+    # and their way to coefficients of a spring and of a limit that the normal load moves. The row
+    # behind the last one kept is for times that do not count.
+    rows = times - first + 1
+    turned, across = np.zeros((rows, 3 * size)), np.zeros((rows, 2 * size))
+    moving, along = np.zeros((rows, size)), np.zeros((rows, 3 * size))
     for c in range(contacts):
-        for t in range(times):
-            for a in range(3):
-                x = 0.0
-                for h in range(size):
-                    x += synthesis[t, h] * coefficients[c, a, h]
-                motion[t, a] = x
-                wave[t, a] = 0.0
-            slope_t[t] = 0.0
+        motion = np.dot(synthesis, coefficients[c].T)
+        wave[:] = 0.0
+        lifted[:] = 0.0
         tangent = jacobian[c].reshape(3, size, 3 * size)
         for s in range(sliders):
             k = kt[c, s]
             w1, w2 = 0.0, 0.0
             moved[:] = 0.0
-            stuck[:] = 0.0
-            bent[:] = 0.0
-            steep[:] = 0.0
             wait[:] = 0.0
-            count, rested = 0, False
+            n, rested = 0, False  # times in slip
             for t in range(times):
                 counts = t >= first
                 un, u1, u2 = motion[t, 0], motion[t, 1], motion[t, 2]
                 normal, slope, limit, steeper, length, e1, e2, slips = slide(
                     kn[c, s], k, n0[c, s], mu[c, s], varies, un, u1, u2, w1, w2
                 )
+                pull = limit if slips else k  # e1, e2 are a direction only in slip
                 if counts:
-                    wave[t, 0] += normal
-                    slope_t[t] += slope
+                    wave[t - first, 0] += normal
+                    wave[t - first, 1] += pull * e1
+                    wave[t - first, 2] += pull * e2
+                    if slope != kn[c, s]:
+                        for h in range(size):
+                            for g in range(size):
+                                lifted[h, g] += kn[c, s] * analysis[t, h] * synthesis[t, g]
                 if not slips:
                     if counts:
                         rested = True
-                        wave[t, 1] += k * e1
-                        wave[t, 2] += k * e2
                         for h in range(size):
                             wait[h] += analysis[t, h]
-                            for g in range(size):
-                                stuck[h, g] += product[t, h, g]
                     continue
-                if counts:
-                    if rested:
-                        _settle(tangent, wait, moved, k)
-                        rested = False
-                    count += 1
-                    wave[t, 1] += limit * e1
-                    wave[t, 2] += limit * e2
+                if rested:
+                    _settle(tangent, wait, moved, k)
+                    rested = False
                 turn = limit / length
-                # stretch across the slip, by all coefficients but the direct ones of motion
+                r1, r2 = turn * e1, turn * e2
                 for p in range(3 * size):
-                    turned[p] = turn * (e1 * moved[1, p] - e2 * moved[0, p])
-                if counts:
-                    for h in range(size):
-                        q = analysis[t, h]
-                        for g in range(size):
-                            b = product[t, h, g] * turn
-                            bent[0, h, g] += b * e1 * e1
-                            bent[1, h, g] += b * e1 * e2
-                            bent[2, h, g] += b * e2 * e2
-                        if varies:
-                            for g in range(size):
-                                b = product[t, h, g] * steeper
-                                steep[0, h, g] += b * e1
-                                steep[1, h, g] += b * e2
-                        q1, q2 = q * e1, q * e2
-                        for p in range(3 * size):
-                            tangent[1, h, p] += q2 * turned[p]
-                            tangent[2, h, p] -= q1 * turned[p]
+                    turned[n, p] = r2 * moved[0, p] - r1 * moved[1, p]
+                for g in range(size):
+                    b = synthesis[t, g]
+                    turned[n, size + g] -= r2 * b
+                    turned[n, 2 * size + g] += r1 * b
                 c1, c2 = e1 / k, e2 / k
                 for p in range(3 * size):
-                    moved[0, p] = -c2 * turned[p]
-                    moved[1, p] = c1 * turned[p]
-                r = turn / k
+                    moved[0, p] = c2 * turned[n, p]
+                    moved[1, p] = -c1 * turned[n, p]
                 for g in range(size):
                     b = synthesis[t, g]
                     moved[0, g] -= steeper * c1 * b
                     moved[1, g] -= steeper * c2 * b
-                    moved[0, size + g] += b * (1.0 - r * e2 * e2)
-                    moved[0, 2 * size + g] += b * r * e1 * e2
-                    moved[1, size + g] += b * r * e1 * e2
-                    moved[1, 2 * size + g] += b * (1.0 - r * e1 * e1)
-                w1, w2 = u1 - limit * e1 / k, u2 - limit * e2 / k
+                    moved[0, size + g] += b
+                    moved[1, 2 * size + g] += b
+                w1, w2 = u1 - limit * c1, u2 - limit * c2
+                if counts:
+                    for h in range(size):
+                        q = analysis[t, h]
+                        moving[n, h] = synthesis[t, h]
+                        across[n, h], across[n, size + h] = -e2 * q, e1 * q
+                        along[n, h] = q
+                        along[n, size + h] = steeper * e1 * q
+                        along[n, 2 * size + h] = steeper * e2 * q
+                    n += 1
             _settle(tangent, wait, moved, k)
-            slipped[c, s] = count / (times - first)
+            if n == 0:
+                continue
+            slipped[c, s] = n / (times - first)
+            turning = np.dot(across[:n].T, turned[:n])
+            direct = np.dot(along[:n].T, moving[:n])
             for h in range(size):
+                for p in range(3 * size):
+                    tangent[1, h, p] += turning[h, p]
+                    tangent[2, h, p] += turning[size + h, p]
                 for g in range(size):
-                    tangent[1, h, size + g] += k * stuck[h, g] + bent[2, h, g]
-                    tangent[2, h, 2 * size + g] += k * stuck[h, g] + bent[0, h, g]
-                    tangent[1, h, 2 * size + g] -= bent[1, h, g]
-                    tangent[2, h, size + g] -= bent[1, h, g]
-                    tangent[1, h, g] += steep[0, h, g]
-                    tangent[2, h, g] += steep[1, h, g]
-        for t in range(first, times):
-            for h in range(size):
-                for a in range(3):
-                    force[c, a, h] += analysis[t, h] * wave[t, a]
-                for g in range(size):
-                    tangent[0, h, g] += slope_t[t] * product[t, h, g]
+                    tangent[1, h, size + g] -= k * direct[h, g]
+                    tangent[2, h, 2 * size + g] -= k * direct[h, g]
+                    tangent[1, h, g] += direct[size + h, g]
+                    tangent[2, h, g] += direct[2 * size + h, g]
+        tangent[0, :, :size] += kn[c].sum() * whole - lifted
+        tangent[1, :, size : 2 * size] += kt[c].sum() * whole
+        tangent[2, :, 2 * size :] += kt[c].sum() * whole
+        force[c] = np.dot(wave.T, counted)
     return force, jacobian, slipped
 
 

@@ -140,22 +140,20 @@ def linearised(
     used = lost.any(axis=(2, 3, 4)) | lost.any(axis=(1, 2, 4))
     if not used.any():
         return lambda right: right
-    active, place = np.flatnonzero(used.ravel()), np.arange(size)
-    number = np.full(3 * contacts, -1)
-    number[active] = np.arange(len(active))
+    own, axes = np.flatnonzero(used.any(axis=1)), np.flatnonzero(used.any(axis=0))
+    active = (3 * own[:, None] + axes).ravel()
     matrix = response_matrix(system, balance, amplitude, response, active)
-    dense = np.eye(len(matrix))
-    for contact in np.flatnonzero(used.any(axis=1)):
-        axes = np.flatnonzero(used[contact])
-        rows = (number[3 * contact + axes][:, None] * size + place).ravel()
-        block = lost[contact][np.ix_(axes, place, axes, place)].reshape(len(rows), len(rows))
-        dense[:, rows] -= matrix[:, rows] @ block
+    # contact by contact: the matrix's columns of a contact times its block
+    each = axes.size * size
+    blocks = lost[np.ix_(own, axes, range(size), axes, range(size))].reshape(-1, each, each)
+    columns = matrix.reshape(-1, own.size, each).swapaxes(0, 1)
+    dense = np.eye(len(matrix)) - (columns @ blocks).swapaxes(0, 1).reshape(matrix.shape)
     factor = scipy.linalg.lu_factor(dense, overwrite_a=True, check_finite=False)
 
     def line(right: ndarray) -> ndarray:
-        own = right.reshape(-1, size)[active].ravel()
+        rest = right.reshape(-1, size)[active].ravel()
         step = np.zeros((3 * contacts, size))
-        step[active] = scipy.linalg.lu_solve(factor, own, check_finite=False).reshape(-1, size)
+        step[active] = scipy.linalg.lu_solve(factor, rest, check_finite=False).reshape(-1, size)
         change = np.einsum("cahbg,cbg->cah", lost, step.reshape(contacts, 3, size))
         return right + respond_change(system, balance, amplitude, response, change).motion
 
