@@ -181,6 +181,18 @@ def test_iwan_follows_segalmans_integral(beta):
     assert np.allclose(monotonic(law, u), exact, rtol=2e-3)
 
 
+def test_iwan_as_it_comes_slips_and_loses_as_segalmans_does():
+    """From a ten thousandth of its last slip on; below, the loss is less than 1e-10 of that."""
+    chi, limit = -0.5, MU * N0
+    law = one(iwan, np.array([N0]), MU, chi)
+    most = limit * (chi + 2.0) / (KT * (chi + 1.0))
+    for part in (1e-4, 1e-3, 0.01, 0.1, 0.5):
+        lost = area(cycles(part * most), history(law, cycles(part * most), at_rest(law))[0])
+        body = KT * (chi + 1.0) * most ** -(chi + 1.0)  # density R
+        exact = 4.0 * body * (part * most) ** (chi + 3.0) / ((chi + 3.0) * (chi + 2.0))
+        assert lost == pytest.approx(exact, rel=0.06)
+
+
 def test_iwans_loss_grows_with_its_exponent():
     chi = -0.4
     law = one(iwan, np.array([N0]), MU, chi, 0.0, 120)

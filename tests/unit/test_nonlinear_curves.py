@@ -27,6 +27,12 @@ SLIDER = jenkins(np.array([1e6]), np.array([TANGENTIAL]), np.array([LIMIT]), 1.0
 AMPLITUDES = LIMIT / TANGENTIAL * np.geomspace(0.3, 30.0, 25)
 
 
+@pytest.fixture
+def any_harmonics(monkeypatch):
+    """The first harmonic alone, whatever the next ones would change."""
+    monkeypatch.setattr(harmonic_balance, "SUFFICES", (np.inf, np.inf))
+
+
 def first_harmonic_only(system, sliders, amplitudes, method):
     return mode_curve(system, sliders, amplitudes, method, (1,), decaying=False)
 
@@ -34,7 +40,7 @@ def first_harmonic_only(system, sliders, amplitudes, method):
 @pytest.mark.parametrize(
     ("method", "tolerance"), list(zip(METHODS, (5e-5, 1e-4, 1e-12), strict=True))
 )
-def test_one_slider_is_the_closed_form(method, tolerance):
+def test_one_slider_is_the_closed_form(method, tolerance, any_harmonics):
     curve = first_harmonic_only(one_dof(), SLIDER, AMPLITUDES, method)
     f, eta = closed_forms.one_dof(AMPLITUDES, MASS, SPRING, TANGENTIAL, LIMIT)
     assert np.abs(curve.frequency / f - 1.0).max() < tolerance
@@ -42,7 +48,7 @@ def test_one_slider_is_the_closed_form(method, tolerance):
     assert curve.reason == ""
 
 
-def test_material_damping_adds_to_frictions():
+def test_material_damping_adds_to_frictions(any_harmonics):
     bare, damped = (
         mode_curve(one_dof(loss), SLIDER, AMPLITUDES, "harmonic-balance", (1,), False)
         for loss in (0.0, 0.01)
@@ -170,10 +176,32 @@ def test_flanks_that_slide_are_not_damped_as_if_they_stuck(stuck):
     np.testing.assert_allclose(lossy.frequency, bare.frequency, rtol=1e-5)
 
 
+def test_too_few_harmonics_end_the_curve_and_say_so():
+    few, many = (
+        mode_curve(one_dof(), SLIDER, AMPLITUDES, "harmonic-balance", harmonics, False)
+        for harmonics in ((1,), range(1, 12, 2))
+    )
+    known = np.isfinite(few.frequency)
+    assert 0 < known.sum() < AMPLITUDES.size
+    assert known[: known.sum()].all()
+    assert "harmonics to 1 do not suffice: the next ones change the frequency by" in few.reason
+    assert (np.isfinite(many.frequency).all(), many.reason) == (True, "")
+
+
+def test_a_decay_that_its_own_damping_does_not_agree_with_is_no_solution(stuck, monkeypatch):
+    sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
+    amplitudes = np.array([1e-6, 1e-4])
+    monkeypatch.setattr(harmonic_balance, "_SAME_FADE", -1.0)
+    curve = mode_curve(stuck, sliders, amplitudes, "harmonic-balance")
+    assert np.isnan(curve.frequency).all()
+    assert "did not converge" in curve.reason
+
+
 def test_a_curve_that_ends_early_says_why_and_where(stuck, monkeypatch):
     """One number, that of the last amplitude with a value, by either method."""
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
     amplitudes = np.array([1e-6, 1e-5, 1e-4])
+    monkeypatch.setattr(harmonic_balance, "SUFFICES", (np.inf, np.inf))
     for method in ("harmonic-balance", "quasi-static"):
         whole = mode_curve(stuck, sliders, amplitudes, method)
         assert (np.isfinite(whole.frequency).all(), whole.reason) == (True, "")

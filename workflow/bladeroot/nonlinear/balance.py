@@ -119,6 +119,24 @@ def solve(
     return None
 
 
+def first_step(
+    system: System,
+    balance: Balance,
+    evaluate: Evaluate,
+    amplitude: float,
+    motion: Float[ndarray, "contact 3 coefficient"],
+) -> tuple[float, float]:
+    """Change of value and decay (1/s^2) by one step of Newton's method from a motion (m)."""
+    stiffness = system.stiffness[:, [0, 1, 1]]
+    force, tangent, _ = evaluate(motion)
+    response = respond(system, balance, amplitude, stiffness[:, :, None] * motion - force)
+    lost = _lost(tangent, stiffness)
+    line = linearised(system, balance, amplitude, response, lost)
+    change = np.einsum("cahbg,cbg->cah", lost, line(response.motion - motion))
+    moved = respond_change(system, balance, amplitude, response, change)
+    return moved.value, moved.decay
+
+
 def _lost(tangent: ndarray, stiffness: ndarray) -> ndarray:
     """Derivative of the missing force by the motion, N/m."""
     axis, place = np.arange(3)[:, None], np.arange(tangent.shape[2])

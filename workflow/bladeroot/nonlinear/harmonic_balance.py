@@ -9,13 +9,15 @@ from numpy import ndarray
 
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.aft import TIMES, contact_forces, cycle
-from bladeroot.nonlinear.balance import Solution, solve
+from bladeroot.nonlinear.balance import Solution, first_step, solve
 from bladeroot.nonlinear.continuation import Branch, follow
 from bladeroot.nonlinear.response import harmonic
 from bladeroot.nonlinear.system import System
 
-_FADES = 6  # rounds in which the decay and its own damping ratio come to agree
+_FADES = 12  # rounds in which the decay and its own damping ratio come to agree
 _SAME_FADE = 1e-4  # moves the loss factor by 0.03 % of itself
+# What the harmonics that are left out may change of the frequency and of the loss factor.
+SUFFICES = (1e-4, 0.03)
 
 
 def nonlinear_mode(
@@ -31,7 +33,8 @@ def nonlinear_mode(
     Under constant normal load reversed motion reverses the force, so even harmonics vanish and are
     left out. decaying: whether the contacts move as in the free decay that the mode is in, or as in
     steady vibration of constant amplitude. Each solution's slip is the part of the cycle in which a
-    slider slips.
+    slider slips. The branch ends, with a reason, where the next harmonics would change frequency or
+    loss factor by more than `SUFFICES`.
     """
     if not sliders.varies:
         harmonics = [h for h in harmonics if h % 2]
@@ -53,6 +56,8 @@ def nonlinear_mode(
                 last = fade
                 break
             fade, guess, amplitude = ratio, found.motion, found.amplitude
+        else:
+            return None
         return found
 
     def at_laser(solution: Solution) -> float:
@@ -61,7 +66,39 @@ def nonlinear_mode(
     first = amplitudes[0] / abs(system.laser[0])
     stuck = np.zeros((len(system.count), 3, balance.size))
     stuck[:, :, balance.first] = first * system.shape[:, :, 0]
-    return follow(at, amplitudes, at(first, stuck), at_laser)
+    branch = follow(at, amplitudes, at(first, stuck), at_laser)
+    more = [h for h in (harmonics[-1] + 1, harmonics[-1] + 2) if sliders.varies or h % 2]
+    if 4 * more[-1] > times:
+        return branch
+    for place, solution in enumerate(branch.solutions):
+        frequency, loss = _left_out(system, sliders, harmonics, more, times, solution, decaying)
+        if abs(frequency) > SUFFICES[0] or abs(loss) > SUFFICES[1]:
+            reason = (
+                f"harmonics to {harmonics[-1]} do not suffice: the next ones change the frequency "
+                f"by {1e6 * frequency:.0f} ppm, the loss factor by {100 * loss:.1f} %"
+            )
+            return Branch(branch.solutions[:place], reason, branch.turns)
+    return branch
+
+
+def _left_out(
+    system: System,
+    sliders: Sliders,
+    harmonics: Sequence[int],
+    more: Sequence[int],
+    times: int,
+    solution: Solution,
+    decaying: bool,
+) -> tuple[float, float]:
+    """Relative change of frequency and loss factor by more harmonics, in one step of Newton's."""
+    wide = [*harmonics, *more]
+    balance = harmonic(wide)
+    motion = np.zeros((*solution.motion.shape[:2], balance.size))
+    motion[:, :, : solution.motion.shape[2]] = solution.motion
+    fade = 0.5 * solution.decay / solution.value if decaying else 0.0
+    evaluate = partial(contact_forces, sliders, samples=cycle(wide, times, fade))
+    value, decay = first_step(system, balance, evaluate, solution.amplitude, motion)
+    return 0.5 * value / solution.value, decay / solution.decay - value / solution.value
 
 
 def growth(solution: Solution, first: int) -> tuple[float, float]:

@@ -259,9 +259,9 @@ def _bounds(stick: xr.Dataset) -> Table:
         )
     return Table(
         "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
-        "still bends; the stick frequency lies beyond it. Limit: where the laws that describe "
-        "the record, of those no steeper at zero than the square root of the amplitude, would "
-        "have it end",
+        "still bends; the stick frequency lies beyond it. Limit: where those powers of the "
+        "amplitude, from the square root upwards, that describe the record would have it end; "
+        "slip that saturates at large amplitudes can end outside",
         ("record", "mode", "force / kN", "frequency / Hz", "limit at zero amplitude / Hz"),
         rows,
     )

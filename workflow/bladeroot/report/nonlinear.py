@@ -70,6 +70,9 @@ def nonlinear_section(
                 ),
                 [_friction(one, k) for one in full for k in range(one.sizes["friction"])],
             ),
+            "These numbers describe how slip spreads in this joint; they are no measured constants "
+            "of its surfaces. High places of the pressure act like less friction, so one joint's "
+            "curves do not part the two, and the factors, at fixed kn and kt, leave this out.",
             Picture(
                 figures["amplitude_curves"],
                 "Fall of frequency and friction's loss factor over amplitude: measured (dots, bars "

@@ -64,9 +64,9 @@ def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) 
     correlation = stiffness["correlation"].values
     if np.isfinite(correlation).any():
         parts.append(
-            "kn and kt are almost one number: their correlation is "
-            f"{significant(float(np.nanmedian(correlation)), 3)}. What the data fix is a "
-            "combination of the two; each alone is known much less well."
+            "Force by force kn and kt are almost one number: their correlation is "
+            f"{significant(float(np.nanmedian(correlation)), 3)}. What one force's frequencies "
+            "fix is a combination of the two; only all forces and the curves together part them."
         )
     misses = stiffness["status"].values == "no root"
     if misses.any():

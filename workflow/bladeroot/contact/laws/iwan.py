@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from bladeroot.contact.laws.sliders import Sliders
 
-_DECADES = 3.0  # of stretch below phi_max that are resolved; the rest is one slider
+_DECADES = 5.0  # of stretch below phi_max that are resolved; the rest is one slider
 
 
 def iwan(
@@ -20,7 +20,7 @@ def iwan(
     friction: float,
     chi: float = -0.5,
     beta: float = 0.0,
-    sliders: int = 24,
+    sliders: int = 40,
 ) -> Sliders:
     """Contacts with tangential stiffness (N/m) at rest that slip as a whole at friction * preload.
 
