@@ -72,3 +72,38 @@ def test_curve_beside_a_mode_that_outlives_it(line_Hz, size):
     assert (np.abs(error) < np.maximum(5.0 * curve["frequency_std"].values, 1e-6 * TRUTH_HZ)).all()
     found = plateau(curve)
     assert abs(found["stick_frequency"] - TRUTH_HZ) < 5.0 * found["stick_frequency_std"]
+
+
+def test_a_mode_that_softens_and_outlives_the_measured_one_is_taken_off():
+    """While it is loud it rings 2 % lower than in the later half."""
+    amplitude = 0.3 * np.exp(-0.55 * TIME)
+    line_Hz = 2.02 * OWN_HZ * (1.0 - 0.02 * np.maximum(0.0, 1.0 - 0.06 / amplitude))
+    beside = amplitude * np.cos(2.0 * np.pi * np.cumsum(line_Hz) / RATE)
+    mode = own() + noise()
+    left, found = alone(mode + beside, RATE, OWN_HZ)
+    assert found == pytest.approx([2.02 * OWN_HZ], rel=0.01)
+    assert np.abs(left - mode)[TIME.size // 4 :].max() < 10.0 * NOISE
+    curve = chain(mode + beside)
+    error = curve["frequency"].values / TRUTH_HZ - 1.0
+    assert np.sqrt((error**2).mean()) < 1e-4
+
+
+def test_a_short_record_with_a_small_lower_mode_does_not_pretend_a_plateau():
+    """Frames are long enough to tell the two apart, however few there are."""
+    rate, softening = 4500.0, 0.01
+    time = np.arange(int(0.4 * rate)) / rate
+    fine = np.arange(time.size * 8) / (8 * rate)
+    level, phase = np.zeros((2, fine.size))
+    for k in range(1, fine.size):
+        slip = max(0.0, 1.0 - 0.03 / np.exp(level[k - 1]))
+        line, loss = 300.0 * (1.0 - softening * slip), 0.003 * (1.0 + slip)
+        level[k] = level[k - 1] - np.pi * line * loss / (8 * rate)
+        phase[k] = phase[k - 1] + 2.0 * np.pi * line / (8 * rate)
+    own_wave = (np.exp(level) * np.cos(phase))[::8]
+    lower = 0.08 * np.exp(-np.pi * 141.0 * 0.009 * time) * np.cos(2.0 * np.pi * 141.0 * time + 1.0)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(time.size)
+    velocity = np.concatenate([np.zeros(225), own_wave + lower + noise])
+    decay = judge(cut(velocity, rate, 300.0), velocity, 300.0)
+    found = plateau(estimate(decay.assign_attrs(expected_Hz=300.0)))
+    assert found["verdict"] == "plateau not reached"
+    assert found["frequency_bound"] == pytest.approx(297.7, abs=0.3)

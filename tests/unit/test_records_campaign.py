@@ -292,6 +292,15 @@ def test_slips_are_warnings(folder):
     assert "file r1.nc stands in row 2 already" in twice
 
 
+def test_readings_in_place_of_nominal_forces_are_a_warning(folder):
+    rows = "".join(f"r{k},r1.nc,1B,{12000 + k},{k}\n" for k in range(4))
+    text = "record,file,mode,force_N,channel\n" + rows + "r9,r1.nc,2B,12500,1\n"
+    (folder / "records.csv").write_text(text)
+    (line,) = load_campaign(folder).warnings
+    assert "1B: 4 forces lie less than 1 % apart, as 12000 and 12001 N" in line
+    assert line.endswith("records.csv, row 2)")
+
+
 def test_one_file_may_hold_two_modes_or_channels(folder):
     text = "record,file,mode,force_N,channel\nr1,r1.nc,1B,12000,1\nr2,r1.nc,2B,12000,1\n"
     (folder / "records.csv").write_text(text + "r3,r1.nc,1B,12000,2\n")

@@ -343,6 +343,19 @@ def test_two_modes_in_the_band():
     assert "two modes in the band: 248.9 and 300 Hz" in uncut(clean + rival).attrs["findings"]
 
 
+@pytest.mark.parametrize(("others", "verdict"), [((), "usable"), ((420.0,), "rejected")])
+@pytest.mark.parametrize("louder", [3.0, 6.0])
+def test_a_louder_mode_beside_one_at_the_expected_frequency(louder, others, verdict):
+    time = np.arange(32000) / 20000.0
+    clean = np.exp(-4.7 * time) * np.cos(2.0 * np.pi * 500.0 * time)
+    rival = louder * np.exp(-2.6 * time) * np.cos(2.0 * np.pi * 420.0 * time + 1.0)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
+    velocity = np.concatenate([np.zeros(1000), clean + rival + noise])
+    found = judged(velocity, 500.0, 20000.0, modes_Hz=others)
+    assert "but nearer to the expected 500 Hz" in found.attrs["findings"]
+    assert found.attrs["verdict"] == verdict
+
+
 def test_short_and_broken_off_records_are_told():
     found = uncut(decay(second=0.0, eta=(0.01, 0.01))[: int(0.16 * RATE)])
     assert {"too-short", "ends-early"} <= ids(found)

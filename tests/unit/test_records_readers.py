@@ -185,6 +185,17 @@ def test_matlab_73_cells_and_structs(tmp_path):
     np.testing.assert_allclose(found.samples, 2 * WAVE)
 
 
+def test_matlab_73_empty_arrays_are_no_channels(tmp_path):
+    import h5py
+
+    path = tmp_path / "a.mat"
+    write_matlab_73(path, WAVE, RATE, "m/s")
+    with h5py.File(path, "a") as file:
+        notes = file.create_dataset("notes", data=np.zeros(2, np.uint64))
+        notes.attrs["MATLAB_class"], notes.attrs["MATLAB_empty"] = np.bytes_("double"), np.uint8(1)
+    np.testing.assert_allclose(read(path).samples, WAVE)
+
+
 @pytest.mark.parametrize("double", [True, False])
 @pytest.mark.parametrize("count", [400, 397])
 def test_universal_file_of_text(tmp_path, double, count):

@@ -16,6 +16,8 @@ LOUD, GROWN = 0.3, 0.7
 # Distance from the mode (over its frequency) from which a line's wave can be taken off, which is
 # that of lines, too; and from which a line is another mode's at all.
 APART, NEAREST = 0.17, 0.04
+# A mode's frequency may be so far off (relative) while it is loud.
+MOVED = 0.04
 MOST = 4
 # It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
 BESIDE, CLEAR = 0.06, 12.0
@@ -86,7 +88,10 @@ def loud_lines(
         if rest[at] <= LOUD * late[own] or len(found) == MOST:
             break
         around = np.abs(np.abs(frequency - frequency[at]) / reach - 1.0) < 0.3
-        before = early[max(at - 2, 0) : at + 3].max()
+        # a mode of another amplitude may have rung elsewhere; not one so close that it may be ours
+        moved = MOVED * frequency[at] if abs(frequency[at] - own_Hz) >= APART * own_Hz else 0.0
+        then = np.abs(frequency - frequency[at]) < max(moved, 2.5 * width)
+        before = np.sqrt((early[then] ** 2).sum())
         if late[at] > CLEAR * medians(late[around]) and before > GROWN * late[at]:
             found.append(float(frequency[at]))
         rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0

@@ -46,7 +46,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
         curve may still bend at the smallest usable amplitude, stick_frequency is NaN,
         frequency_bound (with frequency_bound_std) is the frequency there, and the limit lies
-        between limit_low and limit_high by every law from sqrt(A) upwards that is tenable.
+        between limit_low and limit_high by every power of the amplitude from 1/2 upwards that is
+        tenable; by a law that saturates it may lie outside.
     """
     result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
     result["plateau_reached"] = 0

@@ -21,6 +21,8 @@ from bladeroot.decay.smooth import Spline, coarse, fine
 
 # A first block belongs to the blow where ln A + i phase bends so many times more than after it.
 STRUCK = 8.0
+# Most cycles in a frame.
+LONGEST = 4
 
 
 def follow(
@@ -206,12 +208,16 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
 
 
 def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
-    """Cycles in a frame: enough to tell the other lines apart, while frames remain plenty."""
-    most = int(np.clip(duration * line_Hz / 150.0, 1, 4))
-    for cycles in range(1, most + 1):
+    """Cycles in a frame: enough to tell the mode from other lines and these from a mean.
+
+    And the other lines from one another, while frames remain plenty.
+    """
+    plenty = int(np.clip(duration * line_Hz / 150.0, 1, LONGEST))
+    for cycles in range(1, LONGEST + 1):
         frame = cycles / line_Hz
+        own = min((abs(line - b) * frame for line in others for b in (line_Hz, 0.0)), default=1.0)
         lines = [*others, line_Hz, 0.0]
-        apart = [abs(a - b) * frame for k, a in enumerate(lines) for b in lines[:k]]
-        if min(apart) > 0.9:
+        every = min(abs(a - b) * frame for k, a in enumerate(lines) for b in lines[:k])
+        if own > 0.9 and (every > 0.9 or cycles >= plenty):
             return cycles
-    return most
+    return LONGEST

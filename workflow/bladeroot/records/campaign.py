@@ -7,6 +7,7 @@ line a fault that names the file and the row (the line number an editor shows).
 import math
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,8 @@ MODE_BAND = 0.25
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 # A force this small on a gauge this large (N) is a slip of the unit.
 SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
+# Forces so much apart (relative) are rather readings of one force than two of a test's.
+ALIKE = 0.01
 # Folders of results/ that are no campaign's.
 _RESERVED = ("structures", "bench", "logs", "benchmarks")
 
@@ -245,7 +248,27 @@ class _Sheet:
                 }
             )
         self.one_use(rows)
+        if not self.faults:
+            self.near_forces([row for row, _ in rows], checked)
         return tuple(checked)
+
+    def near_forces(self, rows: list[int], checked: list[dict]) -> None:
+        """Warn where repeats are told apart by what a gauge read, for then they are not pooled."""
+        for mode in self.description["modes"]:
+            first: dict[float, int] = {}
+            for row, line in zip(rows, checked, strict=True):
+                if line["mode"] == mode and not line["exclude"]:
+                    first.setdefault(line["force_N"], row)
+            forces = sorted(first)
+            near = [a for a, b in pairwise(forces) if b - a < ALIKE * b]
+            if near:
+                other = forces[forces.index(near[0]) + 1]
+                self.warnings.append(
+                    f"{mode}: {len(near) + 1} forces lie less than 1 % apart, as {near[0]:g} and "
+                    f"{other:g} N: records are pooled, and their scatter is known, only where "
+                    f"the force is the same; repeats of one force need its nominal value "
+                    f"({self.path}, row {first[near[0]]})"
+                )
 
     def one_use(self, rows: list[tuple[int, dict]]) -> None:
         """Warn of a raw file that stands for two records of one mode."""

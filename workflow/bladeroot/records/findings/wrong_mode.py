@@ -9,8 +9,9 @@ from bladeroot.records.sight import TOLERANCE, Sight
 
 STATISTIC = "strongest line over the strongest in the band, or second over first within the band"
 THRESHOLD = 5.0
-# A second line in the band with more than this part of the first leaves open which is the mode.
-SECOND = 0.5
+# A second line in the band with more than this part of the first leaves open which is the mode; if
+# it lies less than half as far from the expected frequency, with more than the other part.
+SECOND, NEARER = 0.5, 0.1
 
 
 def find(sight: Sight) -> Finding | None:
@@ -30,12 +31,22 @@ def find(sight: Sight) -> Finding | None:
     peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
     second = np.where(apart & peaks, within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
-    if ratio <= THRESHOLD and rival > SECOND:
+    off = abs(sight.own_Hz - sight.expected_Hz)
+    close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
+    nearer = float(close.max()) / max(own, 1e-300)
+    if ratio <= THRESHOLD and (rival > SECOND or nearer > NEARER):
+        statistic = THRESHOLD * max(rival / SECOND, nearer / NEARER)
+        shown, part = (close, nearer) if nearer > NEARER else (second, rival)
         text = (
-            f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, second):.5g} Hz, "
-            f"the second with {100 * rival:.2g} % of the first"
+            f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
+            f"the second with {100 * part:.2g} % of the first"
         )
-        return Finding(THRESHOLD * rival / SECOND, THRESHOLD, "warn", text)
+        if nearer <= NEARER:
+            return Finding(statistic, THRESHOLD, "warn", text)
+        text += f", but nearer to the expected {sight.expected_Hz:.5g} Hz"
+        # the strongest may be the mode all the same, unless the sheet has another one there
+        known = any(abs(sight.own_Hz - mode) < off for mode in sight.modes_Hz)
+        return Finding(statistic, THRESHOLD, "drop" if known else "warn", text)
     text = (
         f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
         f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"

@@ -173,6 +173,8 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
             part = file[item[place[::-1]]]
             yield from _walk_73(f"{name}{cell}", cell, row, part, depth + 1, file, path)
         return
+    if item.attrs.get("MATLAB_empty", 0):  # what it holds are an empty array's dimensions
+        return
     check_claim(item.size, item.dtype.itemsize, path)
     value = np.asarray(item[()]).T
     if item.attrs.get("MATLAB_class") == b"char":
