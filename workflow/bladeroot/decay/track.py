@@ -218,6 +218,6 @@ def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
         own = min((abs(line - b) * frame for line in others for b in (line_Hz, 0.0)), default=1.0)
         lines = [*others, line_Hz, 0.0]
         every = min(abs(a - b) * frame for k, a in enumerate(lines) for b in lines[:k])
-        if own > 0.9 and (every > 0.9 or cycles >= plenty):
+        if every > 0.9 or (own > 0.75 and cycles >= plenty):
             return cycles
     return LONGEST
