@@ -42,6 +42,7 @@ def test_mechanisms_that_are_not_there_or_no_python_end_the_run(tmp_path):
         (SHEET, "1B,60", "1B,nan", "pressure_bar must be a finite number, got 'nan'"),
         (SHEET, "1B,60", "7B,60", "mode must be one of 1B, 2B"),
         ("config/config.yaml", "end: noise", "end: 2", "record.end"),
+        ("config/config.yaml", "[0, 1, 2, 3]", "[3, 1]", "nonlinear.harmonics must ascend"),
         ("config/config.yaml", "[small]", "[smal]", "campaign folder not found"),
         (TINY, "width_mm: 26", "width_mm: wide", "beam.width_mm"),
         (TINY, "name: tiny", "name: huge", "name must be 'tiny'"),

@@ -185,6 +185,15 @@ def test_matlab_73_cells_and_structs(tmp_path):
     np.testing.assert_allclose(found.samples, 2 * WAVE)
 
 
+def test_a_header_behind_a_comment_sign_names_the_columns(tmp_path):
+    table = np.column_stack([TIME, 1e3 * WAVE])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="time_s,velocity_mm/s")
+    np.testing.assert_allclose(read(tmp_path / "a.csv").samples, WAVE)
+    np.savetxt(tmp_path / "b.csv", table, delimiter=",", header="made by hand, on a Monday")
+    with pytest.raises(ValueError, match="1: column 1, 2: column 2"):
+        read(tmp_path / "b.csv")
+
+
 def test_matlab_73_empty_arrays_are_no_channels(tmp_path):
     import h5py
 

@@ -47,6 +47,8 @@ def test_spellings(unit, quantity, factor):
         ("V", "100 mV/g", "acceleration", 98.0665),
         ("V", "10.2 mV/(m/s^2)", "acceleration", 1 / 0.0102),
         ("V", "10.2 mV/ms-2", "acceleration", 1 / 0.0102),
+        ("V", "8 V/m/s", "velocity", 0.125),
+        ("V", "8 mV/mm/s", "velocity", 0.125),
         ("V", "20 um/V", "displacement", 2e-5),
         ("FS", "500 mm/s/FS", "velocity", 0.5),
         ("count", "5e-3 um/s/count", "velocity", 5e-9),

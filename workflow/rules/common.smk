@@ -10,6 +10,7 @@ ROOT = Path(workflow.basedir)
 # do the same (_cli.py).
 sys.path.insert(0, str(ROOT / "workflow"))
 
+from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.campaign import load_campaign
 from bladeroot.schema import check, read_yaml
@@ -92,6 +93,7 @@ def checked_campaigns():
     for key in config.keys() - {"campaigns"}:
         config[key] = with_numbers(config[key])
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
+    check_nonlinear(config["nonlinear"])
     campaigns, structures, faults = {}, {}, []
     for name in names:
         folder = campaign_folder(name)

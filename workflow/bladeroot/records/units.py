@@ -97,6 +97,8 @@ def motion(unit: str, sensitivity: str | None = None) -> tuple[str, float]:
         return quantity, factor * number
     signal, sensor = _quantity(1.0, unit), _quantity(number, text)
     found = _motion(signal * sensor) or _motion(signal / sensor)
+    if found is None and text.count("/") == 2:  # V/m/s is printed where V/(m/s) is meant
+        found = _motion(signal / _quantity(number, "{}/({}/{})".format(*text.split("/"))))
     if found is None:
         raise ValueError(
             f"sensitivity {sensitivity!r} makes no motion of {unit!r}; expected one such as "

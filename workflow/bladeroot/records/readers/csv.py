@@ -113,7 +113,7 @@ def _form(path: str) -> _Form:
     if len(heads) > 1 and len(names) == len(fields) and all(map(_unit, bare)):
         units, names, used = list(bare), heads[0], above[-2:]
     if not above:
-        names = [f"column {k + 1}" for k in range(len(fields))]
+        names = _commented(lines[:first], separator, len(fields))
     if len(names) != len(fields):
         raise ValueError(
             f"expected a name for each of the {len(fields)} columns, got {', '.join(names)} "
@@ -131,6 +131,14 @@ def _form(path: str) -> _Form:
         tuple(units),
         words,
     )
+
+
+def _commented(lines: list[str], separator: str | None, count: int) -> list[str]:
+    """Names of columns in the comment right above the numbers, as numpy writes them, or numbers."""
+    last = lines[-1] if lines and lines[-1].startswith(_COMMENTS) else ""
+    names = [name.strip('" ') for name in _fields(last.lstrip("".join(_COMMENTS)), separator)]
+    told = len(names) == count and any(_unit(split_name(name)[1] or "") for name in names)
+    return names if told else [f"column {k + 1}" for k in range(count)]
 
 
 def _fields(line: str, separator: str | None) -> list[str]:
