@@ -17,7 +17,7 @@ from scipy.interpolate import PchipInterpolator
 from bladeroot.contact.laws import closed_forms
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.balance import Solution
-from bladeroot.nonlinear.harmonic_balance import fall, growth, nonlinear_mode
+from bladeroot.nonlinear.harmonic_balance import fall, growth, nonlinear_mode, sufficient
 from bladeroot.nonlinear.masing import first_harmonic
 from bladeroot.nonlinear.quasi_static import first_loading
 from bladeroot.nonlinear.system import System
@@ -110,7 +110,8 @@ def _slip_share(sliders: Sliders, slips: ndarray) -> Float[ndarray, " contact"]:
 
 
 def _by_harmonic_balance(system, sliders, amplitudes, harmonics, decaying) -> Curve:
-    branch = nonlinear_mode(system, sliders, amplitudes, harmonics, decaying=decaying)
+    found = nonlinear_mode(system, sliders, amplitudes, harmonics, decaying=decaying)
+    branch = sufficient(system, sliders, found, harmonics, decaying=decaying)
     rows = np.full((4 + len(system.count), len(amplitudes)), np.nan)
     first = 1 if sliders.varies and 0 in harmonics else 0
     for place, solution in enumerate(branch.solutions):

@@ -30,14 +30,12 @@ def nonlinear_mode(
 ) -> Branch:
     """Motions at rising amplitudes (m) of the first harmonic at the laser.
 
-    Under constant normal load reversed motion reverses the force, so even harmonics vanish and are
-    left out. decaying: whether the contacts move as in the free decay that the mode is in, or as in
-    steady vibration of constant amplitude. Each solution's slip is the part of the cycle in which a
-    slider slips. The branch ends, with a reason, where the next harmonics would change frequency or
-    loss factor by more than `SUFFICES`.
+    Under constant normal load even harmonics vanish and are left out. decaying: whether the
+    contacts move as in the free decay that the mode is in, or as in steady vibration of constant
+    amplitude. Each solution's slip is the part of the cycle in which a slider slips. What the
+    harmonics that are not asked would change is `sufficient`'s.
     """
-    if not sliders.varies:
-        harmonics = [h for h in harmonics if h % 2]
+    harmonics = _own(sliders, harmonics)
     balance = harmonic(harmonics)
 
     last = 0.0  # damping ratio of the last motion found, where the next one begins
@@ -66,12 +64,27 @@ def nonlinear_mode(
     first = amplitudes[0] / abs(system.laser[0])
     stuck = np.zeros((len(system.count), 3, balance.size))
     stuck[:, :, balance.first] = first * system.shape[:, :, 0]
-    branch = follow(at, amplitudes, at(first, stuck), at_laser)
+    return follow(at, amplitudes, at(first, stuck), at_laser)
+
+
+def sufficient(
+    system: System,
+    sliders: Sliders,
+    branch: Branch,
+    harmonics: Sequence[int],
+    times: int = TIMES,
+    decaying: bool = True,
+) -> Branch:
+    """The branch as far as the next harmonics would change no more than `SUFFICES`, and why not.
+
+    The branch is as `nonlinear_mode` finds it with the same arguments.
+    """
+    harmonics = _own(sliders, harmonics)
     more = [h for h in (harmonics[-1] + 1, harmonics[-1] + 2) if sliders.varies or h % 2]
     if 4 * more[-1] > times:
         return branch
     for place, solution in enumerate(branch.solutions):
-        frequency, loss = _left_out(system, sliders, harmonics, more, times, solution, decaying)
+        frequency, loss = _left_out(system, sliders, solution, harmonics, more, times, decaying)
         if abs(frequency) > SUFFICES[0] or abs(loss) > SUFFICES[1]:
             reason = (
                 f"harmonics to {harmonics[-1]} do not suffice: the next ones change the frequency "
@@ -81,13 +94,18 @@ def nonlinear_mode(
     return branch
 
 
+def _own(sliders: Sliders, harmonics: Sequence[int]) -> list[int]:
+    """Those that a law has: reversed motion reverses the force under constant normal load."""
+    return [h for h in harmonics if sliders.varies or h % 2]
+
+
 def _left_out(
     system: System,
     sliders: Sliders,
+    solution: Solution,
     harmonics: Sequence[int],
     more: Sequence[int],
     times: int,
-    solution: Solution,
     decaying: bool,
 ) -> tuple[float, float]:
     """Relative change of frequency and loss factor by more harmonics, in one step of Newton's."""
