@@ -194,6 +194,13 @@ def test_a_header_behind_a_comment_sign_names_the_columns(tmp_path):
         read(tmp_path / "b.csv")
 
 
+def test_channels_as_a_second_dimension_are_told_as_none(tmp_path):
+    both = np.stack([WAVE, WAVE], axis=1)
+    xr.Dataset({"velocity": (("time", "channel"), both)}).to_netcdf(tmp_path / "a.nc")
+    with pytest.raises(ValueError, match=r"got no vector of real numbers \(.*a\.nc\)"):
+        read(tmp_path / "a.nc", channel="velocity")
+
+
 def test_matlab_73_empty_arrays_are_no_channels(tmp_path):
     import h5py
 

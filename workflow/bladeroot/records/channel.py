@@ -82,7 +82,9 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
             fits = motion
     if len(fits) == 1:
         return fits[0]
-    listed = ", ".join(map(str, entries[:_LISTED])) or "no channel of numbers"
+    if not entries:
+        raise ValueError(f"expected {wanted}, got no vector of real numbers ({path})")
+    listed = ", ".join(map(str, entries[:_LISTED]))
     more = f" and {len(entries) - _LISTED} more" if len(entries) > _LISTED else ""
     raise ValueError(
         f"expected {wanted}, got {'several' if fits else 'none'} of {listed}{more}; channel in "
