@@ -3,6 +3,7 @@
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 from bladeroot.records.read import read
 from hypothesis import given, settings
 from hypothesis import strategies as st
