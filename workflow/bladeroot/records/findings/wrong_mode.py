@@ -7,7 +7,10 @@ from bladeroot.records.findings.sampling_rate import outside
 from bladeroot.records.lines import peak_Hz
 from bladeroot.records.sight import TOLERANCE, Sight
 
-STATISTIC = "strongest line over the strongest in the band, or second over first within the band"
+STATISTIC = (
+    "strongest line over the strongest in the band; or, within the band, second over first, or one "
+    "less than half as far from the expected frequency with 10 % of the first"
+)
 THRESHOLD = 5.0
 # A second line in the band with more than this part of the first leaves open which is the mode; if
 # it lies less than half as far from the expected frequency, with more than the other part.
