@@ -60,7 +60,7 @@ def _over_force(axis, one: xr.Dataset, stiffness: xr.Dataset, name: str, colour:
     rooted = here["status"].values == "root"
     axis.plot(each[rooted], 1e-9 * here[name].values[rooted], "o", color="black", markersize=3.5,
               label="root of each force by itself")  # fmt: skip
-    if f"published_{name}_total" in here:
+    if f"published_{name}_total" in here and here[f"published_{name}_total"].notnull().any():
         axis.errorbar(
             each, 1e-9 * here[f"published_{name}_total"],
             1e-9 * here[f"published_{name}_total_std"],

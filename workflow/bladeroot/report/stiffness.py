@@ -159,4 +159,4 @@ def _law_sentences(stiffness: xr.Dataset) -> list[str]:
 def _law(law: xr.Dataset, name: str) -> str:
     exponent, spread = (float(law[f"{name}_law_exponent{end}"]) for end in ("", "_std"))
     text = f"{name} ∝ F^({significant(exponent, 2)} ± {significant(spread, 1)})"
-    return text if spread < abs(exponent) else f"{text}, which the data do not determine,"
+    return text if spread < abs(exponent) else f"{text} (which the data do not determine)"
