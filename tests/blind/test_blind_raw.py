@@ -1,7 +1,7 @@
 """Raw cases: sealed, run by the whole workflow as a user would, then opened and scored."""
 
 import pytest
-from cases import draw_case, draw_sheet
+from cases import PRESSURES, draw_case, draw_sheet
 from lab import Laboratory
 from matrix import run_case
 from runs import structures
@@ -9,7 +9,7 @@ from runs import structures
 pytestmark = pytest.mark.slow
 SEED = 7700
 CYCLES = 1  # half of a matrix's records
-# bar; slip shows within records, a hysteresis in repeats: none of these needs more forces
+# bar; slip shows within records, a hysteresis in repeats: neither needs more forces
 FOUR, FIVE = (10, 30, 67, 134), (10, 24, 45, 85, 134)
 
 
@@ -25,7 +25,7 @@ def parametric(blind_house):
 
 @pytest.mark.parametrize(
     ("number", "names", "pressures"),
-    [(0, (), FIVE), (1, ("loading-hysteresis",), FIVE), (2, ("joint-slip",), FOUR)],
+    [(0, (), PRESSURES), (1, ("loading-hysteresis",), FIVE), (2, ("joint-slip",), FOUR)],
 )
 def test_a_raw_case_is_answered(blind_house, parametric, number, names, pressures):
     lab = Laboratory(parametric.with_name("reduced.nc"))
