@@ -179,7 +179,7 @@ def test_flanks_that_slide_are_not_damped_as_if_they_stuck(stuck):
 def test_too_few_harmonics_end_the_curve_and_say_so():
     few, many = (
         mode_curve(one_dof(), SLIDER, AMPLITUDES, "harmonic-balance", harmonics, False)
-        for harmonics in ((1,), range(1, 12, 2))
+        for harmonics in ((1,), tuple(range(1, 12, 2)))
     )
     known = np.isfinite(few.frequency)
     assert 0 < known.sum() < AMPLITUDES.size
