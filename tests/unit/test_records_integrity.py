@@ -298,8 +298,6 @@ def test_noise_of_a_hundred_decibels_is_said_in_plain_digits():
         own_Hz=250.0,
         floor=1.0,
         few=1,
-        alone=frequency,
-        velocity=frequency,  # no loud other mode
     )
     assert re.search(r"noise: 1\d\d\.\d dB stronger", coloured_noise.find(seen).text)
 
