@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.lines import loudest, near_Hz
+from bladeroot.records.lines import loudest, magnitudes, mode_Hz
 from bladeroot.records.runs import in_frames, medians
 
 # A line counts from this part of the mode's own height in the spectrum of a decay's later half,
@@ -19,6 +19,10 @@ APART, NEAREST = 0.17, 0.04
 # A mode's frequency may be so far off (relative) while it is loud.
 MOVED = 0.04
 MOST = 4
+# In so many first cycles a line counts from this part of the mode's height where it lies below this
+# multiple of its frequency: frames of one cycle tell others from it, but not these.
+# The mode has then at least a part of that line's height, or the line is the mode's own while loud.
+FIRST_CYCLES, LOUD_FIRST, BELOW, AUDIBLE = 24.0, 0.7, 1.6, 0.08
 # It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
 BESIDE, CLEAR = 0.06, 12.0
 # Lines below this part of the mode's frequency are a baseline, those above this multiple are told
@@ -44,13 +48,13 @@ def alone(
     The decay itself where there are none, and with those that are too close to this mode. What
     lies in samples that are not usable does not count.
     """
-    own_Hz, loud_Hz = loud_lines(velocity, sampling_Hz, expected_Hz)
-    others_Hz = [line for line in loud_Hz if abs(line - own_Hz) >= APART * own_Hz]
-    if not others_Hz:
-        return velocity, loud_Hz
     seen = np.arange(velocity.size) if usable is None else np.flatnonzero(usable)
     part = slice(int(seen[0]), int(seen[-1]) + 1)
     piece = velocity[part]
+    own_Hz, loud_Hz = loud_lines(piece, sampling_Hz, expected_Hz)
+    others_Hz = [line for line in loud_Hz if abs(line - own_Hz) >= APART * own_Hz]
+    if not others_Hz:
+        return velocity, loud_Hz
     theirs, every = waves(piece, sampling_Hz, own_Hz, others_Hz)
     if usable is not None and not usable[part].all():
         for _ in range(FILLED):
@@ -76,7 +80,7 @@ def loud_lines(
     near = np.abs(frequency / expected_Hz - 1.0) <= APART
     if not near.any():
         return expected_Hz, []
-    own_Hz = own_line(means, sampling_Hz / few, expected_Hz)
+    own_Hz = mode_Hz(*loudest(means, sampling_Hz / few, expected_Hz), expected_Hz)
     near = np.abs(frequency - own_Hz) < max(NEAREST * own_Hz, 6.0 * width)
     own = int(np.argmax(np.where(near, late, 0.0)))
     far = (frequency < max(LOWEST * own_Hz, 4.0 * width)) | (frequency > HIGHEST * own_Hz)
@@ -95,12 +99,29 @@ def loud_lines(
         if late[at] > CLEAR * medians(late[around]) and before > GROWN * late[at]:
             found.append(float(frequency[at]))
         rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0
-    return own_Hz, found
+    first = _loud_first(means, sampling_Hz / few, own_Hz)
+    apart = [line for line in first if all(abs(line - one) >= APART * own_Hz for one in found)]
+    return own_Hz, (found + apart)[:MOST]
 
 
-def own_line(velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float) -> float:
-    """The mode's frequency (Hz): the strongest line near the expected one in the loudest cycles."""
-    return near_Hz(*loudest(velocity, sampling_Hz, expected_Hz), expected_Hz, APART)
+def _loud_first(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, own_Hz: float
+) -> list[float]:
+    """Lines (Hz) beside the mode that are as loud in a decay's first cycles, loudest first."""
+    count = int(FIRST_CYCLES * sampling_Hz / own_Hz)
+    frequency, level = magnitudes(velocity[:count], sampling_Hz)
+    off = np.abs(frequency - own_Hz) / own_Hz
+    peak = np.zeros(level.size, bool)
+    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    own = level.max(where=peak & (off < 0.5 * APART), initial=0.0)
+    peak &= (off >= APART) & (frequency < BELOW * own_Hz) & (level > LOUD_FIRST * own)
+    if own < AUDIBLE * level.max(where=peak, initial=0.0):
+        return []
+    found: list[float] = []
+    for k in sorted(np.flatnonzero(peak), key=lambda k: -level[k]):
+        if all(abs(frequency[k] - one) >= APART * own_Hz for one in found):
+            found.append(float(frequency[k]))
+    return found
 
 
 def waves(

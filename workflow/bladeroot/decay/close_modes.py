@@ -50,10 +50,10 @@ def near_waves(
     return waves
 
 
-def outlived_s(
+def quieter_s(
     taken: Float[ndarray, " sample"], sampling_Hz: float, fit: Spline, beat_s: float
-) -> float:
-    """Time (s) from which on the close modes that were taken off are as loud as the mode."""
+) -> tuple[float, float]:
+    """The longest time (s, from and to) in which the close modes taken off are less loud."""
     length = int(np.clip(beat_s * sampling_Hz, 1, taken.size))
     count = taken.size // length
     pieces = taken[: count * length].reshape(count, length)
@@ -61,8 +61,10 @@ def outlived_s(
     middle = (np.arange(count) + 0.5) * length / sampling_Hz
     last_s = fit.origin + fit.scale * fit.knots[-1]
     mode = np.exp(fit.value(np.minimum(middle, last_s))[0, 0])
-    louder = np.flatnonzero(size > LOUDEST * mode)
-    return float(middle[louder[0]]) if louder.size else taken.size / sampling_Hz
+    louder = middle[size > LOUDEST * mode]
+    ends = np.concatenate([[0.0], louder, [taken.size / sampling_Hz]])
+    longest = int(np.argmax(np.diff(ends)))
+    return float(ends[longest]), float(ends[longest + 1])
 
 
 def widened(blocks: Phasors, fit: Spline, beat_s: float) -> tuple[Phasors, Spline]:

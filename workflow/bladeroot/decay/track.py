@@ -9,7 +9,7 @@ from bladeroot.decay.close_modes import (
     CLOSE,
     SPOILT_BEATS,
     near_waves,
-    outlived_s,
+    quieter_s,
     widened,
     within,
 )
@@ -57,9 +57,10 @@ def follow(
         close = [k for k, gap in gaps.items() if gap < CLOSE * line_Hz]
         if close:
             beat_s = 1.0 / min(gaps[k] for k in close)
-            first_s = SPOILT_BEATS * beat_s
+            spoilt_s = SPOILT_BEATS * beat_s
             taken = sum(waves[k] for k in close)
-            last_s = outlived_s(taken, sampling_Hz, fit, beat_s) - first_s
+            first_s, last_s = quieter_s(taken, sampling_Hz, fit, beat_s)
+            first_s, last_s = first_s + spoilt_s, last_s - spoilt_s
     cycles = _cycles(others, line_Hz, duration)
     if cycles > 1:
         stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)

@@ -6,6 +6,10 @@ from numpy import ndarray
 from scipy import fft
 
 LOUD_CYCLES = 80.0
+# A mode further than this (relative) from its expected frequency is not looked for. One in the
+# nearer part goes before a louder one further off, from this part of its height on, where the level
+# between them sinks below this part of its own: a mode that softens by as much leaves no valley.
+TOLERANCE, NEAR, LEAST, VALLEY = 0.3, 0.17, 0.1, 0.5
 
 
 def magnitudes(
@@ -40,14 +44,20 @@ def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) 
     return float(frequency[k] + np.clip(shift, -0.5, 0.5) * (frequency[1] - frequency[0]))
 
 
-def near_Hz(
-    frequency: Float[ndarray, " line"],
-    level: Float[ndarray, " line"],
-    expected_Hz: float,
-    tolerance: float,
+def mode_Hz(
+    frequency: Float[ndarray, " line"], level: Float[ndarray, " line"], expected_Hz: float
 ) -> float:
-    """Frequency of the strongest line near the expected one, which stands in for none."""
-    inside = np.where(np.abs(frequency / expected_Hz - 1.0) <= tolerance, level, 0.0)
+    """Frequency of the mode that is meant by the expected one, which stands in for none.
+
+    The strongest line near it, or, without a clear one there, the strongest within the tolerance.
+    """
+    off = np.abs(frequency / expected_Hz - 1.0)
+    inside = np.where(off <= TOLERANCE, level, 0.0)
+    near = np.where(off <= NEAR, level, 0.0)
+    k, strongest = int(np.argmax(near)), int(np.argmax(inside))
+    between = level[min(k, strongest) : max(k, strongest) + 1]
+    if level[k] > LEAST * level[strongest] and between.min() < VALLEY * level[k]:
+        inside = near
     return peak_Hz(frequency, inside) if inside.any() else expected_Hz
 
 

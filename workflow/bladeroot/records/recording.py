@@ -7,9 +7,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.records.channel import SHORTEST
-from bladeroot.records.lines import loudest, near_Hz
+from bladeroot.records.lines import loudest, mode_Hz
 from bladeroot.records.sampling import uniform
-from bladeroot.records.sight import TOLERANCE
 from bladeroot.records.units import SI, motion
 
 # Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
@@ -136,14 +135,13 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
     of the mode, the integration's drift, is taken off. What either does to a wave, some
-    per cent with few samples a cycle, is made good for the strongest line near `expected_Hz` in the
-    loudest cycles.
+    per cent with few samples a cycle, is made good for the mode's line in the loudest cycles.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.quantity == "velocity":
         return x
     lines = loudest(x - x.mean(), record.sampling_Hz, expected_Hz)
-    own_Hz = near_Hz(*lines, expected_Hz, TOLERANCE)
+    own_Hz = mode_Hz(*lines, expected_Hz)
     # what lies above has no samples to be seen by, as the cut then says
     angle = min(2.0 * np.pi * own_Hz * step, 0.9 * np.pi)
     gain = float(2.0 * _CENTRAL @ np.sin(angle * np.arange(1, 5)) / angle)

@@ -8,12 +8,10 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.lines import blackman_harris, loudest, near_Hz
+from bladeroot.records.lines import blackman_harris, loudest, mode_Hz
 from bladeroot.records.runs import block_scale, in_frames, medians, missed
 from bladeroot.records.spectrum import quantum
 
-# A mode further than this (relative) from its expected frequency is not looked for.
-TOLERANCE = 0.3
 FRAME_CYCLES = 4
 # What is smaller than this part of the largest sample harms no curve.
 SMALL = 1e-5
@@ -97,8 +95,8 @@ class Sight:
 
     @cached_property
     def own_Hz(self) -> float:
-        """The strongest line's frequency near the expected one, which stands in for none."""
-        return near_Hz(*self.early, self.expected_Hz, TOLERANCE)
+        """The mode's frequency in its loudest cycles; the expected one stands in for none."""
+        return mode_Hz(*self.early, self.expected_Hz)
 
     @cached_property
     def quantum(self) -> float:

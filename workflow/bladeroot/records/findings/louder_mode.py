@@ -7,9 +7,9 @@ from numpy import ndarray
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
 from bladeroot.records.findings.mains_hum import beside_hum
-from bladeroot.records.lines import LOUD_CYCLES, magnitudes, peak_Hz
+from bladeroot.records.lines import LOUD_CYCLES, TOLERANCE, magnitudes, peak_Hz
 from bladeroot.records.runs import in_frames
-from bladeroot.records.sight import TOLERANCE, Sight
+from bladeroot.records.sight import Sight
 
 STATISTIC = "velocity of the strongest line out of the band over this mode's, first 80 cycles"
 # A requirement, not a test: the curves are then not those of this mode alone.

@@ -3,8 +3,8 @@
 import numpy as np
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.lines import magnitudes
-from bladeroot.records.sight import TOLERANCE, Sight
+from bladeroot.records.lines import TOLERANCE, magnitudes
+from bladeroot.records.sight import Sight
 
 STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
 THRESHOLD = 1.0

@@ -4,8 +4,8 @@ import numpy as np
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings.sampling_rate import outside
-from bladeroot.records.lines import peak_Hz
-from bladeroot.records.sight import TOLERANCE, Sight
+from bladeroot.records.lines import TOLERANCE, peak_Hz
+from bladeroot.records.sight import Sight
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
