@@ -19,15 +19,17 @@ APART, NEAREST = 0.17, 0.04
 # A mode's frequency may be so far off (relative) while it is loud.
 MOVED = 0.04
 MOST = 4
-# In so many first cycles a line counts from this part of the mode's height where it lies below this
-# multiple of its frequency: frames of one cycle tell others from it, but not these.
-# The mode has then at least a part of that line's height, or the line is the mode's own while loud.
-FIRST_CYCLES, LOUD_FIRST, BELOW, AUDIBLE = 24.0, 0.7, 1.6, 0.08
 # It stands out of what lies beside it (at this distance, over the mode's frequency) by this factor.
 BESIDE, CLEAR = 0.06, 12.0
 # Lines below this part of the mode's frequency are a baseline, those above this multiple are told
 # from it within a cycle; samples in its cycle that show what lies between.
-LOWEST, HIGHEST, SAMPLES = 0.05, 4.5, 16.0
+LOWEST, HIGHEST, SAMPLES = 0.005, 4.5, 16.0
+# Lines up to this part of it are of what sways, and are taken off in longer frames of their own.
+SWAY = 0.05
+# In so many first cycles a line counts from this part of the mode's height, where it lies below
+# this multiple of its frequency: frames of one cycle tell others from it. The mode has then at
+# least this part of the line's height, or the line is the mode's own while it is loud.
+FIRST_CYCLES, LOUD_FIRST, BELOW, AUDIBLE = 24.0, 0.2, 1.6, 0.08
 # A frame holds so many cycles of the least difference of frequencies: a mode that grows or drifts
 # as a parabola of time does in it then leaks into no other one.
 BEATS = 4.0
@@ -50,19 +52,31 @@ def alone(
     """
     seen = np.arange(velocity.size) if usable is None else np.flatnonzero(usable)
     part = slice(int(seen[0]), int(seen[-1]) + 1)
-    piece = velocity[part]
-    own_Hz, loud_Hz = loud_lines(piece, sampling_Hz, expected_Hz)
+    own_Hz, loud_Hz = loud_lines(velocity[part], sampling_Hz, expected_Hz)
     others_Hz = [line for line in loud_Hz if abs(line - own_Hz) >= APART * own_Hz]
-    if not others_Hz:
-        return velocity, loud_Hz
-    theirs, every = waves(piece, sampling_Hz, own_Hz, others_Hz)
-    if usable is not None and not usable[part].all():
-        for _ in range(FILLED):
-            filled = np.where(usable[part], piece, every)
-            theirs, every = waves(filled, sampling_Hz, own_Hz, others_Hz)
-    left = velocity.copy()
-    left[part] -= theirs
+    left = velocity.copy() if others_Hz else velocity
+    for sways in (True, False):
+        some = [line for line in others_Hz if (line < SWAY * own_Hz) == sways]
+        if some:
+            known = None if usable is None else usable[part]
+            left[part] -= _theirs(left[part], sampling_Hz, own_Hz, some, known)
     return left, loud_Hz
+
+
+def _theirs(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    own_Hz: float,
+    others_Hz: list[float],
+    usable: Bool[ndarray, " sample"] | None,
+) -> Float[ndarray, " sample"]:
+    """The sum of the other modes; samples without weight are as the modes together make them."""
+    theirs, every = waves(velocity, sampling_Hz, own_Hz, others_Hz)
+    if usable is not None and not usable.all():
+        for _ in range(FILLED):
+            filled = np.where(usable, velocity, every)
+            theirs, every = waves(filled, sampling_Hz, own_Hz, others_Hz)
+    return theirs
 
 
 def loud_lines(
@@ -98,7 +112,8 @@ def loud_lines(
         before = np.sqrt((early[then] ** 2).sum())
         if late[at] > CLEAR * medians(late[around]) and before > GROWN * late[at]:
             found.append(float(frequency[at]))
-        rest[np.abs(frequency - frequency[at]) < APART * own_Hz] = 0.0
+        clear_of = APART * own_Hz if frequency[at] > SWAY * own_Hz else APART * frequency[at]
+        rest[np.abs(frequency - frequency[at]) < max(clear_of, 3.0 * width)] = 0.0
     first = _loud_first(means, sampling_Hz / few, own_Hz)
     apart = [line for line in first if all(abs(line - one) >= APART * own_Hz for one in found)]
     return own_Hz, (found + apart)[:MOST]

@@ -10,10 +10,14 @@ from numpy import ndarray
 from bladeroot.records.finding import Finding
 from bladeroot.records.sight import Sight
 
-STATISTIC = "largest steady line at a multiple of 50 or 60 Hz (to the 7th), in standard errors"
+STATISTIC = (
+    "largest steady line at a multiple of 50 or 60 Hz (to the 7th, or to twice the mode), in "
+    "standard errors"
+)
 THRESHOLD = 8.0
 MAINS_HZ = (50.0, 60.0)
-ORDERS = 7
+# Orders that are looked for at least, and at most, where those to twice the mode are more.
+ORDERS = (7, 60)
 # The mains' frequency keeps within this (relative).
 WANDER = 0.0015
 # Lines on each side from which the background is taken.
@@ -36,9 +40,10 @@ def find(sight: Sight) -> Finding | None:
         return None
     frequency, spectra, count = sight.halves
     rate = sight.sampling_Hz / sight.few
-    nominal = np.array([mains * k for mains in MAINS_HZ for k in range(1, ORDERS + 1)])
-    mains = np.repeat(MAINS_HZ, ORDERS)
-    near = 7.0 * rate / count + 0.03 * sight.own_Hz
+    orders = [int(np.clip(2.0 * sight.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
+    mains = np.repeat(MAINS_HZ, orders)
+    nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
+    near = 7.0 * rate / count + 0.01 * sight.own_Hz
     clear = np.abs(nominal - sight.own_Hz) > near
     clear &= (nominal / frequency[1] > REACH // 2) & (nominal < frequency[-REACH - 2])
     if not clear.any():
