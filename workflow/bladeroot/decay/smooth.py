@@ -172,7 +172,7 @@ def _even(
     at = np.interp(node, clock, width)
     own = 2.0 * np.log(np.interp(node, time, std)) - 5.0 * np.log(at)
     start = np.tile(-own - np.log(0.1), (parts, 1))
-    return Prior((node - time[0]) / duration, start, start - 15.0)
+    return Prior((node - time[0]) / duration, start, start - 40.0)
 
 
 def _fit(
