@@ -50,6 +50,31 @@ def test_samples_without_weight_do_not_count():
     assert np.abs(left - mode)[usable].max() < 5.0 * NOISE
 
 
+@pytest.mark.parametrize(("line_Hz", "size"), [(160.0, 6.0), (200.0, 2.5), (330.0, 6.0)])
+def test_a_louder_mode_that_dies_sooner_is_taken_off(line_Hz, size):
+    """Of two in the band the mode is the one near the expected frequency, if it is clear there."""
+    mode = own() + noise()
+    velocity = mode + other(line_Hz, size, decline=15.0)
+    left, found = alone(velocity, RATE, OWN_HZ)
+    assert found == pytest.approx([line_Hz], abs=3.0)
+    assert np.abs(left - mode).max() < 0.02 * size
+    curve = chain(velocity)
+    off = (curve["frequency"].values - TRUTH_HZ) / curve["frequency_std"].values
+    assert np.sqrt((off**2).mean()) < 2.0
+
+
+@pytest.mark.parametrize(("sway_Hz", "size"), [(3.0, 0.05), (5.0, 0.05), (11.0, 0.01)])
+def test_sway_is_taken_off(sway_Hz, size):
+    mode = own() + noise()
+    velocity = mode + other(sway_Hz, size, decline=0.1) + other(19.0, size)
+    left, found = alone(velocity, RATE, OWN_HZ)
+    assert sorted(found) == pytest.approx([sway_Hz, 19.0], abs=0.5)
+    assert np.std(left - mode) < 0.03 * size
+    curve = chain(velocity)
+    off = (curve["frequency"].values - TRUTH_HZ) / curve["frequency_std"].values
+    assert np.sqrt((off**2).mean()) < 2.0
+
+
 def test_a_mode_by_itself_is_left_as_it_is():
     velocity = own() + noise()
     assert alone(velocity, RATE, OWN_HZ)[0] is velocity

@@ -112,6 +112,18 @@ def test_first_and_last_cycles_are_usable():
         )
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_start_is_not_smoothed_where_the_law_is_steep_there(seed):
+    velocity, noise, _, truth = ring_down(seed, 0.02, 0.05, (0.003, 0.012), noise_db=80.0, bits=0)
+    curve = freevib(velocity, 25600.0, 250.0, noise)
+    first = curve["amplitude"].values > 0.8 * curve["amplitude"].values[0]
+    frequency, loss = truth(curve["amplitude"].values[first])
+    off = (curve["frequency"].values[first] - frequency) / curve["frequency_std"].values[first]
+    assert np.abs(off).max() < 5.0
+    off = (curve["loss_factor"].values[first] - loss) / curve["loss_factor_std"].values[first]
+    assert np.abs(off).max() < 5.0
+
+
 @pytest.mark.parametrize("masked", ["gap", "start", "scattered", "clipped"])
 def test_masked_samples_have_no_weight(masked):
     velocity, noise, largest, truth = backbone(4, 50.0)
@@ -183,6 +195,21 @@ def test_neighbour_and_hum_are_taken_off():
 def test_second_mode_does_not_leak():
     with_it, without = (errors(60, 5, second=second) for second in (0.5, 0.0))
     assert rms(with_it["frequency"]) < 1.5 * rms(without["frequency"]) + 2e-6
+
+
+def test_a_second_mode_that_softens_does_not_leak():
+    velocity, noise, _, truth = backbone(5, 60.0, second=0.0)
+    time = np.arange(velocity.size) / 25600.0
+    size = 0.25 * np.exp(-8.0 * time)  # its frequency rises by 2 % as it decays
+    turn = 2.0 * np.pi * 500.0 * (time - 0.02 * (1.0 - np.exp(-8.0 * time)) / 8.0)
+    curve = freevib(velocity + size * START * np.cos(turn), 25600.0, 247.0, noise)
+    amplitude = curve["amplitude"].values
+    off = (curve["frequency"].values - truth(amplitude)[0]) / curve["frequency_std"].values
+    assert rms(off) < 1.5
+    assert (
+        rms((curve["loss_factor"].values - truth(amplitude)[1]) / curve["loss_factor_std"].values)
+        < 1.5
+    )
 
 
 def test_amplitude_is_displacement():

@@ -190,6 +190,16 @@ def test_hum_is_taken_off(mains):
     assert f"{size:.2g}" in text(found, "mains-hum") or "0.00" in text(found, "mains-hum")
 
 
+@pytest.mark.parametrize("line", [300.0, 350.0, 480.0])
+def test_hum_near_the_mode_is_taken_off(line):
+    clean = decay(noise_db=60)
+    hum = 1e-3 * START * np.cos(2 * np.pi * line * time_of(clean) + 0.4)
+    found = judged(clean + hum)
+    assert "mains-hum" in ids(found)
+    left = found["velocity"].values - clean[: found.sizes["time"]]
+    assert np.std(left) < 0.2 * np.std(hum)
+
+
 def test_no_hum_where_the_mode_itself_lies_on_a_line():
     for frequency in (100.0, 250.0):
         velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))

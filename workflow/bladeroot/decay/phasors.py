@@ -8,7 +8,7 @@ everything that follows (derivatives, plateau) is then ordinary weighted regress
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import no_type_check
 
 import numpy as np
@@ -46,7 +46,8 @@ class Frames:
 
     `own` and `image` are what a term t^k/k! of the relative phasor (k = 1 ... TAYLOR, t from the
     frame's middle in s) and its conjugate add to the fitted phasor. `others`: phasors of the other
-    modes, NaN where a frame cannot tell them apart.
+    modes, NaN where a frame cannot tell them apart. `given`: what the same terms, and their
+    conjugates, add to those; `taken`: what a term t of theirs, and its conjugate, add to it.
     """
 
     time: Float[ndarray, " frame"]
@@ -56,6 +57,8 @@ class Frames:
     own: Complex[ndarray, "frame power"]
     image: Complex[ndarray, "frame power"]
     others: Complex[ndarray, "other frame"]
+    given: Complex[ndarray, "2 other frame power"]
+    taken: Complex[ndarray, "2 other frame"]
 
 
 def fit_frames(
@@ -76,6 +79,8 @@ def fit_frames(
     time, std, omega = np.empty((3, total))
     phasor, apart = np.empty(total, complex), np.full((len(others), total), np.nan, complex)
     own, image = np.empty((2, total, TAYLOR), complex)
+    given = np.zeros((2, len(others), total, TAYLOR), complex)
+    taken = np.zeros((2, len(others), total), complex)
     at = 0
     for stretch in stretches:
         here = slice(at, at + stretch.frames)
@@ -88,10 +93,14 @@ def fit_frames(
         columns, told = _columns(moment, stretch.angle * sampling_Hz, others)
         powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR + 1), axis=1)
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
+        theirs = moment[:, None] * np.concatenate([columns[:, 3::2], columns[:, 4::2]], axis=1)
         solver = _solver(columns)
         z = pieces @ np.ascontiguousarray(solver.T)
         spread = np.full(stretch.frames, 0.5 * (solver[:2] ** 2).sum())
         own[here], image[here] = _answers(solver @ waves)
+        for row, other in enumerate(told):
+            given[:, other, here] = _answers(solver[3 + 2 * row :] @ waves)[:, None]
+        taken[:, told, here] = _answers(solver @ theirs)[..., None]
         if usable is not None:
             good = usable[stretch.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
@@ -106,20 +115,20 @@ def fit_frames(
         time[here], std[here] = middle / sampling_Hz, noise * np.sqrt(spread)
         phasor[here] = z[:, 0] + 1j * z[:, 1]
         apart[told, here] = (z[:, 3::2] + 1j * z[:, 4::2]).T
-    values = (time, phasor, std, omega, own, image, apart)
     seen = np.isfinite(std)
     if seen.all():
-        return Frames(*values)
-    return Frames(*(column[seen] for column in values[:-1]), apart[:, seen])
+        seen = slice(None)
+    values = (column[seen] for column in (time, phasor, std, omega, own, image))
+    return Frames(*values, apart[:, seen], given[:, :, seen], taken[:, :, seen])
 
 
-def _answers(
-    fitted: Float[ndarray, "column wave"],
-) -> tuple[Complex[ndarray, " power"], Complex[ndarray, " power"]]:
-    """What the phasor answers to powers of time on the carrier, and on its conjugate."""
-    answer = fitted[0] + 1j * fitted[1]
-    cos, sin = answer[:TAYLOR], answer[TAYLOR:]
-    return 0.5 * (cos - 1j * sin), 0.5 * (cos + 1j * sin)
+def _answers(fitted: Float[ndarray, "column wave"]) -> Complex[ndarray, "2 half"]:
+    """What the first phasor that is fitted answers to relative phasors, and to their conjugates.
+
+    The waves are those of the relative phasors' real parts, then of their imaginary ones.
+    """
+    real, imaginary = np.split(fitted[0] + 1j * fitted[1], 2)
+    return np.stack([0.5 * (real - 1j * imaginary), 0.5 * (real + 1j * imaginary)])
 
 
 def _solver(columns: Float[ndarray, "sample column"]) -> Float[ndarray, "column sample"]:
@@ -161,6 +170,42 @@ def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
             other = 1j * other.imag + advance * power.sum() / (power @ step[pairs])
         better.append(complex(other))
     return better
+
+
+def unleaked(
+    frames: Frames,
+    others: Sequence[complex],
+    rate: Complex[ndarray, " frame"],
+    change: Complex[ndarray, " frame"],
+    reach: int = 8,
+) -> Frames:
+    """The frames without what other modes add to the mode because their rates change in time.
+
+    others: the rates (rad/s) with which the frames were fitted; their own, local ones are the
+    advance of their phasors over `reach` frames on either side, freed of what the mode adds to
+    them. rate, change: first and second derivative of the mode's log-phasor in the frames.
+    """
+    step = np.diff(frames.time)
+    near = step < 1.5 * step.min()
+    delta = rate - 1j * frames.omega
+    grown = frames.phasor[:, None] * np.stack([delta, delta**2 + change], axis=1)
+    phasor = frames.phasor.copy()
+    for k, other in enumerate(others):
+        direct, mirrored = frames.given[:, k, :, :2]
+        added = (grown * direct + grown.conj() * mirrored).sum(axis=1)
+        theirs = np.nan_to_num(frames.others[k]) - added
+        still = theirs * np.exp(-1j * other.imag * frames.time)
+        pairs = [still[1:] * still[:-1].conj(), np.abs(still[:-1]) ** 2]
+        advance, power = (
+            np.convolve(np.where(near, pair, 0.0), np.ones(2 * reach))[reach - 1 : -reach + 1]
+            for pair in pairs
+        )
+        seen = np.abs(advance) > 0.0
+        advance = np.where(seen, advance, 1.0) / np.where(seen, power, 1.0)
+        term = theirs * np.where(seen, np.log(advance) / step.min() - other.real, 0.0)
+        direct, mirrored = frames.taken[:, k]
+        phasor -= term * direct + term.conj() * mirrored
+    return replace(frames, phasor=phasor)
 
 
 def corrected(

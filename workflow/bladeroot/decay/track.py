@@ -14,7 +14,15 @@ from bladeroot.decay.close_modes import (
     within,
 )
 from bladeroot.decay.lines import find_lines
-from bladeroot.decay.phasors import Frames, Phasors, corrected, fit_frames, gather, refined
+from bladeroot.decay.phasors import (
+    Frames,
+    Phasors,
+    corrected,
+    fit_frames,
+    gather,
+    refined,
+    unleaked,
+)
 from bladeroot.decay.rough import cut_frames, parts, roughly
 from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
@@ -69,6 +77,8 @@ def follow(
     if others:
         rates = refined(rates, frames)
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
+        _, rate, change = _logs(fit, np.clip(frames.time, blocks.time[0], blocks.time[-1]))
+        frames = unleaked(frames, rates, rate, change)
     blocks = _gathered(frames, blocks, fit)
     before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
@@ -78,13 +88,18 @@ def follow(
         fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
-    value = fit.value(blocks.time)
-    rate, change = value[1, 0] + 1j * value[1, 1], value[2, 0] + 1j * value[2, 1]
+    _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     if beat_s:
         blocks, fit = widened(blocks, fit, beat_s)
     return within(blocks, first_s, last_s), fit, found
+
+
+def _logs(fit: Spline, time: Float[ndarray, " at"]) -> Complex[ndarray, "3 at"]:
+    """The log-phasor and its first two derivatives."""
+    value = fit.value(time)
+    return value[:, 0] + 1j * value[:, 1]
 
 
 def _taken_over(
@@ -150,8 +165,7 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
     near = slice(0, int(np.searchsorted(frames.time, reach)))
     time = frames.time[near]
     inside = np.clip(time, known.time[0], known.time[-1])
-    value = fit.value(inside)
-    log = value[:, 0] + 1j * value[:, 1]
+    log = _logs(fit, inside)
     guess = log[0] + log[1] * (time - inside)
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
@@ -187,11 +201,11 @@ def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> i
 def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
     """Number of blocks before the transient that a filter leaves at a record's end.
 
-    A third of the last blocks are then thrown off. It grows towards the end, so it is taken to
+    Two of the last blocks are then thrown off. It grows towards the end, so it is taken to
     begin as far again before the first of those. One that the curve can follow is not seen.
     """
     at = np.flatnonzero(knocked)
-    if np.count_nonzero(knocked[-reach:]) < reach / 3:
+    if np.count_nonzero(knocked[-reach:]) < 2:
         return knocked.size
     far = np.flatnonzero(np.diff(at) > gap)
     first = 2 * int(at[far[-1] + 1 if far.size else 0]) - knocked.size
