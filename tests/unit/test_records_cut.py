@@ -117,6 +117,17 @@ def test_end_is_the_noise():
     assert 0.8 < found.attrs["end_s"] < 2.0
 
 
+@pytest.mark.parametrize("noise", [0.15, 0.5])
+def test_a_decay_of_few_digitiser_steps_is_no_part_of_it_unless_noise_blurs_them(noise):
+    velocity, _, _, _ = ring_down(0, noise_db=200, second=0.0, eta=(0.008, 0.008), bits=0)
+    step = 2.2 * np.abs(velocity).max() / 2**12
+    velocity = velocity + noise * step * np.random.default_rng(0).standard_normal(velocity.size)
+    found = cut(step * np.round(velocity / step), 25600.0, 250.0)
+    last = np.abs(found["velocity"].values[-100:]).max() / step
+    assert (found.attrs["end_reason"] == "the digitiser's steps") == (noise < 0.4)
+    assert 3.0 <= last <= 6.0 if noise < 0.4 else last <= 3.0
+
+
 @pytest.mark.parametrize("above", [3.0, 5.0])
 def test_a_decay_little_above_the_noise(above):
     """The first amplitude is 3 or 5 times the rms of the noise."""

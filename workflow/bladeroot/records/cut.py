@@ -32,6 +32,9 @@ DEEPER = 1.5
 LATE = 16
 # Cycles from which the mode's own frequency is taken.
 LOUD_CYCLES = 200
+# With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
+# many steps high then follows them, not the mode.
+BLURRED, STEPS = 0.45, 4.0
 
 
 def cut(
@@ -44,7 +47,8 @@ def cut(
     """The free decay of one mode, from the release to its end.
 
     Of several decays in a record, the one with the largest clean fall is taken. It ends where the
-    mode is lost in the noise, or where something disturbs it (the tip's return, another blow).
+    mode is lost in the noise, or where something disturbs it (the tip's return, another blow), or,
+    with hardly any noise, where it is but some steps of the digitiser high.
     Attributes: `release_s` and `release_std_s` (the release and its standard error),
     `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `decays` (decays in the
     record at least half as deep as this one), `start_s` and `end_s` (first and last sample kept, in
@@ -61,7 +65,9 @@ def cut(
         bins: bins of the overview kept for figures.
     """
     # Of a decay without other noise than its rounding, the last digits stand still.
-    noise = max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
+    white, step = white_noise(velocity), quantum(velocity)
+    noise = max(white, step / np.sqrt(12.0))
+    least = STEPS * step if white < BLURRED * step else 0.0
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
@@ -79,7 +85,7 @@ def cut(
         )
     else:
         seen = envelope(velocity, sampling_Hz, _own_frequency(velocity, sampling_Hz, expected_Hz))
-        span, finding = _span(velocity, sampling_Hz, expected_Hz, seen, noise, end, attrs)
+        span, finding = _span(velocity, sampling_Hz, expected_Hz, seen, noise, least, end, attrs)
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
@@ -116,6 +122,7 @@ def _span(
     expected_Hz: float,
     seen: Envelope,
     noise: float,
+    least: float,
     end: float | str,
     attrs: dict[str, float | str | int],
 ) -> tuple[tuple[int, int], str]:
@@ -123,14 +130,14 @@ def _span(
     floor = seen.noise(noise, sampling_Hz)
     broken = strikes(seen, noise)
     ratio = 0.0 if end == "noise" else float(end)
-    one = _decay(velocity, sampling_Hz, seen, floor, broken, ratio)
+    one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio)
     loudest = int(np.argmax(one.level))
     if one.reason == "disturbed" or one.begin > loudest + LATE:
         # a deep beat looks like many decays, or like a release
         period = beat(seen, floor, loudest)
         if period is not None:
             calm = without_beat(seen, loudest, period)
-            whole = _decay(velocity, sampling_Hz, calm, floor, broken, ratio)
+            whole = _decay(velocity, sampling_Hz, calm, floor, least, broken, ratio)
             if whole.fall > DEEPER * one.fall or _free_before(whole, one.begin, period):
                 one = whole
     fall, found, release = one.fall, one.found, one.release
@@ -146,7 +153,7 @@ def _span(
         # a beat rises and bends as a disturbance does; under its mean a real one still shows
         calm = without_beat(seen, one.begin, period)
         _, course, later = _falls(calm, floor, broken, one.begin)
-        end_s, reason = find_end(calm, floor, course, broken, one.begin, later[0][1], ratio)
+        end_s, reason = find_end(calm, floor, least, course, broken, one.begin, later[0][1], ratio)
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -184,6 +191,7 @@ def _decay(
     sampling_Hz: float,
     seen: Envelope,
     noise: float,
+    least: float,
     broken: ndarray,
     ratio: float,
 ) -> _Decay:
@@ -195,7 +203,7 @@ def _decay(
     release = find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
     start_s = release.time_s + 2.0 * release.std_s
     begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
-    end_s, reason = find_end(seen, noise, level, broken, begin, trough, ratio)
+    end_s, reason = find_end(seen, noise, least, level, broken, begin, trough, ratio)
     return _Decay(fall, level, found, release, begin, end_s, reason)
 
 

@@ -53,6 +53,7 @@ def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
 def find_end(
     seen: Envelope,
     noise: float,
+    least: float,
     level: Float[ndarray, " frame"],
     broken: Bool[ndarray, " frame"],
     begin: int,
@@ -61,9 +62,10 @@ def find_end(
 ) -> tuple[float, str]:
     """Time at which the decay from frame `begin` on ends, and why.
 
-    `noise` is a frame's rms amplitude, `level` the smoothed ln of the amplitude, not below what
-    noise may show, `broken` where something strikes, `trough` the end of its fall, `ratio` the
-    part of its first value at which the envelope shall end (0: go on to the noise).
+    `noise` is a frame's rms amplitude, `least` the amplitude below which a digitiser's steps show,
+    `level` the smoothed ln of the amplitude, not below what noise may show, `broken` where
+    something strikes, `trough` the end of its fall, `ratio` the part of its first value at which
+    the envelope shall end (0: go on to the noise).
     """
     last = seen.level.size - 1
     ends = []
@@ -82,6 +84,9 @@ def find_end(
     if lost.size:
         last = begin + int(lost[0])
         ends.append((seen.time[last], "the noise"))
+    coarse = np.flatnonzero(power <= least**2)
+    if coarse.size:
+        ends.append((seen.time[begin + coarse[0]], "the digitiser's steps"))
     if ratio:
         calm = running_power(seen, FRAME_STEPS)[begin : last + 1]
         below = np.flatnonzero(calm < ratio**2 * calm[0])
