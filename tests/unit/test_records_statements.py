@@ -219,6 +219,70 @@ def test_a_step_of_few_digits_agrees_with_the_rate(tmp_path, step):
     assert read(timed).sampling_Hz == RATE
 
 
+@pytest.mark.parametrize(
+    ("head", "taken", "low", "high", "true"),
+    [
+        ("delta t\t0.000039", "25641.0256", "25316.5", "25974", 25600.0),
+        ("dt: 39 us", "25641.0256", "25316.5", "25974", 25600.0),
+        ("dt: 0.039 ms", "25641.0256", "25316.5", "25974", 25600.0),
+        ("dt: 0.00002", "50000", "40000", "66666.7", 51200.0),
+        ("dt: 0.0000195", "51282.0513", "51150.9", "51413.9", 51200.0),
+        ("fs: 51 kHz", "51000", "50504.9", "51505", 51200.0),
+    ],
+)
+def test_a_rounded_step_is_told_and_the_sheet_settles_it(tmp_path, head, taken, low, high, true):
+    path = csv(tmp_path / "a.csv", f"{head}\nvelocity_m/s", WAVE)
+    (note,) = read(path).notes
+    assert f"open between {low} and {high} Hz, {taken} Hz is taken; sampling_Hz in" in note
+    found = read(path, sampling_Hz=true)
+    assert found.sampling_Hz == true
+    assert found.notes == (f"sampling_Hz {true:g} of records.csv is taken, not {taken} Hz",)
+    with pytest.raises(ValueError, match=f"sampling_Hz contradicts: 12800 in .*, {taken} in the"):
+        read(path, sampling_Hz=12800.0)
+    # times tell more than digits
+    timed = csv(tmp_path / "b.csv", f"{head}\ntime_s,v_m/s", TIME * RATE / true, WAVE)
+    assert read(timed).sampling_Hz == true
+    assert read(timed).notes == ()
+
+
+@pytest.mark.parametrize(
+    "head", ["fs: 50 kHz", "fs: 25.6 kHz", "fs: 22.05 kHz", "fs: 5120", "dt: 0.0000390625"]
+)
+def test_a_round_rate_of_few_digits_is_meant_as_it_stands(tmp_path, head):
+    path = csv(tmp_path / "a.csv", f"{head}\nvelocity_m/s", WAVE)
+    found = read(path)
+    assert found.notes == ()
+    with pytest.raises(ValueError, match="sampling_Hz contradicts"):
+        read(path, sampling_Hz=found.sampling_Hz * 1.001)
+
+
+@pytest.mark.parametrize(("step", "rate"), [(2e-5, 50000.0), (1e-4, 10000.0), (3.2e-5, 31250.0)])
+def test_a_number_is_exact_where_its_frequency_is_round(tmp_path, step, rate):
+    path = tdms(tmp_path / "a.tdms", wf_increment=step)
+    assert read(path).sampling_Hz == pytest.approx(rate, rel=1e-12)
+    assert read(path).notes == ()
+    other = 1.01 * rate
+    with pytest.raises(ValueError, match=f"sampling_Hz contradicts: {other:g} .* {rate:g} in the"):
+        read(path, sampling_Hz=other)
+    path = tdms(tmp_path / "b.tdms", np.arange(TIME.size) / other, wf_increment=step)
+    with pytest.raises(ValueError, match=f"the file says {rate:g} Hz, its times {other:g}"):
+        read(path)
+
+
+def test_a_number_of_few_digits_and_an_odd_frequency_is_a_rounded_step(tmp_path):
+    path = matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", dt=3.9e-5)
+    assert "open between 25316.5 and 25974 Hz" in read(path).notes[0]
+    assert read(path, sampling_Hz=RATE).sampling_Hz == RATE
+
+
+def test_two_rounded_statements_agree_as_far_as_both_tell(tmp_path):
+    path = csv(tmp_path / "a.csv", "dt: 39 us\nfs: 26.0 kHz\nvelocity_m/s", WAVE)
+    assert read(path).sampling_Hz == 26000.0
+    path = csv(tmp_path / "b.csv", "dt: 39 us\nfs: 26.1 kHz\nvelocity_m/s", WAVE)
+    with pytest.raises(ValueError, match="sampling_Hz contradicts inside the file: 26100 from fs"):
+        read(path)
+
+
 def test_a_step_of_many_digits_must_agree(tmp_path):
     path = matlab(tmp_path / "a.mat", v=WAVE, unit="m/s", fs=RATE, dt=3.915e-5)
     with pytest.raises(ValueError, match="sampling_Hz contradicts inside the file: 25600 from fs"):

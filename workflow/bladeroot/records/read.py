@@ -86,13 +86,13 @@ def read(
         found.scale,
     )
     rate = record.sampling_Hz
-    room = CONTRADICTION + found.sampling_error
-    if own is not None and not abs(own / rate - 1.0) <= room:
+    error = found.sampling_error
+    if own is not None and not abs(own / rate - 1.0) <= CONTRADICTION + error:
         raise ValueError(f"the file says {own:.9g} Hz, its times {rate:.9g} Hz ({where})")
     if own is not None or found.time is not None:
         # times tell the frequency better than a statement's few digits
-        room = CONTRADICTION if found.time is not None else room
-        rate = _sampling(rate, sampling_Hz, room, where, notes)
+        error = error if found.time is None else 0.0
+        rate = _sampling(rate, sampling_Hz, error, where, notes)
     return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
 
 
@@ -167,18 +167,27 @@ def _unit_in(name: str) -> str | None:
 
 
 def _sampling(
-    own: float, sampling_Hz: float | None, room: float, where: str, notes: list[str]
+    own: float, sampling_Hz: float | None, error: float, where: str, notes: list[str]
 ) -> float:
-    """The sampling frequency of file and sheet; the sheet's where they differ by rounding."""
+    """The sampling frequency of file and sheet; the sheet's where they differ by rounding.
+
+    error: what the file's digits leave open, relative, as of a rounded time step.
+    """
     if sampling_Hz is None:
-        if usual_rate(own) is None:
+        if error > CONTRADICTION:
+            notes.append(
+                f"the file's digits leave the sampling frequency open between "
+                f"{own / (1.0 + error):.6g} and {own / (1.0 - error):.6g} Hz, {own:.9g} Hz is "
+                "taken; sampling_Hz in records.csv settles it"
+            )
+        elif usual_rate(own) is None:
             notes.append(
                 f"the file's sampling frequency {own:.9g} Hz is an unusual one; sampling_Hz in "
                 "records.csv can confirm it"
             )
         return own
     apart = abs(own / sampling_Hz - 1.0)
-    if not apart <= room:
+    if not apart <= CONTRADICTION + error:
         raise ValueError(
             f"sampling_Hz contradicts: {sampling_Hz:.9g} in records.csv, {own:.9g} in the file "
             f"({where})"

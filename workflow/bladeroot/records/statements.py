@@ -13,9 +13,8 @@ from numpy import ndarray
 
 from bladeroot.records.units import same, seconds
 
-# How far two statements of a sampling frequency, or of a force, may lie apart; and what a number
-# of few digits may be off at most.
-RATES_APART, FORCES_APART, COARSEST = 1e-4, 1e-2, 0.02
+# How far two statements of a sampling frequency, or of a force, may lie apart.
+RATES_APART, FORCES_APART = 1e-4, 1e-2
 # A sampling frequency below this that is no whole number needs its unit: 25.6 may be kHz.
 UNSURE_HZ = 1000.0
 _RATES = ("fs", "fsample", "sampling", "samplingrate", "samplerate", "samplingfrequency",
@@ -58,6 +57,7 @@ def statements(
     for name, value in said:
         key, unit = _key(str(name))
         text = _text(value)
+        told = f"{name} {text}"
         if key == "mode" and text:
             facts["mode"] = text
         try:
@@ -65,17 +65,22 @@ def statements(
                 rate = _amount(text, unit or "hz", _HERTZ)
                 if not unit and _bare(text) and 0.0 < rate < UNSURE_HZ and rate != round(rate):
                     raise ValueError("without a unit it may be in Hz or in kHz")
-                rates[f"{name} {text}"] = rate
+                exact = _round(rate) or not isinstance(value, str)
+                errors[told] = 0.0 if exact else _open(text)
+                rates[told] = rate
             elif key in (*_STEPS, *steps):
-                rates[f"{name} {text}"] = 1.0 / _amount(text, unit or "s", None)
+                rate = 1.0 / _amount(text, unit or "s", None)
+                # a step in text is a rounded one; a number is, where its frequency is an odd one
+                exact = _round(rate) and not isinstance(value, str)
+                errors[told] = 0.0 if exact else _open(text)
+                rates[told] = rate
             elif key in _FORCES:
-                forces[f"{name} {text}"] = _amount(text, unit, _NEWTON)
+                forces[told] = _amount(text, unit, _NEWTON)
         except (ValueError, ZeroDivisionError) as error:
             notes.append(f"{name} {text[:40]!r} of the file is not taken: {error}")
     for told, rate in rates.items():
         if not 0.0 < rate < math.inf:
             raise ValueError(f"expected a positive sampling frequency, got {told} ({path})")
-    errors = {told: _open(told) for told in rates}
     # the one with the most digits is taken
     rates = dict(sorted(rates.items(), key=lambda one: errors[one[0]]))
     sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path, errors)
@@ -121,10 +126,10 @@ def _one(
 ) -> float | None:
     """The first of several numbers that must be the same, as far as their digits tell."""
     first = next(iter(told.values()), None)
-    errors = errors or {}
-    room = {name: apart + errors.get(name, 0.0) for name in told}
+    errors = errors or dict.fromkeys(told, 0.0)
+    room = apart + min(errors.values(), default=0.0)
     if first is not None and any(
-        abs(one - first) > room[name] * abs(first) for name, one in told.items()
+        abs(one - first) > (room + errors[name]) * abs(first) for name, one in told.items()
     ):
         listed = ", ".join(f"{value:.9g} from {name}" for name, value in told.items())
         raise ValueError(f"{what} contradicts inside the file: {listed} ({path})")
@@ -163,13 +168,19 @@ def _bare(text: str) -> bool:
     return match is not None and not match[2].strip()
 
 
-def _open(told: str) -> float:
-    """What the digits of the number in a text leave open, relative: half of the last one's step."""
-    match = re.search(r"(\d+)(?:[.,](\d+))?(e-\d+)?(?:e\+?\d+)?[^\d]*$", told, re.IGNORECASE)
-    if match is None or not ((match[2] or "").strip("0") or match[3]):
-        return 0.0  # whole numbers are exact
-    digits = int(match[1] + (match[2] or ""))
-    return min(0.5 / max(digits, 1), COARSEST)
+def _round(rate: float) -> bool:
+    """Whether a frequency is one that instruments are set to: whole, no prime factor above 7."""
+    if not 0.5 < rate < 1e12:
+        return False
+    whole = round(rate)
+    return abs(rate - whole) < 1e-9 * rate and pow(210, 40, whole) == 0
+
+
+def _open(text: str) -> float:
+    """What the digits of a number leave open, relative: half of the last one's step."""
+    match = _AMOUNT.fullmatch(text)
+    digits = re.sub(r"\D", "", match[1].lower().partition("e")[0]) if match else ""
+    return 0.5 / max(int(digits), 1) if digits else 0.0
 
 
 def _amount(text: str, unit: str, units: dict[str, float] | None) -> float:

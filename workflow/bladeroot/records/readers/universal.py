@@ -12,7 +12,6 @@ import numpy as np
 
 from bladeroot.records.channel import Channel, Entry, pick
 from bladeroot.records.sampling import usual_rate
-from bladeroot.records.statements import COARSEST, RATES_APART
 from bladeroot.records.units import seconds
 
 SUFFIXES = (".uff", ".unv", ".u58")
@@ -22,6 +21,8 @@ _LENGTHS = {1.0: "m", 100.0: "cm", 1000.0: "mm", 39.37008: "in", 3.28084: "ft"}
 _AXES = {0: "S", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 _TIME, _TIME_RESPONSE = 17, 1
 _LINES = 20_000
+# An increment that its digits leave open by more is a round step, not a rounded one.
+_COARSEST = 0.02
 _GOOD = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.eE ", np.uint8))
 
 
@@ -66,7 +67,6 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         time=None if chosen.even else values[0::2] * factor,
         sampling_Hz=rate,
         sampling_error=error,
-        notes=_told(rate, error),
         start_s=chosen.start_s * factor if chosen.even else 0.0,
     )
 
@@ -74,26 +74,16 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
 def _rate(chosen: _Set, factor: float, path: str) -> tuple[float, float]:
     """Sampling frequency and, relative, what its increment's digits leave open.
 
-    A usual frequency within that is meant; one or two digits are a round step, not a rounded one.
+    A usual frequency within that is meant.
     """
     step = _float(chosen.increment, path) * factor
     if not 0.0 < step < np.inf:
         return np.nan, 0.0
     digits = chosen.increment.upper().replace("D", "E").split("E")[0].lstrip("+-0.")
     error = 0.6 / float(digits.replace(".", ""))
-    if error > COARSEST:
+    if error > _COARSEST:
         return 1.0 / step, 0.0
     return usual_rate(1.0 / step, error) or 1.0 / step, error
-
-
-def _told(rate: float | None, error: float) -> tuple[str, ...]:
-    """A note where the increment's digits leave the sampling frequency open."""
-    if error <= RATES_APART:
-        return ()
-    return (
-        f"the increment's digits leave the sampling frequency open to {100 * error:.1g} %, "
-        f"{rate:.9g} Hz is taken; sampling_Hz in records.csv can say it",
-    )
 
 
 def _unit(code: int, length: str | None) -> str | None:
