@@ -167,6 +167,32 @@ def test_a_last_line_without_its_end_is_cut_off(tmp_path):
     np.testing.assert_allclose(read(path).samples, WAVE[:-1], atol=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("2024-02-01 12:00:00.063125,{}", "no row of numbers but lines such as '2024-02-01 12"),
+        ("0.10429687,{}D-06", r"no row of numbers but lines such as '0\.10429687,1\.5D-06'"),
+    ],
+)
+def test_the_head_ends_with_a_whole_line(tmp_path, row, told):
+    line = row.format("1.5") + "\n"
+    # wherever the head is cut, what is left of a line is no row
+    for shift in range(len(line)):
+        head = "x" * shift + "\ntime_s,velocity_m/s\n"
+        (tmp_path / "a.csv").write_text(head + 4000 * line)
+        with pytest.raises(ValueError, match=told):
+            read(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-be"])
+@pytest.mark.parametrize("header", ["", "velocity_m/s\n"])
+def test_a_mark_at_the_start_is_no_number(tmp_path, encoding, header):
+    text = header + "".join(f"{value:.9g}\n" for value in WAVE)
+    (tmp_path / "a.csv").write_text(text, encoding=encoding)
+    found = read(tmp_path / "a.csv", unit="m/s", sampling_Hz=RATE)
+    np.testing.assert_allclose(found.samples, WAVE, atol=1e-8)
+
+
 def test_one_bad_time_does_not_move_the_frequency():
     time = TIME.copy()
     time[-1] += 0.09 / RATE

@@ -89,14 +89,19 @@ def _form(path: str) -> _Form:
         start = file.read(_HEAD)
     encoding = encoding_of(start, path)
     text = start.decode(encoding, errors="replace")
-    lines = re.split(r"\r\n|\n|\r", text)
+    # the last line is cut off, here or in the file, or is empty
+    lines = re.split(r"\r\n|\n|\r", text)[:-1]
     first = next((k for k, line in enumerate(lines) if _is_row(line)), None)
     rows = [
         [] if line.startswith(_COMMENTS) else _fields(line, separator_of(line)) for line in lines
     ]
     check_thousands(rows, path)
     if first is None:
-        raise ValueError(f"expected a header and rows of numbers, got no row of numbers ({path})")
+        last = next((line for line in reversed(lines) if line.strip()), "")
+        raise ValueError(
+            "expected a header and rows of numbers, got no row of numbers but lines such as "
+            f"{last[:60]!r} ({path})"
+        )
     separator = separator_of(lines[first])
     fields = _fields(lines[first], separator)
     above = [k for k in range(first) if lines[k].strip() and not lines[k].startswith(_COMMENTS)]
@@ -172,9 +177,9 @@ def _numbers(path: str, form: _Form, columns: list[int]) -> np.ndarray:
     """The wanted columns as floats, block by block."""
     parts = []
     row = form.first + 1
-    # UTF-8 and cp1252 are one byte a digit: only UTF-16 must be known
-    encoding = form.encoding if "16" in form.encoding else "latin-1"
-    with open(path, encoding=encoding) as file:
+    # UTF-8 and cp1252 are one byte a digit: only UTF-16 and a mark at the start must be known
+    encoding = "latin-1" if form.encoding in ("utf-8", "cp1252") else form.encoding
+    with open(path, encoding=encoding, errors="replace") as file:
         for _ in range(form.first):
             file.readline()
         while block := file.read(_BLOCK):
