@@ -190,6 +190,21 @@ def test_rates_above_a_table(tmp_path, head):
     assert found.sampling_Hz == pytest.approx(RATE, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    "word", ["unit: mm/s", "Units: mm/s", "Einheit;mm/s", "Y Unit: mm/s", "Y_Unit_Label\tmm/s\t"]
+)
+def test_a_unit_above_the_table(tmp_path, word):
+    path = csv(tmp_path / "a.csv", f"{word}\ntime_s,laser", TIME, WAVE)
+    np.testing.assert_allclose(read(path).samples, 1e-3 * WAVE, atol=1e-12)
+    with pytest.raises(ValueError, match=r"unit contradicts: 'm/s' in .*, 'mm/s' in the file"):
+        read(path, unit="m/s")
+    path = csv(tmp_path / "b.csv", f"{word}\ntime_s,velocity_m/s", TIME, WAVE)
+    with pytest.raises(ValueError, match=r"'m/s' in the column, 'mm/s' above the table \("):
+        read(path)
+    path = csv(tmp_path / "c.csv", "Units: SI\ntime_s,velocity_m/s", TIME, WAVE)
+    np.testing.assert_allclose(read(path).samples, WAVE, atol=1e-12)
+
+
 def test_units_below_the_names(tmp_path):
     head = "Time,Velocity,Force\ns,mm/s,kN"
     found = read(csv(tmp_path / "a.csv", head, TIME, WAVE, 12.0 + 0.0 * TIME))

@@ -26,6 +26,8 @@ _WORD = re.compile(
     r"([^;,\t]+?|[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*[;,\t]?\s*[a-z/]*)[\s;,]*",
     re.IGNORECASE,
 )
+# Words that say the unit of the motion, without blanks and underscores.
+_UNIT_WORDS = ("unit", "units", "einheit", "yunit", "yunits", "yunitlabel")
 # Units that channels beside motion and time have in the line below the names.
 _OTHERS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "mbar",
            "°C", "degC", "K", "%", "-")  # fmt: skip
@@ -70,7 +72,12 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     clocks = {
         f"{k + 1}: {form.names[k]}": values[:, 1 + j] * factors[k] for j, k in enumerate(times)
     }
-    units = {"in the column": entry.unit, "above the table": form.words.get("unit")}
+    units = {"in the column": entry.unit} | {
+        f"above the table ({word})": text
+        for word, text in form.words.items()
+        # `Units: SI` says nothing
+        if re.sub(r"[\s_]+", "", word) in _UNIT_WORDS and (word == "unit" or _unit(text))
+    }
     return Channel(
         name=entry.name,
         samples=values[:, 0],
