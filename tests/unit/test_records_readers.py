@@ -79,6 +79,58 @@ def test_wav_of_floats_has_no_unit(tmp_path):
     np.testing.assert_allclose(found.samples, 0.02 * WAVE, atol=1e-9)
 
 
+LABVIEW = """LabVIEW Measurement\t
+Separator\tTab
+Decimal_Separator\t,
+X_Columns\tOne
+Date\t2024/02/01
+Time\t12:30:00,1234
+***End_of_Header***\t\t
+
+Channels\t1\t
+Samples\t400\t
+Y_Unit_Label\tmm/s\t
+X_Dimension\tTime\t
+X0\t0,0000000000000000E+0\t
+Delta_X\t{step}\t
+***End_of_Header***\t\t
+X_Value\tlaser\tComment
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\t\n"])
+def test_labview_measurement_file(tmp_path, end):
+    rows = "".join(f"{t:.6f}\t{v:.8f}{end}" for t, v in zip(TIME, WAVE, strict=True))
+    text = (LABVIEW + rows).replace(".", ",")
+    (tmp_path / "a.lvm").write_text(text.replace("{step}", "0,000195"))
+    found = read(tmp_path / "a.lvm")
+    np.testing.assert_allclose(found.samples, 1e-3 * WAVE, atol=1e-11)
+    assert found.sampling_Hz == RATE
+    assert found.notes == ()
+    (tmp_path / "b.lvm").write_text(text.replace("{step}", "0,000391"))
+    with pytest.raises(ValueError, match=r"the file says 2557\.54476 Hz, its times 5120 Hz"):
+        read(tmp_path / "b.lvm")
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ",")])
+def test_a_table_in_quotation_marks(tmp_path, separator, decimal):
+    lines = [["unit", "mm/s"], ["time_s", "laser"]]
+    lines += [[f"{t:.9f}", f"{v:.9f}"] for t, v in zip(TIME, WAVE, strict=True)]
+    lines = [separator.join(f'"{field}"' for field in line) for line in lines]
+    text = "\n".join([*lines[:2], *(line.replace(".", decimal) for line in lines[2:]), ""])
+    (tmp_path / "a.csv").write_text(text)
+    found = read(tmp_path / "a.csv")
+    np.testing.assert_allclose(found.samples, 1e-3 * WAVE, atol=1e-12)
+    assert found.sampling_Hz == RATE
+
+
+def test_decimal_commas_in_quotation_marks_are_no_separators(tmp_path):
+    rows = "".join(f'"{k},5","1,{k}"\n' for k in range(100))
+    (tmp_path / "a.csv").write_text('"time_s","velocity_m/s"\n' + rows)
+    with pytest.raises(ValueError, match='no row of numbers but lines such as \'"99,5","1,99"\''):
+        read(tmp_path / "a.csv")
+
+
 def test_tdms_of_several_channels(tmp_path):
     from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 

@@ -127,7 +127,7 @@ def time_factor(name: str, unit: str | None, path: str) -> float | None:
 
 
 def _is_time(base: str) -> bool:
-    return base.strip().lower() in ("time", "t", "zeit", "elapsed time")
+    return base.strip().lower() in ("time", "t", "zeit", "elapsed time", "x_value")
 
 
 def check_claim(count: int, width: int, path: str) -> None:

@@ -13,12 +13,13 @@ from bladeroot.records.statements import one_time, one_unit, statements
 from bladeroot.records.text import encoding_of, separator_of
 from bladeroot.records.units import normal_unit, quantity_of, seconds
 
-SUFFIXES = (".csv", ".txt", ".tsv", ".asc")
+SUFFIXES = (".csv", ".txt", ".tsv", ".asc", ".lvm")
 # The header stands in the first lines; a comment starts with one of these.
 _HEAD = 1 << 16
 _BLOCK = 1 << 24
 
 _COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
+_QUOTED = re.compile(r'^"([^"]*)"$')
 _COMMENTS = ("#", "%", "//")
 # A word and what it is: a text, or a number with commas and its unit in a field of its own.
 _WORD = re.compile(
@@ -35,13 +36,17 @@ _OTHERS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa
 
 @dataclass(frozen=True)
 class _Form:
-    """How the table is written: encoding, first row of numbers, separator, decimal sign, names."""
+    """How the table is written: encoding, first row of numbers, separator, decimal sign, names.
+
+    quoted: whether the numbers stand in quotation marks.
+    """
 
     encoding: str
     first: int
     separator: str | None
     separators: int
     decimal: str
+    quoted: bool
     names: tuple[str, ...]
     units: tuple[str | None, ...]
     words: dict[str, str]
@@ -53,8 +58,8 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     The header is the line above the first row of numbers: `time_s` and, say, `velocity_m/s`,
     `velocity [mm/s]` or `velocity (mm/s)`; or names, and units in the line below them. Lines
     before it may say `sampling_Hz: 25600`, `fs: 25.6 kHz`, `unit: mm/s`, `mode: 1B`,
-    `force_N: 12000`. Fields are split at commas, semicolons or tabs; a decimal comma may stand
-    where commas do not split.
+    `force_N: 12000`. Fields are split at commas, semicolons or tabs and may stand in
+    quotation marks; a decimal comma may stand where commas do not split.
     Signs between thousands are refused, and commas that may be such.
     A last line without a line end counts as cut off.
     """
@@ -68,7 +73,8 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     entry = pick(entries, channel, quantity, path)
     times = [k for k, factor in enumerate(factors) if factor is not None and k != entry.number - 1]
     values = _numbers(path, form, [entry.number - 1, *times])
-    said = statements(form.words.items(), path)
+    # LabVIEW's time step is Delta_X
+    said = statements(form.words.items(), path, steps=("deltax",))
     clocks = {
         f"{k + 1}: {form.names[k]}": values[:, 1 + j] * factors[k] for j, k in enumerate(times)
     }
@@ -117,7 +123,7 @@ def _form(path: str) -> _Form:
     )
     if commas:
         check_commas([_fields(line, separator) for line in lines[first:]], first, path)
-    heads = [[name.strip('" ') for name in _fields(lines[k], separator)] for k in above[-2:]]
+    heads = [_fields(lines[k], separator) for k in above[-2:]]
     names = heads[-1] if heads else []
     used = above[-1:] if len(fields) > 1 else []
     units: list[str | None] = [None] * len(fields)
@@ -126,6 +132,8 @@ def _form(path: str) -> _Form:
         units, names, used = list(bare), heads[0], above[-2:]
     if not above:
         names = _commented(lines[:first], separator, len(fields))
+    if len(names) == len(fields) + 1 and names[-1].lower() == "comment":
+        names = names[:-1]  # LabVIEW names a column of comments and leaves it out of the rows
     if len(names) != len(fields):
         raise ValueError(
             f"expected a name for each of the {len(fields)} columns, got {', '.join(names)} "
@@ -139,6 +147,7 @@ def _form(path: str) -> _Form:
         separator,
         lines[first].count(separator) if separator else 0,
         "," if commas else ".",
+        '"' in lines[first],
         tuple(names),
         tuple(units),
         words,
@@ -148,14 +157,14 @@ def _form(path: str) -> _Form:
 def _commented(lines: list[str], separator: str | None, count: int) -> list[str]:
     """Names of columns in the comment right above the numbers, as numpy writes them, or numbers."""
     last = lines[-1] if lines and lines[-1].startswith(_COMMENTS) else ""
-    names = [name.strip('" ') for name in _fields(last.lstrip("".join(_COMMENTS)), separator)]
+    names = _fields(last.lstrip("".join(_COMMENTS)), separator)
     told = len(names) == count and any(_unit(split_name(name)[1] or "") for name in names)
     return names if told else [f"column {k + 1}" for k in range(count)]
 
 
 def _fields(line: str, separator: str | None) -> list[str]:
-    """Fields of a line; empty ones at the end do not count."""
-    fields = [field.strip() for field in line.split(separator)]
+    """Fields of a line without their quotation marks; empty ones at the end do not count."""
+    fields = [_QUOTED.sub(r"\1", field.strip()) for field in line.split(separator)]
     while fields and not fields[-1]:
         fields.pop()
     return fields
@@ -175,7 +184,7 @@ def _words(lines: list[str]) -> dict[str, str]:
     """What the lines above the table say as `name: value` or `name = value`."""
     words = {}
     for line in lines:
-        if match := _WORD.fullmatch(line):
+        if match := _WORD.fullmatch(line.replace('"', "")):
             words[match[1].strip().lower()] = match[2].strip()
     return words
 
@@ -194,6 +203,8 @@ def _numbers(path: str, form: _Form, columns: list[int]) -> np.ndarray:
             if not block.endswith("\n"):
                 block = block[: block.rfind("\n") + 1]
             if block:
+                if form.quoted:
+                    block = block.replace('"', "")
                 parts.append(_block(block, row, form, columns, path))
                 row += block.count("\n")
     return np.concatenate(parts) if parts else np.zeros((0, len(columns)))
