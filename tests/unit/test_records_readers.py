@@ -347,6 +347,43 @@ def test_netcdf_attributes(tmp_path):
         read(tmp_path / "a.nc", mode="2B")
 
 
+@pytest.mark.parametrize(
+    ("form", "kind", "clipped"),
+    [
+        ("NETCDF3_CLASSIC", "i2", -32767),
+        ("NETCDF4", "i2", -32767),
+        ("NETCDF4", "u2", 65535),
+        ("NETCDF4", "i4", -2147483647),
+    ],
+)
+def test_netcdf_fills_of_whole_numbers_count_where_declared(tmp_path, form, kind, clipped):
+    whole = np.round(1e4 * WAVE).astype(int)
+    whole[7] = clipped
+    for name, fill in (("a.nc", None), ("b.nc", clipped)):
+        with netCDF4.Dataset(tmp_path / name, "w", format=form) as file:
+            file.sampling_Hz = RATE
+            file.createDimension("n", TIME.size)
+            velocity = file.createVariable("velocity", kind, "n", fill_value=fill)
+            velocity.units, velocity.scale_factor = "m/s", 1e-9
+            velocity.set_auto_scale(False)
+            velocity[:] = whole.astype(kind)
+    found = read(tmp_path / "a.nc")
+    np.testing.assert_allclose(found.samples, 1e-9 * whole.astype(kind), rtol=1e-12)
+    with pytest.raises(ValueError, match="got nan at sample 8 and 1 in all"):
+        read(tmp_path / "b.nc")
+
+
+def test_netcdf_never_written_numbers_are_none(tmp_path):
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        file.sampling_Hz = RATE
+        file.createDimension("n", TIME.size)
+        velocity = file.createVariable("velocity", "f8", "n")
+        velocity.units = "m/s"
+        velocity[:300] = WAVE[:300]
+    with pytest.raises(ValueError, match="got nan at sample 301 and 100 in all"):
+        read(tmp_path / "a.nc")
+
+
 def test_a_slip_of_a_thousand_is_noted(tmp_path):
     write_csv(tmp_path / "a.csv", 1e3 * WAVE, RATE)
     (note,) = read(tmp_path / "a.csv").notes

@@ -10,6 +10,7 @@ from bladeroot.records.statements import one_time, statements
 from bladeroot.records.units import quantity_of
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
+_INVALID = {"_FillValue", "missing_value", "valid_range", "valid_min", "valid_max"}
 
 
 def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
@@ -96,8 +97,14 @@ def _unit(variable) -> str | None:
 
 
 def _values(variable, path: str) -> np.ndarray:
-    """All numbers of a variable, fill values as NaN."""
+    """All numbers of a variable, fill values as NaN.
+
+    The library takes -32767 for one where a file of whole numbers declares none, but there it is a
+    clipped sample.
+    """
     check_claim(variable.size, variable.dtype.itemsize, path)
+    declared = not _INVALID.isdisjoint(variable.ncattrs())
+    variable.set_auto_mask(declared or variable.dtype.kind == "f")
     try:
         values = np.ma.asarray(variable[:])
     except (OSError, RuntimeError) as error:
