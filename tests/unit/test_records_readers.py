@@ -238,6 +238,77 @@ def test_matlab_73_cells_and_structs(tmp_path):
     np.testing.assert_allclose(found.samples, 2 * WAVE)
 
 
+def siemens(step=1 / RATE, unit="mm/s", time="s"):
+    """A signal as Siemens Testlab writes it."""
+    x_values = {"start_value": 0.5, "increment": step, "quantity": {"label": time}}
+    return {"x_values": x_values, "y_values": {"values": WAVE, "quantity": {"label": unit}}}
+
+
+def test_matlab_structs_of_x_and_y_values(tmp_path):
+    from scipy.io import savemat
+
+    path = tmp_path / "a.mat"
+    savemat(path, {"first": siemens(), "second": siemens(unit="m/s", time="ms", step=1e3 / RATE)})
+    found = read(path, channel="first.y_values.values")
+    np.testing.assert_allclose(found.samples, 1e-3 * WAVE)
+    assert found.sampling_Hz == RATE
+    assert found.start_s == 0.5
+    with pytest.raises(ValueError, match=r"sampling_Hz contradicts: 2560 in .*, 5120 in the file"):
+        read(path, channel="first.y_values.values", sampling_Hz=2560.0)
+    with pytest.raises(ValueError, match=r"unit contradicts: 'm/s' in .*, 'mm/s' in the file"):
+        read(path, channel="first.y_values.values", unit="m/s")
+    other = read(path, channel="second.y_values.values")
+    np.testing.assert_allclose(other.samples, WAVE)
+    assert other.sampling_Hz == pytest.approx(RATE, rel=1e-12)
+    assert other.start_s == 0.5e-3
+    savemat(tmp_path / "b.mat", {"spectrum": siemens(time="Hz")})
+    with pytest.raises(
+        ValueError, match=r"x_values\.increment \[Hz\] .*its unit 'hz' is not known"
+    ):
+        read(tmp_path / "b.mat")
+
+
+def test_matlab_73_arrays_of_structs(tmp_path):
+    import h5py
+
+    path = tmp_path / "a.mat"
+    fields = {"laser": (WAVE, 2.0 * WAVE), "fs": (RATE, 2.0 * RATE)}
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for field, values in fields.items():
+            array = file.create_dataset(f"runs/{field}", (2, 1), h5py.ref_dtype)
+            for k, value in enumerate(values):
+                file[f"#refs#/{field}{k}"] = np.atleast_2d(value)
+                array[k, 0] = file[f"#refs#/{field}{k}"].ref
+    for k in (1, 2):
+        found = read(path, channel=f"runs(1,{k}).laser", unit="m/s")
+        np.testing.assert_allclose(found.samples, k * WAVE)
+        assert found.sampling_Hz == k * RATE
+
+
+def test_matlab_objects_are_told(tmp_path, monkeypatch):
+    import h5py
+    import scipy.io
+    from scipy.io.matlab import MatlabOpaque
+
+    told = r"got objects that only MATLAB reads: ts; their times and data can be saved as variables"
+    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
+        file["ts"] = np.array([[0xDD000000, 2, 1, 1, 1, 1]], "u4")
+        file["ts"].attrs["MATLAB_object_decode"] = np.int32(3)
+    with pytest.raises(ValueError, match=told):
+        read(tmp_path / "a.mat")
+    with h5py.File(tmp_path / "a.mat", "a") as file:
+        file["velocity"] = WAVE[None, :]
+    np.testing.assert_allclose(read(tmp_path / "a.mat", unit="m/s", sampling_Hz=RATE).samples, WAVE)
+    with pytest.raises(ValueError, match=told):
+        read(tmp_path / "a.mat", channel="ts")
+    row = np.array([(b"ts", b"MCOS", b"timeseries", np.zeros((6, 1), "u4"))],
+                   [(field, object) for field in ("s0", "s1", "s2", "arr")])  # fmt: skip
+    monkeypatch.setattr(scipy.io, "loadmat", lambda *_, **__: {"None": MatlabOpaque(row)})
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 5.0 MAT-file")
+    with pytest.raises(ValueError, match=told):
+        read(tmp_path / "b.mat")
+
+
 def test_a_header_behind_a_comment_sign_names_the_columns(tmp_path):
     table = np.column_stack([TIME, 1e3 * WAVE])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="time_s,velocity_mm/s")

@@ -1,7 +1,8 @@
 """MATLAB .mat of version 5 (scipy) and 7.3 (h5py). There is no convention, so names are looked for.
 
 Time is a vector `time` or `t`, a rising first column or cell, or a number `fs` (`sampling_Hz`,
-`dt`, ...) beside the samples or above them; likewise `unit`, `quantity`, `mode`, `force_N`.
+`dt`, ...) beside the samples or above them; likewise `unit`, `quantity`, `mode`, `force_N`. Siemens
+Testlab's structs hold step and start in `x_values`, samples and unit in `y_values`.
 """
 
 from collections.abc import Iterable, Iterator
@@ -12,6 +13,7 @@ import numpy as np
 from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
 from bladeroot.records.hdf5 import length_notes, try_first
 from bladeroot.records.statements import one_time, statements
+from bladeroot.records.units import seconds
 
 SUFFIXES = (".mat",)
 MOST_COLUMNS = 64
@@ -21,7 +23,10 @@ _DEEPEST, _MOST = 8, 20_000
 
 @dataclass(frozen=True)
 class _Leaf:
-    """A number, text or array: its name, and the struct, cell or array it stands in."""
+    """A number, text or array: its name, and the struct, cell or array it stands in.
+
+    The value is None for an object of a class, such as a timeseries: only MATLAB can read it.
+    """
 
     name: str
     key: str
@@ -38,11 +43,15 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         try_first(lambda: list(_version_73(path)), path)
     leaves = list(_version_73(path) if new else _version_5(path))
     series = [leaf for leaf in leaves if isinstance(leaf.value, np.ndarray)]
-    words = {leaf.name: leaf for leaf in leaves if not isinstance(leaf.value, np.ndarray)}
-    entries = [
-        Entry(
-            k + 1, leaf.name, _near(words, leaf, ("unit", "units")), timelike=_timelike(leaf, path)
+    words = {leaf.name: leaf for leaf in leaves if isinstance(leaf.value, int | float | str)}
+    objects = [leaf.name for leaf in leaves if leaf.value is None]
+    if objects and (not series or channel in objects):
+        raise ValueError(
+            f"expected vectors of numbers, got objects that only MATLAB reads: "
+            f"{', '.join(objects)}; their times and data can be saved as variables ({path})"
         )
+    entries = [
+        Entry(k + 1, leaf.name, _unit(words, leaf), timelike=_timelike(leaf, path))
         for k, leaf in enumerate(series)
     ]
     entry = pick(entries, channel, quantity, path)
@@ -54,8 +63,10 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     }
     above = [word for word in words.values() if _above(word.group, leaf.group)]
     above.sort(key=lambda word: len(word.group))
+    step, start_s = _x_values(words, leaf)
     # ts is a step in MATLAB; elsewhere it may be a time of day
-    said = statements([(word.key, word.value) for word in above], path, steps=("ts",))
+    steps = ("ts", "xvalues.increment")
+    said = statements([*((word.key, word.value) for word in above), *step], path, steps)
     return Channel(
         name=entry.name,
         samples=leaf.value,
@@ -64,6 +75,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         time=one_time(times, path),
         sampling_Hz=said.sampling_Hz,
         sampling_error=said.sampling_error,
+        start_s=start_s,
         facts=said.facts,
         notes=(*(length_notes(path) if new else ()), *said.notes),
     )
@@ -77,6 +89,28 @@ def _near(words: dict[str, _Leaf], leaf: _Leaf, keys: tuple[str, ...]) -> str | 
         if word.key.lower() in keys and _above(word.group, leaf.group)
     ]
     return str(max(found, key=lambda word: len(word.group)).value) if found else None
+
+
+def _unit(words: dict[str, _Leaf], leaf: _Leaf) -> str | None:
+    """The unit of a series: its label in a struct `y_values`, or the nearest `unit`."""
+    base, inside, _ = leaf.name.partition(".y_values.")
+    label = words.get(f"{base}.y_values.quantity.label") if inside else None
+    return str(label.value) if label else _near(words, leaf, ("unit", "units"))
+
+
+def _x_values(words: dict[str, _Leaf], leaf: _Leaf) -> tuple[list[tuple[str, object]], float]:
+    """The step, as the file states it, and the start (s) of the struct `x_values` beside a series.
+
+    Neither where the series stands in no struct `y_values`.
+    """
+    base, inside, _ = leaf.name.partition(".y_values.")
+    place = f"{base}.x_values"
+    if not inside or f"{place}.increment" not in words:
+        return [], 0.0
+    label, start = words.get(f"{place}.quantity.label"), words.get(f"{place}.start_value")
+    unit = str(label.value) if label else "s"
+    start_s = float(start.value) * (seconds(unit) or 0.0) if start else 0.0
+    return [(f"x_values.increment [{unit}]", words[f"{place}.increment"].value)], start_s
 
 
 def _above(group: str, other: str) -> bool:
@@ -124,9 +158,13 @@ def _version_5(path: str) -> Iterator[_Leaf]:
 
 def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterator[_Leaf]:
     """The leaves below a variable of a version 5 file."""
+    from scipy.io.matlab import MatlabOpaque
+
     if depth > _DEEPEST or not isinstance(value, np.ndarray):
         return
-    if value.dtype.names:
+    if isinstance(value, MatlabOpaque):  # scipy knows an object's name, not its variable's
+        yield _Leaf(value["s0"].flat[0].decode(), key, group, None)
+    elif value.dtype.names:
         for place in np.ndindex(value.shape):
             own = name if value.size == 1 else f"{name}({','.join(str(k + 1) for k in place)})"
             for field in value.dtype.names:
@@ -159,7 +197,8 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
         return
     if isinstance(item, h5py.Group):
         for field, part in item.items():
-            yield from _walk_73(f"{name}.{field}", field, name, part, depth + 1, file, path)
+            for own, cell in _cells(name, part, file):
+                yield from _walk_73(f"{own}.{field}", field, own, cell, depth + 1, file, path)
         return
     if not isinstance(item, h5py.Dataset) or item.shape is None:
         return
@@ -173,6 +212,9 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
             part = file[item[place[::-1]]]
             yield from _walk_73(f"{name}{cell}", cell, row, part, depth + 1, file, path)
         return
+    if "MATLAB_object_decode" in item.attrs:
+        yield _Leaf(name, key, group, None)
+        return
     if item.attrs.get("MATLAB_empty", 0):  # what it holds are an empty array's dimensions
         return
     check_claim(item.size, item.dtype.itemsize, path)
@@ -183,3 +225,16 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
             yield _Leaf(name, key, group, _rows("".join(map(chr, row)) for row in rows))
     else:
         yield from _arrays(name, key, group, value)
+
+
+def _cells(name: str, part, file) -> Iterator[tuple[str, object]]:
+    """Name of a struct and what one of its fields holds; each struct of an array of structs.
+
+    The field of such an array refers to its values, and unlike a cell array has no class.
+    """
+    refers = getattr(part, "dtype", None) is not None and part.dtype.kind == "O" and part.shape
+    if not refers or "MATLAB_class" in part.attrs or part.size > _MOST:
+        yield name, part
+        return
+    for place in np.ndindex(part.shape[::-1]):
+        yield f"{name}({','.join(str(k + 1) for k in place)})", file[part[place[::-1]]]
