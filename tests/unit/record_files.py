@@ -89,6 +89,21 @@ def write_universal_binary(path, samples, rate, unit="m/s"):
     write_universal(path, samples, rate, unit, binary=1)
 
 
+def write_universal_by_hand(path, samples, rate, order="<", double=True, even=True):
+    """A binary universal file in either byte order, with its times by turns if not even."""
+    write_universal(path, samples, rate, binary=1, double=double)
+    *head, rest = path.read_bytes().split(b"\n", 13)
+    times = np.arange(samples.size) / rate
+    numbers = samples if even else np.stack([times, samples], axis=1)
+    body = numbers.astype(f"{order}f{8 if double else 4}").tobytes()
+    assert rest.endswith(b"    -1\n")
+    head[1] = b"    58b%6d%6d%12d%12d%6d%6d%12d%12d" % (
+        1 if order == "<" else 2, 2, 11, len(body), 0, 0, 0, 0
+    )  # fmt: skip
+    head[8] = head[8][:20] + b"%10d" % even + head[8][30:]
+    path.write_bytes(b"\n".join([*head, body]) + b"\n    -1\n")
+
+
 def write_wav(path, samples, rate, unit="m/s", bits=64, order="<"):
     """A WAV of floats (64, 32 bits) or whole numbers of full scale 1."""
     code = 3 if bits == 64 or bits == -32 else 1

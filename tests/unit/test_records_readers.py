@@ -13,6 +13,7 @@ from record_files import (
     write_matlab_73,
     write_tdms,
     write_universal,
+    write_universal_by_hand,
     write_wav,
 )
 
@@ -343,6 +344,32 @@ def test_universal_file_of_text(tmp_path, double, count):
     found = read(tmp_path / "a.uff", channel="12:+Z")
     np.testing.assert_allclose(found.samples, WAVE[:count], atol=1e-5 * WAVE.max())
     assert found.sampling_Hz == RATE  # 1.95312e-04 in the file, 2.6 ppm off
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    order=st.sampled_from("<>"),
+    double=st.booleans(),
+    even=st.booleans(),
+    rate=st.sampled_from([1000.0, 5120.0, 25600.0, 51200.0]),
+    count=st.integers(64, 700),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_universal_file_of_either_byte_order(
+    tmp_path_factory, order, double, even, rate, count, seed
+):
+    path = tmp_path_factory.mktemp("order") / "a.uff"
+    samples = 0.1 * np.random.default_rng(seed).standard_normal(count)
+    write_universal_by_hand(path, samples, rate, order, double, even)
+    found = read(path)
+    np.testing.assert_allclose(found.samples, samples, rtol=0 if double else 1e-7)
+    assert found.sampling_Hz == pytest.approx(rate, rel=1e-12)
+    assert found.notes == ()
+    data, own, other = path.read_bytes(), *((1, 2) if order == "<" else (2, 1))
+    for flag, told in ((3, "byte order 1 or 2"), (other, "no vibration|finite|must rise|uniform")):
+        path.write_bytes(data.replace(b"58b     %d" % own, b"58b     %d" % flag))
+        with pytest.raises(ValueError, match=told):
+            read(path)
 
 
 def test_universal_file_of_an_odd_rate_says_so(tmp_path):
