@@ -176,7 +176,7 @@ def _sampling(
     if sampling_Hz is None:
         if error > CONTRADICTION:
             notes.append(
-                f"the file's digits leave the sampling frequency open between "
+                "the file's digits leave the sampling frequency open between "
                 f"{own / (1.0 + error):.6g} and {own / (1.0 - error):.6g} Hz, {own:.9g} Hz is "
                 "taken; sampling_Hz in records.csv settles it"
             )

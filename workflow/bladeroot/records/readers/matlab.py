@@ -47,7 +47,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     objects = [leaf.name for leaf in leaves if leaf.value is None]
     if objects and (not series or channel in objects):
         raise ValueError(
-            f"expected vectors of numbers, got objects that only MATLAB reads: "
+            "expected vectors of numbers, got objects that only MATLAB reads: "
             f"{', '.join(objects)}; their times and data can be saved as variables ({path})"
         )
     entries = [
@@ -162,7 +162,7 @@ def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterato
 
     if depth > _DEEPEST or not isinstance(value, np.ndarray):
         return
-    if isinstance(value, MatlabOpaque):  # scipy knows an object's name, not its variable's
+    if isinstance(value, MatlabOpaque):  # has the variable's name inside
         yield _Leaf(value["s0"].flat[0].decode(), key, group, None)
     elif value.dtype.names:
         for place in np.ndindex(value.shape):
