@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.capture import sudden_onset
+from bladeroot.decay.evidence import creep
 from bladeroot.decay.mixture import NORMAL, Mixture
 from bladeroot.decay.posterior import SHORTEST, Weighed
 from bladeroot.decay.stretch import Stretch, cubic, grouped
@@ -25,9 +26,12 @@ from bladeroot.decay.weigh import SHOWN, weigh
 NUMBERS = (
     "stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std",
     "onset_amplitude", "onset_amplitude_std", "onset_low", "onset_high", "onset_bound",
-    "onset_time", "frequency_bound", "frequency_bound_std", "limit_low", "limit_high",
+    "onset_time", "creep", "frequency_bound", "frequency_bound_std", "limit_low", "limit_high",
     "plateau_low_amplitude", "plateau_high_amplitude", "plateau_weight",
 )  # fmt: skip
+
+# Standard errors from which on a frequency that changes in time on the plateau counts.
+CREEPS = 5.0
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -42,7 +46,9 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         onset_low to onset_high (NaN when the record never leaves the plateau, or never reaches
         it); onset_time, when the amplitude falls to it; and onset_bound, the largest amplitude
         seen, when it never leaves;
-        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant stretch;
+        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant stretch; creep,
+        by how much the frequency changes in time on it, NaN where nothing shows, which is then in
+        the standard error;
         plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
         curve may still bend at the smallest usable amplitude, stick_frequency is NaN,
         frequency_bound (with frequency_bound_std) is the frequency there, and the limit lies
@@ -104,13 +110,19 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
             "verdict": "plateau not reached",
         }
     result |= ends
+    verdict, high = "plateau", result["plateau_high_amplitude"]
+    change, clear = creep(stretch.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
+    if clear > CREEPS:
+        omega_std = float(np.hypot(omega_std, change / np.sqrt(12.0)))
+        result["creep"] = change / (2.0 * np.pi)
+        verdict = "plateau, but the frequency creeps on it"
     fallen = np.minimum.accumulate(np.log(amplitude))
     return result | {
         "stick_frequency": frequency,
         "stick_frequency_std": omega_std / (2.0 * np.pi),
         "onset_time": float(np.interp(-np.log(result["onset_amplitude"]), -fallen, time)),
         "plateau_reached": 1,
-        "verdict": "plateau",
+        "verdict": verdict,
     }
 
 

@@ -16,6 +16,7 @@ RECORD = {
     "onset_low": ("m", "lower end of the 95 % interval of onset_amplitude", ""),
     "onset_high": ("m", "upper end of the 95 % interval of onset_amplitude", ""),
     "onset_time": ("s", "time since the start of the cut when sticking begins", ""),
+    "creep": ("Hz", "change of the frequency in time on the plateau, where it shows", ""),
     "plateau_low_amplitude": ("m", "smallest amplitude of the constant stretch", ""),
     "plateau_high_amplitude": ("m", "largest amplitude of the constant stretch", ""),
     "plateau_weight": ("1", "weight of the laws with a plateau", ""),
@@ -41,7 +42,7 @@ def record_plateau(decay: xr.Dataset) -> xr.Dataset:
     }
     if np.size(decay.attrs.get("other_modes_Hz", ())):
         made["onset_amplitude"][2]["note"] = OTHERS
-    text = {"units": "", "long_name": "plateau, plateau not reached, or rejected and why"}
+    text = {"units": "", "long_name": "plateau (creeping or not), plateau not reached, or rejected and why"}
     return xr.Dataset(made | {"verdict": ((), found["verdict"], text)}, attrs=decay.attrs)
 
 
