@@ -42,13 +42,13 @@ def waterfall(curves: xr.Dataset) -> Figure:
             scale = 2.2 * gap / highest
             # from the back to the front, each curve over its own base line
             for row in np.argsort(force)[::-1]:
-                known = np.isfinite(height[row])
-                base = np.full(known.sum(), force[row])
-                top = base + scale * np.minimum(height[row][known], 1.2 * highest)
+                # what is not known stays a gap
+                top = force[row] + scale * height[row]
+                base = np.where(np.isfinite(top), force[row], np.nan)
                 colour = colours.to_rgba(force[row])
-                axis.fill_between(x[known], base, top, color=colour, alpha=0.25, linewidth=0)
-                axis.plot(x[known], base, color=colour, linewidth=0.4)
-                axis.plot(x[known], top, color=colour, linewidth=1.1)
+                axis.fill_between(x, base, top, color=colour, alpha=0.25, linewidth=0)
+                axis.plot(x, base, color=colour, linewidth=0.4)
+                axis.plot(x, top, color=colour, linewidth=1.1)
             _scale_bar(axis, scale, highest)
             axis.set_xscale("log")
             axis.grid(visible=False, axis="y")
