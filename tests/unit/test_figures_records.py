@@ -10,7 +10,7 @@ def curves(forces=(4000.0, 8000.0)):
     amplitude = np.geomspace(1e-8, 1e-5, 61)
     frequency = 480.0 + 1e-3 * np.array(forces)[:, None] - 0.5 * np.log(amplitude / 1e-8)
     values = {"frequency": frequency, "loss_factor": 1e-5 * frequency}
-    values |= {f"{name}_std": 1e-4 * value for name, value in values.items()}
+    values |= {f"{name}_change_std": 1e-4 * value for name, value in values.items()}
     made = {name: (("level", "amplitude"), value) for name, value in values.items()}
     made["records"] = (("level", "amplitude"), np.full(frequency.shape, 4))
     made |= {"mode": ("level", ["1B"] * len(forces)), "force": ("level", list(forces))}
@@ -19,7 +19,7 @@ def curves(forces=(4000.0, 8000.0)):
 
 def test_what_is_too_uncertain_to_be_drawn_is_a_gap_in_the_waterfall():
     made = curves()
-    made["frequency_std"][1, 20:40] = 100.0
+    made["frequency_change_std"][1, 20:40] = 100.0
     axis = amplitude_force.waterfall(made).axes[0]
     broken = [line for line in axis.lines if np.isnan(line.get_ydata()).any()]
     assert len(broken) == 2  # the curve and its base line

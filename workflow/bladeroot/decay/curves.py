@@ -13,6 +13,7 @@ CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hyster
 KINDS = {
     "": "mean over records of",
     "_std": "standard error of the mean",
+    "_change_std": "standard error, without that of the records' levels, of the mean",
     "_scatter": "standard deviation between records of",
 }
 
@@ -25,12 +26,14 @@ def mean_curves(
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. plateaus: of the same records; what is rejected there is left out. At each
     amplitude the mean over the records that reach it is weighted by within- and between-record
-    variance (DerSimonian-Laird); nothing is extrapolated. First cycles that decay unlike all
+    variance (DerSimonian-Laird), with each record's level against the others taken off before and
+    the mean of the levels put back; nothing is extrapolated. First cycles that decay unlike all
     records which pass them later (`settling`) are left out.
 
     Returns:
         dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
-        standard errors and the scatter between records (NaN for one record alone), `records`,
+        standard errors, with and without that of the levels (`_std`, `_change_std`), and the
+        scatter between records, levels included (NaN for one record alone); `records`,
         how many reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
     decays = [
@@ -56,9 +59,8 @@ def mean_curves(
         left_out[k] = doubted.sum(axis=0)
         for name in CURVES:
             value, std = (np.where(doubted, np.nan, read[part]) for part in (name, f"{name}_std"))
-            mean, mean_std, scatter = _mean(value, std)
-            values[name][k], values[f"{name}_std"][k] = mean, mean_std
-            values[f"{name}_scatter"][k] = scatter
+            for kind, found in _mean(value, std).items():
+                values[f"{name}{kind}"][k] = found
             count[k] = np.isfinite(value).sum(axis=0)
     curves = xr.Dataset(
         {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
@@ -118,19 +120,69 @@ def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, "
     return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
 
 
-def _mean(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+def _mean(
+    value: Float[ndarray, "record amplitude"], std: Float[ndarray, "record amplitude"]
+) -> dict[str, Float[ndarray, " amplitude"]]:
+    """Mean over records, its standard errors and the scatter between records, by `KINDS`.
+
+    The value of a record is its own level plus a change with amplitude that all of them share.
+    Levels are taken off before the mean and their mean is put back, so that a record that begins or
+    ends makes no step.
+    """
+    level = _levels(value, _weights(value, std)[0])
+    with np.errstate(divide="ignore"):
+        level_std = _precision(value, std).sum(axis=1) ** -0.5
+    middle, middle_std, levels_scatter = _weighted(level[:, None], level_std[:, None])
+    change, change_std, scatter = _weighted(value - level[:, None], std)
+    return {
+        "": change + middle,
+        "_std": np.hypot(change_std, middle_std),
+        "_change_std": change_std,
+        "_scatter": np.hypot(scatter, levels_scatter),
+    }
+
+
+def _levels(
+    value: Float[ndarray, "record amplitude"], weight: Float[ndarray, "record amplitude"]
+) -> Float[ndarray, " record"]:
+    """How far each record lies above the others: least squares of record + amplitude.
+
+    They sum to zero over records that are linked by common amplitudes; others are not compared.
+    """
+    value = np.where(weight > 0.0, value, 0.0)
+    total = weight.sum(axis=0)
+    share = weight / np.where(total > 0.0, total, 1.0)
+    normal = np.diag(weight.sum(axis=1)) - share @ weight.T
+    right = (weight * (value - (share * value).sum(axis=0))).sum(axis=1)
+    return np.linalg.pinv(normal, rcond=1e-12, hermitian=True) @ right
+
+
+def _weighted(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """Weighted mean over records, its standard error, and the scatter between them."""
-    known = np.isfinite(value) & np.isfinite(std) & (std > 0.0)
-    weight = np.where(known, 1.0 / np.where(known, std, 1.0) ** 2, 0.0)
-    value = np.where(known, value, 0.0)
-    count, total = known.sum(axis=0), weight.sum(axis=0)
+    weight, between = _weights(value, std)
+    known = weight > 0.0
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = (weight * value).sum(axis=0) / total
-        misfit = (weight * (value - mean) ** 2).sum(axis=0) - (count - 1)
-        between = np.maximum(misfit, 0.0) / (total - (weight**2).sum(axis=0) / total)
+        mean = (weight * np.where(known, value, 0.0)).sum(axis=0) / weight.sum(axis=0)
+        mean_std = weight.sum(axis=0) ** -0.5
+    scatter = np.where(known.sum(axis=0) > 1, np.sqrt(between), np.nan)
+    return mean, np.where(known.any(axis=0), mean_std, np.nan), scatter
+
+
+def _weights(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray]:
+    """Weights within and between records, zero where unknown, and the variance between them."""
+    precision = _precision(value, std)
+    known = precision > 0.0
+    value = np.where(known, value, 0.0)
+    count, total = known.sum(axis=0), precision.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = (precision * value).sum(axis=0) / total
+        misfit = (precision * (value - mean) ** 2).sum(axis=0) - (count - 1)
+        between = np.maximum(misfit, 0.0) / (total - (precision**2).sum(axis=0) / total)
         between = np.where(count > 1, between, 0.0)
-        wider = np.where(known, 1.0 / (1.0 / weight + between), 0.0)
-        mean = (wider * value).sum(axis=0) / wider.sum(axis=0)
-        mean_std = wider.sum(axis=0) ** -0.5
-    scatter = np.where(count > 1, np.sqrt(between), np.nan)
-    return np.where(count > 0, mean, np.nan), np.where(count > 0, mean_std, np.nan), scatter
+        return np.where(known, 1.0 / (1.0 / precision + between), 0.0), between
+
+
+def _precision(value: ndarray, std: ndarray) -> ndarray:
+    """Inverse variance of each value, zero where it is unknown."""
+    known = np.isfinite(value) & np.isfinite(std) & (std > 0.0)
+    return np.where(known, 1.0 / np.where(known, std, 1.0) ** 2, 0.0)

@@ -14,8 +14,6 @@ from bladeroot.figures.style import (
     panels,
 )
 
-# Points are drawn up to these relative standard errors, which hold the scatter of repeats, too.
-DRAWN = {"frequency": 2e-3, "loss_factor": 0.2}
 AMPLITUDE = "displacement amplitude at the sensor / µm"
 
 
@@ -33,9 +31,9 @@ def waterfall(curves: xr.Dataset) -> Figure:
         force = here["force"].values / 1e3
         colours = force_colours(here["force"].values)
         gap = np.diff(force).min() if force.size > 1 else 1.0
-        frequency = drawn_values(here, "frequency", DRAWN["frequency"])
+        frequency = drawn_values(here, "frequency", "change_std")
         softening = 1e2 * (1.0 - frequency / _smallest(here, "frequency")[:, None])
-        loss = 1e2 * drawn_values(here, "loss_factor", DRAWN["loss_factor"])
+        loss = 1e2 * drawn_values(here, "loss_factor", "change_std")
         x = 1e6 * here["amplitude"].values
         for axis, height in ((axes[0, column], softening), (axes[1, column], loss)):
             highest = np.nanpercentile(height, 99.5)
@@ -78,7 +76,7 @@ def maps(curves: xr.Dataset) -> Figure:
             (axes[1, column], "loss_factor", 1e2, "loss factor / %"),
         ):
             fine = np.linspace(force.min(), force.max(), 161) if force.size > 1 else force
-            value = scale * between_forces(force, drawn_values(here, name, DRAWN[name]), fine)
+            value = scale * between_forces(force, drawn_values(here, name, "change_std"), fine)
             axis.set_xscale("log")
             if force.size < 2 or not np.isfinite(value).any():
                 axis.text(0.5, 0.5, "one force only", transform=axis.transAxes, ha="center")
@@ -129,8 +127,8 @@ def _of_mode(curves: xr.Dataset, mode: str) -> xr.Dataset:
 def _smallest(curves: xr.Dataset, name: str) -> np.ndarray:
     """Mean of each curve over its smallest amplitudes, weighted by its standard errors."""
     found = []
-    drawn = drawn_values(curves, name, DRAWN[name])
-    for value, std in zip(drawn, curves[f"{name}_std"].values, strict=True):
+    drawn = drawn_values(curves, name, "change_std")
+    for value, std in zip(drawn, curves[f"{name}_change_std"].values, strict=True):
         known = np.flatnonzero(np.isfinite(value))
         known = known[: max(known.size // 4, 1)]
         mean = np.average(value[known], weights=1.0 / std[known] ** 2) if known.size else np.nan

@@ -15,9 +15,6 @@ from bladeroot.figures.style import (
     plain_log_scale,
 )
 
-# Points are drawn up to these relative standard errors; the artifacts hold them all.
-DRAWN = {"frequency": 5e-4, "loss_factor": 0.2}
-
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
     """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force."""
@@ -35,7 +32,7 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
             colour = colours.to_rgba(decay.attrs["force_N"] / 1e3)
             amplitude = 1e6 * decay["amplitude"].values
             for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
-                value = scale * drawn_values(decay, name, DRAWN[name])
+                value = scale * drawn_values(decay, name)
                 spread = scale * decay[f"{name}_std"].values
                 axis.plot(amplitude, value, color=colour, linewidth=0.9)
                 axis.fill_between(
@@ -55,7 +52,7 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
 
 def _limits(decays: Sequence[xr.Dataset], name: str, scale: float) -> tuple[float, float]:
     """Axis limits that the last, lost points of a few curves cannot stretch."""
-    values = scale * np.concatenate([drawn_values(decay, name, DRAWN[name]) for decay in decays])
+    values = scale * np.concatenate([drawn_values(decay, name) for decay in decays])
     values = values[np.isfinite(values)]
     low, high = np.percentile(values, [0.1, 99.9]) if values.size else (1.0, 2.0)
     if name == "loss_factor":
