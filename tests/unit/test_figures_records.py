@@ -25,3 +25,14 @@ def test_what_is_too_uncertain_to_be_drawn_is_a_gap_in_the_waterfall():
     assert len(broken) == 2  # the curve and its base line
     for line in broken:
         assert (np.isnan(line.get_ydata()) == (np.arange(61) // 20 == 1)).all()
+
+
+def test_the_map_shows_a_force_whose_records_lie_far_apart_but_change_alike():
+    made = curves()
+    made["frequency_std"] = 0.01 * made["frequency"]
+    shown = amplitude_force.maps(made).axes[0].collections[0].get_array()
+    assert not np.ma.getmaskarray(shown).any() and np.isfinite(shown).all()
+
+
+def test_there_is_no_map_over_one_force():
+    assert not amplitude_force.maps(curves([8000.0])).axes

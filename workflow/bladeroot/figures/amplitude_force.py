@@ -2,10 +2,12 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib import patheffects
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladeroot.figures.style import (
+    COLOURS,
     MEASURED,
     drawn_values,
     force_colours,
@@ -59,44 +61,46 @@ def waterfall(curves: xr.Dataset) -> Figure:
 
 
 def maps(curves: xr.Dataset) -> Figure:
-    """f_n(A, F) and eta(A, F) of each mode, linear between measured forces, blank elsewhere.
+    """f_n(A, F) and eta(A, F) of each mode with several forces, linear between them.
 
     curves: dims level, amplitude, as from `bladeroot.decay.curves.mean_curves`.
     """
-    modes = _modes(curves)
+    modes = [mode for mode in _modes(curves) if _of_mode(curves, mode).sizes["level"] > 1]
     if not modes:
-        return nothing("no usable record")
+        return nothing("one axial force only: there is no map over force")
     drawn, axes = panels(2, len(modes), 4.6 * len(modes), 6.6, sharex="col", sharey=True)
     for column, mode in enumerate(modes):
         here = _of_mode(curves, mode)
         force = here["force"].values / 1e3
         x = 1e6 * here["amplitude"].values
+        fine = np.linspace(force.min(), force.max(), 161)
         for axis, name, scale, label in (
             (axes[0, column], "frequency", 1.0, "natural frequency / Hz"),
             (axes[1, column], "loss_factor", 1e2, "loss factor / %"),
         ):
-            fine = np.linspace(force.min(), force.max(), 161) if force.size > 1 else force
             value = scale * between_forces(force, drawn_values(here, name, "change_std"), fine)
             axis.set_xscale("log")
-            if force.size < 2 or not np.isfinite(value).any():
-                axis.text(0.5, 0.5, "one force only", transform=axis.transAxes, ha="center")
+            axis.set_xlim(x[0], x[-1])
+            axis.grid(visible=False)
+            axis.plot(
+                np.full(force.size, 1.0), force, ">", transform=axis.get_yaxis_transform(),
+                color=MEASURED, markersize=4, clip_on=False,
+            )  # fmt: skip
+            if not np.isfinite(value).any():
                 continue
             low, high = np.nanpercentile(value, [0.5, 99.5])
             shown = axis.pcolormesh(
-                x, fine, value, vmin=low, vmax=high, cmap="viridis", shading="nearest",
+                x, fine, value, vmin=low, vmax=high, cmap=COLOURS, shading="nearest",
                 rasterized=True,
             )  # fmt: skip
             lines = axis.contour(
                 x, fine, value, levels=MaxNLocator(7).tick_values(low, high), colors="white",
                 linewidths=0.6,
             )  # fmt: skip
-            axis.clabel(lines, fontsize=7, fmt="%.4g")
-            axis.plot(
-                np.full(force.size, 1.0), force, ">", transform=axis.get_yaxis_transform(),
-                color=MEASURED, markersize=4, clip_on=False,
-            )  # fmt: skip
+            edge = [patheffects.withStroke(linewidth=2.0, foreground="#222222")]
+            for text in axis.clabel(lines, fontsize=7, fmt="%.4g"):
+                text.set_path_effects(edge)
             drawn.colorbar(shown, ax=axis, label=label)
-            axis.grid(visible=False)
         axes[0, column].set_title(f"mode {mode}", loc="left")
         axes[1, column].set_xlabel(AMPLITUDE)
     for axis in axes[:, 0]:
@@ -106,9 +110,7 @@ def maps(curves: xr.Dataset) -> Figure:
 
 def between_forces(force: np.ndarray, value: np.ndarray, fine: np.ndarray) -> np.ndarray:
     """Values (force, amplitude) at finer forces, only between neighbours that are both known."""
-    right = np.clip(np.searchsorted(force, fine), 1, max(force.size - 1, 1))
-    if force.size < 2:
-        return value
+    right = np.clip(np.searchsorted(force, fine), 1, force.size - 1)
     left = right - 1
     part = ((fine - force[left]) / (force[right] - force[left]))[:, None]
     return (1.0 - part) * value[left] + part * value[right]

@@ -8,13 +8,15 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, NullLocator
 from numpy import ndarray
 
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
+# White or thin lines are hard to see on or in viridis's yellow.
+COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
 MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#8a4fa3"}
 _TICKS = 7  # at most, on a logarithmic axis
@@ -25,7 +27,7 @@ _ROUND = (
     (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0),
 )
 # Points of curves are drawn up to these relative standard errors; the artifacts hold them all.
-DRAWN = {"frequency": 5e-4, "loss_factor": 0.2}
+DRAWN = {"frequency": 1e-3, "loss_factor": 0.2}
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
 _STYLE = {
@@ -83,7 +85,7 @@ def force_colours(forces: Sequence[float]) -> ScalarMappable:
     low, high = min(forces) / 1e3, max(forces) / 1e3
     if low == high:
         low, high = low - 1, high + 1
-    return ScalarMappable(Normalize(low, high), colormaps["viridis"].resampled(256))
+    return ScalarMappable(Normalize(low, high), COLOURS)
 
 
 def note_simulated(drawn: Figure, simulated: bool) -> Figure:

@@ -19,11 +19,14 @@ PICTURES = {
     "it stands above the record itself the separation failed there.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
     "3.11), every usable record; bands are one standard error, and points are drawn where it is "
-    "below 0.05 % of the frequency and 20 % of the loss factor.",
+    "below 0.1 % of the frequency and 20 % of the loss factor.",
     "waterfall": "Mean curve of all records at each force, drawn over its own force: softening "
     "(how far the frequency lies below its value at the smallest amplitudes) and loss factor.",
-    "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: linear "
-    "between the forces that were measured (triangles), blank where nothing was.",
+    "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: "
+    "interpolated linearly between the forces that were measured (triangles). Blank where one of "
+    "the two forces beside has no record of that amplitude, or where the standard error of the "
+    "change with amplitude exceeds 0.1 % of the frequency or 20 % of the loss factor. At each "
+    "force it is the mean of the records; how far they lie apart is beside the curves above.",
 }
 
 
@@ -59,7 +62,13 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
     if bad.all():
         return Section("What was measured", parts)
-    parts += [Picture(figures[name], caption) for name, caption in PICTURES.items()]
+    parts += [
+        Picture(figures[name], caption)
+        for name, caption in PICTURES.items()
+        if name != "amplitude_force" or _several_forces(stick)
+    ]
+    if not _several_forces(stick):
+        parts.append("Every mode was measured at one axial force: there is no map over force.")
     return Section("What was measured", parts)
 
 
@@ -164,6 +173,15 @@ def _printed_errors(stick: xr.Dataset) -> Table:
         ("mode", "stick frequency", "loss factor"),
         rows,
     )
+
+
+def _several_forces(stick: xr.Dataset) -> bool:
+    """Whether any mode has records at two forces or more that were not rejected."""
+    kept = ~np.char.startswith(stick["verdict"].values.astype(str), "rejected")
+    levels = set(
+        zip(stick["record_mode"].values[kept], stick["record_force"].values[kept], strict=True)
+    )
+    return len(levels) > len({mode for mode, _ in levels})
 
 
 def _interval(low: float, high: float) -> str:
