@@ -11,6 +11,7 @@ def curves(forces=(4000.0, 8000.0)):
     frequency = 480.0 + 1e-3 * np.array(forces)[:, None] - 0.5 * np.log(amplitude / 1e-8)
     values = {"frequency": frequency, "loss_factor": 1e-5 * frequency}
     values |= {f"{name}_change_std": 1e-4 * value for name, value in values.items()}
+    values |= {f"{name}_scatter": 1e-3 * values[name] for name in ("frequency", "loss_factor")}
     made = {name: (("level", "amplitude"), value) for name, value in values.items()}
     made["records"] = (("level", "amplitude"), np.full(frequency.shape, 4))
     made |= {"mode": ("level", ["1B"] * len(forces)), "force": ("level", list(forces))}
@@ -22,16 +23,24 @@ def test_what_is_too_uncertain_to_be_drawn_is_a_gap_in_the_waterfall():
     made["frequency_change_std"][1, 20:40] = 100.0
     axis = amplitude_force.waterfall(made).axes[0]
     broken = [line for line in axis.lines if np.isnan(line.get_ydata()).any()]
-    assert len(broken) == 2  # the curve and its base line
+    assert len(broken) == 3  # the base line, the thin line and the thick one
     for line in broken:
         assert (np.isnan(line.get_ydata()) == (np.arange(61) // 20 == 1)).all()
+
+
+def test_the_forces_that_were_measured_are_the_ticks_and_no_curve_reaches_the_next_base_line():
+    axis = amplitude_force.waterfall(curves((1790.0, 8000.0, 24000.0))).axes[0]
+    assert [text.get_text() for text in axis.get_yticklabels()] == ["1.79", "8", "24"]
+    highest = [line.get_ydata().max() for line in axis.lines[:9]]
+    rises = np.subtract(highest[1::3], highest[::3])  # curve over base line, force by force
+    assert ((rises > 0.5) & (rises < 1.0)).all()
 
 
 def test_the_map_shows_a_force_whose_records_lie_far_apart_but_change_alike():
     made = curves()
     made["frequency_std"] = 0.01 * made["frequency"]
     shown = amplitude_force.maps(made).axes[0].collections[0].get_array()
-    assert not np.ma.getmaskarray(shown).any() and np.isfinite(shown).all()
+    assert np.isfinite(np.ma.filled(shown, np.nan)).all()
 
 
 def test_there_is_no_map_over_one_force():

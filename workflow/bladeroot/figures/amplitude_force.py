@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from matplotlib import patheffects
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -20,43 +21,23 @@ AMPLITUDE = "displacement amplitude at the sensor / µm"
 
 
 def waterfall(curves: xr.Dataset) -> Figure:
-    """Mean curves stacked at their axial forces: softening above, loss factor below.
+    """Mean curves, each on the base line of its axial force: softening above, loss factor below.
 
     curves: dims level, amplitude, as from `bladeroot.decay.curves.mean_curves`.
     """
     modes = _modes(curves)
     if not modes:
         return nothing("no usable record")
-    drawn, axes = panels(2, len(modes), 4.4 * len(modes), 7.4, sharex="col")
+    drawn, axes = panels(2, len(modes), 4.6 * len(modes), 7.4, sharex="col")
     for column, mode in enumerate(modes):
         here = _of_mode(curves, mode)
-        force = here["force"].values / 1e3
-        colours = force_colours(here["force"].values)
-        gap = np.diff(force).min() if force.size > 1 else 1.0
-        frequency = drawn_values(here, "frequency", "change_std")
-        softening = 1e2 * (1.0 - frequency / _smallest(here, "frequency")[:, None])
-        loss = 1e2 * drawn_values(here, "loss_factor", "change_std")
-        x = 1e6 * here["amplitude"].values
-        for axis, height in ((axes[0, column], softening), (axes[1, column], loss)):
-            highest = np.nanpercentile(height, 99.5)
-            scale = 2.2 * gap / highest
-            # from the back to the front, each curve over its own base line
-            for row in np.argsort(force)[::-1]:
-                # what is not known stays a gap
-                top = force[row] + scale * height[row]
-                base = np.where(np.isfinite(top), force[row], np.nan)
-                colour = colours.to_rgba(force[row])
-                axis.fill_between(x, base, top, color=colour, alpha=0.25, linewidth=0)
-                axis.plot(x, base, color=colour, linewidth=0.4)
-                axis.plot(x, top, color=colour, linewidth=1.1)
-            _scale_bar(axis, scale, highest)
-            axis.set_xscale("log")
-            axis.grid(visible=False, axis="y")
+        _stacked(axes[0, column], here, "frequency", _smallest(here)[:, None])
+        _stacked(axes[1, column], here, "loss_factor")
         axes[0, column].set_title(f"mode {mode}: softening", loc="left")
         axes[1, column].set_title(f"mode {mode}: loss factor", loc="left")
         axes[1, column].set_xlabel(AMPLITUDE)
     for axis in axes[:, 0]:
-        axis.set_ylabel("axial force / kN")
+        axis.set_ylabel("axial force of each base line / kN")
     return note_simulated(drawn, bool(curves.attrs["simulated"]))
 
 
@@ -126,11 +107,51 @@ def _of_mode(curves: xr.Dataset, mode: str) -> xr.Dataset:
     return here.isel(amplitude=np.flatnonzero((here["records"] > 0).any("level").values))
 
 
-def _smallest(curves: xr.Dataset, name: str) -> np.ndarray:
-    """Mean of each curve over its smallest amplitudes, weighted by its standard errors."""
+def _stacked(
+    axis: Axes, curves: xr.Dataset, name: str, softening_from: np.ndarray | None = None
+) -> None:
+    """A mode's curves in percent over evenly spaced base lines, from the back to the front.
+
+    softening_from: values from which the relative fall is drawn, in place of the value itself.
+    """
+    error = 1e2 * curves[f"{name}_change_std"].values
+    scatter = 1e2 * curves[f"{name}_scatter"].values
+    height = 1e2 * drawn_values(curves, name, "change_std")
+    if softening_from is not None:
+        height = 1e2 - height / softening_from
+        error, scatter = error / softening_from, scatter / softening_from
+    highest = np.nanpercentile(height, 99.5) if np.isfinite(height).any() else 1.0
+    scale = 0.9 / highest
+    x, force = 1e6 * curves["amplitude"].values, curves["force"].values
+    for row in range(force.size)[::-1]:
+        # what is not known stays a gap
+        top = row + scale * height[row]
+        base = np.where(np.isfinite(top), float(row), np.nan)
+        several = np.where(curves["records"].values[row] > 1, top, np.nan)
+        colour = force_colours(force).to_rgba(force[row] / 1e3)
+        axis.fill_between(x, base, top, color=colour, alpha=0.2, linewidth=0)
+        spread = scale * error[row]
+        axis.fill_between(x, top - spread, top + spread, color=colour, alpha=0.4, linewidth=0)
+        axis.plot(x, base, color=colour, linewidth=0.4)
+        axis.plot(x, top, color=colour, linewidth=0.5)
+        axis.plot(x, several, color=colour, linewidth=1.3)
+        if np.isfinite(scatter[row]).any():
+            between = np.nanmedian(scatter[row])
+            axis.text(
+                1.01, row, f"±{between:.2g} %" if between > 1e-3 else "<0.001 %", fontsize=7,
+                color="#444444", transform=axis.get_yaxis_transform(), va="center",
+            )  # fmt: skip
+    axis.set_xscale("log")
+    axis.set_yticks(range(force.size), [f"{value / 1e3:.4g}" for value in force])
+    axis.grid(visible=False, axis="y")
+    _scale_bar(axis, force.size - 0.75, scale, highest)
+
+
+def _smallest(curves: xr.Dataset) -> np.ndarray:
+    """Mean frequency of each level over its smallest amplitudes, weighted by standard errors."""
     found = []
-    drawn = drawn_values(curves, name, "change_std")
-    for value, std in zip(drawn, curves[f"{name}_change_std"].values, strict=True):
+    drawn = drawn_values(curves, "frequency", "change_std")
+    for value, std in zip(drawn, curves["frequency_change_std"].values, strict=True):
         known = np.flatnonzero(np.isfinite(value))
         known = known[: max(known.size // 4, 1)]
         mean = np.average(value[known], weights=1.0 / std[known] ** 2) if known.size else np.nan
@@ -138,17 +159,15 @@ def _smallest(curves: xr.Dataset, name: str) -> np.ndarray:
     return np.array(found)
 
 
-def _scale_bar(axis, scale: float, highest: float) -> None:
-    """How much of the curve's quantity one length on the force axis is."""
+def _scale_bar(axis: Axes, foot: float, scale: float, highest: float) -> None:
+    """How many percent one length between the base lines is."""
     size = float(f"{0.5 * highest:.1g}")
-    low, high = axis.get_ylim()
-    axis.set_ylim(low, high)
-    beside, foot = axis.get_yaxis_transform(), low + 0.45 * (high - low)
+    beside = axis.get_yaxis_transform()
     axis.plot(
-        [1.02, 1.02], [foot, foot + scale * size], transform=beside, color="#444444",
+        [1.03, 1.03], [foot, foot + scale * size], transform=beside, color="#444444",
         marker="_", markersize=5, linewidth=1.0, clip_on=False,
     )  # fmt: skip
     axis.text(
-        1.05, foot + 0.5 * scale * size, f"{size:g} %", rotation=90, transform=beside,
-        va="center", fontsize=8, color="#444444",
+        1.05, foot + 0.5 * scale * size, f"{size:g} %", transform=beside, va="center",
+        fontsize=8, color="#444444",
     )  # fmt: skip

@@ -20,8 +20,12 @@ PICTURES = {
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
     "3.11), every usable record; bands are one standard error, and points are drawn where it is "
     "below 0.1 % of the frequency and 20 % of the loss factor.",
-    "waterfall": "Mean curve of all records at each force, drawn over its own force: softening "
-    "(how far the frequency lies below its value at the smallest amplitudes) and loss factor.",
+    "waterfall": "Mean curve of all records at each force, over the base line of its force; the "
+    "base lines are evenly spaced, the bar at the right is the curves' scale. Softening: how far "
+    "the frequency lies below its value at the smallest amplitudes. The records' own levels are "
+    "taken off before the mean and their mean is put back. Bands: plus and minus one standard "
+    "error of the change with amplitude, of one record alone where the line is thin; ±: standard "
+    "deviation between the records, levels included (median over amplitude).",
     "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: "
     "interpolated linearly between the forces that were measured (triangles). Blank where one of "
     "the two forces beside has no record of that amplitude, or where the standard error of the "
