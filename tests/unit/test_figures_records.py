@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from bladeroot.figures import amplitude_force
+from bladeroot.figures import decay as decay_figures
 
 
 def curves(forces=(4000.0, 8000.0)):
@@ -45,3 +46,30 @@ def test_the_map_shows_a_force_whose_records_lie_far_apart_but_change_alike():
 
 def test_there_is_no_map_over_one_force():
     assert not amplitude_force.maps(curves([8000.0])).axes
+
+
+def decay(record, hold="only", force=8000.0):
+    """One record's curves."""
+    values = {"amplitude": np.geomspace(1e-5, 1e-7, 20)}
+    for name, value in (("frequency", 500.0), ("loss_factor", 1e-3)):
+        values |= {name: np.full(20, value), f"{name}_std": np.full(20, 1e-5 * value)}
+    attrs = {"record": record, "hold": hold, "mode": "1B", "force_N": force}
+    return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=attrs)
+
+
+def legend(drawn):
+    """What the legend of the first panel says, and None where it has none."""
+    found = drawn.axes[0].get_legend()
+    return found and [text.get_text() for text in found.get_texts()]
+
+
+def test_backbones_are_told_apart_by_force_else_by_hold_else_by_record():
+    by_force = decay_figures.backbones([decay("a"), decay("b", force=9000.0)])
+    assert legend(by_force) is None
+    assert len(by_force.axes) == 3  # two panels and the colour bar
+    holds = [decay("a", "first"), decay("b", "second"), decay("c", "second")]
+    by_hold = decay_figures.backbones(holds)
+    assert legend(by_hold) == ["first", "second"]
+    by_record = decay_figures.backbones([decay("a"), decay("b")])
+    assert legend(by_record) == ["a", "b"]
+    assert len(by_record.axes) == 2

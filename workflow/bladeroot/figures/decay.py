@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from bladeroot.figures.style import (
@@ -17,37 +18,53 @@ from bladeroot.figures.style import (
 
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
-    """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force."""
+    """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force.
+
+    Where all have one force, by hold, or by record where there is one hold only.
+    """
     decays = [decay for decay in decays if decay.sizes["point"]]
     if not decays:
         return nothing("no usable record")
     modes = sorted({decay.attrs["mode"] for decay in decays})
-    colours = force_colours([decay.attrs["force_N"] for decay in decays])
+    forces = force_colours([decay.attrs["force_N"] for decay in decays])
+    several = len({decay.attrs["force_N"] for decay in decays}) > 1
     drawn, axes = panels(2, len(modes), 4.4 * len(modes) + 0.6, 6.2, sharex="col")
     for column, mode in enumerate(modes):
         above, below = axes[:, column]
-        for decay in decays:
-            if decay.attrs["mode"] != mode:
-                continue
-            colour = colours.to_rgba(decay.attrs["force_N"] / 1e3)
+        here = [decay for decay in decays if decay.attrs["mode"] == mode]
+        names = _names(here)
+        for decay, name in zip(here, names, strict=True):
+            one = colormaps["turbo"]((names.index(name) + 0.5) / len(names))
+            colour = forces.to_rgba(decay.attrs["force_N"] / 1e3) if several else one
             amplitude = 1e6 * decay["amplitude"].values
-            for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
-                value = scale * drawn_values(decay, name)
-                spread = scale * decay[f"{name}_std"].values
+            for axis, quantity, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
+                value = scale * drawn_values(decay, quantity)
+                spread = scale * decay[f"{quantity}_std"].values
                 axis.plot(amplitude, value, color=colour, linewidth=0.9)
                 axis.fill_between(
                     amplitude, value - spread, value + spread, color=colour, alpha=0.2, linewidth=0
                 )
         above.set_title(f"mode {mode}", loc="left")
         above.set_xscale("log")
-        for axis, name, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
-            axis.set_ylim(*_limits([d for d in decays if d.attrs["mode"] == mode], name, scale))
+        for axis, quantity, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
+            axis.set_ylim(*_limits(here, quantity, scale))
         plain_log_scale(below)
         below.set_xlabel("displacement amplitude at the sensor / µm")
+        if not several:
+            lines = dict(zip(names, above.lines, strict=True))
+            columns = 1 + len(lines) // 8
+            above.legend(lines.values(), lines.keys(), fontsize=6, ncols=columns, loc="lower left")
     axes[0, 0].set_ylabel("natural frequency / Hz")
     axes[1, 0].set_ylabel("loss factor / %")
-    drawn.colorbar(colours, ax=axes[:, -1], label="axial force / kN", aspect=40)
+    if several:
+        drawn.colorbar(forces, ax=axes[:, -1], label="axial force / kN", aspect=40)
     return note_simulated(drawn, any(bool(d.attrs.get("simulated")) for d in decays))
+
+
+def _names(decays: Sequence[xr.Dataset]) -> list[str]:
+    """The hold of each record, or the record itself where there is one hold only."""
+    holds = [str(decay.attrs["hold"]) for decay in decays]
+    return holds if len(set(holds)) > 1 else [str(decay.attrs["record"]) for decay in decays]
 
 
 def _limits(decays: Sequence[xr.Dataset], name: str, scale: float) -> tuple[float, float]:

@@ -18,8 +18,9 @@ PICTURES = {
     "what is left over should hold the other modes and the noise, and nothing of the mode. Where "
     "it stands above the record itself the separation failed there.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-    "3.11), every usable record; bands are one standard error, and points are drawn where it is "
-    "below 0.1 % of the frequency and 20 % of the loss factor.",
+    "3.11), every usable record, coloured by force (by hold or record where there is one force "
+    "only); bands are one standard error, and points are drawn where it is below 0.1 % of the "
+    "frequency and 20 % of the loss factor.",
     "waterfall": "Mean curve of all records at each force, over the base line of its force; the "
     "base lines are evenly spaced, the bar at the right is the curves' scale. Softening: how far "
     "the frequency lies below its value at the smallest amplitudes. The records' own levels are "
