@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.curves import mean_curves
-from bladeroot.decay.freevib import freevib
+from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.spectra import before_and_after, followed_mode
 
 
@@ -112,3 +112,25 @@ def test_the_followed_mode_leaves_over_the_rest():
     away = np.abs(found["frequency"].values - 530.0) < 3.0
     assert found["rest"].values[near].max() < 0.01 * found["mode"].values[near].max()
     assert found["mode"].values[away].max() < 0.05 * found["rest"].values[away].max()
+
+
+def test_where_the_mode_is_not_known_or_not_usable_nothing_is_compared():
+    _, whole = decaying()
+    usable = np.arange(whole.size) >= 2000
+    decay = freevib(whole, 8000.0, 200.0, 1e-4, usable=usable)
+    decay.attrs["expected_Hz"] = 200.0
+    usable[6000] = False
+    found = before_and_after(whole, 8000.0, decay, usable)
+    assert found.attrs["from_s"] == pytest.approx(0.25, abs=0.05)
+    assert found.attrs["to_s"] == pytest.approx(0.75, abs=1e-3)
+    away = np.abs(found["frequency"].values - 400.0) < 50.0
+    assert found["rest"].values[away].max() < 2.0 * found["whole"].values[away].max()
+
+
+def test_the_whole_decay_is_shown_where_no_mode_was_followed():
+    _, whole = decaying()
+    decay = no_decay().assign_attrs(expected_Hz=200.0)
+    found = before_and_after(whole, 8000.0, decay)
+    assert (found.attrs["from_s"], found.attrs["to_s"]) == (0.0, 1.0)
+    assert found["whole"].max() > 0.0
+    assert np.isnan(found["rest"].values).all()

@@ -19,6 +19,7 @@ def main(records, decays, curves, folder):
             record["velocity"].values.astype(float),
             record.attrs["sampling_Hz"],
             found[record.attrs["record"]],
+            record["usable"].values.astype(bool),
         )
         for record in shown
     ]

@@ -34,13 +34,17 @@ def spectra(found: Sequence[xr.Dataset]) -> Figure:
                 arrowprops={"arrowstyle": "->", "color": "#777777"},
             )  # fmt: skip
         axis.set_yscale("log")
-        top = 1e3 * float(record["whole"].max())
-        axis.set_ylim(1e-6 * top, 2.0 * top)
-        axis.set_xlim(0.0, min(frequency[-1], 8.0 * record.attrs["expected_Hz"]))
+        # the axes end where the record itself does: a sensor's band may be narrower than its rate
+        whole = 1e3 * record["whole"].values
+        last = min(frequency[whole > 1e-6 * whole.max()][-1], 8.0 * record.attrs["expected_Hz"])
+        shown = 1e3 * record[["whole", "rest"]].to_array().values[:, frequency <= last]
+        axis.set_ylim(0.5 * shown[shown > 0.0].min(), 10.0 * whole.max())
+        axis.set_xlim(0.0, last)
         axis.set_ylabel("amplitude / mm/s")
         axis.set_title(
             f"{record.attrs['record']}: mode {record.attrs['mode']}, "
-            f"{record.attrs['force_N'] / 1e3:.2f} kN",
+            f"{record.attrs['force_N'] / 1e3:.2f} kN, {record.attrs['from_s']:.2f} to "
+            f"{record.attrs['to_s']:.2f} s",
             loc="left",
         )
     axes[0, 0].legend(loc="upper right", ncols=3)

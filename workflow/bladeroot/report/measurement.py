@@ -14,9 +14,11 @@ FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.
 PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself, for each mode at the "
     "lowest and the highest force. Dashed: release of the shaker's tip, and end.",
-    "spectra": "Amplitude spectra of the same free decays before and after the mode was separated: "
-    "what is left over should hold the other modes and the noise, and nothing of the mode. Where "
-    "it stands above the record itself the separation failed there.",
+    "spectra": "Amplitude spectra of the same free decays before and after the mode was separated, "
+    "all three of the longest stretch that is not masked and where the mode was followed (its "
+    "times after the start of the cut in the title; the whole decay where none was). What is left "
+    "over should hold the other modes and the noise, and nothing of the mode: where it stands "
+    "above the free decay the separation failed.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
     "3.11), every usable record, coloured by force (by hold or record where there is one force "
     "only); bands are one standard error, and points are drawn where it is below 0.1 % of the "
