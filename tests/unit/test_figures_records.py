@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from bladeroot.figures import amplitude_force
 from bladeroot.figures import decay as decay_figures
+from bladeroot.figures import records as record_figures
 
 
 def curves(forces=(4000.0, 8000.0)):
@@ -73,3 +74,45 @@ def test_backbones_are_told_apart_by_force_else_by_hold_else_by_record():
     by_record = decay_figures.backbones([decay("a"), decay("b")])
     assert legend(by_record) == ["a", "b"]
     assert len(by_record.axes) == 2
+
+
+def cut(name, force=8000.0, masked=0.0, findings=(), bins=50):
+    """A free decay of one second with a masked end and findings (id, consequence, text)."""
+    usable = np.arange(bins and 100) < 100 * (1.0 - masked)
+    made = {"usable": ("time", usable.astype(np.int8))}
+    made |= {f"overview_{what}": ("bin", np.linspace(0.0, 1.0, bins)) for what in ("time", "max")}
+    made["overview_min"] = ("bin", -made["overview_max"][1])
+    for k, what in enumerate(("id", "consequence", "text")):
+        made[f"finding_{what}"] = ("finding", np.array([one[k] for one in findings], dtype=str))
+    attrs = {"record": name, "mode": "1B", "force_N": force, "start_s": 0.0}
+    attrs |= {"release_s": 0.0, "end_s": 1.0}
+    return xr.Dataset(made, coords={"time": np.arange(usable.size) / 100}, attrs=attrs)
+
+
+def test_the_worst_records_are_shown_with_their_reasons_and_the_rest_are_counted():
+    beats, unread = ("beating", "drop", "beats"), ("unreadable", "drop", "not a number")
+    touched = ("shaker", "mask", "touched again")
+    records = [
+        cut("low", 1000.0), cut("middle", 4000.0), cut("high"),
+        cut("a little", 4000.0, 0.1, [touched]), cut("half", 4000.0, 0.5, [touched]),
+        cut("much", 4000.0, 0.8, [touched]), cut("beating", findings=[beats]),
+        cut("beating too", findings=[beats]), cut("unread", findings=[unread], bins=0),
+        cut("lost", masked=0.9, findings=[touched]),
+    ]  # fmt: skip
+    lost = {"verdict": "rejected", "findings": "no mode can be followed"}
+    decays = {
+        record.attrs["record"]: xr.Dataset(
+            attrs=lost if record.attrs["record"] == "lost" else {"verdict": "usable"}
+        )
+        for record in records
+    }
+    shown, more = record_figures.worth_showing(records, decays)
+    reasons = {record.attrs["record"]: record.attrs["reason"] for record in shown}
+    assert reasons == {
+        "low": "", "high": "", "beating too": "rejected: beats",
+        "lost": "90 % masked, rejected: no mode can be followed",
+        "much": "80 % masked, touched again", "half": "50 % masked, touched again",
+    }  # fmt: skip
+    assert more == "not shown: 2 more rejected and 1 more partly masked"
+    titles = [axis.get_title("left") for axis in record_figures.cuts(shown, more).axes]
+    assert titles[-1].splitlines() == ["half: mode 1B, 4.00 kN", "50 % masked, touched again"]

@@ -11,8 +11,10 @@ from bladeroot.figures.style import svg
 
 
 def main(records, decays, curves, folder):
-    shown = record_figures.representative([artifacts.load(record) for record in records])
     found = {decay.attrs["record"]: decay for decay in map(artifacts.load, decays)}
+    shown, not_shown = record_figures.worth_showing(
+        [artifacts.load(record) for record in records], found
+    )
     mean = artifacts.load(curves)
     spectra = [
         before_and_after(
@@ -20,12 +22,13 @@ def main(records, decays, curves, folder):
             record.attrs["sampling_Hz"],
             found[record.attrs["record"]],
             record["usable"].values.astype(bool),
-        )
+        ).assign_attrs(reason=record.attrs["reason"])
         for record in shown
+        if record.sizes["time"]
     ]
     drawn = {
-        "cuts": record_figures.cuts(shown),
-        "spectra": spectrum_figures.spectra(spectra),
+        "cuts": record_figures.cuts(shown, not_shown),
+        "spectra": spectrum_figures.spectra(spectra, not_shown),
         "backbones": decay_figures.backbones(list(found.values())),
         "waterfall": amplitude_force.waterfall(mean),
         "amplitude_force": amplitude_force.maps(mean),

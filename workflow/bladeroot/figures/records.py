@@ -1,19 +1,31 @@
 """What was recorded, and which part of it is the free decay (figs 3.1, 3.2)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
+from bladeroot.figures.style import (
+    MEASURED,
+    PUBLISHED,
+    note_simulated,
+    nothing,
+    panels,
+    title_of_record,
+)
+
+FEW = 2  # kinds of rejected records, and most masked ones, that are shown
 
 
-def cuts(records: Sequence[xr.Dataset]) -> Figure:
-    """Raw records with their cut: velocity over time, the free decay and what is masked."""
+def cuts(records: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
+    """Raw records with their cut: velocity over time, the free decay and what is masked.
+
+    records, not_shown: as from `worth_showing`.
+    """
     if not records:
-        return nothing("no usable record")
-    drawn, axes = panels(len(records), 1, 7.2, 1.7 * len(records) + 0.4)
+        return nothing("no record that could be read")
+    drawn, axes = panels(len(records), 1, 7.2, 2.0 * len(records) + 0.4)
     for axis, record in zip(axes[:, 0], records, strict=True):
         time = record["overview_time"].values
         low, high = 1e3 * record["overview_min"].values, 1e3 * record["overview_max"].values
@@ -22,33 +34,73 @@ def cuts(records: Sequence[xr.Dataset]) -> Figure:
         axis.fill_between(
             time, low, high, where=decay, color=MEASURED, step="mid", label="free decay"
         )
-        at = record.attrs["start_s"] + np.arange(record.sizes["time"]) / record.attrs["sampling_Hz"]
-        masked = decay & (np.interp(time, at, record["usable"]) < 0.5)
-        if masked.any():
+        if _masked(record) > 0.0:
+            at = record.attrs["start_s"] + record["time"].values
+            masked = decay & (np.interp(time, at, record["usable"]) < 0.5)
             axis.fill_between(
                 time, low, high, where=masked, color=PUBLISHED, step="mid", label="masked"
             )
-        if masked.any() or axis is axes[0, 0]:
+        if _masked(record) > 0.0 or axis is axes[0, 0]:
             axis.legend(loc="upper right", ncols=3)
         for edge in ("release_s", "end_s"):
             axis.axvline(record.attrs[edge], color=PUBLISHED, linewidth=0.8, linestyle="--")
         axis.set_ylabel("velocity / mm/s")
-        axis.set_title(
-            f"{record.attrs['record']}: mode {record.attrs['mode']}, "
-            f"{record.attrs['force_N'] / 1e3:.2f} kN",
-            loc="left",
-        )
+        title_of_record(axis, record.attrs)
         axis.set_xlim(time[0], time[-1])
-    axes[-1, 0].set_xlabel("time / s")
+    axes[-1, 0].set_xlabel(f"time / s\n{not_shown}".strip())
     return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in records))
 
 
-def representative(records: Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """For each mode, the usable records of lowest and highest force."""
+def worth_showing(
+    records: Sequence[xr.Dataset], decays: Mapping[str, xr.Dataset]
+) -> tuple[list[xr.Dataset], str]:
+    """Records that stand for the others, then rejected and most masked ones, with their reasons.
+
+    decays: as from `bladeroot.decay.estimate.estimate`, by record; it may reject what the checks of
+    the raw record let pass. Of each mode the usable records of lowest and highest force stand for
+    the others; of the rejected ones those that could be read, one for each kind of fault.
+
+    Returns:
+        The records, why each is bad in the attribute `reason`, and how many more are bad.
+    """
+    told = [one.assign_attrs(_told(one, decays[one.attrs["record"]])) for one in records]
+    rejected = [record for record in told if record.attrs["fault"]]
+    usable = [record for record in told if not record.attrs["fault"]]
+    shown = _representative(usable)
+    names = {record.attrs["record"] for record in shown}
+    masked = [r for r in usable if _masked(r) > 0.0 and r.attrs["record"] not in names]
+    masked.sort(key=_masked, reverse=True)
+    one_each = {r.attrs["fault"]: r for r in rejected if r.sizes["bin"]}
+    faulty = list(one_each.values())[:FEW]
+    left = {"rejected": len(rejected) - len(faulty), "partly masked": len(masked[FEW:])}
+    more = " and ".join(f"{count} more {what}" for what, count in left.items() if count)
+    return [*shown, *faulty, *masked[:FEW]], f"not shown: {more}" if more else ""
+
+
+def _representative(usable: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """For each mode, the records of lowest and highest force."""
     chosen = []
-    usable = [record for record in records if record.attrs["verdict"] == "usable"]
     for mode in sorted({record.attrs["mode"] for record in usable}):
         of_mode = [record for record in usable if record.attrs["mode"] == mode]
         order = np.argsort([record.attrs["force_N"] for record in of_mode], kind="stable")
         chosen += [of_mode[index] for index in dict.fromkeys((order[0], order[-1]))]
     return chosen
+
+
+def _masked(record: xr.Dataset) -> float:
+    """Share of the free decay that is masked."""
+    return 1.0 - float(record["usable"].mean()) if record.sizes["time"] else 0.0
+
+
+def _told(record: xr.Dataset, decay: xr.Dataset) -> dict[str, str]:
+    """Which kind of fault rejects a record (none: empty), and why it is rejected or masked."""
+    consequence, text = (record[f"finding_{name}"].values for name in ("consequence", "text"))
+    drops = np.flatnonzero(consequence == "drop")
+    share = f"{100.0 * _masked(record):.2g} % masked" if _masked(record) > 0.0 else ""
+    if drops.size:
+        fault, why = str(record["finding_id"].values[drops[0]]), f"rejected: {text[drops[0]]}"
+    elif decay.attrs["verdict"] != "usable":
+        fault, why = "not followed", f"rejected: {decay.attrs['findings']}"
+    else:
+        fault, why = "", "; ".join(text[consequence == "mask"]) if share else ""
+    return {"fault": fault, "reason": ", ".join(filter(None, (share, why)))}

@@ -6,17 +6,25 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
+from bladeroot.figures.style import (
+    MEASURED,
+    PUBLISHED,
+    note_simulated,
+    nothing,
+    panels,
+    title_of_record,
+)
 
 
-def spectra(found: Sequence[xr.Dataset]) -> Figure:
+def spectra(found: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
     """One panel a record: the free decay, the mode that was followed, and what it leaves over.
 
-    found: dims line, as from `bladeroot.decay.spectra.before_and_after`.
+    found: dims line, as from `bladeroot.decay.spectra.before_and_after`, with the attribute
+    `reason`; that and not_shown as from `bladeroot.figures.records.worth_showing`.
     """
     if not found:
-        return nothing("no usable record")
-    drawn, axes = panels(len(found), 1, 7.2, 2.0 * len(found) + 0.4)
+        return nothing("no record with a free decay")
+    drawn, axes = panels(len(found), 1, 7.2, 2.2 * len(found) + 0.4)
     for axis, record in zip(axes[:, 0], found, strict=True):
         frequency = record["frequency"].values
         for name, colour, label in (
@@ -41,12 +49,10 @@ def spectra(found: Sequence[xr.Dataset]) -> Figure:
         axis.set_ylim(0.5 * shown[shown > 0.0].min(), 10.0 * whole.max())
         axis.set_xlim(0.0, last)
         axis.set_ylabel("amplitude / mm/s")
-        axis.set_title(
-            f"{record.attrs['record']}: mode {record.attrs['mode']}, "
-            f"{record.attrs['force_N'] / 1e3:.2f} kN, {record.attrs['from_s']:.2f} to "
-            f"{record.attrs['to_s']:.2f} s",
-            loc="left",
-        )
+        span = ", {from_s:.2f} to {to_s:.2f} s".format_map(record.attrs)
+        title_of_record(axis, record.attrs, span)
     axes[0, 0].legend(loc="upper right", ncols=3)
-    axes[-1, 0].set_xlabel("frequency / Hz (arrows: other modes, followed and taken off)")
+    axes[-1, 0].set_xlabel(
+        f"frequency / Hz (arrows: other modes, followed and taken off)\n{not_shown}".strip()
+    )
     return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in found))

@@ -1,12 +1,15 @@
 """The look that all figures share, and how one is written down."""
 
 import io
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
@@ -93,6 +96,13 @@ def note_simulated(drawn: Figure, simulated: bool) -> Figure:
     if simulated:
         drawn.suptitle(SIMULATED_NOTE, x=0.995, ha="right", fontsize=7, color=PUBLISHED)
     return drawn
+
+
+def title_of_record(axis: Axes, attrs: Mapping[str, Any], more: str = "") -> None:
+    """A record's name, mode and force; below, in brief, why it is bad if it is."""
+    name = f"{attrs['record']}: mode {attrs['mode']}, {attrs['force_N'] / 1e3:.2f} kN{more}"
+    reason = textwrap.fill(attrs["reason"], 92, max_lines=2, placeholder=" ...")
+    axis.set_title(f"{name}\n{reason}".strip(), loc="left", fontsize=8.5)
 
 
 def plain_log_scale(axis, name: str = "y") -> None:
