@@ -5,6 +5,9 @@ import xarray as xr
 from bladeroot.figures import amplitude_force
 from bladeroot.figures import decay as decay_figures
 from bladeroot.figures import records as record_figures
+from bladeroot.figures.stick import over_force
+
+QUANTITIES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 
 
 def curves(forces=(4000.0, 8000.0)):
@@ -116,3 +119,20 @@ def test_the_worst_records_are_shown_with_their_reasons_and_the_rest_are_counted
     assert more == "not shown: 2 more rejected and 1 more partly masked"
     titles = [axis.get_title("left") for axis in record_figures.cuts(shown, more).axes]
     assert titles[-1].splitlines() == ["half: mode 1B, 4.00 kN", "50 % masked, touched again"]
+
+
+def test_measured_frequencies_are_not_hidden_by_the_simulations_at_the_same_forces():
+    force, both = [4000.0, 8000.0], np.array([[500.0, 510.0]])
+    stick = xr.Dataset({name: ("level", both[0]) for name in QUANTITIES})
+    stick = stick.assign(mode=("level", ["1B", "1B"]), force=("level", force))
+    fe_forces = xr.Dataset(
+        {name: (("mode", "force"), both) for name in QUANTITIES[::2]}
+        | {name: (("force_error", "mode", "force"), both[None]) for name in QUANTITIES[1::2]},
+        coords={"mode": ["1B"], "force": force, "force_error": ["reading"]},
+        attrs={"primary_force_error": "reading"},
+    )
+    axis = over_force(stick, fe_forces, False).axes[0]
+    dots, squares = (
+        next(line for line in axis.lines if line.get_marker() == marker) for marker in "os"
+    )
+    assert dots.get_zorder() > squares.get_zorder()

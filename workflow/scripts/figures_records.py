@@ -2,7 +2,7 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.decay.spectra import before_and_after
+from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
 from bladeroot.figures import amplitude_force
 from bladeroot.figures import decay as decay_figures
 from bladeroot.figures import records as record_figures
@@ -24,7 +24,9 @@ def main(records, decays, curves, folder):
             record["usable"].values.astype(bool),
         ).assign_attrs(reason=record.attrs["reason"])
         for record in shown
-        if record.sizes["time"]
+        # a few cycles have no spectrum to speak of
+        if record.sizes["time"] * record.attrs["expected_Hz"]
+        > 2 * FADE_CYCLES * record.attrs["sampling_Hz"]
     ]
     drawn = {
         "cuts": record_figures.cuts(shown, not_shown),

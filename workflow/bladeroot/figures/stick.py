@@ -28,6 +28,7 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset, simulated: bool) -> Fig
                 markersize=3.5,
                 color=MEASURED,
                 elinewidth=0.8,
+                zorder=4,  # on top of the squares, which lie there where the forces coincide
                 label="measured, ±1 std",
             )
             spread = target[f"{name}_std"].sel(force_error=fe_forces.attrs["primary_force_error"])
@@ -36,7 +37,7 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset, simulated: bool) -> Fig
                 scale * target[name],
                 scale * spread,
                 fmt="s",
-                markersize=4,
+                markersize=6.5,
                 markerfacecolor="white",
                 color=PUBLISHED,
                 elinewidth=0.8,
