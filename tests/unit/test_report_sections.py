@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 from bladeroot.decay.stick import stick_from_table
 from bladeroot.figures.style import panels, plain_log_scale
-from bladeroot.report.measurement import measurement_section, stick_section
+from bladeroot.report.measurement import PICTURES, measurement_section, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
-from bladeroot.report.page import Table
+from bladeroot.report.page import Picture, Table
 from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.summary import summary_section, undecided_section
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
@@ -70,20 +70,29 @@ def test_one_mode_is_not_inverted():
     assert not any("Two frequencies" in text for text in said)
 
 
+def measured(verdicts, forces):
+    """The section on records with these verdicts, each at its force; pictures by their names."""
+    rows = {"verdict": verdicts, "record_force": forces}
+    rows |= {"record_mode": ["1B"] * len(forces), "hold": ["h"] * len(forces)}
+    rows |= {"plateau_reached": [int(verdict == "plateau") for verdict in verdicts]}
+    names = [f"r{k}" for k in range(len(forces))]
+    stick = xr.Dataset({name: ("record", row) for name, row in rows.items()}, {"record": names})
+    parts = measurement_section(FACTS, stick, {name: name for name in PICTURES}).parts
+    said = [part for part in parts if isinstance(part, str)]
+    return said, [part.svg for part in parts if isinstance(part, Picture)]
+
+
 def test_what_to_do_where_too_few_cycles_are_sharp():
-    verdict = "rejected: too few cycles are sharp enough"
-    stick = xr.Dataset(
-        {
-            "verdict": ("record", [verdict]),
-            "record_mode": ("record", ["1B"]),
-            "record_force": ("record", [12e3]),
-            "hold": ("record", ["h"]),
-            "plateau_reached": ("record", [0]),
-        },
-        {"record": ["r1"]},
-    )
-    said = [part for part in measurement_section(FACTS, stick, {}).parts if isinstance(part, str)]
+    said, drawn = measured(["rejected: too few cycles are sharp enough"], [12e3])
     assert any("a finer range of the sensor or a longer record helps" in text for text in said)
+    assert drawn == ["cuts", "spectra"]  # in which the fault may be seen
+
+
+@pytest.mark.parametrize("second", [12e3, 16e3])
+def test_one_axial_force_has_no_map_but_a_sentence(second):
+    said, drawn = measured(["plateau", "plateau", "rejected: short"], [12e3, second, 20e3])
+    assert ("amplitude_force" in drawn) == (second > 12e3)
+    assert any("no map over force" in text for text in said) == (second == 12e3)
 
 
 @pytest.fixture

@@ -120,15 +120,16 @@ def _stacked(
     if softening_from is not None:
         height = 1e2 - height / softening_from
         error, scatter = error / softening_from, scatter / softening_from
-    highest = np.nanpercentile(height, 99.5) if np.isfinite(height).any() else 1.0
+    highest = np.nanpercentile(np.abs(height), 99.5) if np.isfinite(height).any() else 1.0
     scale = 0.9 / highest
     x, force = 1e6 * curves["amplitude"].values, curves["force"].values
+    colours = force_colours(force.tolist())
     for row in range(force.size)[::-1]:
         # what is not known stays a gap
         top = row + scale * height[row]
         base = np.where(np.isfinite(top), float(row), np.nan)
         several = np.where(curves["records"].values[row] > 1, top, np.nan)
-        colour = force_colours(force).to_rgba(force[row] / 1e3)
+        colour = colours.to_rgba(force[row] / 1e3)
         axis.fill_between(x, base, top, color=colour, alpha=0.2, linewidth=0)
         spread = scale * error[row]
         axis.fill_between(x, top - spread, top + spread, color=colour, alpha=0.4, linewidth=0)

@@ -68,15 +68,14 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         parts.append(_bounds(stick))
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
-    if bad.all():
-        return Section("What was measured", parts)
-    parts += [
-        Picture(figures[name], caption)
-        for name, caption in PICTURES.items()
-        if name != "amplitude_force" or _several_forces(stick)
-    ]
-    if not _several_forces(stick):
-        parts.append("Every mode was measured at one axial force: there is no map over force.")
+    drawn = ["cuts", "spectra"]
+    if not bad.all():
+        drawn += ["backbones", "waterfall"]
+        if _several_forces(stick):
+            drawn.append("amplitude_force")
+        else:
+            parts.append("Every mode was measured at one axial force: there is no map over force.")
+    parts += [Picture(figures[name], PICTURES[name]) for name in drawn]
     return Section("What was measured", parts)
 
 
