@@ -10,7 +10,8 @@ from bladeroot.records.cut import cut, rejected
 from bladeroot.records.finding import CONSEQUENCES
 from bladeroot.records.findings import coloured_noise
 from bladeroot.records.findings.sampling_rate import RATIOS
-from bladeroot.records.integrity import bridged, checks, examine, judge, sight
+from bladeroot.records.integrity import Channel, bridged, checks, examine, judge, sight
+from bladeroot.records.recording import Recording, velocity
 from bladeroot.records.sight import Sight
 from bladeroot.records.spectrum import white_noise
 from decay_bench import START, ring_down, shaken
@@ -204,6 +205,20 @@ def test_no_hum_where_the_mode_itself_lies_on_a_line():
     for frequency in (100.0, 250.0):
         velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))
         assert "mains-hum" not in ids(judged(velocity, frequency))
+
+
+def test_an_accelerometer_is_clipped_in_its_own_unit():
+    """Integrated, flat tops are flat no more."""
+    clean = decay(noise_db=60)
+    acceleration = np.gradient(clean) * 25600.0
+    top = 0.7 * np.abs(acceleration).max()
+    for samples in (acceleration, np.clip(acceleration, -top, top)):
+        motion = velocity(Recording(samples, 25600.0, "acceleration"), 250.0)
+        found = judge(cut(motion, 25600.0, 250.0), motion, 250.0, (), (), Channel(samples, "m/s^2"))
+        assert ("clipping" in ids(found)) == (samples is not acceleration)
+    assert "m/s^2, the last" in text(found, "clipping")
+    masked = 25600.0 * found["finding_to_s"].values[found["finding_id"].values == "clipping"]
+    assert not found["usable"].values[: int(masked.item())].any()
 
 
 def test_driven_residue():

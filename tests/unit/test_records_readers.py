@@ -310,6 +310,15 @@ def test_matlab_objects_are_told(tmp_path, monkeypatch):
         read(tmp_path / "b.mat")
 
 
+@pytest.mark.parametrize("name", ["velocity [mm/s]", "Velocity of the tip (mm/s)"])
+def test_what_stands_above_a_single_column_is_its_name(tmp_path, name):
+    path = tmp_path / "one.txt"
+    path.write_text(name + "\n" + "\n".join(f"{np.sin(k):.9g}" for k in range(3000)))
+    found = read(path, sampling_Hz=5120.0)
+    assert found.quantity == "velocity"
+    assert found.samples[1] == pytest.approx(1e-3 * np.sin(1.0), rel=1e-6)
+
+
 def test_a_header_behind_a_comment_sign_names_the_columns(tmp_path):
     table = np.column_stack([TIME, 1e3 * WAVE])
     np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="time_s,velocity_mm/s")

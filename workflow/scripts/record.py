@@ -6,9 +6,10 @@ import numpy as np
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.records.cut import cut, rejected
-from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.integrity import Channel, bridged, judge
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
+from bladeroot.records.units import SI
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -26,7 +27,10 @@ def main(raw, facts, campaign, settings, output):
         clear = bridged(motion, recording.sampling_Hz, expected)
         decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
         others = tuple(known["other_modes_Hz"])
-        decay = judge(decay, motion, expected, others, recording.notes)
+        channel = None
+        if recording.quantity != "velocity":
+            channel = Channel(recording.samples, SI[recording.quantity])
+        decay = judge(decay, motion, expected, others, recording.notes, channel)
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],

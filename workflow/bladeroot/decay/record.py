@@ -42,7 +42,10 @@ def record_plateau(decay: xr.Dataset) -> xr.Dataset:
     }
     if np.size(decay.attrs.get("other_modes_Hz", ())):
         made["onset_amplitude"][2]["note"] = OTHERS
-    text = {"units": "", "long_name": "plateau (creeping or not), plateau not reached, or rejected and why"}
+    text = {
+        "units": "",
+        "long_name": "plateau (creeping or not), plateau not reached, or rejected and why",
+    }
     return xr.Dataset(made | {"verdict": ((), found["verdict"], text)}, attrs=decay.attrs)
 
 

@@ -75,7 +75,8 @@ class Sight:
     `velocity` is the cut decay, `whole` the raw record, `first` where
     the cut begins in it, `noise` the rms of the sensor's
     noise, `end_reason` why the cut ends there, `modes_Hz` expected frequencies of the structure's
-    other modes. `blind` marks samples that other findings have already set aside.
+    other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
+    but where the sensor's own channel is looked at.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -87,6 +88,7 @@ class Sight:
     end_reason: str = ""
     modes_Hz: tuple[float, ...] = ()
     blind: tuple[tuple[int, int], ...] = ()
+    unit: str = "m/s"
 
     @cached_property
     def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:

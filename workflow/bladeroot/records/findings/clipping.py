@@ -32,9 +32,19 @@ def find(sight: Sight) -> Finding:
     before = _flat(replace(sight, velocity=sight.whole[first:stop], first=first, blind=()))
     before = replace(before, statistic=before.statistic / DRIVEN)
     if before.counts:
-        text = f"clipped before the release, at {max(early, later):.4g} m/s"
+        text = f"clipped before the release, at {max(early, later):.4g} {sight.unit}"
         return replace(before, consequence="warn", text=text, spans=())
     return found if found.statistic > before.statistic else replace(before, spans=())
+
+
+def find_in_channel(sight: Sight) -> Finding:
+    """The same in a channel from which the velocity was made, and which is wrong up to the last."""
+    found = find(sight)
+    if not found.spans:
+        return found
+    stop = found.spans[-1][1]
+    text = found.text.replace("masked", "masked up to there")
+    return replace(found, text=text, spans=((0, stop),))
 
 
 def _flat(sight: Sight) -> Finding:
@@ -58,7 +68,7 @@ def _flat(sight: Sight) -> Finding:
     tops = joined(runs(flat), near)
     last = int(tops[-1, 1])
     text = (
-        f"clipped: {len(tops)} flat tops at {np.abs(x).max():.4g} m/s, the last "
+        f"clipped: {len(tops)} flat tops at {np.abs(x).max():.4g} {sight.unit}, the last "
         f"{sight.seconds(last):.4g} s into the decay; masked"
     )
     spans = tuple((max(int(a) - 2, 0), min(int(b) + 2, x.size)) for a, b in tops)

@@ -125,6 +125,8 @@ def _form(path: str) -> _Form:
         check_commas([_fields(line, separator) for line in lines[first:]], first, path)
     heads = [_fields(lines[k], separator) for k in above[-2:]]
     names = heads[-1] if heads else []
+    if len(fields) == 1 and names:
+        names = [" ".join(names)]  # what stands above a single column is its name, blanks and all
     used = above[-1:] if len(fields) > 1 else []
     units: list[str | None] = [None] * len(fields)
     bare = [name.strip("[]() ") for name in names]
