@@ -31,6 +31,6 @@ def find(sight: Sight) -> Finding | None:
     noise = float(sight.floor * np.exp(0.5 * excess))
     text = (
         f"coloured noise: {10.0 * excess / np.log(10.0):.1f} dB stronger around the mode than the "
-        f"white floor; standard errors reckon with {noise:.2g} m/s"
+        f"white floor, {noise:.2g} m/s; what of it shakes the mode itself is in no standard error"
     )
     return Finding(statistic, THRESHOLD, "warn", text, noise=noise)
