@@ -40,6 +40,7 @@ def decay(rng, **fixed):
         "bits": rng.choice([12, 16, 24]),
         "quiet": rng.random() < 0.3,
         "longest": 200_000,
+        "slider": False,
     } | fixed
     f, start = made["f"], made["start"]
     rate = f * made["a_cycle"]
@@ -54,6 +55,13 @@ def decay(rng, **fixed):
         loss = np.exp(-0.5 * ((log_a - np.log(made["onset"])) / made["hump"]) ** 2)
     fall = np.pi * f * made["eta"] * (1.0 + made["more"] * loss)
     turn = 2.0 * np.pi * f * (1.0 - made["soft"] * slip)
+    if made["slider"]:  # harmonic balance of a Coulomb slider: its damping follows its softening
+        x = np.maximum(a / made["onset"], 1.0)
+        angle = np.arccos(1.0 - 2.0 / x)
+        slip = 1.0 - (angle - 0.5 * np.sin(2.0 * angle)) / np.pi
+        loss = made["eta"] + 8.0 / np.pi * made["soft"] * (1.0 - 1.0 / x) / x
+        fall = np.pi * f * loss
+        turn = 2.0 * np.pi * f * np.sqrt(1.0 - 2.0 * made["soft"] * slip)
     step = -np.diff(log_a)
     t = np.concatenate([[0.0], np.cumsum(step * 0.5 * (1 / fall[1:] + 1 / fall[:-1]))])
     ratio = turn / fall
@@ -162,13 +170,22 @@ def statistics(velocity, rate, f, modes=()):
     return dict(examine(sight(found, velocity, f, modes))), ""
 
 
+def joint(rng):
+    """What a clean decay has of a joint: half have a slider, a third end soon after slip."""
+    onset = np.exp(rng.uniform(np.log(0.01), np.log(0.6)))
+    made = {"slider": rng.random() < 0.5, "onset": onset}
+    if rng.random() < 0.3:
+        made["nepers"] = -np.log(onset) + rng.uniform(0.1, 1.5)
+    return made
+
+
 def clean(seed, count, keep=None):
     """Rate at which each finding fires without a fault, and quantiles of its statistic."""
     seen = {name: [] for name in checks()}
     used = alarms = 0
     for k in range(count):
         rng = np.random.default_rng([seed, k])
-        velocity, rate, made = decay(rng)
+        velocity, rate, made = decay(rng, **joint(np.random.default_rng([seed, k, 1])))
         velocity = measured(rng, velocity, made)
         expected = made["f"] * rng.uniform(0.95, 1.05)
         # what a campaign would know: other modes to some per cent, one that does not show

@@ -178,6 +178,33 @@ def test_a_close_mode_beats():
     assert uncut(clean + 0.6 * START * beat).attrs["verdict"] == "rejected"
 
 
+def slider(onset, softening, loss=0.002, nepers=7.0, noise_db=60):
+    """A decay with a Coulomb slider: harmonic balance, sticking below `onset` (of the start)."""
+    level = np.linspace(0.0, -nepers, 20001)
+    x = np.maximum(np.exp(level) / onset, 1.0)
+    angle = np.arccos(1.0 - 2.0 / x)
+    slip = 1.0 - (angle - 0.5 * np.sin(2.0 * angle)) / np.pi
+    turn = 2.0 * np.pi * 250.0 * np.sqrt(1.0 - 2.0 * softening * slip)
+    fall = np.pi * 250.0 * (loss + 8.0 / np.pi * softening * (1.0 - 1.0 / x) / x)
+
+    def along(rate):
+        return np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * nepers / 20000))
+
+    clock = along(1.0 / fall)
+    time = np.arange(int(clock[-1] * RATE)) / RATE
+    phase = np.interp(time, clock, along(turn / fall))
+    wave = np.exp(np.interp(time, clock, level)) * np.cos(phase)
+    noise = 10.0 ** (-noise_db / 20) * np.random.default_rng(0).standard_normal(time.size)
+    return START * (wave + noise / np.sqrt(2.0))
+
+
+@pytest.mark.parametrize(("onset", "softening"), [(0.03, 0.003), (0.06, 0.006), (0.1, 0.01)])
+def test_the_bend_where_slip_ends_is_no_beat(onset, softening):
+    found = judged(slider(onset, softening))
+    assert ids(found) == set()
+    assert found.attrs["verdict"] == "usable"
+
+
 @pytest.mark.parametrize("mains", [50.0, 59.97])
 def test_hum_is_taken_off(mains):
     clean = decay(noise_db=60)

@@ -1,6 +1,6 @@
 """A close mode: amplitude and phase are modulated at the difference of two frequencies."""
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -18,6 +18,9 @@ LEAST, SEVERE = 0.01, 0.25
 # With fewer beats than this while ln A falls by one, two modes are not told apart; then this swing
 # is too much already.
 TOLD_APART, ALIKE = 3.0, 0.03
+# With fewer beats than SLOW while ln A falls by one, a line may be a bend of the laws, where slip
+# ends; a beat goes on: the later half must show it too, this many times over its median line.
+SLOW, AGAIN = 2.0, 3.0
 # The later half has fewer lines: their median, and what leaks from other modes, is less sure.
 SHORTER = 1.5
 # Periods that must fit into the decay, and the degree of the trend taken off.
@@ -27,36 +30,58 @@ FEWEST, DEGREE = 4.0, 9
 EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
 
 
+@dataclass(frozen=True)
+class _Line:
+    """The strongest line over `count` frames: its turns a frame, and whether a bend may make it."""
+
+    turns: float
+    count: int
+    slow: bool
+    finding: Finding
+
+    def agrees(self, other: "_Line") -> bool:
+        """Whether another stretch shows the same line."""
+        shortest = min(self.count, other.count)
+        clear = min(self.finding.statistic, other.finding.statistic) > AGAIN
+        return clear and abs(self.turns - other.turns) * shortest < 1.5
+
+
 def find(sight: Sight) -> Finding | None:
     """The strongest line within a sixth of the mode's frequency, in all or in a part.
 
     Where the mode's frequency changes much with amplitude, only the later half shows a line.
 
     A second mode of relative amplitude r adds ln(1 + r exp(i d t)) to the log-phasor, which has
-    lines on one side of zero only; laws of frequency and damping change it smoothly.
+    lines on one side of zero only; laws of frequency and damping change it smoothly, and bend it
+    but once.
     """
     count = min(sight.frames.clear, 4096)
     if count < 40:
         return None
-    whole, later = _line(sight, slice(2, count)), _line(sight, slice(count // 2, count))
+    later = _line(sight, slice(count // 2, count), SHORTER)
     early = [
-        _line(sight, slice(2, 2 + length), EARLY_FEWEST, EARLY_DEGREE)
+        _line(sight, slice(2, 2 + length), SHORTER, EARLY_FEWEST, EARLY_DEGREE)
         for length in EARLY
         if length < count // 2
     ]
-    less = [
-        replace(finding, statistic=finding.statistic / SHORTER)
-        for finding in (later, *early)
-        if finding is not None
+    lines = [line for line in (_line(sight, slice(2, count)), later, *early) if line is not None]
+    found = [
+        line.finding
+        for line in lines
+        if not line.slow
+        or any(line.agrees(one) for one in lines if (one is later) != (line is later))
     ]
-    found = [whole, *less] if whole is not None else less
     return max(found, key=lambda finding: finding.statistic, default=None)
 
 
 def _line(
-    sight: Sight, used: slice, fewest: float = FEWEST, degree: int = DEGREE
-) -> Finding | None:
-    """The strongest line over some frames."""
+    sight: Sight,
+    used: slice,
+    shorter: float = 1.0,
+    fewest: float = FEWEST,
+    degree: int = DEGREE,
+) -> _Line | None:
+    """The strongest line over some frames, its statistic divided by `shorter`."""
     frames = sight.frames
     log = frames.log[used].copy()
     whole = frames.whole[used]
@@ -88,16 +113,19 @@ def _line(
     gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
     size = float(level[k] / max(gain, 0.2))
     one_sided = level[k] > 2.5 * other
-    statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) if one_sided else 0.0
+    statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) / shorter if one_sided else 0.0
     distance = turns[k] * sight.sampling_Hz / frames.hop
     text = (
         f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
         f"{100 * size:.2g} %"
     )
-    if size > ALIKE and abs(turns[k]) < TOLD_APART * _decline(log.real, weight):
+    beats = abs(turns[k]) / max(_decline(log.real, weight), 1e-300)
+    alike = size > ALIKE and beats < TOLD_APART
+    if alike:
         text += "; they are too close to be told apart"
-        return Finding(float(statistic), THRESHOLD, "drop", text)
-    return Finding(float(statistic), THRESHOLD, "drop" if size > SEVERE else "warn", text)
+    consequence = "drop" if alike or size > SEVERE else "warn"
+    finding = Finding(float(statistic), THRESHOLD, consequence, text)
+    return _Line(float(turns[k]), log.size, beats < SLOW, finding)
 
 
 def _decline(level: Float[ndarray, " frame"], weight: Float[ndarray, " frame"]) -> float:
