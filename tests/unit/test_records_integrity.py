@@ -258,6 +258,13 @@ def test_driven_residue():
     assert not usable[-int(0.05 * RATE) :].any()
 
 
+@pytest.mark.parametrize("nepers", [2.5, 2.7])
+def test_a_record_that_ends_soon_after_slip_is_no_driven_residue(nepers):
+    found = judged(slider(0.12, 0.02, nepers=nepers))
+    assert ids(found) <= {"ends-early", "too-short"}
+    assert found["usable"].values.all()
+
+
 def ringing(own, second, eta):
     """A decay with another mode of twice its frequency, and the other mode's amplitude."""
     time = time_of(own)

@@ -1,12 +1,20 @@
 """Something still drives the mode: its amplitude stops falling well above the noise."""
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.sight import Sight
 
-STATISTIC = "decay rate from a half to 80 % of the fall (of ln A) over that of the last tenth"
+STATISTIC = (
+    "decay rate from a half to 80 % of the fall (of ln A) over that of the last tenth; "
+    "0.3 of it where the decay no longer slows"
+)
 THRESHOLD = 3.0
+# A joint that sticks falls on at one rate, a driven mode ever slower: the last tenth is slower than
+# SLOWS of the tenth two before. Where it is not, only a ratio counts that no joint has.
+SLOWS, STEADY = 0.6, 0.3
 
 
 def find(sight: Sight) -> Finding | None:
@@ -17,17 +25,16 @@ def find(sight: Sight) -> Finding | None:
         return None
     part = level.size // 10
     tail = slice(level.size - part, level.size)
-    x = np.arange(part, dtype=float)
-    x -= x.mean()
-    slope = float(x @ level[tail]) / float(x @ x)
-    error = float(frames.std[tail].mean()) * 2.0 / np.sqrt(float(x @ x))
+    slope, earlier = (_steepest(level, frames.std, level.size - k * part, part) for k in (1, 3))
     fall = level[0] - level
     half, most = (int(np.argmax(fall > share * fall.max())) for share in (0.5, 0.8))
     usual = float(level[most] - level[half]) / max(most - half, 1)
     if usual >= 0.0 or not frames.whole[tail].all():
         return None
     last = float(np.median(level[tail]))
-    statistic = usual / min(slope - 3.0 * error, -1e-3 * abs(usual))
+    statistic = usual / min(slope, -1e-3 * abs(usual))
+    if slope < SLOWS * earlier:
+        statistic *= STEADY
     begin = int(np.argmax(level < last + np.log(5.0)))
     start = int(frames.centre[begin])
     text = (
@@ -35,3 +42,14 @@ def find(sight: Sight) -> Finding | None:
         f"stays at {np.exp(last):.2g} m/s; masked from {sight.seconds(start):.4g} s"
     )
     return Finding(statistic, THRESHOLD, "mask", text, ((start, sight.velocity.size),))
+
+
+def _steepest(
+    level: Float[ndarray, " frame"], std: Float[ndarray, " frame"], first: int, count: int
+) -> float:
+    """Slope of ln A over some frames, less three of its standard errors."""
+    part = slice(first, first + count)
+    x = np.arange(count, dtype=float)
+    x -= x.mean()
+    square = float(x @ x)
+    return float(x @ level[part]) / square - 6.0 * float(std[part].mean()) / np.sqrt(square)
