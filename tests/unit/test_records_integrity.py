@@ -165,6 +165,30 @@ def test_missing_samples():
     assert "gap" in ids(found) or not kept[0] < 12000 / RATE < kept[1]
 
 
+def without(lost, at=14000):
+    """A decay without some samples, or with some twice."""
+    velocity = slider(0.2, 0.003)
+    return np.concatenate([velocity[:at], velocity[at + lost :]])
+
+
+@pytest.mark.parametrize("lost", [1, 2, -1])
+def test_a_step_in_phase_by_whole_samples_is_a_gap(lost):
+    found = judged(without(lost))
+    assert "gap" in ids(found)
+    assert "shaker-recontact" not in ids(found)
+
+
+@pytest.mark.parametrize(("lost", "what"), [(512, "missing (512"), (-1024, "repeated (1024")])
+def test_a_step_that_a_longer_gap_would_make_is_told_as_either(lost, what):
+    told = text(judged(without(lost)), "shaker-recontact")
+    assert f"or samples are {what} would fit)" in told
+
+
+def test_a_step_that_no_gap_makes_is_a_touch():
+    told = text(judged(stepped(1.04 * np.exp(0.1j), 12000)), "shaker-recontact")
+    assert told.startswith("the shaker touched again: ")
+
+
 def test_a_close_mode_beats():
     clean = decay()
     time = time_of(clean)

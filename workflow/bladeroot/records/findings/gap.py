@@ -1,10 +1,9 @@
-"""Missing samples, the gap closed up: the motion goes on with another phase."""
+"""Missing or repeated samples, the gap closed up: the motion goes on with another phase."""
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings.shaker_recontact import (
     THRESHOLD,
     at_ends,
-    gap,
     largest,
     step_finding,
 )
@@ -15,17 +14,21 @@ STATISTIC = "largest step of ln A + i phase that is in phase alone, in its usual
 
 def find(sight: Sight) -> Finding | None:
     """The largest step, if it is one that missing samples make."""
-    at, size, statistic = largest(sight)
-    if at is not None and gap(size) and statistic > THRESHOLD:
-        return step_finding(sight, at, statistic, THRESHOLD, _told(sight, size))
+    step = largest(sight)
+    if step is not None and step.gap and step.statistic > THRESHOLD:
+        return step_finding(sight, step, _told(sight, step.size))
     beside = at_ends(sight)
-    if beside is not None and gap(beside[1]):
-        statistic, step, moment, span = beside
-        text = f"{_told(sight, step)} at {moment:.4g} s, where the decay was cut"
-        return Finding(statistic, THRESHOLD, "mask", text, (span,))
-    return Finding(statistic if gap(size) else 0.0, THRESHOLD, "mask", "")
+    if beside is not None and beside[0].gap:
+        step, moment, span = beside
+        text = f"{_told(sight, step.size)} at {moment:.4g} s, where the decay was cut"
+        return Finding(step.statistic, THRESHOLD, "mask", text, (span,))
+    return Finding(step.statistic if step is not None and step.gap else 0.0, THRESHOLD, "mask", "")
 
 
 def _told(sight: Sight, size: complex) -> str:
-    lost = size.imag / 6.283185307179586 % 1.0 * sight.sampling_Hz / sight.own_Hz
-    return f"samples are missing ({lost:.3g}, or whole cycles more): the phase steps"
+    cycle = sight.sampling_Hz / sight.own_Hz
+    lost = size.imag / 6.283185307179586 % 1.0 * cycle
+    return (
+        f"samples are missing ({lost:.3g}) or repeated ({cycle - lost:.3g}), or whole cycles more: "
+        "the phase steps"
+    )
