@@ -137,14 +137,14 @@ def test_dropouts_are_masked(length, value):
     assert masked.size < length + 30
 
 
-def stepped(factor, at):
+def stepped(factor, at, noise=1e-3):
     """A decay whose mode changes by a complex factor at a sample."""
     from scipy.signal import hilbert
 
     analytic = hilbert(ring_down(second=0.0, noise_db=120, bits=24)[0])
     after = np.arange(analytic.size) >= at
     velocity = np.where(after, analytic * factor, analytic).real
-    return velocity + 1e-3 * START * np.random.default_rng(0).standard_normal(after.size)
+    return velocity + noise * START * np.random.default_rng(0).standard_normal(after.size)
 
 
 @pytest.mark.parametrize("factor", [1.1, np.exp(-0.1j)])
@@ -163,6 +163,15 @@ def test_missing_samples():
     found = judged(velocity)
     kept = found.attrs["start_s"], found.attrs["end_s"]
     assert "gap" in ids(found) or not kept[0] < 12000 / RATE < kept[1]
+
+
+@pytest.mark.parametrize("factor", [1.01, np.exp(0.01j)])
+def test_the_cycles_beside_a_small_step_are_masked(factor):
+    found = judged(stepped(factor, 15000, 5e-5))
+    assert ids(found) == {"shaker-recontact"}
+    masked = np.flatnonzero(found["usable"].values == 0) + round(found.attrs["start_s"] * RATE)
+    assert 28 < masked.size * 250.0 / RATE < 45
+    assert masked.mean() == pytest.approx(15000, abs=5 * RATE / 250.0)
 
 
 def without(lost, at=14000):

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import wrong_mode
@@ -12,8 +14,9 @@ from bladeroot.records.sight import JUMP_APART, JUMP_REACH, Sight
 
 STATISTIC = "largest step of ln A + i phase beyond its smooth course, in its usual size"
 THRESHOLD = 7.0
-# Steps below this (3 % of the amplitude, or 0.03 rad) are no fault.
-LEAST = 0.03
+# A step from LEAST on (3 % of the amplitude, or 0.03 rad) leaves one side of it to use, one from
+# SLIGHT on all but some cycles on either side: a curve's windows reach as far.
+LEAST, SLIGHT, BESIDE = 0.03, 0.005, 16
 # More steps than this of a like size are none.
 MOST = 4
 # A step in phase alone is larger than this only where samples are missing.
@@ -62,8 +65,34 @@ def find(sight: Sight) -> Finding | None:
         step, moment, span = beside
         text = f"{step.told} at {moment:.4g} s, where the decay was cut"
         return Finding(step.statistic, THRESHOLD, "mask", text, (span,))
-    statistic = 0.0 if step is None or step.gap else step.statistic
-    return Finding(statistic, THRESHOLD, "mask", "")
+    if step is not None and step.gap:
+        return Finding(0.0, THRESHOLD, "mask", "")
+    return _slight(sight)
+
+
+def _slight(sight: Sight) -> Finding:
+    """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
+    step = largest(sight, SLIGHT)
+    if step is None or step.statistic <= THRESHOLD:
+        return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
+    frames, reach = sight.frames, BESIDE * sight.frames.hop
+    places = joined(runs(_ratio(sight, SLIGHT) > THRESHOLD), 10)
+    spans = tuple(
+        (
+            max(int(frames.centre[first]) - reach, 0),
+            min(int(frames.centre[last - 1]) + reach, sight.velocity.size),
+        )
+        for first, last in places
+    )
+    moments = ", ".join(f"{sight.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
+    text = f"{step.told} at {moments} s; {BESIDE} cycles on either side are masked"
+    return Finding(step.statistic, THRESHOLD, "mask", text, spans)
+
+
+def _ratio(sight: Sight, least: float = LEAST) -> Float[ndarray, " frame"]:
+    """Steps in their usual size, or in what makes one of `least` significant."""
+    step, scale = sight.jumps
+    return np.abs(step) / np.maximum(scale, least / THRESHOLD)
 
 
 def at_ends(sight: Sight) -> tuple[Step, float, tuple[int, int]] | None:
@@ -96,8 +125,7 @@ def _beside(sight: Sight, low: int, high: int) -> tuple[Step, float] | None:
     frames = near.frames
     if frames.clear < frames.log.size:
         return None
-    step, scale = near.jumps
-    ratio = np.abs(step) / np.maximum(scale, LEAST / THRESHOLD)
+    step, ratio = near.jumps[0], _ratio(near)
     at = int(np.argmax(ratio))
     size = complex(step[at])
     sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
@@ -135,11 +163,10 @@ def _lost(sight: Sight, at: int, size: complex) -> int:
     return int(found[np.argmin(np.abs(found))]) if found.size else 0
 
 
-def largest(sight: Sight) -> Step | None:
-    """The largest step."""
+def largest(sight: Sight, least: float = LEAST) -> Step | None:
+    """The largest step; one below `least` is not significant."""
     other = wrong_mode.find(sight)
-    step, scale = sight.jumps
-    ratio = np.abs(step) / np.maximum(scale, LEAST / THRESHOLD)
+    step, ratio = sight.jumps[0], _ratio(sight, least)
     if not ratio.any() or (other is not None and other.counts):
         return None
     at = int(np.argmax(ratio))
@@ -158,9 +185,7 @@ def largest(sight: Sight) -> Step | None:
 def step_finding(sight: Sight, found: Step, what: str) -> Finding:
     """A step: the lesser side of it is masked, with three cycles around it."""
     frames = sight.frames
-    step, scale = sight.jumps
-    ratio = np.abs(step) / np.maximum(scale, LEAST / THRESHOLD)
-    over = np.flatnonzero(ratio > THRESHOLD)
+    over = np.flatnonzero(_ratio(sight) > THRESHOLD)
     edges = [0]
     for k in over:  # steps more than ten cycles apart are different ones
         if k - edges[-1] > 10:
