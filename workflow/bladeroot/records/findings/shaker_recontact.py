@@ -8,7 +8,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.records.finding import Finding
-from bladeroot.records.findings import wrong_mode
+from bladeroot.records.findings import louder_mode, wrong_mode
 from bladeroot.records.runs import joined, runs
 from bladeroot.records.sight import JUMP_APART, JUMP_REACH, Sight
 
@@ -50,7 +50,7 @@ class Step:
         what = "missing" if self.lost > 0 else "repeated"
         lost = f", or samples are {what} ({abs(self.lost)} would fit)" if self.lost else ""
         return (
-            f"the shaker touched again{lost}: the amplitude steps by "
+            f"a disturbance, as if the shaker touched again{lost}: the amplitude steps by "
             f"{100 * np.expm1(self.size.real):+.2g} % and the phase by {self.size.imag:+.2g} rad"
         )
 
@@ -71,10 +71,16 @@ def find(sight: Sight) -> Finding | None:
 
 
 def _slight(sight: Sight) -> Finding:
-    """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
+    """Steps too small to give up what lies beyond them: the cycles beside them are masked.
+
+    Not beside a louder mode: as that one slips, this one's damping and frequency step as much.
+    """
     step = largest(sight, SLIGHT)
-    if step is None or step.statistic <= THRESHOLD:
-        return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
+    louder = louder_mode.find(sight)
+    if step is None or (louder is not None and louder.counts):
+        return Finding(0.0, THRESHOLD, "mask", "")
+    if step.statistic <= THRESHOLD:
+        return Finding(step.statistic, THRESHOLD, "mask", "")
     frames, reach = sight.frames, BESIDE * sight.frames.hop
     places = joined(runs(_ratio(sight, SLIGHT) > THRESHOLD), 10)
     spans = tuple(
