@@ -1,12 +1,13 @@
 """What a finished run leaves behind: artifacts, a report, timings, honest labels."""
 
 import csv
+import shutil
 import subprocess
 import sys
 
 import numpy as np
 import xarray as xr
-from house import SMALL, copy_house
+from house import SMALL
 
 
 def load(house, name):
@@ -100,16 +101,34 @@ def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
         xr.testing.assert_equal(xr.load_dataset(output), made)
 
 
-def test_the_measurement_alone_needs_no_structure(tmp_path):
-    """For a specimen that is no dovetail (config/README.md)."""
-    house = copy_house(tmp_path / "house")
+def test_the_measurement_alone_needs_no_structure(visited, tmp_path):
+    """For a specimen that is no dovetail (config/README.md): a report, and who is rejected."""
     folder = tmp_path / "plate"
     folder.mkdir()
-    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    description = (SMALL / "campaign.yaml").read_text()
+    for line in ("bench: bench.yaml\n", "structure: [tiny]\n"):
+        assert line in description
+        description = description.replace(line, "")
     (folder / "campaign.yaml").write_text(description)
+    shutil.copy(visited.folder / "results" / "bench" / "small" / "r003.nc", folder)
     (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
-    (folder / "records.csv").write_text("record,file,mode,force_N\na,a.csv,1B,12000\n")
-    only = ("--until", "stick", "integrity", "figures_records")
-    assert set(house.planned("--config", f"campaigns={folder}", *only)) == {
-        "record", "decay", "curves", "stick", "integrity", "figures_records",
+    (folder / "records.csv").write_text(
+        "record,file,mode,force_N\nr003,r003.nc,1B,21480\na,a.csv,1B,21480\n"
+    )
+    asked = ("--config", f"campaigns={folder}")
+    assert set(visited.planned(*asked)) == {
+        "record", "decay", "curves", "stick", "integrity", "figures_records", "figures_stick",
+        "report",
     }  # fmt: skip
+    told = visited.run(*asked)
+    assert "steps (100%) done" in told.stdout + told.stderr
+    assert "rejected: a of plate: " in told.stdout
+    assert "at least 64 samples" in told.stdout
+    page = (visited.folder / "results" / "plate" / "report.html").read_text()
+    assert "1. In short" in page
+    assert "4. Stick frequencies" in page
+    assert "5. " not in page[page.index("<nav>") : page.index("</nav>")]
+    assert "campaign.yaml names no structure" in page
+    assert "Rejected: 1 of 2 records, a;" in page
+    visited.run(*asked, "--report", str(tmp_path / "archive.zip"))
+    assert (tmp_path / "archive.zip").stat().st_size > 10_000

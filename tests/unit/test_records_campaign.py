@@ -283,6 +283,16 @@ def test_one_structure_is_a_plain_name(folder):
     assert campaign.warnings == ()
 
 
+def test_without_a_structure_the_measurement_stands_alone(folder):
+    text = DESCRIPTION.replace("structure: [dovetail-HB]\n", "")
+    (folder / "campaign.yaml").write_text(text)
+    (folder / "records.csv").write_text(HEADER + GOOD)
+    assert load_campaign(folder).description["structure"] == []
+    (folder / "campaign.yaml").write_text(text + "published: thesis\n")
+    with pytest.raises(CampaignError, match="'structure' is a dependency of 'published'"):
+        load_campaign(folder)
+
+
 def test_slips_are_warnings(folder):
     text = "record,file,mode,force_N\nr1,r1.nc,1B,12\nr2,r1.nc,1B,12000\n"
     (folder / "records.csv").write_text(text)

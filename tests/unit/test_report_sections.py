@@ -7,12 +7,15 @@ import pandas as pd
 import pytest
 import xarray as xr
 from bladeroot.decay.stick import stick_from_table
-from bladeroot.figures.style import panels, plain_log_scale
+from bladeroot.figures.decay import backbones
+from bladeroot.figures.stick import over_force
+from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.report.measurement import PICTURES, measurement_section, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Picture, Table
+from bladeroot.report.rejected import rejected_lines
 from bladeroot.report.stiffness import stiffness_section
-from bladeroot.report.summary import summary_section, undecided_section
+from bladeroot.report.summary import alone_section, summary_section, undecided_section
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
 GAUGE = ForceGauge(0.1, 1e3, "full-scale")
@@ -95,6 +98,54 @@ def test_one_axial_force_has_no_map_but_a_sentence(second):
     assert any("no map over force" in text for text in said) == (second == 12e3)
 
 
+def rejections(count):
+    verdicts = ["plateau", *["rejected: hum; taken off"] * count]
+    names = [f"r{k}" for k in range(count + 1)]
+    return xr.Dataset({"verdict": ("record", verdicts)}, {"record": names}, {"campaign": "lab"})
+
+
+def test_each_rejected_record_is_a_line_up_to_ten():
+    assert rejected_lines(rejections(0)) == []
+    one, more = rejected_lines(rejections(1))
+    assert one == "rejected: r1 of lab: hum; taken off"
+    assert "docs/findings.md" in more
+    many = rejected_lines(rejections(13))
+    assert len(many) == 12
+    assert many[10] == "rejected: 3 more of lab"
+
+
+def test_in_short_says_who_is_rejected_and_what_needs_a_structure():
+    stick = sticks(10e3).drop_dims("record").assign(rejections(12).variables)
+    _, bad, alone = alone_section(stick).parts
+    assert bad.startswith("Rejected: 12 of 13 records, r1, r2, ")
+    assert "r10 and 2 more;" in bad
+    assert "names no structure" in alone
+
+
+def test_the_stick_figure_without_forces_of_a_simulation():
+    stick = sticks(10e3, 16e3)
+    alone = over_force(stick, None, False)
+    (told,) = (text.get_text() for text in alone.axes[0].get_legend().get_texts())
+    assert told.startswith("measured")
+    section = stick_section(stick, "", None, None)
+    assert not any("simulation" in str(part) for part in section.parts)
+
+
+def test_a_decay_that_grows_for_a_while_is_drawn():
+    values = np.linspace(-0.01, 0.01, 40)
+    one = xr.Dataset(
+        {
+            "amplitude": ("point", np.geomspace(1e-6, 1e-4, 40)),
+            "frequency": ("point", np.full(40, 500.0)),
+            "frequency_std": ("point", np.full(40, 0.01)),
+            "loss_factor": ("point", values),
+            "loss_factor_std": ("point", np.abs(values) / 10),
+        },
+        attrs={"mode": "1B", "force_N": 8e3},
+    )
+    svg(backbones([one]))
+
+
 @pytest.fixture
 def theory():
     return xr.Dataset({
@@ -110,7 +161,9 @@ def test_the_thesis_is_compared_only_with_its_own_campaigns(theory, of_the_thesi
             "frequency": ("level", [500.0, 1400.0]),
             "mode": ("level", ["1B", "2B"]),
             "force": ("level", [12e3, 12e3]),
-        }
+            "verdict": ("record", ["plateau"]),
+        },
+        {"record": ["r1"]},
     )
     said = summary_section(stick, NO_PAIR, theory, [], [], of_the_thesis).parts
     assert any("Table 5.2 of the thesis" in text for text in said) == of_the_thesis

@@ -26,7 +26,9 @@ def stages():
             "frequency": ("level", [480.0, 560.0, 1300.0, 1480.0]),
             "mode": ("level", ["1B", "1B", "2B", "2B"]),
             "force": ("level", [6e3, 12e3] * 2),
-        }
+            "verdict": ("record", np.zeros(0, str)),
+        },
+        {"record": np.zeros(0, str)},
     )
     stiffness = xr.Dataset(
         {

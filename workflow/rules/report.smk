@@ -71,10 +71,34 @@ rule figures_records:
         " --curves {input.curves:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 
-rule figures:
+rule figures_stick:
     input:
         stick=rules.stick.output.stick,
-        fe_forces=rules.fe_forces.output.fe_forces,
+        fe_forces=with_structure(rules.fe_forces.output.fe_forces),
+    output:
+        stick=report(
+            "results/{campaign}/figures/stick.svg",
+            caption="../report/stick.rst",
+            category="{campaign}",
+            subcategory="measurement",
+        ),
+    log:
+        "results/logs/figures_stick/{campaign}.log",
+    benchmark:
+        "results/benchmarks/figures_stick/{campaign}.tsv"
+    threads: 1
+    params:
+        simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
+        code=code("figures_stick"),
+    message:
+        "figure of the stick frequencies of {wildcards.campaign}"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/figures_stick.py --stick {input.stick:q} --fe_forces {input.fe_forces:q}"
+        " --simulated {params.simulated} --output {output.stick} > {log} 2>&1"
+
+
+rule figures:
+    input:
         searches=searches,
         stiffness=rules.stiffness.output.stiffness,
         joints=joints,
@@ -84,12 +108,6 @@ rule figures:
             rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
         ),
     output:
-        stick=report(
-            "results/{campaign}/figures/stick.svg",
-            caption="../report/stick.rst",
-            category="{campaign}",
-            subcategory="measurement",
-        ),
         structure=report(
             "results/{campaign}/figures/structure.svg",
             caption="../report/structure.rst",
@@ -137,8 +155,8 @@ rule figures:
     message:
         "figures of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/figures.py --stick {input.stick:q} --fe_forces {input.fe_forces:q}"
-        " --searches {input.searches:q} --stiffness {input.stiffness:q} --joints {input.joints:q} --theory {input.theory:q}"
+        "{PYTHON:q} {SCRIPTS:q}/figures.py --searches {input.searches:q}"
+        " --stiffness {input.stiffness:q} --joints {input.joints:q} --theory {input.theory:q}"
         " --published {input.published:q} --mesh {input.mesh:q} --simulated {params.simulated}"
         " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
@@ -257,17 +275,17 @@ def calibrations_made(wildcards):
 rule report:
     input:
         stick=rules.stick.output.stick,
-        fe_forces=rules.fe_forces.output.fe_forces,
-        stiffness=rules.stiffness.output.stiffness,
+        fe_forces=with_structure(rules.fe_forces.output.fe_forces),
+        stiffness=with_structure(rules.stiffness.output.stiffness),
         joints=joints,
         diagnoses=diagnoses,
         verdicts=verdicts,
         extended=extended_joints,
-        main_verdict=rules.verdict.output.verdict,
-        diagnosed=rules.figures_diagnosis.output,
+        main_verdict=with_structure(rules.verdict.output.verdict),
+        diagnosed=with_structure(rules.figures_diagnosis.output),
         amplitudes=amplitudes,
         amplitudes_drawn=lambda w: (
-            rules.figures_amplitude.output if CAMPAIGNS[w.campaign].records else []
+            rules.figures_amplitude.output if amplitudes(w) else []
         ),
         shortfalls=lambda w: expand(
             rules.shortfall.output.shortfall,
@@ -277,7 +295,7 @@ rule report:
         searched=lambda w: (
             rules.figures_thesis_search.output if thesis_searches(w) else []
         ),
-        theory=rules.theory.output.theory,
+        theory=with_structure(rules.theory.output.theory),
         checks=lambda w: expand(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
@@ -286,7 +304,8 @@ rule report:
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         calibrations=calibrations_made,
-        figures=rules.figures.output,
+        stick_drawn=rules.figures_stick.output.stick,
+        figures=with_structure(rules.figures.output),
         modes=lambda w: expand(
             rules.shapes.output.modes,
             # mode shapes are drawn on elements, which given matrices do not have
@@ -345,7 +364,8 @@ rule report:
         " --diagnoses {input.diagnoses:q} --verdicts {input.verdicts:q}"
         " --extended {input.extended:q}"
         " --amplitudes {input.amplitudes:q} --shortfalls {input.shortfalls:q}"
-        " --figures {input.figures:q} {input.diagnosed:q} {input.modes:q} {input.drawn:q} {input.searched:q}"
+        " --figures {input.figures:q} {input.stick_drawn:q} {input.diagnosed:q} {input.modes:q} {input.drawn:q}"
+        " {input.searched:q}"
         " {input.amplitudes_drawn:q} {input.slider:q}"
         " --thesis {input.thesis:q}"
         " --facts {params.facts:q}"

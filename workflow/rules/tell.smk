@@ -4,13 +4,24 @@ import re
 
 
 def tell_results():
-    """Where the reports are, and the time of every rule (Snakemake's benchmark files)."""
+    """Rejected records, where the reports are, and the time of every rule (benchmark files)."""
     write_timings("results/timings.csv")
     for name in CAMPAIGNS:
         page = Path("results", name, "report.html").resolve()
+        tell_rejected(Path("results", name, "stick.nc"))
         if page.is_file():
             print(f"report of {name}: {page}")
     print("time of every rule: results/timings.csv")
+
+
+def tell_rejected(stick):
+    """One line for each rejected record of a campaign, whichever stages the run had."""
+    from bladeroot import artifacts
+    from bladeroot.report.rejected import rejected_lines
+
+    if stick.is_file():
+        for line in rejected_lines(artifacts.load(stick)):
+            print(line)
 
 
 def write_timings(path):

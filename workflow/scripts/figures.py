@@ -1,25 +1,22 @@
-"""Figures that every campaign has, from stick frequencies to contact theory."""
+"""Figures that every campaign with a structure has, from the structure to contact theory."""
 
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.contact.published import published_stiffness
 from bladeroot.figures import joint as joint_figures
-from bladeroot.figures import stick as stick_figures
 from bladeroot.figures import stiffness as stiffness_figures
 from bladeroot.figures import structure as structure_figures
 from bladeroot.figures import theory as theory_figures
 from bladeroot.figures.style import svg
 
 
-def main(stick, fe_forces, searches, stiffness, joints, theory, published, mesh, simulated, folder):
+def main(searches, stiffness, joints, theory, published, mesh, simulated, folder):
     marked = simulated == "1"
     table_5_2 = published_stiffness(pd.read_csv(published).to_dict("list"))
     identified, predicted = artifacts.load(stiffness), artifacts.load(theory)
-    measured, interpolated = artifacts.load(stick), artifacts.load(fe_forces)
     found = [artifacts.load(search) for search in searches]
     drawn = {
-        "stick": stick_figures.over_force(measured, interpolated, marked),
         "structure": structure_figures.side_view(artifacts.load(mesh)),
         "maps": stiffness_figures.maps(found, table_5_2, marked),
         "joint": joint_figures.joint(
@@ -36,8 +33,6 @@ def main(stick, fe_forces, searches, stiffness, joints, theory, published, mesh,
 if __name__ == "__main__":
     run(
         main,
-        stick="stick.nc",
-        fe_forces="fe_forces.nc",
         searches="many: searches of every structure and force",
         stiffness="stiffness.nc",
         joints="many: joint inferences with every structure",

@@ -70,7 +70,7 @@ def _names(decays: Sequence[xr.Dataset]) -> list[str]:
 def _limits(decays: Sequence[xr.Dataset], name: str, scale: float) -> tuple[float, float]:
     """Axis limits that the last, lost points of a few curves cannot stretch."""
     values = scale * np.concatenate([drawn_values(decay, name) for decay in decays])
-    values = values[np.isfinite(values)]
+    values = values[values > 0.0]  # a logarithmic axis has no place for an amplitude that grows
     low, high = np.percentile(values, [0.1, 99.9]) if values.size else (1.0, 2.0)
     if name == "loss_factor":
         return 0.6 * low, 1.6 * high

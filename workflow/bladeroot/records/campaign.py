@@ -55,8 +55,9 @@ class CampaignError(ValueError):
 class Campaign:
     """A checked campaign.
 
-    `records` (one dict a usable row, SI units) or `stick` (one dict a row) is filled, the other
-    is empty. `excluded` holds the ids of the rows marked `exclude`, `warnings` a line for each
+    `description` is campaign.yaml, its `structure` a list (empty: nothing to compare with).
+    `records` (one dict a usable row, SI units) or `stick` (one dict a row) is filled, the other is
+    empty. `excluded` holds the ids of the rows marked `exclude`, `warnings` a line for each
     suspicion that is no fault.
     """
 
@@ -110,8 +111,8 @@ def load_campaign(folder: str | Path) -> Campaign:
         description = read_yaml(folder / "campaign.yaml", "campaign")
     except ValueError as error:
         raise CampaignError(str(error)) from error
-    if isinstance(description["structure"], str):
-        description["structure"] = [description["structure"]]
+    structures = description.get("structure", [])
+    description["structure"] = [structures] if isinstance(structures, str) else structures
 
     sheets = [name for name in ("records.csv", "stick.csv") if (folder / name).is_file()]
     if len(sheets) != 1:

@@ -16,7 +16,7 @@ from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Section, render
 from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.structure import structure_section
-from bladeroot.report.summary import summary_section, undecided_section
+from bladeroot.report.summary import alone_section, summary_section, undecided_section
 from bladeroot.report.table_5_2 import table_5_2_remarks
 from bladeroot.report.theory import theory_section
 from bladeroot.report.thesis_search import thesis_search_parts
@@ -42,19 +42,28 @@ def report(
 ) -> str:
     """A campaign's report as one HTML page.
 
-    facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick,
-    fe_forces, stiffness, theory; with records, integrity; for simulated ones, score; for the
-    thesis's tables, ledger. checks, accuracies, joints, diagnoses, verdicts, shortfalls: of each
-    structure; extended: joints with the causes of a model file; calibrations: of those that have
-    one; amplitudes: of each, with records; thesis_searches: of each structure of a campaign of the
-    thesis. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick; with
+    records, integrity; for simulated ones, score; with a structure, fe_forces, stiffness, theory;
+    for the thesis's tables, ledger. checks, accuracies, joints, diagnoses, verdicts, shortfalls: of
+    each structure; extended: joints with the causes of a model file; calibrations: of those that
+    have one; amplitudes: of each, with records; thesis_searches: of each structure of a campaign of
+    the thesis. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    Without a structure the page ends with the measurement.
     """
     score = stages.get("score")
-    sticks = stick_section(stages["stick"], figures["stick"], score, stages["fe_forces"])
+    sticks = stick_section(stages["stick"], figures["stick"], score, stages.get("fe_forces"))
     of_the_thesis = facts["description"].get("published") == "thesis"
     if of_the_thesis:
         comparison = table_5_1(stages["fe_forces"], published_5_1)
         sticks = Section(sticks.title, [*sticks.parts, *comparison])
+    measured = [
+        measurement_section(facts, stages["stick"], figures),
+        *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
+        sticks,
+    ]
+    if not facts["description"]["structure"]:
+        sections = [alone_section(stages["stick"]), *measured]
+        return _page(facts, "stick frequencies", sections, version)
     stiffness = stiffness_section(stages["stiffness"], figures["maps"], score)
     whole = joint_parts(joints, figures["joint"])
     if thesis_searches:
@@ -76,9 +85,7 @@ def report(
             of_the_thesis,
         ),
         Section(what_is_wrong.title, [*what_is_wrong.parts, *extended_parts(joints, extended)]),
-        measurement_section(facts, stages["stick"], figures),
-        *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
-        sticks,
+        *measured,
         structure_section(held, accuracies, calibrations, figures),
         Section(stiffness.title, [*stiffness.parts, *whole]),
         nonlinear_section(amplitudes, shortfalls, figures, of_the_thesis),
@@ -90,9 +97,13 @@ def report(
             ledger_section(stages["ledger"], errata, figures["slider"]),
             errata_section(errata),
         ]
+    return _page(facts, "contact stiffness", sections, version)
+
+
+def _page(facts: Mapping, aim: str, sections: Sequence[Section], version: str) -> str:
     return render(
         facts["description"]["title"],
-        f"Campaign {facts['campaign']}: from ring-downs to contact stiffness",
+        f"Campaign {facts['campaign']}: from ring-downs to {aim}",
         facts["simulated"],
         sections,
         f"bladeroot {version}",

@@ -9,6 +9,7 @@ import xarray as xr
 
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
+from bladeroot.report.rejected import rejected
 
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
 PICTURES = {
@@ -53,12 +54,10 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
     counts = [f"{count} with verdict “{verdict}”" for verdict, count in sorted(verdicts.items())]
     parts.append(f"{stick.sizes['record']} records: {listed(counts)}.")
     parts.append(_record_table(stick))
-    bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
-    if bad.any():
-        rows = [(str(record), stick["verdict"].sel(record=record).item())
-                for record in stick["record"].values[bad]]  # fmt: skip
-        parts.append(Table("Left out", ("record", "why"), rows))
-        if any(FEW_CYCLES in why for _, why in rows):
+    bad = rejected(stick)
+    if bad:
+        parts.append(Table("Rejected, and left out of all that follows", ("record", "why"), bad))
+        if any(FEW_CYCLES in why for _, why in bad):
             parts.append(
                 "Too few cycles are sharp enough where noise hides the phase of most of them. A "
                 "larger amplitude at the release, a finer range of the sensor or a longer record "
@@ -69,7 +68,7 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
     drawn = ["cuts", "spectra"]
-    if not bad.all():
+    if len(bad) < stick.sizes["record"]:
         drawn += ["backbones", "waterfall"]
         if _several_forces(stick):
             drawn.append("amplitude_force")
@@ -80,9 +79,12 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
 
 
 def stick_section(
-    stick: xr.Dataset, figure: str, score: xr.Dataset | None, fe_forces: xr.Dataset
+    stick: xr.Dataset, figure: str, score: xr.Dataset | None, fe_forces: xr.Dataset | None
 ) -> Section:
-    """Stick frequency, loss factor and onset for each mode and force."""
+    """Stick frequency, loss factor and onset for each mode and force.
+
+    fe_forces: None without a structure, which would have forces of its own.
+    """
     rows = [
         (
             str(level["mode"].item()),
@@ -104,8 +106,14 @@ def stick_section(
         "gives a bound and no frequency.",
         Picture(
             figure,
-            "Stick frequency and loss factor against axial force, and their linear interpolation "
-            "to the simulation's forces with the force error included (5.13, 5.14).",
+            "Stick frequency and loss factor against axial force"
+            + (
+                ""
+                if fe_forces is None
+                else ", and their linear interpolation to the simulation's forces with the force "
+                "error included (5.13, 5.14)"
+            )
+            + ".",
         ),
     ]
     if rows:
@@ -122,7 +130,8 @@ def stick_section(
     parts += scatter_parts(stick)
     if score is not None:
         parts += _score_parts(stick, score)
-    parts.append(_interpolated(fe_forces))
+    if fe_forces is not None:
+        parts.append(_interpolated(fe_forces))
     return Section("Stick frequencies", parts)
 
 

@@ -7,8 +7,14 @@ import xarray as xr
 
 from bladeroot.report.numbers import listed, percent, significant
 from bladeroot.report.page import Section
+from bladeroot.report.rejected import rejected
 
 _REFERENCE = 12e3  # N
+_FEW = 10  # names that a sentence holds
+ALONE = (
+    "campaign.yaml names no structure, so there is nothing to compare with: contact stiffness, "
+    "contact theory and what a simulation gets wrong are left out."
+)
 FOREIGN = 0.05  # relative move of a mode that no error of a model of the specimen explains
 
 
@@ -24,7 +30,7 @@ def summary_section(
 
     of_the_thesis: whether its Table 5.2 belongs beside them.
     """
-    parts = [_measured(stick)]
+    parts = _measured(stick)
     if set(stick["mode"].values) != {"1B", "2B"}:
         missing = [mode for mode in ("1B", "2B") if mode not in stick["mode"].values]
         parts.append(
@@ -50,6 +56,11 @@ def summary_section(
             "growing with the force."
         )
     return Section("In short", parts)
+
+
+def alone_section(stick: xr.Dataset) -> Section:
+    """The results of a campaign without a structure, and what is left out."""
+    return Section("In short", [*_measured(stick), ALONE])
 
 
 def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) -> Section:
@@ -98,7 +109,20 @@ def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) 
     return Section("What could not be decided", parts)
 
 
-def _measured(stick: xr.Dataset) -> str:
+def _measured(stick: xr.Dataset) -> list[str]:
+    """The stick frequencies, and which records have no part in them."""
+    bad = [str(name) for name, _ in rejected(stick)]
+    if not bad:
+        return [_frequencies(stick)]
+    more = [f"{len(bad) - _FEW} more"] if len(bad) > _FEW else []
+    return [
+        _frequencies(stick),
+        f"Rejected: {len(bad)} of {stick.sizes['record']} records, {listed(bad[:_FEW] + more)}; "
+        "why stands with what was measured.",
+    ]
+
+
+def _frequencies(stick: xr.Dataset) -> str:
     texts = []
     for mode in dict.fromkeys(stick["mode"].values):
         level = stick.isel(level=np.flatnonzero(stick["mode"].values == mode)).sortby("force")
