@@ -10,10 +10,11 @@ from bladeroot.decay.stick import stick_from_table
 from bladeroot.figures.decay import backbones
 from bladeroot.figures.stick import over_force
 from bladeroot.figures.style import panels, plain_log_scale, svg
+from bladeroot.report.bad_records import told
+from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import PICTURES, measurement_section, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
-from bladeroot.report.page import Picture, Table
-from bladeroot.report.rejected import rejected_lines
+from bladeroot.report.page import Box, Picture, Table
 from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.summary import alone_section, summary_section, undecided_section
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
@@ -104,14 +105,30 @@ def rejections(count):
     return xr.Dataset({"verdict": ("record", verdicts)}, {"record": names}, {"campaign": "lab"})
 
 
-def test_each_rejected_record_is_a_line_up_to_ten():
-    assert rejected_lines(rejections(0)) == []
-    one, more = rejected_lines(rejections(1))
+def judged(*unlike):
+    """Findings of a campaign in which these records are unlike their repeats."""
+    texts = {"id": "unlike-repeats", "consequence": "warn", "text": "lies -2.34 % from the others"}
+    columns = {"record": unlike} | {name: [text] * len(unlike) for name, text in texts.items()}
+    made = {f"finding_{name}": ("finding", np.array(v, str)) for name, v in columns.items()}
+    made |= {f"finding_{side}_s": ("finding", [np.nan] * len(unlike)) for side in ("from", "to")}
+    return xr.Dataset({**made, "pff_agrees": ("record", [-1])}, {"record": ["r1"]})
+
+
+def test_each_bad_record_is_a_line_up_to_ten():
+    assert told(rejections(0), judged()) == []
+    one, other, more = told(rejections(1), judged("r7"))
     assert one == "rejected: r1 of lab: hum; taken off"
+    assert other == "look at: r7 of lab: lies -2.34 % from the others"
     assert "docs/findings.md" in more
-    many = rejected_lines(rejections(13))
+    many = told(rejections(13), judged())
     assert len(many) == 12
     assert many[10] == "rejected: 3 more of lab"
+
+
+def test_a_record_unlike_its_repeats_is_not_overlooked():
+    (box,) = (part for part in integrity_section(judged("r7")).parts if isinstance(part, Box))
+    assert box.lines == ["r7 lies -2.34 % from the others."]
+    assert not any(isinstance(part, Box) for part in integrity_section(judged()).parts)
 
 
 def test_in_short_says_who_is_rejected_and_what_needs_a_structure():

@@ -1,10 +1,12 @@
-# What was found wrong in the records, and how a second estimator agrees: one table a campaign.
+# What was found wrong in the records, by themselves and beside their repeats, and how a second
+# estimator agrees: one table a campaign.
 
 
 rule integrity:
     input:
         records=lambda w: of_records(rules.record.output.record, w),
         decays=lambda w: of_records(rules.decay.output.decay, w),
+        plateaus=lambda w: of_records(rules.decay.output.plateau, w),
     output:
         integrity="results/{campaign}/integrity.nc",
     log:
@@ -18,4 +20,4 @@ rule integrity:
         "findings of all records of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/integrity.py --records {input.records:q} --decays {input.decays:q}"
-        " --campaign {wildcards.campaign} --output {output.integrity} > {log} 2>&1"
+        " --plateaus {input.plateaus:q} --campaign {wildcards.campaign} --output {output.integrity} > {log} 2>&1"

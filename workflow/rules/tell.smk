@@ -4,23 +4,26 @@ import re
 
 
 def tell_results():
-    """Rejected records, where the reports are, and the time of every rule (benchmark files)."""
+    """Bad records, where the reports are, and the time of every rule (benchmark files)."""
     write_timings("results/timings.csv")
     for name in CAMPAIGNS:
         page = Path("results", name, "report.html").resolve()
-        tell_rejected(Path("results", name, "stick.nc"))
+        tell_bad_records(name)
         if page.is_file():
             print(f"report of {name}: {page}")
     print("time of every rule: results/timings.csv")
 
 
-def tell_rejected(stick):
-    """One line for each rejected record of a campaign, whichever stages the run had."""
+def tell_bad_records(campaign):
+    """Rejected records, and those unlike their repeats, once both stages that tell are done."""
     from bladeroot import artifacts
-    from bladeroot.report.rejected import rejected_lines
+    from bladeroot.report.bad_records import told
 
-    if stick.is_file():
-        for line in rejected_lines(artifacts.load(stick)):
+    made = [
+        Path("results", campaign, f"{stage}.nc") for stage in ("stick", "integrity")
+    ]
+    if all(stage.is_file() for stage in made):
+        for line in told(*map(artifacts.load, made)):
             print(line)
 
 

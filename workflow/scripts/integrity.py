@@ -5,9 +5,9 @@ from bladeroot import artifacts
 from bladeroot.decay.judgement import judgement
 
 
-def main(records, decays, campaign, output):
+def main(records, decays, plateaus, campaign, output):
     judged = judgement(
-        [artifacts.load(record) for record in records], [artifacts.load(decay) for decay in decays]
+        *([artifacts.load(one) for one in many] for many in (records, decays, plateaus))
     )
     judged.attrs["campaign"] = campaign
     artifacts.save(judged, output)
@@ -18,6 +18,7 @@ if __name__ == "__main__":
         main,
         records="many: free decays with their findings",
         decays="many: curves over amplitude, in the same order",
+        plateaus="many: plateaus, in the same order",
         campaign="the campaign's name",
         output="integrity.nc",
     )

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.decay.repeats import unlike_repeats
+
 # Columns of a record's finding table, as `bladeroot.records.integrity` makes it.
 FINDING = {"id": str, "statistic": float, "threshold": float, "consequence": str, "text": str,
            "from_s": float, "to_s": float}  # fmt: skip
@@ -18,32 +20,41 @@ OPINION = (
 )
 
 
-def judgement(records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]) -> xr.Dataset:
+def judgement(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]
+) -> xr.Dataset:
     """The findings of all records in one table, and the second opinion on every record.
 
     records: free decays with their findings (dim finding). decays: curves of the same records in
-    the same order, with the scalars of `bladeroot.decay.agreement.compare`.
+    the same order, with the scalars of `bladeroot.decay.agreement.compare`. plateaus: of the same.
 
     Returns:
-        dim finding: finding_record and the columns of the findings; dim record: mode, force (N),
-        verdict, masked (part of the decay's samples without weight), and the differences
-        between peak fitting and FREEVIB.
+        dim finding: finding_record and the columns of the findings, with those that only the
+        records together show (`bladeroot.decay.repeats`) after each record's own; dim record:
+        mode, force (N), verdict, masked (part of the decay's samples without weight), and the
+        differences between peak fitting and FREEVIB.
     """
     names = [str(record.attrs["record"]) for record in records]
+    together = _of_repeats(decays, plateaus)
     columns = {
         f"finding_{name}": np.concatenate(
-            [np.zeros(0, kind), *(record[f"finding_{name}"].values for record in records)]
+            [
+                np.zeros(0, kind),
+                *(record[f"finding_{name}"].values for record in records),
+                [finding[name] for _, finding in together],
+            ]
         ).astype(kind)
         for name, kind in FINDING.items()
     }
-    owners = np.repeat(names, [record.sizes["finding"] for record in records])
+    owners = np.repeat(names, [record.sizes["finding"] for record in records]).tolist()
+    owners += [names[k] for k, _ in together]
     first = records[0]
     made = {
         name: ("finding", values, first[name].attrs if name in first else {})
         for name, values in columns.items()
     }
     made["finding_record"] = (
-        "finding", owners.astype(str), {"units": "", "long_name": "record of the finding"},
+        "finding", np.array(owners, str), {"units": "", "long_name": "record of the finding"},
     )  # fmt: skip
     for name in OPINION:
         attrs = decays[0][name].attrs
@@ -58,6 +69,23 @@ def judgement(records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]) -> xr
         made[name] = ("record", np.array(values), {"units": units, "long_name": text})
     simulated = max(int(record.attrs["simulated"]) for record in records)
     return xr.Dataset(made, coords={"record": names}, attrs={"simulated": simulated})
+
+
+def _of_repeats(
+    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]
+) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records that are unlike their repeats, each with the record's number."""
+    found = []
+    for k, apart, allowed in unlike_repeats(decays, plateaus):
+        facts = plateaus[k].attrs
+        text = (
+            f"lies {100.0 * apart:+.2f} % from the other records of mode {facts['mode']} at "
+            f"{facts['force_N'] / 1e3:g} kN (in hold {facts['hold']}): sampling rate, mode or "
+            "force wrong? It counts all the same; `exclude` in records.csv leaves it out"
+        )
+        values = ("unlike-repeats", abs(apart), allowed, "warn", text, np.nan, np.nan)
+        found.append((k, dict(zip(FINDING, values, strict=True))))
+    return found
 
 
 def _masked(record: xr.Dataset) -> float:

@@ -3,8 +3,9 @@
 import numpy as np
 import xarray as xr
 
+from bladeroot.report.bad_records import unlike_repeats
 from bladeroot.report.numbers import NONE, fixed, listed, significant
-from bladeroot.report.page import Section, Table
+from bladeroot.report.page import Box, Section, Table
 
 
 def integrity_section(judged: xr.Dataset) -> Section:
@@ -17,6 +18,10 @@ def integrity_section(judged: xr.Dataset) -> Section:
         "the samples concerned, or drops the record; docs/findings.md has each statistic, its "
         "threshold and its rate of false alarms."
     ]
+    unlike = unlike_repeats(judged)
+    if unlike:
+        lines = [f"{name} {text}." for name, text in unlike]
+        parts.append(Box("Not like the other records", lines))
     if judged.sizes["finding"]:
         parts += [_kinds(judged), _findings(judged)]
     return Section("Integrity of the records", [*parts, *_second_opinion(judged)])

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
-from bladeroot.report.rejected import rejected
 
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
 PICTURES = {

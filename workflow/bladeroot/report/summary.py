@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import listed, percent, significant
 from bladeroot.report.page import Section
-from bladeroot.report.rejected import rejected
 
 _REFERENCE = 12e3  # N
 _FEW = 10  # names that a sentence holds

@@ -1,0 +1,36 @@
+"""Records that a person must look at, and why: in the report, and where a run ends."""
+
+import numpy as np
+import xarray as xr
+
+_PREFIX = "rejected: "
+SHOWN = 10  # lines of a kind where a run ends
+MORE = "    all of them: the report, Integrity of the records; what it means: docs/findings.md"
+
+
+def rejected(stick: xr.Dataset) -> list[tuple[str, str]]:
+    """Name of each rejected record (dim record as from `bladeroot.decay.stick`) and why."""
+    return [
+        (str(name), str(verdict).removeprefix(_PREFIX))
+        for name, verdict in zip(stick["record"].values, stick["verdict"].values, strict=True)
+        if str(verdict).startswith(_PREFIX)
+    ]
+
+
+def unlike_repeats(judged: xr.Dataset) -> list[tuple[str, str]]:
+    """Name of each record that is unlike its repeats (`bladeroot.decay.judgement`), and how."""
+    rows = np.flatnonzero(judged["finding_id"].values == "unlike-repeats")
+    return [
+        (str(judged["finding_record"].values[k]), str(judged["finding_text"].values[k]))
+        for k in rows
+    ]
+
+
+def told(stick: xr.Dataset, judged: xr.Dataset) -> list[str]:
+    """A line for each of a campaign's first bad records, how many more, and where to read more."""
+    campaign, lines = stick.attrs["campaign"], []
+    for word, bad in (("rejected", rejected(stick)), ("look at", unlike_repeats(judged))):
+        lines += [f"{word}: {name} of {campaign}: {why}" for name, why in bad[:SHOWN]]
+        if len(bad) > SHOWN:
+            lines.append(f"{word}: {len(bad) - SHOWN} more of {campaign}")
+    return [*lines, MORE] if lines else []
