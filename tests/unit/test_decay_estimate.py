@@ -73,13 +73,13 @@ def test_a_start_that_is_masked_is_no_part_of_the_curve(cut, estimator, masked_s
 
 
 def test_a_rejected_record_has_no_points(cut):
-    rejected = cut.assign_attrs(verdict="rejected", findings="clipped")
+    rejected = cut.assign_attrs(verdict="rejected", reason="clipped")
     found = estimate(rejected)
     assert found.sizes["point"] == found.sizes["peak"] == 0
     assert np.isnan(found["pff_frequency_difference"])
     short = estimate(cut.isel(time=slice(0, 400)), "thesis")
     assert short.attrs["verdict"] == "rejected"
-    assert "longer" in short.attrs["findings"]
+    assert "longer" in short.attrs["reason"]
 
 
 def test_unknown_choices_are_refused(cut):

@@ -293,7 +293,8 @@ def test_stick_frequency_of_a_slipping_record(noise_db, ppm):
 
 def test_rejected_record_says_why():
     empty = xr.Dataset(
-        {"time": ("point", np.empty(0))}, attrs={"verdict": "rejected", "findings": "clipped"}
+        {"time": ("point", np.empty(0))},
+        attrs={"verdict": "rejected", "findings": "hum; clipped", "reason": "clipped"},
     )
     assert plateau(empty)["verdict"] == "rejected: clipped"
     assert plateau(empty)["plateau_reached"] == 0

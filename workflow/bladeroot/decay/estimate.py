@@ -43,7 +43,7 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
             curves = _later(ESTIMATORS[estimator](*record, **options), begin_s)
             peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
-            facts |= {"verdict": "rejected", "findings": str(error)}
+            facts |= {"verdict": "rejected", "reason": str(error)}
     whole = curves.assign(peaks.variables).assign(compare(curves, peaks).variables)
     noise = facts["noise_velocity"]
     whole = whole.assign(_published_bounds(curves, noise).variables)

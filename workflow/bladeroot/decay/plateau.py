@@ -59,7 +59,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     result["plateau_reached"] = 0
     rejected = decay.attrs.get("verdict", "usable") == "rejected"
     if rejected or decay.sizes["point"] < 12:
-        reason = decay.attrs.get("findings", "") if rejected else ""
+        reason = decay.attrs.get("reason", "") if rejected else ""
         return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
     within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)

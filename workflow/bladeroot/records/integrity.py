@@ -59,9 +59,10 @@ def judge(
     """A cut decay with its findings and its mask.
 
     Added to what `records.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
-    `finding_*` (finding); attributes `verdict` and `findings`. Steady hum and a wandering baseline
-    are taken off `velocity`, and `noise_velocity` becomes what coloured noise amounts to around
-    the mode. A record is rejected where a finding drops it or masks leave fewer than eight cycles.
+    `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
+    hum and a wandering baseline are taken off `velocity`, and `noise_velocity` becomes what
+    coloured noise amounts to around the mode. A record is rejected where a finding drops it or
+    masks leave fewer than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -220,8 +221,8 @@ def _dataset(
     made["usable"] = xr.Variable("time", usable, about)
     judged = xr.Dataset({**decay.variables, **made}, attrs=decay.attrs)
     judged.attrs["findings"] = "; ".join(f.text for _, f in found)
-    dropped = any(f.consequence == "drop" for _, f in found)
-    judged.attrs["verdict"] = "rejected" if dropped else "usable"
+    judged.attrs["reason"] = "; ".join(f.text for _, f in found if f.consequence == "drop")
+    judged.attrs["verdict"] = "rejected" if judged.attrs["reason"] else "usable"
     return judged
 
 

@@ -5,7 +5,10 @@ import xarray as xr
 
 _PREFIX = "rejected: "
 SHOWN = 10  # lines of a kind where a run ends
-MORE = "    all of them: the report, Integrity of the records; what it means: docs/findings.md"
+MORE = (
+    "    more on them: in the report, What was measured and Integrity of the records; "
+    "what a finding means: docs/findings.md"
+)
 
 
 def rejected(stick: xr.Dataset) -> list[tuple[str, str]]:
