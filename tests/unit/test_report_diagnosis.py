@@ -7,9 +7,10 @@ from bladeroot.figures import diagnosis as figures
 from bladeroot.figures import residual_maps
 from bladeroot.figures.style import SIMULATED_NOTE, svg
 from bladeroot.report.diagnosis import diagnosis_section
-from bladeroot.report.diagnosis_tables import gain_table
+from bladeroot.report.diagnosis_tables import candidates_table, gain_table
 from bladeroot.report.extended import extended_parts
 from bladeroot.report.next_measurement import best_option
+from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
 from bladeroot.report.verdict import disagreement, plain, size, verdict_box
@@ -178,6 +179,16 @@ def test_a_rival_that_was_not_judged_is_not_hidden():
     text, _ = page(found(), said)
     assert "Not judged" not in text
     assert "S: With the records below 12 kN: named, drift ± 1." in text
+
+
+def test_what_shows_more_than_the_cause_says_why_it_is_not_named():
+    why = "beyond its limits, by its error, or less beside the other causes"
+    told = [row[-1] for row in candidates_table([found()]).rows]
+    assert told == [NONE, NONE, "no mechanism"]
+    ahead = found().assign(log_evidence=("candidate", [20.0, 51.0, 90.0]))
+    assert [row[-1] for row in candidates_table([ahead]).rows] == [NONE, why, "no mechanism"]
+    elsewhere = ahead.assign(channel=("candidate", ["stick", "curves", "stick"]))
+    assert [row[-1] for row in candidates_table([elsewhere]).rows] == [NONE, NONE, "no mechanism"]
 
 
 def test_structures_that_disagree_are_in_the_box():

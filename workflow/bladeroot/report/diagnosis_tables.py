@@ -9,6 +9,9 @@ from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import ANSWERS, between_forces, plain, size
 
+# as `bladeroot.diagnosis.verdict` says it
+NOT_THOUGH_AHEAD = "beyond its limits, by its error, or less beside the other causes"
+
 
 def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
     """The verdicts side by side."""
@@ -55,6 +58,19 @@ def _next_best(one: xr.Dataset, cause: Mapping) -> tuple[str, float]:
     return "", np.nan
 
 
+def _why_not(one: xr.Dataset) -> list[str]:
+    """Why each candidate is not named: it cannot be, or not though it shows more than the cause."""
+    channels, evidence = one["channel"].values, one["log_evidence"].values
+    mechanism = ~np.isin(one["class"].values, ["smooth", "record"])
+    named = (one["is_named"].values == 1) & mechanism
+    texts = []
+    for k, barred in enumerate(one["barred"].values.astype(str)):
+        causes = evidence[named & (channels == channels[k])]
+        ahead = mechanism[k] and not named[k] and causes.size and evidence[k] > causes.max()
+        texts.append(barred or (NOT_THOUGH_AHEAD if ahead else NONE))
+    return texts
+
+
 def candidates_table(found: Sequence[xr.Dataset]) -> Table:
     """Everything that was compared."""
     rows = [
@@ -64,20 +80,18 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
             str(kind),
             str(channel),
             fixed(float(value), 1),
-            str(barred) or NONE,
+            why_not,
         )
         for one in found
-        for name, kind, channel, value, barred in zip(
-            *(
-                one[key].values
-                for key in ("candidate", "class", "channel", "log_evidence", "barred")
-            ),
+        for name, kind, channel, value, why_not in zip(
+            *(one[key].values for key in ("candidate", "class", "channel", "log_evidence")),
+            _why_not(one),
             strict=True,
         )
     ]
     return Table(
         "All that was tried, by evidence (record faults: -ln of the chance of as many by mistake)",
-        ("structure", "possible cause", "class", "data", "log evidence", "not judged because"),
+        ("structure", "possible cause", "class", "data", "log evidence", "not named because"),
         rows,
         folded=True,
     )
