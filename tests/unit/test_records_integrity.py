@@ -429,6 +429,7 @@ def test_another_mode_dominates():
     assert reason.startswith("another mode dominates: the strongest line is at 700")
     assert "mains hum" in all_of_them  # what warns is told, and is no reason
     assert "mains hum" not in reason
+    assert np.isnan(found["finding_from_s"].values).all()  # the whole decay is concerned
 
 
 def test_two_modes_in_the_band():

@@ -88,6 +88,7 @@ def measured(verdicts, forces):
 
 def test_what_to_do_where_too_few_cycles_are_sharp():
     said, drawn = measured(["rejected: too few cycles are sharp enough"], [12e3])
+    assert "1 records: 1 rejected." in said
     assert any("a finer range of the sensor or a longer record helps" in text for text in said)
     assert drawn == ["cuts", "spectra"]  # in which the fault may be seen
 
@@ -128,6 +129,7 @@ def test_each_bad_record_is_a_line_up_to_ten():
 def test_a_record_unlike_its_repeats_is_not_overlooked():
     (box,) = (part for part in integrity_section(judged("r7")).parts if isinstance(part, Box))
     assert box.lines == ["r7 lies -2.34 % from the others."]
+    assert tables(integrity_section(judged("r7")))[1].rows[0][3] == "whole"
     assert not any(isinstance(part, Box) for part in integrity_section(judged()).parts)
 
 

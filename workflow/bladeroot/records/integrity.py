@@ -206,15 +206,15 @@ def _dataset(
         "threshold": ([f.threshold for _, f in found], "", "above it the finding counts"),
         "consequence": ([f.consequence for _, f in found], "", "warn, subtract, mask or drop"),
         "text": ([f.text for _, f in found], "", "the finding in a line"),
-        "from_s": ([_end(f, 0, rate, velocity.size) for _, f in found], "s", "first sample"),
-        "to_s": ([_end(f, 1, rate, velocity.size) for _, f in found], "s", "last sample"),
+        "from_s": ([_end(f, 0, rate) for _, f in found], "s", "first sample"),
+        "to_s": ([_end(f, 1, rate) for _, f in found], "s", "last sample"),
     }
     made = {}
     for name, (values, units, text) in columns.items():
         kind = str if name in ("id", "consequence", "text") else float
         attrs = {"units": units, "long_name": text}
         if name.endswith("_s"):
-            attrs["long_name"] += " concerned, since the start of the cut"
+            attrs["long_name"] += " concerned, since the start of the cut; NaN: the whole decay"
         made[f"finding_{name}"] = xr.Variable("finding", np.array(values, dtype=kind), attrs)
     made["velocity"] = xr.Variable("time", velocity, decay["velocity"].attrs)
     about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
@@ -226,8 +226,9 @@ def _dataset(
     return judged
 
 
-def _end(finding: Finding, side: int, rate: float, count: int) -> float:
-    """First or last time of the samples concerned; the whole decay where no span is named."""
-    spans = finding.spans or ((0, count),)
-    sample = min(a for a, _ in spans) if side == 0 else max(b for _, b in spans) - 1
-    return float(max(sample, 0) / rate)
+def _end(finding: Finding, side: int, rate: float) -> float:
+    """First or last time of the samples concerned; NaN where no span is named."""
+    if not finding.spans:
+        return np.nan
+    first, stop = zip(*finding.spans, strict=True)
+    return (min(first) if side == 0 else max(stop) - 1) / rate

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.report.bad_records import unlike_repeats
-from bladeroot.report.numbers import NONE, fixed, listed, significant
+from bladeroot.report.numbers import fixed, listed, significant
 from bladeroot.report.page import Box, Section, Table
 
 
@@ -53,7 +53,7 @@ def _findings(judged: xr.Dataset) -> Table:
 
 
 def _span(first: float, last: float) -> str:
-    return f"{first:.3f} to {last:.3f}" if np.isfinite([first, last]).all() else NONE
+    return f"{first:.3f} to {last:.3f}" if np.isfinite([first, last]).all() else "whole"
 
 
 def _second_opinion(judged: xr.Dataset) -> list:

@@ -12,6 +12,11 @@ from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
 
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
+VERDICTS = {
+    "plateau": "with a stick plateau (constant frequency at small amplitude)",
+    "plateau not reached": "bending down to their smallest amplitude",
+    "rejected": "rejected",
+}
 PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself: for each mode at the "
     "lowest and the highest force, then a few that are rejected (one for each kind of fault) and "
@@ -51,7 +56,9 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         )
         return Section("What was measured", parts)
     verdicts = Counter(str(v).split(":")[0] for v in stick["verdict"].values)
-    counts = [f"{count} with verdict “{verdict}”" for verdict, count in sorted(verdicts.items())]
+    counts = [
+        f"{verdicts[verdict]} {text}" for verdict, text in VERDICTS.items() if verdicts[verdict]
+    ]
     parts.append(f"{stick.sizes['record']} records: {listed(counts)}.")
     parts.append(_record_table(stick))
     bad = rejected(stick)
@@ -349,7 +356,7 @@ def _interpolated(fe_forces: xr.Dataset) -> Table | str:
         rows.append(tuple(cells))
     header = ["force / kN"]
     for mode in modes:
-        header += [f"{mode} / Hz", f"{mode} between / kN"]
+        header += [f"{mode} / Hz", f"{mode} interpolated from / kN"]
     return Table(
         f"At the simulation's forces; force error: {primary.replace('-', ' ')} of the gauge",
         header,
