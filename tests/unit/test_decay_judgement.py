@@ -67,5 +67,5 @@ def test_a_record_unlike_its_repeats_warns_after_its_own_findings():
     assert list(found["finding_consequence"].values) == ["subtract", "warn"]
     text = found["finding_text"].values[1]
     assert text.startswith("lies -2.34 % from the other records of mode 1B at 4 kN (in hold h)")
-    assert "`exclude` in records.csv" in text
+    assert "column exclude of records.csv" in text
     assert list(found["verdict"].values) == ["usable"] * 4

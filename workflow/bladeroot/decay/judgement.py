@@ -81,7 +81,7 @@ def _of_repeats(
         text = (
             f"lies {100.0 * apart:+.2f} % from the other records of mode {facts['mode']} at "
             f"{facts['force_N'] / 1e3:g} kN (in hold {facts['hold']}): sampling rate, mode or "
-            "force wrong? It counts all the same; `exclude` in records.csv leaves it out"
+            "force wrong? It counts all the same; column exclude of records.csv leaves it out"
         )
         values = ("unlike-repeats", abs(apart), allowed, "warn", text, np.nan, np.nan)
         found.append((k, dict(zip(FINDING, values, strict=True))))
