@@ -160,7 +160,7 @@ def test_a_decay_that_grows_for_a_while_is_drawn():
             "loss_factor": ("point", values),
             "loss_factor_std": ("point", np.abs(values) / 10),
         },
-        attrs={"mode": "1B", "force_N": 8e3},
+        attrs={"mode": "1B", "force_N": 8e3, "hold": "h1", "record": "r1"},
     )
     svg(backbones([one]))
 

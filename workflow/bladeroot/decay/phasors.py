@@ -18,6 +18,8 @@ from numpy import ndarray
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4
+# Another mode's local rate counts where its phasors are so many standard errors high.
+CLEAR = 6.0
 _NO_PHASOR = -100.0  # ln of one that is exactly none: lost, and no overflow
 
 
@@ -200,7 +202,8 @@ def unleaked(
             np.convolve(np.where(near, pair, 0.0), np.ones(2 * reach))[reach - 1 : -reach + 1]
             for pair in pairs
         )
-        seen = np.abs(advance) > 0.0
+        # in the noise there is no rate
+        seen = power > CLEAR**2 * 2 * reach * frames.std**2
         advance = np.where(seen, advance, 1.0) / np.where(seen, power, 1.0)
         term = theirs * np.where(seen, np.log(advance) / step.min() - other.real, 0.0)
         direct, mirrored = frames.taken[:, k]

@@ -14,13 +14,15 @@ from bladeroot.report.page import Picture, Section, Table
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
 VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
+    "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "
+    "in time (by what the standard error holds)",
     "plateau not reached": "bending down to their smallest amplitude",
     "rejected": "rejected",
 }
 PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself: for each mode at the "
     "lowest and the highest force, then a few that are rejected (one for each kind of fault) and "
-    "those of which most is masked, with the reason. Dashed: release of the shaker's tip, and end.",
+    "those of which most is masked, with the reason. Dashed: release (or start of the decay), and end.",
     "spectra": "Amplitude spectra of the same free decays before and after the mode was separated, "
     "all three of the longest stretch that is not masked and where the mode was followed (its "
     "times after the start of the cut in the title; the whole decay where none was). What is left "
