@@ -22,7 +22,8 @@ VERDICTS = {
 PICTURES = {
     "cuts": "Raw records and the free decay that was cut out by itself: for each mode at the "
     "lowest and the highest force, then a few that are rejected (one for each kind of fault) and "
-    "those of which most is masked, with the reason. Dashed: release (or start of the decay), and end.",
+    "those of which most is masked, with the reason. Dashed: release, or start of the decay, and "
+    "its end.",
     "spectra": "Amplitude spectra of the same free decays before and after the mode was separated, "
     "all three of the longest stretch that is not masked and where the mode was followed (its "
     "times after the start of the cut in the title; the whole decay where none was). What is left "
