@@ -81,6 +81,33 @@ def test_intervals_cover_the_truth(holds, records):
     assert 0.92 < np.mean(z < 1.96) <= 0.99
 
 
+@pytest.mark.parametrize("repeats", [1, 4])
+def test_one_clamping_a_force_is_told_by_the_law_of_the_forces(repeats):
+    rng = np.random.default_rng(7)
+    force, z = np.linspace(2e3, 24e3, 7), []
+    truth = 500.0 + 5.0 * np.log(force)
+    for _ in range(20):
+        clamped = truth + 0.1 * rng.standard_normal(force.size)
+        rows = [
+            ("1B", at, f"{at}", value + 0.02 * rng.standard_normal(), 0.002)
+            for at, value in zip(force, clamped, strict=True)
+            for _ in range(repeats)
+        ]
+        result = pooled(rows)
+        z += list((result["frequency"].values - truth) / result["frequency_std"].values)
+    assert 0.9 < np.mean(np.abs(z) < 1.96) <= 0.99
+    assert "lower_bound" not in result["frequency_std"].attrs
+
+
+def test_one_clamping_of_few_forces_is_a_lower_bound():
+    rows = [("1B", 1e3 * k, f"a{k}", 500.0 + k, 0.01) for k in range(1, 6)]
+    rows += [("2B", 1e3, hold, 900.0, 0.01) for hold in "ab"]
+    result = pooled(rows)
+    for name in ("frequency_std", "loss_factor_std"):
+        assert result[name].attrs["lower_bound"] == "1B"
+        assert "1B unknown: a lower bound" in result[name].attrs["long_name"]
+
+
 def test_scatters_are_told_apart():
     rng = np.random.default_rng(5)
     rows = [
@@ -188,6 +215,11 @@ def test_scatter_about_a_law_is_found_again():
         low, middle, high = np.mean(found, axis=0)
         assert middle == pytest.approx(true / 0.1, rel=0.4)
         assert low < true / 0.1 < high
+
+
+def test_rows_that_read_the_same_do_not_scatter():
+    found = scatter_about_law(np.geomspace(2e3, 2e4, 8), np.full(8, 5e-3), np.full(8, 1e-4))
+    assert np.all(found.rms < 1e-5)
 
 
 def test_few_rows_have_no_scatter():

@@ -50,6 +50,17 @@ def test_errors_of_clean_records_are_no_zeros():
     assert "0.4000 ± 0.0010" in found[0].rows[0]
 
 
+def test_errors_say_what_they_count():
+    stick = sticks(10e3, 16e3)
+    forces = fe_forces(stick, np.array([12e3]), GAUGE)
+    assert (
+        "is the table's stated error." in tables(stick_section(stick, "", None, forces))[0].caption
+    )
+    stick["frequency_std"].attrs = {"lower_bound": "1B"}
+    said = tables(stick_section(stick, "", None, forces))[0].caption
+    assert "In 1B it is unknown, and the error a lower bound." in said
+
+
 def test_no_simulated_force_between_measured_ones_is_a_sentence():
     stick = sticks(10e3)
     section = stick_section(stick, "", None, fe_forces(stick, np.array([12e3, 14e3]), GAUGE))

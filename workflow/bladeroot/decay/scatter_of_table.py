@@ -21,10 +21,13 @@ POWERS = np.arange(0.0, 3.1, 0.75)  # by which it may fall with the force
 class Scatter:
     """Posterior median of each row's scatter and of the law; ratio to the stated errors.
 
+    `rms`: posterior rms of each row's scatter, wider where few rows tell it: with it a normal
+    interval of one row covers what it should, with the median it does not.
     `ratio`: the rows' median of scatter over stated error, as its 2.5, 50 and 97.5 % quantiles.
     """
 
     std: Float[ndarray, " row"]
+    rms: Float[ndarray, " row"]
     law: Float[ndarray, " row"]
     ratio: Float[ndarray, " 3"]
 
@@ -35,18 +38,19 @@ def scatter_about_law(
     """Scatter of values about a smooth law of ln F; NaN for fewer than `FEWEST` rows."""
     if force.size < FEWEST:
         none = np.full(force.size, np.nan)
-        return Scatter(none, none, np.full(3, np.nan))
+        return Scatter(none, none, none, np.full(3, np.nan))
     log_force = np.log(force / force.min())
     x = log_force / log_force.max()
     low, high = np.minimum(x[:, None], x), np.maximum(x[:, None], x)
     wiener = low**2 * (3.0 * high - low) / 6.0
     design = np.stack([np.ones_like(x), x], axis=1)
     y = value - value.mean()
-    stds = np.geomspace(1e-3, 3.0, 28) * y.std()
+    size = max(y.std(), 1e-3 * stated.min())  # rows may all read the same
+    stds = np.geomspace(1e-3, 3.0, 28) * size
     fall = np.exp(-POWERS[:, None] * (log_force - np.median(log_force)))
     rows = (stds[:, None, None] * fall).reshape(-1, x.size)
     scatter = rows[:, :, None] ** 2 * np.eye(x.size)
-    bends = np.geomspace(1e-2, 1e3, 14) * y.std()
+    bends = np.geomspace(1e-2, 1e3, 14) * size
     log, laws = np.empty((bends.size, rows.shape[0])), np.empty((bends.size, *rows.shape))
     for k, bend in enumerate(bends):
         smooth = bend**2 * wiener
@@ -66,7 +70,7 @@ def scatter_about_law(
     weight = weight.sum(axis=0)
     std = np.array([_quantiles(row, weight, [0.5])[0] for row in rows.T])
     ratio = _quantiles(np.median(rows / stated, axis=1), weight, [0.025, 0.5, 0.975])
-    return Scatter(std, law, ratio)
+    return Scatter(std, np.sqrt(weight @ rows**2), law, ratio)
 
 
 def _quantiles(

@@ -1,6 +1,7 @@
 """Stick frequencies of a campaign: per record, and pooled per mode and axial force (3.20, 3.21)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -9,7 +10,7 @@ from numpy import ndarray
 
 from bladeroot.decay.components import Pooled, pool
 from bladeroot.decay.record import RECORD
-from bladeroot.decay.scatter_of_table import scatter_about_law
+from bladeroot.decay.scatter_of_table import FEWEST, scatter_about_law
 
 LEVEL = {
     "frequency": (
@@ -17,7 +18,7 @@ LEVEL = {
         "stick frequency of a mode at a force, mean of both directions",
         "eq. 3.21",
     ),
-    "frequency_std": ("Hz", "standard error of frequency: within, records and holds", ""),
+    "frequency_std": ("Hz", "standard error of frequency: within, records and clampings", ""),
     "within_std": ("Hz", "within-record standard error, propagated", "eq. 3.21"),
     "between_std": ("Hz", "standard deviation of the records at this force", ""),
     "between_record_std": ("Hz", "standard deviation of records in a hold, of the mode", ""),
@@ -28,7 +29,7 @@ LEVEL = {
     "mode_direction_difference": ("Hz", "frequency loading up less down, over the mode", ""),
     "mode_direction_difference_std": ("Hz", "standard error of mode_direction_difference", ""),
     "loss_factor": ("1", "loss factor of a mode at a force", "eq. 3.21"),
-    "loss_factor_std": ("1", "standard error of loss_factor: within, records and holds", ""),
+    "loss_factor_std": ("1", "standard error of loss_factor: within, records and clampings", ""),
     "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
     "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
     "records": ("1", "number of records used", ""),
@@ -50,7 +51,9 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     without one are holds of their own, and what a mode's records and holds scatter is told from all
     its forces. Where loading up and down both occur, the frequency is that between them and their
     difference is reported; it does not count as scatter. `frequency_std` makes a normal 95 %
-    interval right whatever the degrees of freedom; a scatter without any is NaN and not counted.
+    interval right whatever the degrees of freedom. Where no force is clamped twice, what the forces
+    scatter about a smooth law stands for the clampings; of fewer than `FEWEST` forces that is not
+    known either, and the errors are lower bounds: attribute `lower_bound` names these modes.
     Records whose plateau is not reached, and rejected ones, are listed and not pooled.
     """
     rows = []
@@ -71,8 +74,16 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
         rows, columns=["record", "mode", "force", "hold", "direction", "verdict", *RECORD]
     )
     used = frame[frame["plateau_reached"] == 1]
-    levels = [row for mode, of_mode in used.groupby("mode", sort=True) for row in _levels(of_mode)]
-    return _dataset(frame, pd.DataFrame(levels, columns=["mode", "force", *LEVEL]))
+    rows = [row for mode, of_mode in used.groupby("mode", sort=True) for row in _levels(of_mode)]
+    levels = pd.DataFrame(rows, columns=["mode", "force", *LEVEL])
+    result = _dataset(frame, levels)
+    forces = levels[levels["hold_freedom"] == 0].groupby("mode").size()
+    unknown = ", ".join(forces.index[forces < FEWEST])
+    for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
+        text = f"; clamping scatter of {unknown} unknown: a lower bound"
+        result[name].attrs["long_name"] += text
+        result[name].attrs["lower_bound"] = unknown
+    return result
 
 
 def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
@@ -199,13 +210,18 @@ def _pooled(records: pd.DataFrame, name: str) -> Pooled:
     """Means of the forces, in rising order; a hold is told apart at each force."""
     unit = records["force"].astype(str) + " " + _units(records)
     sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
-    return pool(
+    forces, force = np.unique(records["force"], return_inverse=True)
+    found = pool(
         records[name].to_numpy(float),
         records[f"{name}_std"].to_numpy(float),
-        np.unique(records["force"], return_inverse=True)[1],
+        force,
         np.unique(unit, return_inverse=True)[1],
         sign.to_numpy(float),
     )
+    if found.hold_freedom:
+        return found
+    clampings = scatter_about_law(forces, found.mean, found.std).rms
+    return replace(found, std=np.hypot(found.std, np.nan_to_num(clampings)))
 
 
 def _difference(records: pd.DataFrame) -> float:

@@ -129,10 +129,9 @@ def stick_section(
     if rows:
         parts.append(Table(
             "Stick frequencies. Within: propagated standard error of the records (3.21); between: "
-            "standard deviation of the records at one force. The stated error counts both, and "
-            "the scatter between holds where there are several. The onset is where the whole "
-            "motion begins to slip: other modes in the record add to it, so that it is a lower "
-            "bound for the mode alone.",
+            f"standard deviation of the records at one force. {_counted(stick)} "
+            "The onset is where the whole motion begins to slip: other modes in the record add to "
+            "it, so that it is a lower bound for the mode alone.",
             ("mode", "force / kN", "frequency / Hz", "within / Hz", "between / Hz",
              "loss factor / %", "onset of slip / µm", "records / holds"),
             rows,
@@ -143,6 +142,20 @@ def stick_section(
     if fe_forces is not None:
         parts.append(_interpolated(fe_forces))
     return Section("Stick frequencies", parts)
+
+
+def _counted(stick: xr.Dataset) -> str:
+    """What the stated errors count."""
+    attrs = stick["frequency_std"].attrs
+    if "note" in attrs:
+        return f"The stated error is {attrs['note']}."
+    text = (
+        "The stated error counts both, and the scatter between clampings: that of repeats or, "
+        "where no force is clamped twice, of the forces about a smooth law."
+    )
+    if "lower_bound" in attrs:
+        text += f" In {attrs['lower_bound']} it is unknown, and the error a lower bound."
+    return text
 
 
 def scatter_parts(stick: xr.Dataset) -> list:
