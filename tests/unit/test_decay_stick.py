@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from bladeroot.decay.components import pool
 from bladeroot.decay.record import RECORD
 from bladeroot.decay.scatter_of_table import scatter_about_law
 from bladeroot.decay.stick import stick_from_records, stick_from_table
@@ -121,6 +122,18 @@ def test_scatters_are_told_apart():
     assert float(level["between_hold_std"]) == pytest.approx(0.4, rel=0.3)
     assert level["hold_freedom"] == 6 * 7
     assert level["record_freedom"] == 6 * 8 * 3
+
+
+def test_the_worst_record_does_not_set_the_prior():
+    """No scatter, own errors spread over a factor of 100: near the ideal weighted mean."""
+    rng = np.random.default_rng(5)
+    hold = np.arange(54) // 3
+    wider = []
+    for _ in range(6):
+        std = 0.02 * 10.0 ** rng.uniform(-1.0, 1.0, 54)
+        found = pool(std * rng.standard_normal(54), std, hold // 3, hold, np.zeros(54))
+        wider += list(found.std * np.sqrt(np.add.reduceat(std**-2.0, np.arange(0, 54, 9))))
+    assert 1.0 < np.median(wider) < 1.75
 
 
 def test_direction_is_reported_and_is_not_scatter():

@@ -4,8 +4,8 @@
 
 Own errors are known; the standard deviations of records and of holds are the same at all forces of
 a mode. Their joint posterior is the restricted likelihood (means integrated out) on a grid, under
-the reference prior of a one-way layout, with which intervals of balanced data are Student's. A
-scatter that nothing repeats is left out: nothing is known of it.
+Jeffreys' prior of ln scatter, with which intervals of balanced data are Student's. A scatter that
+nothing repeats is left out: nothing is known of it.
 """
 
 from dataclasses import dataclass
@@ -71,10 +71,10 @@ def pool(
     for record_std in of_record:
         log, beta, covariance = _restricted(y - level, std, design, member, record_std, of_hold)
         if record_freedom:
-            log = log + np.log(record_std**2 / (record_std**2 + (std**2).mean()))
+            log = log + _prior(np.array([record_std]), std**2)
         if hold_freedom:
             own = 1.0 / (member.T @ (1.0 / (std**2 + record_std**2)))
-            log = log + np.log(of_hold**2 / (of_hold**2 + own.mean()))
+            log = log + _prior(of_hold, own)
         weight.append(log)
         mean.append(beta)
         variance.append(np.diagonal(covariance, axis1=1, axis2=2))
@@ -91,6 +91,14 @@ def pool(
         float(centre[-1]) if directed else np.nan,
         float(half[-1]) / QUANTILE_95 if directed else np.nan,
     )  # fmt: skip
+
+
+def _prior(
+    scatter: Float[ndarray, " grid"], variance: Float[ndarray, " one"]
+) -> Float[ndarray, " grid"]:
+    """Log of Jeffreys' prior of ln scatter: the sharpest of the known variances decide."""
+    whole = variance + scatter[:, None] ** 2
+    return np.log(scatter**2 * np.sqrt((whole**-2.0).mean(axis=1)))
 
 
 def _freedoms(
