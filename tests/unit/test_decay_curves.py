@@ -8,12 +8,12 @@ from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.spectra import before_and_after, followed_mode
 
 
-def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B"):
+def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B", hold=""):
     amplitude = np.geomspace(high, low, 300)
     frequency = 500.0 - 2.0 * np.log10(amplitude / 1e-7) + offset
     values = {"amplitude": amplitude, "frequency": frequency, "loss_factor": 1e-3 * frequency}
     values |= {"frequency_std": 0.0 * amplitude + std, "loss_factor_std": 0.0 * amplitude + std}
-    attrs = {"mode": mode, "force_N": force}
+    attrs = {"mode": mode, "force_N": force, "hold": hold}
     return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=attrs)
 
 
@@ -37,7 +37,34 @@ def test_scatter_between_records_is_found_and_widens_the_error():
     here = mean_of([curve(4000.0, offset) for offset in offsets]).isel(level=0)
     spread = np.std(offsets, ddof=1)
     assert float(here["frequency_scatter"].mean()) == pytest.approx(spread, rel=1e-3)
-    assert float(here["frequency_std"].mean()) == pytest.approx(spread / np.sqrt(40), rel=1e-3)
+    student = 2.0227 / 1.96  # 39 degrees of freedom
+    error = student * spread / np.sqrt(40)
+    assert float(here["frequency_std"].mean()) == pytest.approx(error, rel=1e-3)
+
+
+@pytest.mark.parametrize(("forces", "holds"), [(1, 4), (6, 2)])
+def test_records_of_one_hold_are_not_replicates(forces, holds):
+    rng = np.random.default_rng(4)
+    z = []
+    for _ in range(40):
+        made = [
+            curve(1e3 * (1 + k), clamped + 0.02 * rng.standard_normal(), 5e-3, hold=f"{h}")
+            for k in range(forces)
+            for h, clamped in enumerate(0.1 * rng.standard_normal(holds))
+            for _ in range(3)
+        ]
+        here = mean_of(made).isel(amplitude=30)
+        truth = 500.0 - 2.0 * np.log10(float(here["amplitude"]) / 1e-7)
+        z += list((here["frequency"].values - truth) / here["frequency_std"].values)
+    assert np.mean(np.abs(z) < 1.96) > 0.88
+
+
+def test_one_hold_is_a_lower_bound():
+    text = "1B unknown: a lower bound"
+    one = [curve(4000.0, 0.01 * k, hold="a") for k in range(3)]
+    assert text in mean_of(one)["frequency_std"].attrs["long_name"]
+    two = [*one, curve(4000.0, 0.3, hold="b")]
+    assert text not in mean_of(two)["frequency_std"].attrs["long_name"]
 
 
 def test_records_that_begin_and_end_make_no_step_in_the_mean_and_their_scatter_stays():
@@ -50,7 +77,8 @@ def test_records_that_begin_and_end_make_no_step_in_the_mean_and_their_scatter_s
     spread = np.std([-1.5, -1.4, 1.4, 1.5], ddof=1)
     several = here["records"].values > 1
     assert here["frequency_scatter"].values[several] == pytest.approx(spread, rel=0.1)
-    assert here["frequency_std"].values == pytest.approx(spread / 2.0, rel=0.1)
+    student = 3.182 / 1.96  # of three degrees of freedom
+    assert here["frequency_std"].values == pytest.approx(student * spread / 2.0, rel=0.1)
     assert here["frequency_change_std"].max() < 2e-3
 
 

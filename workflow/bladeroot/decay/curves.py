@@ -1,12 +1,15 @@
 """Frequency and damping over amplitude at each force: the curves of all its records as one."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.special import stdtrit
 
+from bladeroot.decay.components import QUANTILE_95
 from bladeroot.decay.settling import unsettled
 
 CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
@@ -14,7 +17,7 @@ KINDS = {
     "": "mean over records of",
     "_std": "standard error of the mean",
     "_change_std": "standard error, without that of the records' levels, of the mean",
-    "_scatter": "standard deviation between records of",
+    "_scatter": "standard deviation between records of different holds of",
 }
 
 
@@ -24,11 +27,14 @@ def mean_curves(
     """The mean curve of each mode and force, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
-    attributes. plateaus: of the same records; what is rejected there is left out. At each
-    amplitude the mean over the records that reach it is weighted by within- and between-record
-    variance (DerSimonian-Laird), with each record's level against the others taken off before and
-    the mean of the levels put back; nothing is extrapolated. First cycles that decay unlike all
-    records which pass them later (`settling`) are left out.
+    attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
+    is its own level plus a change with amplitude that all share: levels are taken off before the
+    mean and their mean is put back, so that a record that begins or ends makes no step. The levels
+    of a hold (one clamping) are averaged, then the holds, each weighted by its own variance and the
+    scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
+    standard error a normal 95 % interval is right for few repeats, too (Student). Where no hold
+    repeats it is a lower bound, and says so. First cycles that decay unlike all records which pass
+    them later (`settling`) are left out.
 
     Returns:
         dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
@@ -46,22 +52,33 @@ def mean_curves(
     ladder = ladder_of(decays, points_a_decade)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
     count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
-    for k, level in enumerate(levels):
-        here = [decay for decay, own in zip(decays, level_of, strict=True) if own == level]
+    unknown = []
+    for mode in dict.fromkeys(mode for mode, _ in levels):
+        rows = [k for k, own in enumerate(levels) if own[0] == mode]
+        here = [decay for decay, own in zip(decays, level_of, strict=True) if own[0] == mode]
+        level = np.unique([decay.attrs["force_N"] for decay in here], return_inverse=True)[1]
         start = np.array([float(decay["amplitude"].max()) for decay in here])
         read = {
             name: np.array([on_ladder(decay, name, ladder) for decay in here])
             for name in (*CURVES, *(f"{name}_std" for name in CURVES))
         }
-        doubted = np.logical_or.reduce(
-            [unsettled(ladder, start, read[name], read[f"{name}_std"]) for name in CURVES]
-        )
-        left_out[k] = doubted.sum(axis=0)
+        for k, row in enumerate(rows):
+            own = level == k
+            doubted = np.logical_or.reduce(
+                [
+                    unsettled(ladder, start[own], read[name][own], read[f"{name}_std"][own])
+                    for name in CURVES
+                ]
+            )
+            left_out[row] = doubted.sum(axis=0)
+            for name in CURVES:
+                read[name][own] = np.where(doubted, np.nan, read[name][own])
+            count[row] = np.isfinite(read["loss_factor"][own]).sum(axis=0)
         for name in CURVES:
-            value, std = (np.where(doubted, np.nan, read[part]) for part in (name, f"{name}_std"))
-            for kind, found in _mean(value, std).items():
-                values[f"{name}{kind}"][k] = found
-            count[k] = np.isfinite(value).sum(axis=0)
+            *found, repeated = _means(read[name], read[f"{name}_std"], _holds(here, level), level)
+            for part, made in zip(KINDS, found, strict=True):
+                values[f"{name}{part}"][rows] = made
+        unknown += [] if repeated else [mode]
     curves = xr.Dataset(
         {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
         coords={
@@ -77,6 +94,9 @@ def mean_curves(
         },
         attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)},
     )  # fmt: skip
+    for name in CURVES if unknown else ():
+        text = f"; clamping scatter of {', '.join(unknown)} unknown: a lower bound"
+        curves[f"{name}_std"].attrs["long_name"] += text
     return curves.assign(
         records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
         unsettled=(
@@ -85,6 +105,15 @@ def mean_curves(
             {"units": "1", "long_name": "records whose first cycles are left out"},
         ),
     )
+
+
+def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
+    """Numbers of the holds; records that name none are holds of their own."""
+    names = [
+        f"{own} {decay.attrs.get('hold', '') or f'record {k}'}"
+        for k, (own, decay) in enumerate(zip(level, decays, strict=True))
+    ]
+    return np.unique(names, return_inverse=True)[1]
 
 
 def _names() -> list[str]:
@@ -120,26 +149,33 @@ def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, "
     return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
 
 
-def _mean(
-    value: Float[ndarray, "record amplitude"], std: Float[ndarray, "record amplitude"]
-) -> dict[str, Float[ndarray, " amplitude"]]:
-    """Mean over records, its standard errors and the scatter between records, by `KINDS`.
+def _means(
+    value: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
+    hold: Int[ndarray, " record"],
+    force: Int[ndarray, " record"],
+) -> tuple[ndarray, ndarray, ndarray, ndarray, bool]:
+    """What `KINDS` names, for each force, and whether holds repeat.
 
-    The value of a record is its own level plus a change with amplitude that all of them share.
-    Levels are taken off before the mean and their mean is put back, so that a record that begins or
-    ends makes no step.
+    hold, force: numbers from 0; a hold belongs to one force.
     """
-    level = _levels(value, _weights(value, std)[0])
+    known = np.isfinite(value) & (std > 0.0)
+    variance = np.where(known, std, np.inf) ** 2
+    weight = 1.0 / (variance + _grouped(value, variance, force).scatter)
+    level = np.empty(force.size)
+    for one in range(force.max() + 1):
+        level[force == one] = _levels(value[force == one], weight[force == one])
     with np.errstate(divide="ignore"):
-        level_std = _precision(value, std).sum(axis=1) ** -0.5
-    middle, middle_std, levels_scatter = _weighted(level[:, None], level_std[:, None])
-    change, change_std, scatter = _weighted(value - level[:, None], std)
-    return {
-        "": change + middle,
-        "_std": np.hypot(change_std, middle_std),
-        "_change_std": change_std,
-        "_scatter": np.hypot(scatter, levels_scatter),
-    }
+        level_std = (1.0 / variance).sum(axis=1) ** -0.5
+    middle, middle_std, apart, repeated = _middle(level[:, None], level_std[:, None], hold, force)
+    change = _grouped(value - level[:, None], variance, force)
+    reached = np.isfinite(change.variance)
+    mean, change_std = (
+        np.where(reached, part, np.nan) for part in (change.mean, np.sqrt(change.variance))
+    )
+    several = _member(force) @ known > 1
+    scatter = np.where(several, np.hypot(np.sqrt(change.scatter), apart), np.nan)
+    return mean + middle, np.hypot(change_std, middle_std), change_std, scatter, repeated
 
 
 def _levels(
@@ -157,32 +193,69 @@ def _levels(
     return np.linalg.pinv(normal, rcond=1e-12, hermitian=True) @ right
 
 
-def _weighted(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Weighted mean over records, its standard error, and the scatter between them."""
-    weight, between = _weights(value, std)
-    known = weight > 0.0
+def _middle(
+    value: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
+    hold: Int[ndarray, " record"],
+    force: Int[ndarray, " record"],
+) -> tuple[ndarray, ndarray, ndarray, bool]:
+    """Mean of each force, its standard error, the scatter between records, and if holds repeat."""
+    first = np.unique(hold, return_index=True)[1]
+    known = np.isfinite(value) & (std > 0.0)
+    records = _grouped(value, np.where(known, std, np.inf) ** 2, hold)
+    holds = _grouped(records.mean, records.variance, force[first])
+    by_records = records.scatter * (_member(force[first]) @ (holds.share**2 * records.squares))
+    by_holds = holds.scatter * holds.squares
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = (weight * np.where(known, value, 0.0)).sum(axis=0) / weight.sum(axis=0)
-        mean_std = weight.sum(axis=0) ** -0.5
-    scatter = np.where(known.sum(axis=0) > 1, np.sqrt(between), np.nan)
-    return mean, np.where(known.any(axis=0), mean_std, np.nan), scatter
+        doubt = np.nan_to_num(by_records**2 / records.freedom)
+        doubt = doubt + np.nan_to_num(by_holds**2 / holds.freedom)
+        freedom = holds.variance**2 / doubt  # Satterthwaite's
+        error = np.sqrt(holds.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
+    scatter = np.sqrt(records.scatter + holds.scatter)
+    scatter = np.where(records.freedom + holds.freedom > 0, scatter, np.nan)
+    reached = np.isfinite(holds.variance)
+    found = (np.where(reached, part, np.nan) for part in (holds.mean, error, scatter))
+    return *found, bool(holds.freedom.any())
 
 
-def _weights(value: ndarray, std: ndarray) -> tuple[ndarray, ndarray]:
-    """Weights within and between records, zero where unknown, and the variance between them."""
-    precision = _precision(value, std)
-    known = precision > 0.0
-    value = np.where(known, value, 0.0)
-    count, total = known.sum(axis=0), precision.sum(axis=0)
+@dataclass(frozen=True)
+class _Grouped:
+    """Weighted means of groups of rows, with the scatter of rows (a variance) all groups share.
+
+    freedom: degrees of freedom of scatter. share: of a row in its group's mean; squares: the sum of
+    their squares.
+    """
+
+    mean: Float[ndarray, "group amplitude"]
+    variance: Float[ndarray, "group amplitude"]
+    scatter: Float[ndarray, " amplitude"]
+    freedom: Int[ndarray, " amplitude"]
+    share: Float[ndarray, "row amplitude"]
+    squares: Float[ndarray, "group amplitude"]
+
+
+def _grouped(
+    value: Float[ndarray, "row amplitude"],
+    variance: Float[ndarray, "row amplitude"],
+    group: Int[ndarray, " row"],
+) -> _Grouped:
+    """DerSimonian-Laird's moments over all groups; rows of infinite variance have no part."""
+    member = _member(group)
+    known = np.isfinite(variance)
+    value, weight = np.where(known, value, 0.0), 1.0 / variance
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = (precision * value).sum(axis=0) / total
-        misfit = (precision * (value - mean) ** 2).sum(axis=0) - (count - 1)
-        between = np.maximum(misfit, 0.0) / (total - (precision**2).sum(axis=0) / total)
-        between = np.where(count > 1, between, 0.0)
-        return np.where(known, 1.0 / (1.0 / precision + between), 0.0), between
+        total = member @ weight
+        rest = np.where(known, value - (member @ (weight * value) / total)[group], 0.0)
+        freedom = known.sum(axis=0) - (total > 0.0).sum(axis=0)
+        excess = np.maximum((weight * rest**2).sum(axis=0) - freedom, 0.0)
+        scatter = excess / np.nansum(total - member @ weight**2 / total, axis=0)
+        scatter = np.where(freedom > 0, scatter, 0.0)
+        weight = 1.0 / (variance + scatter)
+        total = member @ weight
+        share = np.where(known, weight / total[group], 0.0)
+        mean, squares = member @ (share * value), member @ share**2
+        return _Grouped(mean, 1.0 / total, scatter, freedom, share, squares)
 
 
-def _precision(value: ndarray, std: ndarray) -> ndarray:
-    """Inverse variance of each value, zero where it is unknown."""
-    known = np.isfinite(value) & np.isfinite(std) & (std > 0.0)
-    return np.where(known, 1.0 / np.where(known, std, 1.0) ** 2, 0.0)
+def _member(group: Int[ndarray, " row"]) -> Float[ndarray, "group row"]:
+    return (np.arange(group.max() + 1)[:, None] == group).astype(float)
