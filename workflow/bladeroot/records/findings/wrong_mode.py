@@ -23,9 +23,10 @@ def find(sight: Sight) -> Finding | None:
     inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
     if not inside.any():
         return None
-    own = float(level[inside].max())
+    strongest = float(level[inside].max())
+    own = float(level[np.argmin(np.abs(frequency - sight.own_Hz))])
     low, high = ((1.0 + sign * TOLERANCE) * sight.expected_Hz for sign in (-1, 1))
-    ratio = float(level.max()) / max(own, 1e-300)
+    ratio = float(level.max()) / max(strongest, 1e-300)
     within = np.where(inside, level, 0.0)
     apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
         0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
@@ -42,7 +43,7 @@ def find(sight: Sight) -> Finding | None:
         shown, part = (close, nearer) if nearer > NEARER else (second, rival)
         text = (
             f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
-            f"the second with {100 * part:.2g} % of the first"
+            f"the second {part:.2g} times as loud"
         )
         if nearer <= NEARER:
             return Finding(statistic, THRESHOLD, "warn", text)
