@@ -91,10 +91,10 @@ def loud_lines(
     early, late = np.abs(spectra)
     width = sampling_Hz / (few * count)
     frequency = np.arange(1, late.size + 1) * width
-    near = np.abs(frequency / expected_Hz - 1.0) <= APART
-    if not near.any():
-        return expected_Hz, []
     own_Hz = mode_Hz(*loudest(means, sampling_Hz / few, expected_Hz), expected_Hz)
+    # so far from where it is expected the mode may have moved, and other lines may be its own
+    if abs(own_Hz / expected_Hz - 1.0) > APART or own_Hz > frequency[-1]:
+        return own_Hz, []
     near = np.abs(frequency - own_Hz) < max(NEAREST * own_Hz, 6.0 * width)
     own = int(np.argmax(np.where(near, late, 0.0)))
     far = (frequency < max(LOWEST * own_Hz, 4.0 * width)) | (frequency > HIGHEST * own_Hz)
