@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.agreement import compare
+from bladeroot.decay.agreement import _mean_around, compare
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.peaks import DELAY, bridged, correlation, extrema
 from bladeroot.decay.pff import no_peaks, peak_fit
@@ -89,6 +89,32 @@ def test_nothing_to_fit_is_an_empty_result():
     empty = compare(no_decay(), no_peaks())
     assert int(empty["pff_agrees"]) == -1
     assert np.isnan(empty["pff_frequency_difference"])
+
+
+def test_the_mean_of_a_straight_line_between_points_is_exact():
+    time, at = np.linspace(0.0, 1.0, 11), np.array([0.31, 0.47, 0.83])
+    mean = _mean_around(time, 500.0 + 40.0 * time, at, np.full(3, 0.01))
+    np.testing.assert_allclose(mean, 500.0 + 40.0 * at, rtol=1e-12)
+
+
+def test_a_gain_that_changes_with_the_frequency_is_allowed_for():
+    """Softening by a tenth carries the frequency over half of the filter's flat top."""
+    velocity, noise, _, _ = ring_down(0, softening=0.1, eta=(0.02, 0.04), second=0.0)
+    curves = freevib(velocity, 25600.0, 247.0, noise)
+    found = compare(curves, peak_fit(velocity, 25600.0, 247.0, noise))
+    assert int(found["pff_agrees"]) == 1, str(found["pff_finding"].values)
+
+
+@pytest.mark.parametrize(("name", "size"), [("frequency", 1e-3), ("loss_factor", 0.3)])
+def test_what_cancels_over_the_record_is_found_where_it_is(name, size):
+    velocity, noise, _, _ = ring_down(1, noise_db=60, softening=0.01)
+    curves = freevib(velocity, 25600.0, 247.0, noise)
+    place = np.linspace(0.0, 1.0, curves.sizes["point"])
+    curves[name] = curves[name] * (1.0 + size * ((place > 0.4) & (place < 0.6)))
+    found = compare(curves, peak_fit(velocity, 25600.0, 247.0, noise))
+    assert abs(float(found[f"pff_{name}_difference_z"])) < 3.0
+    assert int(found["pff_agrees"]) == 0
+    assert " around 0." in str(found["pff_finding"].values)
 
 
 def test_two_sound_estimates_agree():

@@ -108,6 +108,15 @@ def noise_bandwidth() -> float:
     return float(np.pi / 2 / ORDER / np.sin(np.pi / 2 / ORDER)) / QUALITY
 
 
+def uneven_gain(
+    rate: Complex[ndarray, " point"], centre_Hz: float
+) -> tuple[Float[ndarray, " point"], Float[ndarray, " point"]]:
+    """What the filter makes of exp(rate t), rate in 1/s, besides looking ahead: ln size, phase."""
+    ratio = rate / (2j * np.pi * centre_Hz)
+    gain = _gain(ratio) * np.exp(-2j * np.pi * DELAY * (ratio - 1.0))
+    return np.log(np.abs(gain)), np.unwrap(np.angle(gain))
+
+
 def _gain(ratio: Float[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
     """Gain over frequency / centre; conjugate to the usual filter, for it looks ahead."""
     return 1.0 / np.polyval(_POLYNOMIAL, -1j * QUALITY * (ratio - 1.0 / ratio))

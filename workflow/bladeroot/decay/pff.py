@@ -26,6 +26,7 @@ from bladeroot.decay.peaks import (
     extrema,
     noise_bandwidth,
     undisturbed,
+    uneven_gain,
 )
 
 DEGREE = 3  # of the polynomials in time and log-amplitude
@@ -137,6 +138,11 @@ def _curve(
     turn_std, rate_std = turn * period_std / period, fall_std / period
     # a peak lies where the phase is atan(rate / turn), which moves where damping changes
     turn = turn + np.gradient(rate / turn, clock)
+    # where the frequency moves, so does the filter's gain; what is left is of the next order
+    passed, ahead = uneven_gain(rate + 1j * turn, centre_Hz)
+    faded, turned = np.gradient(passed, clock), np.gradient(ahead, clock)
+    rate, rate_std = rate - faded, np.hypot(rate_std, faded)
+    turn, turn_std = turn - turned, np.hypot(turn_std, turned)
     chirp, bend = (np.gradient(x, clock) for x in (turn, rate))
     # Y''/Y = rate^2 - turn^2 + bend + i (2 rate turn + chirp) with Y' = (rate + i turn) Y
     square = turn**2 - rate**2 - bend
@@ -147,7 +153,7 @@ def _curve(
         square = square - twice * rate
         loss = twice / np.sqrt(square)
     natural = np.sqrt(square)
-    amplitude = np.exp(decline) * np.hypot(1.0, rate / turn)
+    amplitude = np.exp(decline - passed) * np.hypot(1.0, rate / turn)
     window = length * period
     frequency = natural / (2.0 * np.pi)
     errors = (turn_std / (2.0 * np.pi), 2.0 * rate_std / turn)
