@@ -8,7 +8,7 @@ does not ring into its first cycles, and the end, where it would, lies in the no
 from functools import cache
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float, Int
+from jaxtyping import Bool, Complex, Float, Inexact, Int
 from numpy import ndarray
 from scipy import fft
 
@@ -117,6 +117,6 @@ def uneven_gain(
     return np.log(np.abs(gain)), np.unwrap(np.angle(gain))
 
 
-def _gain(ratio: Float[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
-    """Gain over frequency / centre; conjugate to the usual filter, for it looks ahead."""
+def _gain(ratio: Inexact[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
+    """Gain over (complex) frequency / centre; conjugate to the usual filter, for it looks ahead."""
     return 1.0 / np.polyval(_POLYNOMIAL, -1j * QUALITY * (ratio - 1.0 / ratio))
