@@ -263,6 +263,10 @@ def test_levels_know_which_share_a_clamping():
     assert found.clamping[1] != found.clamping[6]
     np.testing.assert_allclose(found.std, 0.05 / 500.0)  # sqrt(0.03^2 + (0.08 / 2)^2)
     np.testing.assert_allclose(found.hold_std, 1e-3)
+    # its own scatter of clampings is not the joint inference's, even where no force repeats one
+    once = records | {"hold_freedom": ("level", np.zeros(2 * len(FORCE), int))}
+    alone = levels_of(stick(f).drop_dims("record").assign(once), ("1B", "2B"))
+    np.testing.assert_allclose(alone.std, found.std)
     np.testing.assert_allclose(levels_of(stick(f, 0.07), ("1B", "2B")).std, 0.07 / 500.0)
 
 

@@ -34,8 +34,8 @@ class Levels:
 def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
     """The levels of `bladeroot.decay.stick` that belong to the given modes.
 
-    With repeats in several clampings a level's own noise is that within records and between records
-    of a clamping; without them it is `frequency_std`. Two modes at one force share their clampings
+    A level's own noise is that within records and between records of a clamping; of a table
+    without records it is `frequency_std`. Two modes at one force share their clampings
     if the records say so. Raises ValueError if there is no level or a frequency has no error.
     """
     name, frequency = stick["mode"].values.astype(str), stick["frequency"].values
@@ -49,7 +49,9 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
     records = np.maximum(here["records"].values, 1)
     scatter = np.nan_to_num(here["between_record_std"].values) / np.sqrt(records)
     own = np.where(
-        repeated, np.hypot(here["within_std"].values, scatter), here["frequency_std"].values
+        repeated | (stick.sizes.get("record", 0) > 0),
+        np.hypot(here["within_std"].values, scatter),
+        here["frequency_std"].values,
     )
     if not np.all(own > 0.0):
         bad = int(np.flatnonzero(~(own > 0.0))[0])
