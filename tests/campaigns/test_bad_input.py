@@ -116,6 +116,6 @@ def test_a_bad_record_is_named_and_the_rest_goes_on(visited, tmp_path):
     assert "r008.nc" in verdicts["r008"]
     assert "finite" in verdicts["r008"]
     page = (visited.folder / "results" / "lab" / "report.html").read_text()
-    assert "Left out" in page
+    assert "Rejected, and left out of all that follows" in page
     assert "r008.nc" in page
     assert "Simulated records" not in page
