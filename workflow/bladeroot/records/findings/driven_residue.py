@@ -25,7 +25,8 @@ def find(sight: Sight) -> Finding | None:
         return None
     part = level.size // 10
     tail = slice(level.size - part, level.size)
-    slope, earlier = (_steepest(level, frames.std, level.size - k * part, part) for k in (1, 3))
+    std = frames.std[: level.size]
+    slope, earlier = (_steepest(level, std, level.size - k * part, part) for k in (1, 3))
     fall = level[0] - level
     half, most = (int(np.argmax(fall > share * fall.max())) for share in (0.5, 0.8))
     usual = float(level[most] - level[half]) / max(most - half, 1)

@@ -125,7 +125,7 @@ def _line(
         text += "; they are too close to be told apart"
     consequence = "drop" if alike or size > SEVERE else "warn"
     finding = Finding(float(statistic), THRESHOLD, consequence, text)
-    return _Line(float(turns[k]), log.size, beats < SLOW, finding)
+    return _Line(float(turns[k]), log.size, bool(beats < SLOW), finding)
 
 
 def _decline(level: Float[ndarray, " frame"], weight: Float[ndarray, " frame"]) -> float:
