@@ -10,7 +10,7 @@ from bladeroot.records.cut import cut, rejected
 from bladeroot.records.finding import CONSEQUENCES
 from bladeroot.records.findings import coloured_noise
 from bladeroot.records.findings.sampling_rate import RATIOS
-from bladeroot.records.integrity import Channel, bridged, checks, examine, judge, sight
+from bladeroot.records.integrity import bridged, checks, examine, judge, sight
 from bladeroot.records.recording import Recording, velocity
 from bladeroot.records.sight import Sight
 from bladeroot.records.spectrum import white_noise
@@ -273,8 +273,9 @@ def test_an_accelerometer_is_clipped_in_its_own_unit():
     acceleration = np.gradient(clean) * 25600.0
     top = 0.7 * np.abs(acceleration).max()
     for samples in (acceleration, np.clip(acceleration, -top, top)):
-        motion = velocity(Recording(samples, 25600.0, "acceleration"), 250.0)
-        found = judge(cut(motion, 25600.0, 250.0), motion, 250.0, (), (), Channel(samples, "m/s^2"))
+        recording = Recording(samples, 25600.0, "acceleration")
+        motion = velocity(recording, 250.0)
+        found = judge(cut(motion, 25600.0, 250.0), motion, 250.0, recording=recording)
         assert ("clipping" in ids(found)) == (samples is not acceleration)
     assert "m/s^2, the last" in text(found, "clipping")
     masked = 25600.0 * found["finding_to_s"].values[found["finding_id"].values == "clipping"]

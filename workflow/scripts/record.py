@@ -6,10 +6,9 @@ import numpy as np
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.records.cut import cut, rejected
-from bladeroot.records.integrity import Channel, bridged, judge
+from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
-from bladeroot.records.units import SI
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -27,10 +26,7 @@ def main(raw, facts, campaign, settings, output):
         clear = bridged(motion, recording.sampling_Hz, expected)
         decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
         others = tuple(known["other_modes_Hz"])
-        channel = None
-        if recording.quantity != "velocity":
-            channel = Channel(recording.samples, SI[recording.quantity])
-        decay = judge(decay, motion, expected, others, recording.notes, channel)
+        decay = judge(decay, motion, expected, others, recording.notes, recording)
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],

@@ -2,7 +2,7 @@
 
 import importlib
 import pkgutil
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from types import ModuleType
 
@@ -15,27 +15,11 @@ from bladeroot.records import findings
 from bladeroot.records.finding import Finding
 from bladeroot.records.findings import clipping
 from bladeroot.records.findings.sampling_rate import outside
+from bladeroot.records.recording import Recording
 from bladeroot.records.sight import Sight
-from bladeroot.records.spectrum import white_noise
 
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
-
-
-@dataclass(frozen=True)
-class Channel:
-    """Samples of a sensor as they were recorded, and their unit."""
-
-    samples: Float[ndarray, " whole"]
-    unit: str
-
-    def sight(self, seen: Sight) -> Sight:
-        """The same cut of the channel, to be looked at like the velocity."""
-        cut = slice(seen.first, seen.first + seen.velocity.size)
-        noise = white_noise(self.samples)
-        return replace(
-            seen, velocity=self.samples[cut], whole=self.samples, noise=noise, unit=self.unit
-        )
 
 
 @cache
@@ -54,7 +38,7 @@ def judge(
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
-    channel: Channel | None = None,
+    recording: Recording | None = None,
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -70,7 +54,7 @@ def judge(
         expected_Hz: the mode's expected frequency.
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
-        channel: the sensor's own samples where `whole` was made from another quantity.
+        recording: the sensor's own samples, from which `whole` was made.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
     velocity = decay["velocity"].values
@@ -87,8 +71,8 @@ def judge(
     else:
         seen = sight(decay, whole, expected_Hz, modes_Hz)
         examined = examine(seen)
-        if channel is not None:
-            examined += [("clipping", clipping.find_in_channel(channel.sight(seen)))]
+        if recording is not None and recording.quantity != "velocity":
+            examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:
             if not finding.counts:
                 continue

@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.records.finding import Finding
+from bladeroot.records.recording import Recording
 from bladeroot.records.runs import joined, runs
 from bladeroot.records.sight import Sight
+from bladeroot.records.spectrum import white_noise
+from bladeroot.records.units import SI
 
 STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine has there"
 THRESHOLD = 3.0
@@ -37,9 +40,11 @@ def find(sight: Sight) -> Finding:
     return found if found.statistic > before.statistic else replace(before, spans=())
 
 
-def find_in_channel(sight: Sight) -> Finding:
-    """The same in a channel from which the velocity was made, and which is wrong up to the last."""
-    found = find(sight)
+def find_in(recording: Recording, sight: Sight) -> Finding:
+    """The same in the sensor's own samples; the velocity made from them is wrong up to the last."""
+    part = slice(sight.first, sight.first + sight.velocity.size)
+    own = {"noise": white_noise(recording.samples), "unit": SI[recording.quantity]}
+    found = find(replace(sight, velocity=recording.samples[part], whole=recording.samples, **own))
     if not found.spans:
         return found
     stop = found.spans[-1][1]
