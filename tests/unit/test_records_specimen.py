@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from bladeroot.loads import shown, value_of
 from bladeroot.records.campaign import CampaignError, load_campaign
-from bladeroot.records.load import Load, shown, value_of
+from bladeroot.records.load import Load
 
 BARE = """
 title: three floors

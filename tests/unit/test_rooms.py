@@ -21,8 +21,9 @@ ALLOWED = {
     "figures": set(),
     "report": set(),
 }
-# Plain files that a room may use: the bench stands alone, the others share the schema check.
-SHARED = {"schema"}
+# Plain files that a room may use: the bench stands alone, the others share the schema check
+# and what artifacts say of the load.
+SHARED = {"schema", "loads"}
 
 
 def imported_rooms(room):

@@ -13,6 +13,7 @@ sys.path.insert(0, str(ROOT / "workflow"))
 from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.campaign import load_campaign
+from bladeroot.records.load import load_facts
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
 

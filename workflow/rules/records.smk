@@ -15,7 +15,11 @@ def record_facts(wildcards):
     row = next(r for r in campaign.records if r["record"] == wildcards.record)
     modes = campaign.description["modes"]
     others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
-    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
+    facts = {
+        "other_modes_Hz": others,
+        "simulated": campaign.simulated,
+        "load_facts": load_facts(campaign.load),
+    }
     return canonical_json({**row, **modes[row["mode"]], **facts})
 
 

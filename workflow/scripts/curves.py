@@ -3,10 +3,15 @@
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.curves import mean_curves
+from bladeroot.decay.groups import group_differences
 
 
 def main(decays, plateaus, campaign, output):
-    curves = mean_curves(*([artifacts.load(one) for one in many] for many in (decays, plateaus)))
+    read = [[artifacts.load(one) for one in many] for many in (decays, plateaus)]
+    curves = mean_curves(*read)
+    differences = group_differences(*read)
+    if differences is not None:
+        curves = curves.merge(differences)
     curves.attrs["campaign"] = campaign
     artifacts.save(curves, output)
 

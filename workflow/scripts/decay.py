@@ -9,7 +9,11 @@ from bladeroot.decay.record import record_plateau
 
 
 def main(record, settings, decay, plateau):
-    curves = estimate(artifacts.load(record), **json.loads(settings))
+    cut = artifacts.load(record)
+    band = cut.attrs.get("band_Hz")
+    curves = estimate(
+        cut, **json.loads(settings), band_Hz=None if band is None else tuple(map(float, band))
+    )
     artifacts.save(record_plateau(curves), plateau, settings=settings)
     artifacts.save(curves, decay, settings=settings)
 

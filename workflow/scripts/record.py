@@ -7,6 +7,7 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.records.cut import cut, rejected
 from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.overrides import kept, overruled, windowed, with_override
 from bladeroot.records.read import read
 from bladeroot.records.recording import velocity
 
@@ -26,17 +27,28 @@ def main(raw, facts, campaign, settings, output):
         clear = bridged(motion, recording.sampling_Hz, expected)
         decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
         others = tuple(known["other_modes_Hz"])
+        decay = windowed(decay, clear, known["start_s"], known["end_s"])
         decay = judge(decay, motion, expected, others, recording.notes, recording)
+    decay = kept(decay) if known["keep"] else decay
+    decay = with_override(decay, overruled(known))
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],
         "expected_Hz": expected,
-        "force_N": known["force_N"],
+        "load": known["load"],
+        **known["load_facts"],
         "hold": known["hold"],
         "direction": known["direction"],
+        "event": known["event"],
+        "group": known["group"],
+        "sensor": known["sensor"],
         "simulated": int(known["simulated"]),
         "campaign": campaign,
     }
+    if known["force_N"] is not None:
+        decay.attrs["force_N"] = known["force_N"]
+    if known["band_Hz"] is not None:
+        decay.attrs["band_Hz"] = known["band_Hz"]
     artifacts.save(decay, output, settings=settings)
 
 

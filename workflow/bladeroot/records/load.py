@@ -8,7 +8,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-AXIAL_FORCE = "axial force"
+from bladeroot.loads import AXIAL_FORCE
+
 # Unit of a column of the sheet, and its factor to the unit that is kept.
 COLUMNS = {
     "force_N": ("N", 1.0),
@@ -141,18 +142,3 @@ def factor_of(column: str, load: Load) -> float:
 def load_facts(load: Load | None) -> dict[str, str]:
     """Attributes that say what `force` is in an artifact; both empty without a load."""
     return {"load_name": load.name if load else "", "load_unit": load.unit if load else ""}
-
-
-def shown(facts: Mapping) -> tuple[float, str, str]:
-    """Factor to the unit that a reader is shown, that unit, and the load's name.
-
-    facts: attributes of an artifact. Those that say nothing of a load hold an axial force in N;
-    name and unit are empty where there is no load.
-    """
-    name, unit = facts.get("load_name", AXIAL_FORCE), facts.get("load_unit", "N")
-    return (1e-3, "kN", name) if unit == "N" else (1.0, unit, name)
-
-
-def value_of(facts: Mapping) -> float:
-    """The load's value in the attributes of a record's artifact, 0 where there is none."""
-    return float(facts["load"] if "load" in facts else facts.get("force_N", 0.0))

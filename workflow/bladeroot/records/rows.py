@@ -7,7 +7,9 @@ from pathlib import Path
 
 from bladeroot.records.cells import Cells
 from bladeroot.records.load import COLUMNS
+from bladeroot.records.overrides import overruled
 from bladeroot.records.read import formats, read
+from bladeroot.records.sheet import REMARK
 from bladeroot.records.units import SI, USUAL, motion, sensitivity_of
 
 RECORD_COLUMNS = (
@@ -73,6 +75,10 @@ class RecordRows(Cells):
             "keep": self.yes(row, values, "keep"),
             "exclude": self.yes(row, values, "exclude"),
         }
+        if overruled(common):
+            common["note"] = "; ".join(
+                text for name, text in values.items() if text and name.lower().startswith(REMARK)
+            )
         modes = self.modes(row, values) or [None]
         channels = self._channels(values, naming)
         sensors = self._sensors(row, values, channels)
