@@ -6,8 +6,8 @@ from bladeroot.decay.curves import mean_curves
 from bladeroot.decay.groups import group_differences
 
 
-def main(decays, plateaus, campaign, output):
-    read = [[artifacts.load(one) for one in many] for many in (decays, plateaus)]
+def main(batches, campaign, output):
+    read = [artifacts.load_records(batches, one) for one in ("decay", "plateau")]
     curves = mean_curves(*read)
     differences = group_differences(*read)
     if differences is not None:
@@ -19,8 +19,7 @@ def main(decays, plateaus, campaign, output):
 if __name__ == "__main__":
     run(
         main,
-        decays="many: curves over amplitude of every record",
-        plateaus="many: plateaus of the same records, which say what is rejected",
+        batches="many: lists of the records in each batch",
         campaign="the campaign's name",
         output="curves.nc",
     )

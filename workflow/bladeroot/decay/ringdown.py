@@ -1,0 +1,76 @@
+"""One raw record to its free decay, its curves over amplitude and its stick plateau."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.record import record_plateau
+from bladeroot.records.cut import cut, rejected
+from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.overrides import kept, overruled, windowed, with_override
+from bladeroot.records.read import read
+from bladeroot.records.recording import velocity
+
+# What the sheet says of a raw file; the file may contradict it.
+SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
+# What the sheet says of a record, for all who read its artifacts; what it does not is left out.
+FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
+         "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
+
+
+def ringdown(
+    raw: str | Path, known: Mapping, cutting: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Free decay, curves over amplitude and plateau of one record.
+
+    Args:
+        raw: its file.
+        known: what the sheet says of it (SAID and FACTS), with `other_modes_Hz`, the expected
+            frequencies of the campaign's other modes, `simulated`, and what a person overrules
+            (`bladeroot.records.overrides`).
+        cutting: section `record` of the configuration, as of `bladeroot.records.cut.cut`.
+        estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
+
+    A record that cannot be read or used comes back without points, rejected with a reason.
+    """
+    decay = _free_decay(raw, known, cutting)
+    return _with_curves(decay, known, estimation)
+
+
+def not_analysed(
+    known: Mapping, reason: str, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """The same for a record whose analysis broke off: rejected for that reason."""
+    return _with_curves(_rejected(known, reason), known, estimation)
+
+
+def _free_decay(raw: str | Path, known: Mapping, cutting: Mapping) -> xr.Dataset:
+    expected = known["expected_Hz"]
+    try:
+        recording = read(raw, **{name: known[name] for name in SAID})
+    except ValueError as error:
+        return _rejected(known, str(error))
+    motion = velocity(recording, expected)
+    clear = bridged(motion, recording.sampling_Hz, expected)
+    decay = cut(clear, recording.sampling_Hz, expected, **cutting)
+    decay = windowed(decay, clear, known.get("start_s"), known.get("end_s"))
+    others = tuple(known["other_modes_Hz"])
+    judged = judge(decay, motion, expected, others, recording.notes, recording)
+    return kept(judged) if known.get("keep") else judged
+
+
+def _rejected(known: Mapping, reason: str) -> xr.Dataset:
+    return judge(rejected(reason), np.zeros(0), known["expected_Hz"])
+
+
+def _with_curves(
+    decay: xr.Dataset, known: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    decay = with_override(decay, overruled(known))
+    decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
+    decay.attrs["simulated"] = int(known["simulated"])
+    curves = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
+    return decay, curves, record_plateau(curves)
