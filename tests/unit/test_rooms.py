@@ -23,7 +23,7 @@ ALLOWED = {
 }
 # Plain files that a room may use: the bench stands alone, the others share the schema check
 # and what artifacts say of the load.
-SHARED = {"schema", "loads"}
+SHARED = {"schema", "loads", "plain_words"}
 
 
 def imported_rooms(room):

@@ -138,7 +138,14 @@ tell_warnings()
 
 def structures_of(campaign):
     """Names of the structures to compare with; none where the measurement stands alone."""
-    return campaign.description["structure"]
+    return [] if campaign.structure_lacks else campaign.description["structure"]
+
+
+def judged_against(campaign):
+    """What the diagnosis compares with: structures, a table, or linear modes."""
+    if campaign.description["structure"]:
+        return campaign.description["structure"]
+    return ["linear" if campaign.description["simulation"] == "none" else "table"]
 
 
 def with_structure(made):

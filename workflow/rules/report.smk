@@ -260,6 +260,7 @@ def report_facts(wildcards):
         {
             "campaign": campaign.name,
             "description": campaign.description,
+            "structures": structures_of(campaign),
             "simulated": campaign.simulated,
             "excluded": campaign.excluded,
             "entry": "records" if campaign.records else "stick frequencies",
@@ -285,8 +286,8 @@ rule report:
         diagnoses=diagnoses,
         verdicts=verdicts,
         extended=extended_joints,
-        main_verdict=with_structure(rules.verdict.output.verdict),
-        diagnosed=with_structure(rules.figures_diagnosis.output),
+        main_verdict=rules.verdict.output.verdict,
+        diagnosed=rules.figures_diagnosis.output,
         amplitudes=amplitudes,
         amplitudes_drawn=lambda w: (
             rules.figures_amplitude.output if amplitudes(w) else []

@@ -6,10 +6,19 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.stick_model import StickData
 
+# Records of a linear mode from which it can be told from its scatter.
+LINEAR_RECORDS = 4
 
-def lacking(data: StickData) -> list[str]:
-    """What the stick frequencies lack, a phrase each; empty where they suffice."""
+
+def lacking(data: StickData, kind: str = "structure") -> list[str]:
+    """What the stick frequencies lack, a phrase each; empty where they suffice.
+
+    kind: of the simulation; with none, level and slope over the load are free, and nothing is said
+    that would need more than repeats.
+    """
     records = data.records
+    if kind == "none":
+        return [] if replicated(data) else ["repeats: without them their scatter is not known"]
     forces = np.unique(records.force)
     lacks = []
     if np.unique(records.mode).size < guards.MODES:
@@ -54,9 +63,13 @@ def replicated(data: StickData) -> bool:
     return bool(holds) and bool(repeated >= 0.5)
 
 
-def hopeless(data: StickData) -> bool:
-    """Whether no law of the force can be judged: one mode, or too few forces."""
+def hopeless(data: StickData, kind: str = "structure") -> bool:
+    """Whether no law of the force can be judged: one mode, or too few forces; of a linear mode, too
+    few records.
+    """
     records = data.records
+    if kind == "none":
+        return data.ln_f.size < LINEAR_RECORDS
     return (
         np.unique(records.mode).size < guards.MODES or np.unique(records.force).size < guards.FORCES
     )

@@ -14,11 +14,14 @@ from bladeroot.records.sheet import read_sheet
 from bladeroot.records.simulation import simulation_of
 from bladeroot.records.stick_rows import STICK_COLUMNS, VALUES, StickRows
 from bladeroot.records.stick_rows import stick_table as stick_table
+from bladeroot.records.table import outside, read_table
 from bladeroot.schema import read_yaml
 
 NUMBERS = (
     *COLUMNS, "time_s", "drive_A", "sampling_Hz", "sensitivity", "start_s", "end_s", *VALUES
 )  # fmt: skip
+# The modes that a structure's stages know.
+STRUCTURE_MODES = ("1B", "2B")
 # Folders of results/ that are no campaign's.
 _RESERVED = ("structures", "bench", "logs", "benchmarks")
 
@@ -61,6 +64,19 @@ class Campaign:
     def force_full_scale(self) -> float:
         """The gauge's full scale in the load's unit; inf without a gauge."""
         return self.load.full_scale if self.load else float("inf")
+
+    @property
+    def structure_lacks(self) -> str:
+        """Why nothing can be inferred with the campaign's structures, a phrase, or ""."""
+        if not self.description["structure"]:
+            return ""
+        if self.load is None:
+            return "a structure is prestressed by a load, and the campaign states none"
+        unknown = [mode for mode in self.description["modes"] if mode not in STRUCTURE_MODES]
+        if unknown:
+            known = " and ".join(STRUCTURE_MODES)
+            return f"a structure knows modes {known}, not {', '.join(unknown)}"
+        return ""
 
     def laser_x(self, mode: str) -> float | None:
         """Where along the specimen a mode is looked at, m: the mode's own, or the one sensor's."""
@@ -107,6 +123,7 @@ def load_campaign(folder: str | Path) -> Campaign:
     except ValueError as error:
         raise CampaignError(str(error)) from error
     warnings: list[str] = []
+    faults += _unplaced(description, load, folder)
     checks = (folder, path, description, load, faults, warnings)
     records: tuple[dict, ...] = ()
     stick: tuple[dict, ...] = ()
@@ -117,6 +134,9 @@ def load_campaign(folder: str | Path) -> Campaign:
         records = tuple(row for row in every if row["record"] not in excluded)
     else:
         stick = StickRows(*checks).stick(rows)
+    if not faults and description["simulation"].endswith(".csv"):
+        faults += _beyond_table(folder / description["simulation"], description, load, path,
+                                records or stick)  # fmt: skip
     if not faults and not records and not stick:
         faults.append(f"no usable row ({path})")
     if faults:
@@ -124,3 +144,31 @@ def load_campaign(folder: str | Path) -> Campaign:
     return Campaign(
         folder.name, folder, description, load, records, stick, excluded, tuple(warnings)
     )
+
+
+def _unplaced(description: dict, load: Load | None, folder: Path) -> list[str]:
+    """Faults of modes of which a structure is not told where they are looked at."""
+    campaign = Campaign("", folder, description, load, (), (), ())
+    if not description["structure"] or campaign.structure_lacks:
+        return []
+    return [
+        f"modes.{mode}.laser_x_mm is missing: a structure must know where the mode is looked at "
+        f"({folder / 'campaign.yaml'})"
+        for mode in description["modes"]
+        if campaign.laser_x(mode) is None
+    ]
+
+
+def _beyond_table(
+    table: Path, description: dict, load: Load | None, sheet: Path, rows: tuple[dict, ...]
+) -> list[str]:
+    """Faults of the table, and of records that it cannot speak of."""
+    try:
+        frame = read_table(table, description, load)
+    except ValueError as error:
+        return str(error).splitlines()
+    modes, loads = [row["mode"] for row in rows], [row["load"] for row in rows]
+    return [
+        f"{rows[k].get('record', modes[k])}: {why} ({sheet})"
+        for k, why in outside(frame, modes, loads, load)
+    ]

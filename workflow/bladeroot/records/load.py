@@ -65,8 +65,14 @@ class Load:
     def same_everywhere(self) -> float:
         """Standard deviation of a reading that is the same at all loads, in the load's unit."""
         if self.accuracy_of == "full-scale":
-            return self.accuracy * self.full_scale
+            return self.full_scale * self.accuracy
         return self.accuracy if self.accuracy_of == "absolute" else 0.0
+
+    @property
+    def of_full_scale(self) -> float:
+        """Standard deviation of a reading if the accuracy is meant of the full scale."""
+        known = self.accuracy_of != "absolute" and math.isfinite(self.full_scale)
+        return self.full_scale * self.accuracy if known else self.same_everywhere
 
     @property
     def of_reading(self) -> float:

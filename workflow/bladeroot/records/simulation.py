@@ -6,6 +6,7 @@ from pathlib import Path
 from bladeroot.records.load import Load
 
 NONE, STRUCTURE = "none", "structure"
+RESERVED = ("linear", "table")  # names of diagnoses without a structure
 
 
 def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict:
@@ -29,6 +30,9 @@ def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict
     tables = [name for name in names if name.lower().endswith(".csv")]
     if tables:
         raise ValueError(f"a table is the only simulation or none, got {', '.join(names)}")
+    reserved = [name for name in names if name in RESERVED]
+    if reserved:
+        raise ValueError(f"a structure must not be named {reserved[0]}: results/ uses the name")
     if load is not None and not load.is_force:
         raise ValueError(
             f"a structure bears a force: the load's unit must be N or kN, got {load.unit!r} "

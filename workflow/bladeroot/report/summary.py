@@ -14,8 +14,8 @@ from bladeroot.report.words import several_groups
 _REFERENCE = 12e3  # N
 _FEW = 10  # names that a sentence holds
 ALONE = (
-    "campaign.yaml names no structure, so there is nothing to compare with: contact stiffness, "
-    "contact theory and what a simulation gets wrong are left out."
+    "Nothing is simulated: each mode is judged against a linear one, whose frequency and loss "
+    "factor are constant{}. What that leaves, and why, stands below; contact stiffness is not told."
 )
 FOREIGN = 0.05  # relative move of a mode that no error of a model of the specimen explains
 
@@ -60,9 +60,15 @@ def summary_section(
     return Section("In short", parts)
 
 
-def alone_section(stick: xr.Dataset) -> Section:
-    """The results of a campaign without a structure, and what is left out."""
-    return Section("In short", [*_measured(stick), ALONE])
+def alone_section(stick: xr.Dataset, said: Mapping) -> Section:
+    """The results of a campaign without a structure, and what it is judged against."""
+    if said["structure"]:
+        what = [] if said["causes"] or said["shortfall"] else [f"{said['reason']}."]
+    else:
+        load = shown(stick.attrs)[2]
+        line = f" (over the {load}, a line in the frequency's square)" if load else ""
+        what = [ALONE.format(line)]
+    return Section("In short", [*_measured(stick), *what])
 
 
 def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) -> Section:

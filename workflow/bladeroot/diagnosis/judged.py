@@ -1,0 +1,182 @@
+"""A campaign's diagnosis with whatever it is judged against: dataset, verdict and model file."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.decay.groups import told
+from bladeroot.diagnosis.dataset import dataset
+from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.extension import model_file
+from bladeroot.diagnosis.next_measurement import next_measurements
+from bladeroot.diagnosis.possible import impossible
+from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.own_range import (
+    dataset_in_own,
+    in_catalogue,
+    own_range,
+    verdict_in_own,
+)
+from bladeroot.diagnosis.simulation.table import Table, with_loads
+from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
+from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.plain_words import plainly, plainly_but_ids
+
+BASELINE = "linear baseline"
+NO_CONTACT = (
+    "Level and stiffening over the load of a linear mode are free: contact stiffness, the gauge's "
+    "scale and zero, mass and modulus are not spoken of"
+)
+Made = tuple[xr.Dataset, dict, dict | None]
+
+
+def with_structure(
+    seen: xr.Dataset,
+    model: xr.Dataset,
+    settings: Settings,
+    candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+    lacks: str = "",
+) -> Made:
+    """With a parametric structure, unless it cannot be the specimen.
+
+    expected: Hz, of every mode. lacks: why a structure cannot be asked at all, or "".
+    """
+    name = str(model.attrs["structure"])
+    reason = impossible(model, frequencies(seen, expected), settings.fe_bias)
+    if reason or lacks:
+        return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
+    made = diagnose(seen, model, settings, candidates)
+    every = with_lower_forces(seen, model, settings, candidates)
+    whole = dataset(made, every).merge(next_measurements(made))
+    said = _with_groups(verdict(made, every), seen)
+    return whole.assign_attrs(_load(seen)), said, model_file(made)
+
+
+def with_baseline(
+    seen: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+) -> Made:  # fmt: skip
+    """Against linear modes, in the campaign's own range of load and amplitude."""
+    modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
+    own = own_range(seen)
+    linear = Linear(modes, np.array([expected[mode] for mode in modes]), bool(own.name))
+    return _in_own(seen, linear, settings, candidates, "")
+
+
+def with_table(
+    seen: xr.Dataset, table: Table, settings: Settings, candidates: Sequence[Mechanism]
+) -> Made:
+    """Against a table of simulated frequencies."""
+    return _in_own(seen, table, settings, candidates, table.structure)
+
+
+def _in_own(
+    seen: xr.Dataset, simulated: Simulation, settings: Settings, candidates: Sequence[Mechanism],
+    name: str,
+) -> Made:  # fmt: skip
+    own = own_range(seen)
+    if simulated.kind == "table" and own.unit == "N":
+        own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
+    if isinstance(simulated, Table):
+        simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
+    scaled = in_catalogue(seen, own)
+    least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
+    made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
+    whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
+    if simulated.kind == "none":
+        whole, said = _dataset_plainly(whole, own.name), _verdict_plainly(said, own.name)
+        said["reason"] = f"{said['reason']}. {NO_CONTACT}" if said["reason"] else NO_CONTACT
+    said["structure"] = name or None
+    said = _with_groups(said, seen)
+    whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
+    whole.attrs |= _load(seen)
+    return whole, said, None
+
+
+def _verdict_plainly(said: Mapping, load: str) -> dict:
+    """A verdict in such terms; ids stay."""
+    made = dict(said)
+    made["reason"] = plainly_but_ids(said["reason"], load)
+    made["causes"] = [one | {"splitter": plainly(one["splitter"], load)} for one in said["causes"]]
+    made["shortfall"] = [one | {"trend": plainly(one["trend"], load)} for one in said["shortfall"]]
+    return made
+
+
+def _dataset_plainly(found: xr.Dataset, load: str) -> xr.Dataset:
+    """A diagnosis's Dataset in such terms."""
+    made = found.copy()
+    for name in ("sentence", "barred"):
+        if name in made:
+            texts = [plainly(str(text), load) for text in made[name].values]
+            made[name] = (made[name].dims, texts, made[name].attrs)
+    for name in ("reason", "lacks"):
+        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load)
+    return made
+
+
+def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
+    """The answer where a structure cannot be the specimen: one sentence, and no cause."""
+    said = {
+        "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")), "structure": structure,
+        "answer": "insufficient-data", "causes": [], "shortfall": [], "gain": {},
+        "records": records_of(seen), "reason": reason,
+    }  # fmt: skip
+    empty = np.array([], dtype=str)
+    names = ("class", "channel", "sentence", "barred")
+    whole = xr.Dataset(
+        {name: ("candidate", empty) for name in names}
+        | {"log_evidence": ("candidate", np.zeros(0)), "is_named": ("candidate", np.zeros(0, int))},
+        coords={"candidate": empty},
+        attrs={"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
+               "lacks": "", "least_force_N": 0.0, "refused": 1},
+    )  # fmt: skip
+    return whole, said, None
+
+
+def _load(seen: xr.Dataset) -> dict[str, str]:
+    return {k: str(seen.attrs[k]) for k in ("load_name", "load_unit") if k in seen.attrs}
+
+
+def frequencies(seen: xr.Dataset, expected: Mapping[str, float]) -> dict[str, float]:
+    """Median stick frequency (Hz) of each mode, or the expected one where there is none."""
+    mode, value = seen["mode"].values.astype(str), seen["stick_frequency"].values
+    usable = np.isfinite(value) & (seen["verdict"].values.astype(str) == "usable")
+    return {
+        name: float(np.median(value[usable & (mode == name)]))
+        if (usable & (mode == name)).any()
+        else float(own)
+        for name, own in expected.items()
+    }
+
+
+def _with_groups(said: dict, seen: xr.Dataset) -> dict:
+    """A verdict with what differs between groups, which no cause of the catalogue explains."""
+    if "compared_mode" not in seen:
+        return said
+    rows = []
+    for k in np.flatnonzero(seen["told"].values):
+        one = seen.isel(comparison=int(k))
+        quantity = str(one["compared_quantity"].item()).replace("_", " ")
+        size = float(one["difference"])
+        rows.append(
+            {
+                "quantity": f"{quantity} between groups", "mode": str(one["compared_mode"].item()),
+                "trend": f"is up to {100.0 * size:.2g} % larger, in {one['high_group'].item()} "
+                f"than in {one['low_group'].item()} at the same amplitude",
+                "size": float(np.log1p(size)), "unit": "1", "explained": False,
+            }
+        )  # fmt: skip
+    lines = told(seen)
+    if not lines:
+        return said
+    first = f"{lines[0][0].upper()}{lines[0][1:]}"
+    answer = "unexplained" if said["answer"] == "nothing-missing" else said["answer"]
+    return said | {
+        "answer": answer,
+        "shortfall": [*said["shortfall"], *rows],
+        "reason": f"{'. '.join([first, *lines[1:]])}. {said['reason']}",
+    }

@@ -1,0 +1,36 @@
+"""The catalogue's sentences for a specimen that has no flanks, no axial force and no simulation."""
+
+import re
+
+_JOINT = (
+    (r"\bof the beam and slots\b|\bof beam and slots\b", ""),
+    (r"\bon beam and rig\b", "on the specimen"),
+    (r"\bthe beam\b|\bthe rig\b", "the specimen"),
+    (r"\bthe flanks\b|\ba flank\b|\bflanks\b", "the joint"),
+    (r"\bthan simulated\b|\bmore than simulated\b", "than in a linear mode"),
+    (r"\bthe simulation is too (low|high)\b", r"a linear mode is too \1"),
+    (r"\bthe simulation without it\b", "linear modes"),
+    (r"\bthe simulation explains\b", "linear modes explain"),
+    (r"\bdepart from the simulation\b", "depart from a linear mode's"),
+    (r"\bthe simulation\b", "a linear mode"),
+    (r"\bthe shaker's tip\b", "the exciter"),
+)
+
+
+def plainly(text: str, load: str) -> str:
+    """A sentence of the catalogue or of a verdict in terms that any specimen has."""
+    for pattern, other in _JOINT:
+        text = re.sub(pattern, other, text)
+    short = load or "preload of the joint"
+    text = re.sub(r"\b(an |the |a )?axial forces\b", f"{short}s" if load else "preloads", text)
+    text = re.sub(r"\baxial force\b", short, text)
+    text = re.sub(r"\bthe force\b", f"the {short}", text)
+    text = re.sub(r"\bforces\b", f"{short}s" if load else "preloads", text)
+    text = re.sub(r"\bforce\b(?!-)", short, text)
+    return re.sub(r"  +", " ", text)
+
+
+def plainly_but_ids(text: str, load: str) -> str:
+    """Plain words, where ids such as force-gain stay."""
+    parts = re.split(r"(\b[a-z]+(?:-[a-z]+)+\b)", text)
+    return "".join(part if k % 2 else plainly(part, load) for k, part in enumerate(parts))
