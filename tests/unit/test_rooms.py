@@ -20,7 +20,7 @@ ALLOWED = {
     "ledger": {"decay", "structure", "contact"},
     "figures": set(),
     "report": set(),
-    "public": {"records", "decay", "structure", "diagnosis"},
+    "public": {"artifacts", "records", "decay", "structure", "diagnosis"},
 }
 # Plain files that a room may use: the bench stands alone, the others share the schema check.
 SHARED = {"schema"}

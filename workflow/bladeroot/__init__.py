@@ -20,6 +20,7 @@ _FACE = {
     "Joint": "joint",
     "ContactFit": "contact_fit",
     "fit_contact": "contact_fit",
+    "export": "export",
 }
 __all__ = sorted(_FACE)
 
