@@ -15,6 +15,9 @@ from .laws import Law
 
 PER_CYCLE = 120  # steps in a cycle of the highest mode
 READ_CYCLES = 1  # half the distance over which the backbone's slopes are taken
+LEAST_CYCLES = 60  # of a decay from which a backbone is read
+# By how much a mode of an event may follow another law than it does alone, for that to be its truth.
+AGREES_HZ, AGREES_LOSS = 3e-5, 0.02
 
 
 @dataclass(frozen=True)
@@ -58,9 +61,12 @@ def _integrate(q, v, flow, push, bouc, stiffness, limit, exponent, couple, dt, c
         total = 0.0
         for i in range(stiffness.size):
             if bouc:
-                z = held[i] / limit[i]
-                sign = 0.5 * np.sign(dy * z) + 0.5
-                held[i] += stiffness[i] * dy * (1.0 - abs(z) ** exponent * sign)
+                z, moved = held[i] / limit[i], stiffness[i] * dy / limit[i]
+                parts = int(abs(moved) / 0.05) + 1
+                for _ in range(parts):
+                    turns = 1.0 if moved * z > 0.0 else 0.0
+                    z += moved / parts * (1.0 - abs(z) ** exponent * turns)
+                held[i] = min(max(z, -1.0), 1.0) * limit[i]
             else:
                 held[i] = min(max(held[i] + stiffness[i] * dy, -limit[i]), limit[i])
             total += held[i]
@@ -135,3 +141,20 @@ def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> 
         return turn(known) / nominal - 1.0, decay(known) / turn(known)
 
     return Law(name, nominal, 1.0, shape)
+
+
+def agrees(law: Law, time_step: float, displacement, frequency_Hz: float) -> bool:
+    """Whether a mode beside the others follows the law that it has alone.
+
+    The others shake the element too, and a mode that they have outlived is theirs to move: then
+    there is no law of the amplitude to be found in the record.
+    """
+    cycle = 1.0 / (frequency_Hz * time_step)
+    if displacement.size < LEAST_CYCLES * cycle:
+        return False
+    own = backbone(time_step, displacement - displacement.mean(), frequency_Hz, "own")
+    first = np.abs(displacement[round(16 * cycle) : round(18 * cycle)]).max()
+    last = np.abs(displacement[-round(18 * cycle) : -round(16 * cycle)]).max()
+    amplitude = np.geomspace(max(last, first * np.exp(-4.0)), first, 9)
+    pairs = zip(own.truth(amplitude), law.truth(amplitude), (AGREES_HZ, AGREES_LOSS), strict=True)
+    return all(np.median(np.abs(a / b - 1.0)) < most for a, b, most in pairs)
