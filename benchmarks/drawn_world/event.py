@@ -34,7 +34,10 @@ class Sensor:
 
 @dataclass
 class Event:
-    """`truths[mode]` is the law in modal amplitude, None where there is none; `asked` holds pairs of mode and sensor."""
+    """`truths[mode]` is the law in modal amplitude, None where there is none.
+
+    `asked` holds pairs of mode and sensor.
+    """
 
     seed: int
     sampling_Hz: float
@@ -205,7 +208,6 @@ def draw(seed: int) -> Event:
         gains = np.array([gain(chain, m.law.omega / (2 * np.pi), rate) for m in modes])
         seen.append(Sensor(chain, samples, noise, at * gains))
         heights.append(float(np.max(np.abs(clean))))
-        features |= chain.features
     event = Event(seed, rate, modes, truths, excitation, seen, {}, [], free, features)
     ask(rng, event, motion, dense, heights)
     return event

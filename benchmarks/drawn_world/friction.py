@@ -16,7 +16,7 @@ from .laws import Law
 PER_CYCLE = 120  # steps in a cycle of the highest mode
 READ_CYCLES = 1  # half the distance over which the backbone's slopes are taken
 LEAST_CYCLES = 60  # of a decay from which a backbone is read
-# By how much a mode of an event may follow another law than it does alone, for that to be its truth.
+# How far the law that a mode follows in an event may be from the one that it has alone.
 AGREES_HZ, AGREES_LOSS = 3e-5, 0.02
 
 

@@ -1,4 +1,4 @@
-"""The product's own stages on one record, in one process: what their scripts do, by their scripts."""
+"""The product's own stages on one record, in one process, by their scripts."""
 
 import importlib.util
 import json
@@ -13,7 +13,6 @@ import xarray as xr
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts"
 SETTINGS = {"record": {"end": "noise"}, "decay": {"estimator": "blocks", "damping": "hysteretic"}}
-# Findings that say how the product dealt with what it saw count like any other: somebody is told.
 NEEDED = ("amplitude", "frequency", "loss_factor", "frequency_std", "loss_factor_std")
 
 
@@ -77,7 +76,7 @@ def analysed(entry: dict, folder: Path) -> Answer:
     judged = load(record)
     findings = [str(name) for name in np.atleast_1d(judged["finding_id"].values)]
     decay = load(folder / "decay.nc")
-    if int(decay["pff_agrees"]) == 0 if "pff_agrees" in decay else False:
+    if "pff_agrees" in decay and int(decay["pff_agrees"]) == 0:
         findings.append("peak-fitting-differs")
     told = str(judged.attrs.get("reason", ""))
     return Answer(str(judged.attrs["verdict"]), findings, told, curves, spent, crash)

@@ -9,6 +9,8 @@ from .laws import Law, draw_law, linear, log_uniform
 from .pushes import Before, Push, fading_drive, half_sine, haversine
 
 HIGHEST_HZ = 2000.0
+# Velocity of a suspension mode over that of the loudest structural one.
+SUSPENSION = 1e-3, 0.2
 NONLINEAR = {"coulomb", "sliders", "iwan", "hardening", "both", "dry"}  # laws with harmonics
 
 
@@ -19,7 +21,7 @@ class Mode:
     law: Law
     structural: bool
     at_sensors: np.ndarray  # shape at each sensor
-    at_force: float  # shape where it is pushed
+    at_force: float  # shape where it is pushed; of a suspension, its velocity over the loudest
     harmonics: tuple[tuple[int, float], ...] = ()
 
 
@@ -75,7 +77,7 @@ def draw_modes(rng, sensors: int) -> tuple[list[Mode], set[str]]:
         shape, _ = linear(rng, log_uniform(rng, 5e-4, 0.02))
         law = replace(law, name="suspension", shape=shape, kinks=())
         at = rng.uniform(-1.0, 1.0, sensors)
-        modes.append(Mode(law, False, at, float(rng.uniform(-1, 1) * log_uniform(rng, 0.02, 0.7))))
+        modes.append(Mode(law, False, at, log_uniform(rng, *SUSPENSION)))
         features.add("suspension")
     return modes, features
 
@@ -130,6 +132,15 @@ def excite(rng, modes: list[Mode], start: float, late: float) -> tuple[list[Mode
             for g, (omega, alpha) in zip(gains, rates, strict=True)
         ]
         sizes = [abs(level) for level in levels]
+    loudest = max(s * o for s, (o, _), m in zip(sizes, rates, modes, strict=True) if m.structural)
+    for k, mode in enumerate(modes):
+        if not mode.structural:
+            share = mode.at_force * loudest / (sizes[k] * rates[k][0])
+            gains[k], sizes[k] = gains[k] * share, sizes[k] * share
+    if kind == "shaker":
+        levels = [
+            level * gain / m.at_force for level, gain, m in zip(levels, gains, modes, strict=True)
+        ]
     factor = drawn_velocity(rng, modes, sizes)
     sizes = [max(factor * size, 1e-15) for size in sizes]
     modes = [replace(m, law=replace(m.law, scale=s)) for m, s in zip(modes, sizes, strict=True)]
