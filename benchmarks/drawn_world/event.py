@@ -179,10 +179,10 @@ def draw(seed: int) -> Event:
         motion[:, :, first:] = after[0]
         loose = dense > max(excitation.free_s, 0.0)
         for k, law in enumerate(truths):
-            near = law.omega / (2 * np.pi)
-            if modes[k].structural and not friction.agrees(
-                law, dense[1] - dense[0], motion[0, k, loose], near
-            ):
+            if law is None or not modes[k].structural:
+                continue
+            step, near = dense[1] - dense[0], law.omega / (2 * np.pi)
+            if not friction.agrees(law, step, motion[0, k, loose], near):
                 truths[k] = None
     else:
         parts = [

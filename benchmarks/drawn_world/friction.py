@@ -16,6 +16,7 @@ from .laws import Law
 PER_CYCLE = 120  # steps in a cycle of the highest mode
 READ_CYCLES = 1  # half the distance over which the backbone's slopes are taken
 LEAST_CYCLES = 60  # of a decay from which a backbone is read
+LEAST_FALLS = 10  # points of it, half a cycle apart, each below all before
 # How far the law that a mode follows in an event may be from the one that it has alone.
 AGREES_HZ, AGREES_LOSS = 3e-5, 0.02
 
@@ -112,8 +113,8 @@ def integrate(omega, zeta, friction, q, v, forces, rate_Hz, count, highest_Hz):
     )  # fmt: skip
 
 
-def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> Law:
-    """The law that a clean decay follows, from its analytic signal."""
+def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> Law | None:
+    """The law that a clean decay follows, from its analytic signal; None where it does not fall."""
     count = displacement.size
     cycle = round(1.0 / (frequency_Hz * time_step))
     # ends that go in smoothly, lest their jump leak into the rest
@@ -125,13 +126,16 @@ def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> 
         spectrum * np.where(frequency > 0, np.sin(0.5 * np.pi * edge) ** 2, 0)
     )
     at = np.arange(15 * cycle, count - 15 * cycle, max(1, cycle // 2))
-    phase, log, reach = np.unwrap(np.angle(analytic)), np.log(np.abs(analytic)), READ_CYCLES * cycle
+    size = np.maximum(np.abs(analytic), np.finfo(float).tiny)
+    phase, log, reach = np.unwrap(np.angle(analytic)), np.log(size), READ_CYCLES * cycle
     span = 2.0 * reach * time_step
     omega = (phase[at + reach] - phase[at - reach]) / span
     alpha = -(log[at + reach] - log[at - reach]) / span
     # the mean slope over the span belongs to the mean of ln A there, not to its middle
     mean = np.array([log[i - reach : i + reach + 1].mean() for i in at])
     falls = np.concatenate([[True], mean[1:] < np.minimum.accumulate(mean)[:-1]])
+    if np.count_nonzero(falls) < LEAST_FALLS:
+        return None
     u, omega, alpha = (part[falls][::-1] for part in (mean, omega, alpha))
     turn, decay = PchipInterpolator(u, omega), PchipInterpolator(u, alpha)
     nominal = 2.0 * np.pi * frequency_Hz
@@ -153,6 +157,8 @@ def agrees(law: Law, time_step: float, displacement, frequency_Hz: float) -> boo
     if displacement.size < LEAST_CYCLES * cycle:
         return False
     own = backbone(time_step, displacement - displacement.mean(), frequency_Hz, "own")
+    if own is None:
+        return False
     first = np.abs(displacement[round(16 * cycle) : round(18 * cycle)]).max()
     last = np.abs(displacement[-round(18 * cycle) : -round(16 * cycle)]).max()
     amplitude = np.geomspace(max(last, first * np.exp(-4.0)), first, 9)
