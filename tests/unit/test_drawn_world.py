@@ -268,7 +268,8 @@ def test_a_point_is_wrong_beyond_both_the_tolerance_and_its_stated_errors():
     away = np.array([1e-3, 1e-3, 1e-4, 0.0, 0.0])
     lossy = np.array([0.0, 0.0, 0.0, 0.2, 0.2])
     curves = {
-        "amplitude": amplitude, "frequency": frequency * (1 + away), "loss_factor": loss * (1 + lossy),
+        "amplitude": amplitude,
+        "frequency": frequency * (1 + away), "loss_factor": loss * (1 + lossy),
         "frequency_std": frequency * np.array([1e-4, 1e-3, 1e-5, 1.0, 1.0]),
         "loss_factor_std": loss * np.array([1.0, 1.0, 1.0, 0.05, 0.1]),
     }  # fmt: skip
