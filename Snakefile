@@ -35,6 +35,7 @@ include: "workflow/rules/nonlinear.smk"
 include: "workflow/rules/extended.smk"
 include: "workflow/rules/ledger.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/export_tables.smk"
 
 
 onstart:

@@ -12,7 +12,7 @@ from bladeroot.records.cut import cut, rejected
 from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.overrides import kept, overruled, windowed, with_override
 from bladeroot.records.read import read
-from bladeroot.records.recording import velocity
+from bladeroot.records.recording import Recording, velocity
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -24,7 +24,7 @@ FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "for
 def ringdown(
     raw: str | Path, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """Free decay, curves over amplitude and plateau of one record.
+    """Free decay, curves over amplitude and plateau of a record in a file.
 
     Args:
         raw: its file.
@@ -36,34 +36,34 @@ def ringdown(
 
     A record that cannot be read or used comes back without points, rejected with a reason.
     """
-    decay = _free_decay(raw, known, cutting)
+    try:
+        recording = read(raw, **{name: known[name] for name in SAID})
+    except ValueError as error:
+        return not_analysed(known, str(error), estimation)
+    return analyse(recording, known, cutting, estimation)
+
+
+def analyse(
+    recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """The same of a recording in SI units, for which `known` need not hold SAID."""
+    expected = known["expected_Hz"]
+    motion = velocity(recording, expected)
+    clear = bridged(motion, recording.sampling_Hz, expected)
+    decay = cut(clear, recording.sampling_Hz, expected, **cutting)
+    decay = windowed(decay, clear, known.get("start_s"), known.get("end_s"))
+    others = tuple(known["other_modes_Hz"])
+    decay = judge(decay, motion, expected, others, recording.notes, recording)
+    decay = kept(decay) if known.get("keep") else decay
     return _with_curves(decay, known, estimation)
 
 
 def not_analysed(
     known: Mapping, reason: str, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """The same for a record whose analysis broke off: rejected for that reason."""
-    return _with_curves(_rejected(known, reason), known, estimation)
-
-
-def _free_decay(raw: str | Path, known: Mapping, cutting: Mapping) -> xr.Dataset:
-    expected = known["expected_Hz"]
-    try:
-        recording = read(raw, **{name: known[name] for name in SAID})
-    except ValueError as error:
-        return _rejected(known, str(error))
-    motion = velocity(recording, expected)
-    clear = bridged(motion, recording.sampling_Hz, expected)
-    decay = cut(clear, recording.sampling_Hz, expected, **cutting)
-    decay = windowed(decay, clear, known.get("start_s"), known.get("end_s"))
-    others = tuple(known["other_modes_Hz"])
-    judged = judge(decay, motion, expected, others, recording.notes, recording)
-    return kept(judged) if known.get("keep") else judged
-
-
-def _rejected(known: Mapping, reason: str) -> xr.Dataset:
-    return judge(rejected(reason), np.zeros(0), known["expected_Hz"])
+    """The same for a record that has no recording: rejected for that reason."""
+    decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"])
+    return _with_curves(decay, known, estimation)
 
 
 def _with_curves(
