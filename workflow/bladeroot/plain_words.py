@@ -7,7 +7,14 @@ _JOINT = (
     (r"\bon beam and rig\b", "on the specimen"),
     (r"\bthe beam\b|\bthe rig\b", "the specimen"),
     (r"\bthe flanks\b|\ba flank\b|\bflanks\b", "the joint"),
-    (r"\bthan simulated\b|\bmore than simulated\b", "than in a linear mode"),
+    (r"\bthan simulated\b", "than in a linear mode"),
+    (r"\bsimulated as it was\b|\band simulated\b", "and of a linear mode"),
+    (r"\bstuck joint\b", "plateau"),
+    (r"\bThe simulation explains\b", "Linear modes explain"),
+    (r"\bThe simulation misses\b", "Linear modes miss"),
+    (r"\bin the simulation\b", "in the model"),
+    (r"\bthe simulation as it is\b", "linear modes"),
+    (r", or says itself that it is not so", ""),
     (r"\bthe simulation is too (low|high)\b", r"a linear mode is too \1"),
     (r"\bthe simulation without it\b", "linear modes"),
     (r"\bthe simulation explains\b", "linear modes explain"),
@@ -21,6 +28,10 @@ def plainly(text: str, load: str) -> str:
     """A sentence of the catalogue or of a verdict in terms that any specimen has."""
     for pattern, other in _JOINT:
         text = re.sub(pattern, other, text)
+    if not load:
+        text = re.sub(r" at some of the forces,|\bat each force |, over axial force", "", text)
+        text = re.sub(r"\b(over )?(the )?amplitude and (the )?force\b", "over amplitude", text)
+        text = text.replace("over over", "over")
     short = load or "preload of the joint"
     text = re.sub(r"\b(an |the |a )?axial forces\b", f"{short}s" if load else "preloads", text)
     text = re.sub(r"\baxial force\b", short, text)

@@ -8,7 +8,7 @@ import xarray as xr
 
 from bladeroot.decay.groups import told
 from bladeroot.diagnosis.dataset import dataset
-from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.possible import impossible
@@ -26,10 +26,15 @@ from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.plain_words import plainly, plainly_but_ids
 
 BASELINE = "linear baseline"
-NO_CONTACT = (
-    "Level and stiffening over the load of a linear mode are free: contact stiffness, the gauge's "
-    "scale and zero, mass and modulus are not spoken of"
+SILENT = (
+    "A linear mode's level is free: mass, modulus, contact stiffness and all else that is the same "
+    "in all records are not spoken of"
 )
+SILENT_LOAD = "; so is its line over the load, and with it the scale and the zero of the reading"
+# Log evidence (20 to 1) from which a candidate is spoken of that is not named, and its part of the
+# best one's; how many.
+SHOWN, SHARE, SHOWN_CAUSES = 3.0, 0.5, 3
+_DATA = {"stick": "stick frequencies", "damping": "loss factors", "curve": "curves"}
 Made = tuple[xr.Dataset, dict, dict | None]
 
 
@@ -64,7 +69,8 @@ def with_baseline(
     modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
     own = own_range(seen)
     linear = Linear(modes, np.array([expected[mode] for mode in modes]), bool(own.name))
-    return _in_own(seen, linear, settings, candidates, "")
+    spoken = [one for one in candidates if not linear.silent(one)]
+    return _in_own(seen, linear, settings, spoken, "")
 
 
 def with_table(
@@ -89,7 +95,10 @@ def _in_own(
     whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
     if simulated.kind == "none":
         whole, said = _dataset_plainly(whole, own.name), _verdict_plainly(said, own.name)
-        said["reason"] = f"{said['reason']}. {NO_CONTACT}" if said["reason"] else NO_CONTACT
+        ranked = plainly_but_ids(_ranked(made), own.name)
+        silent = SILENT + (SILENT_LOAD if own.name else "")
+        said["reason"] = ". ".join(filter(None, (said["reason"], ranked, silent)))
+        whole.attrs["ranked"] = ranked
     said["structure"] = name or None
     said = _with_groups(said, seen)
     whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
@@ -116,6 +125,27 @@ def _dataset_plainly(found: xr.Dataset, load: str) -> xr.Dataset:
     for name in ("reason", "lacks"):
         made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load)
     return made
+
+
+def _ranked(made: Diagnosis) -> str:
+    """What of the catalogue explains a departure best that no cause is named for, and what would
+    tell the possible causes apart; a sentence, or "".
+    """
+    texts = []
+    for found in made.found:
+        gains = found.steps[0].mechanisms
+        order = sorted(gains, key=gains.get, reverse=True)
+        best = [name for name in order if gains[name] > max(SHOWN, SHARE * gains[order[0]])]
+        if found.causes or not best:
+            continue
+        by_id = {one.id: one for one in found.channel.candidates}
+        names = " and ".join(f"{name} ({gains[name]:.1f})" for name in best[:SHOWN_CAUSES])
+        texts.append(
+            f"of the catalogue {names} explain the {_DATA[found.channel.name]} best (log evidence "
+            f"over a linear mode's); to decide: {by_id[best[0]].splitter}"
+        )
+    text = ". ".join(texts)
+    return text[:1].upper() + text[1:]
 
 
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:

@@ -45,10 +45,11 @@ def report(
 
     facts: campaign, description (campaign.yaml), structures, simulated, excluded, entry. stages:
     stick; with records, integrity and curves; for simulated ones, score; with a structure,
-    fe_forces, stiffness, theory; for the thesis's tables, ledger. checks, accuracies, joints, diagnoses, verdicts, shortfalls: of
-    each structure; extended: joints with the causes of a model file; calibrations: of those that
-    have one; amplitudes: of each, with records; thesis_searches: of each structure of a campaign of
-    the thesis. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    fe_forces, stiffness, theory; for the thesis's tables, ledger. checks, accuracies, joints,
+    diagnoses, verdicts, shortfalls: of each structure; extended: joints with the causes of a model
+    file; calibrations: of those that have one; amplitudes: of each, with records; thesis_searches:
+    of each structure of a campaign of the thesis. figures: SVG text by name. published_5_1 and
+    errata: of the thesis, as shipped.
     Without a structure the page ends with the measurement.
     """
     score = stages.get("score")

@@ -46,6 +46,7 @@ def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     """What is missing, why, and what to do, a line each."""
     lines = [_missing(one, said), *_because(one, said)]
     lines += _gain(said)
+    lines += [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else []
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"

@@ -27,8 +27,6 @@ JOINT = (np.log(0.1), 1.0)
 SCATTER = (np.log(2e-4), 1.5)
 _LEAST = 0.05  # of f^2, where a line in it would pass zero
 
-KN_KT = "a linear mode has no contact: its laws are judged on the frequency, kn and kt are not told"
-
 
 @dataclass(frozen=True)
 class Linear:
@@ -49,6 +47,8 @@ class Linear:
 
     def silent(self, one: Mechanism) -> str:
         """Levels and the gauge, and laws of a load where there is none."""
+        if not self.load and one.kind == "direction":
+            return "the campaign states no load"
         if one.kind == "level":
             return "what is the same at all loads is free"
         if one.stick is None:
