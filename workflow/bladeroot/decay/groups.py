@@ -22,6 +22,8 @@ QUANTITIES = ("frequency", "loss_factor")
 POINTS_A_DECADE = 40
 # Chance of as much without a difference, below which groups are said to differ.
 CHANCE = 0.01
+# Standard errors from which a difference at one amplitude is sure: the largest of some hundred.
+SURE = 5.0
 # Points of a curve count up to this standard error of ln f and of ln(loss factor).
 KNOWN = {"frequency": 1e-3, "loss_factor": 0.3}
 
@@ -116,7 +118,7 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
         "difference_std": float(ratio * wide * np.hypot(error[low], error[high])),
         "low_group": names[low], "high_group": names[high], "chance": float(chance),
         "scatter": float(scatter) if freedom else np.nan, "freedom": freedom,
-        "told": int(chance < CHANCE),
+        "told": int(chance < CHANCE), **_largest(here, quantity, float(scatter)),
     }  # fmt: skip
     levels = [
         {"group": name, "level": m - mean.mean(), "level_std": e, "events": n}
@@ -125,16 +127,58 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
     return row, levels
 
 
-def _levels(here: Sequence[_Motion], quantity: str) -> list[tuple[_Motion, float, float]]:
-    """Records of one sensor and load that share amplitudes with a record of another group, each
-    with its level (of ln) and standard error.
+def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
+    """Where groups lie furthest apart: a mean over amplitudes would hide what only some show.
+
+    scatter: of ln between events, as their levels have it; at one amplitude it counts if larger.
     """
+    found = {"largest": np.nan, "largest_std": np.nan, "largest_amplitude": np.nan,
+             "largest_sensor": "", "largest_high": "", "largest_low": ""}  # fmt: skip
+    best = 0.0
+    for place in sorted({one.place for one in here}):
+        mine = [one for one in here if one.place == place]
+        ladder, log, error = _curves(mine, quantity)
+        names = sorted({one.group for one in mine})
+        rows = [np.array([one.group == name for one in mine]) for name in names]
+        known = np.isfinite(log)
+        count = np.array([known[own].sum(axis=0) for own in rows])
+        for k in np.flatnonzero((count > 0).sum(axis=0) > 1):
+            seen = [g for g in range(len(names)) if count[g, k]]
+            values = [log[rows[g], k][known[rows[g], k]] for g in seen]
+            mean = np.array([one.mean() for one in values])
+            freedom = sum(one.size - 1 for one in values)
+            rest = sum(((one - one.mean()) ** 2).sum() for one in values)
+            here_std = max(scatter, np.sqrt(rest / freedom) if freedom else 0.0)
+            stated = np.array([np.nanmean(error[rows[g], k]) for g in seen])
+            std = np.hypot(here_std, stated) / np.sqrt([one.size for one in values])
+            low, high = int(np.argmin(mean)), int(np.argmax(mean))
+            apart, own = mean[high] - mean[low], float(np.hypot(std[low], std[high]))
+            if apart > max(SURE * own, best):
+                best = float(apart)
+                found = {
+                    "largest": float(np.expm1(apart)), "largest_std": float(np.exp(apart) * own),
+                    "largest_amplitude": float(ladder[k]), "largest_sensor": place[1],
+                    "largest_high": names[seen[high]], "largest_low": names[seen[low]],
+                }  # fmt: skip
+    return found
+
+
+def _curves(here: Sequence[_Motion], quantity: str) -> tuple[ndarray, ndarray, ndarray]:
+    """A ladder of amplitudes, ln of each record's curve on it, and its standard errors."""
     ladder = ladder_of([one.decay for one in here], POINTS_A_DECADE)
     value = np.array([on_ladder(one.decay, quantity, ladder) for one in here])
     std = np.array([on_ladder(one.decay, f"{quantity}_std", ladder) for one in here])
     with np.errstate(invalid="ignore", divide="ignore"):
         known = (value > 0.0) & (std < KNOWN[quantity] * value)
-        log, error = np.log(np.where(known, value, np.nan)), std / value
+        return ladder, np.log(np.where(known, value, np.nan)), np.where(known, std / value, np.nan)
+
+
+def _levels(here: Sequence[_Motion], quantity: str) -> list[tuple[_Motion, float, float]]:
+    """Records of one sensor and load that share amplitudes with a record of another group, each
+    with its level (of ln) and standard error.
+    """
+    _, log, error = _curves(here, quantity)
+    known = np.isfinite(log)
     linked = _linked(known)
     if len({one.group for one, own in zip(here, linked, strict=True) if own}) < 2:
         return []
@@ -164,6 +208,12 @@ _COMPARED = {
     "scatter": ("1", "standard deviation of ln between the events of a group"),
     "freedom": ("1", "degrees of freedom of scatter"),
     "told": ("1", "1 where the groups differ"),
+    "largest": ("1", "the same where groups lie furthest apart, NaN: nowhere for sure"),
+    "largest_std": ("1", "standard error of largest"),
+    "largest_amplitude": ("m", "amplitude at which that is"),
+    "largest_sensor": ("", "sensor of that amplitude"),
+    "largest_high": ("", "group that lies highest there"),
+    "largest_low": ("", "group that lies lowest there"),
 }
 _LEVEL = {
     "mode": ("", "mode"),
@@ -189,6 +239,16 @@ def _dataset(rows: list[dict], levels: list[dict]) -> xr.Dataset:
     return xr.Dataset(made)
 
 
+def _at(one: xr.Dataset) -> str:
+    """The largest difference in words."""
+    sensor = one["largest_sensor"].item()
+    return (
+        f"{1e3 * float(one['largest_amplitude']):.2g} mm{' of ' + sensor if sensor else ''} "
+        f"{100.0 * float(one['largest']):.2g} ± {100.0 * float(one['largest_std']):.1g} % larger "
+        f"in {one['largest_high'].item()} than in {one['largest_low'].item()}"
+    )
+
+
 def told(differences: xr.Dataset) -> list[str]:
     """A sentence for each mode and quantity in which groups differ."""
     lines = []
@@ -200,6 +260,7 @@ def told(differences: xr.Dataset) -> list[str]:
         lines.append(
             f"the {name} of mode {one['compared_mode'].item()} depends on the group: in "
             f"{one['high_group'].item()} it is {size:.{digits}f} ± {std:.{digits}f} % larger than "
-            f"in {one['low_group'].item()} at the same amplitude"
+            f"in {one['low_group'].item()}, mean over the amplitudes that both reach"
+            + (f", and at {_at(one)}" if np.isfinite(one["largest"]) else "")
         )
     return lines

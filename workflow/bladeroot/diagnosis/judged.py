@@ -191,22 +191,27 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
     for k in np.flatnonzero(seen["told"].values):
         one = seen.isel(comparison=int(k))
         quantity = str(one["compared_quantity"].item()).replace("_", " ")
-        size = float(one["difference"])
+        largest = float(one["largest"])
+        at_one = np.isfinite(largest)
+        size = largest if at_one else float(one["difference"])
+        high, low = (
+            one[f"largest_{end}" if at_one else f"{end}_group"].item() for end in ("high", "low")
+        )
         rows.append(
             {
-                "quantity": f"{quantity} between groups", "mode": str(one["compared_mode"].item()),
-                "trend": f"is up to {100.0 * size:.2g} % larger, in {one['high_group'].item()} "
-                f"than in {one['low_group'].item()} at the same amplitude",
+                "quantity": quantity, "mode": str(one["compared_mode"].item()),
+                "trend": f"differs between groups at the same amplitude by up to "
+                f"{100.0 * size:.2g} %, {high} over {low}",
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip
     lines = told(seen)
     if not lines:
         return said
-    first = f"{lines[0][0].upper()}{lines[0][1:]}"
+    lines = [f"{line[0].upper()}{line[1:]}" for line in lines]
     answer = "unexplained" if said["answer"] == "nothing-missing" else said["answer"]
     return said | {
         "answer": answer,
         "shortfall": [*said["shortfall"], *rows],
-        "reason": f"{'. '.join([first, *lines[1:]])}. {said['reason']}",
+        "reason": f"{'. '.join(lines)}. {said['reason']}",
     }

@@ -17,6 +17,8 @@ def lacking(data: StickData, kind: str = "structure") -> list[str]:
     that would need more than repeats.
     """
     records = data.records
+    if kind == "none" and not data.ln_f.size:
+        return ["records that reach a stick plateau: no frequency at small amplitude is known"]
     if kind == "none":
         return [] if replicated(data) else ["repeats: without them their scatter is not known"]
     forces = np.unique(records.force)

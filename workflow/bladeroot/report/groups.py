@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, percent, significant
 from bladeroot.report.page import Section, Table
 
 
@@ -20,6 +20,7 @@ def groups_section(curves: xr.Dataset) -> Section | None:
             _name(one),
             f"{percent(float(one['difference']), 2)} ± {percent(float(one['difference_std']), 2)}",
             f"{one['high_group'].item()} over {one['low_group'].item()}",
+            _largest(one),
             significant(float(one["chance"]), 2),
             percent(float(one["scatter"]), 2),
             "yes" if int(one["told"]) else "no",
@@ -46,9 +47,20 @@ def groups_section(curves: xr.Dataset) -> Section | None:
             "mean is taken over them. Groups are compared at the same amplitude of the same "
             "sensor; what several sensors saw of one event counts once.",
             Table(
-                "The largest difference between groups, with its standard error; chance: how often "
-                "repeats alone would show as much; scatter: between the events of a group",
-                ("mode", "quantity", "difference", "groups", "chance", "scatter", "they differ"),
+                "The groups that lie furthest apart: mean difference over the amplitudes that both "
+                "reach, with its standard error; largest: at one amplitude, where that is sure; "
+                "chance: how often repeats alone would show as much as the mean; scatter: between "
+                "the events of a group",
+                (
+                    "mode",
+                    "quantity",
+                    "mean difference",
+                    "groups",
+                    "largest",
+                    "chance",
+                    "scatter",
+                    "they differ",
+                ),
                 rows,
             ),
             Table(
@@ -58,6 +70,14 @@ def groups_section(curves: xr.Dataset) -> Section | None:
             ),
         ],
     )
+
+
+def _largest(one: xr.Dataset) -> str:
+    if not np.isfinite(float(one["largest"])):
+        return NONE
+    place = f"{1e6 * float(one['largest_amplitude']):.3g} µm {one['largest_sensor'].item()}".strip()
+    groups = f"{one['largest_high'].item()} over {one['largest_low'].item()}"
+    return f"{percent(float(one['largest']), 0)} at {place}, {groups}"
 
 
 def _name(one: xr.Dataset, prefix: str = "compared_") -> str:

@@ -112,7 +112,7 @@ def _missing(one: xr.Dataset, said: Mapping) -> str:
         rows.setdefault((row["quantity"], _NUMBER.sub("{}", row["trend"])), []).append(text)
     texts = [
         f"the {quantity} {trend.replace('{}', listed(sizes))}"
-        if trend.startswith(("rises", "falls"))
+        if trend.startswith(("rises", "falls", "differs"))
         else f"of the {quantity}, {trend.replace('{}', listed(sizes))}"
         for (quantity, trend), sizes in rows.items()
     ]

@@ -22,7 +22,7 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 LEVEL = 0.3  # of ln f about the expected frequency: another mode lies further
 STIFFENING = 0.3  # of f^2 over the range of the load
 # ln of the part of a mode's stiffness that goes through the joint.
-JOINT = (np.log(0.1), 1.0)
+JOINT = (np.log(0.03), 1.5)
 # ln of the scatter of a frequency between clampings, what all modes share and each mode's own.
 SCATTER = (np.log(2e-4), 1.5)
 _LEAST = 0.05  # of f^2, where a line in it would pass zero
