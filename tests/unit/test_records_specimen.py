@@ -5,6 +5,7 @@ import pytest
 from bladeroot.loads import shown, value_of
 from bladeroot.records.campaign import CampaignError, load_campaign
 from bladeroot.records.load import Load
+from bladeroot.records.table import read_table
 
 BARE = """
 title: three floors
@@ -190,3 +191,86 @@ def test_a_load_is_shown_in_its_own_unit():
     assert shown({"load_name": "bolt torque", "load_unit": "Nm"}) == (1.0, "Nm", "bolt torque")
     assert shown({"load_name": "", "load_unit": ""}) == (1.0, "", "")
     assert [value_of(facts) for facts in ({"load": 3.0}, {"force_N": 2.0}, {})] == [3.0, 2.0, 0.0]
+
+
+SIMULATED = "mode,torque_Nm,frequency_Hz,by_ln_kn\nfirst,5,7.0,0.01\nfirst,20,7.2,0.01\n"
+
+
+def with_table(folder, table, sheet="record,file,mode,torque_Nm\nr1,a.csv,first,12\n"):
+    (folder / "sim.csv").write_text(table)
+    return loaded(folder, sheet, TORQUE + "simulation: sim.csv\n")
+
+
+def test_a_table_is_a_simulation(folder):
+    assert with_table(folder, SIMULATED).description["simulation"] == "sim.csv"
+    frame = read_table(folder / "sim.csv", {"modes": {"first": {}}}, Load("bolt torque", "Nm"))
+    assert frame["load"].tolist() == [5.0, 20.0]
+    assert frame["by_ln_kn"].tolist() == [0.01, 0.01]
+
+
+@pytest.mark.parametrize(
+    ("table", "sheet", "told"),
+    [
+        (
+            SIMULATED,
+            "r1,a.csv,first,30",
+            "r1: 30 Nm lies outside the table's loads of mode first, 5",
+        ),
+        (
+            SIMULATED,
+            "r1,a.csv,second,12",
+            "r1: the table has no mode second; expected one of first",
+        ),
+        (
+            SIMULATED.replace("7.2", "x"),
+            "r1,a.csv,first,12",
+            "frequency_Hz must be a finite number",
+        ),
+        (SIMULATED.replace("20,", "5,"), "r1,a.csv,first,5", "stand in row 2 already"),
+        (
+            SIMULATED.replace("first,5", "1B,5"),
+            "r1,a.csv,first,12",
+            "mode must be one of first, sec",
+        ),
+        (SIMULATED.replace("frequency_Hz", "f"), "r1,a.csv,first,12", "unknown column 'f'"),
+        (
+            SIMULATED.replace("torque_Nm", "force_N"),
+            "r1,a.csv,first,12",
+            "force_N is in N, the load",
+        ),
+    ],
+)
+def test_what_a_table_cannot_say_is_one_line(folder, table, sheet, told):
+    with pytest.raises(CampaignError) as caught:
+        with_table(folder, table, f"record,file,mode,torque_Nm\n{sheet}\n")
+    lines = str(caught.value).splitlines()
+    assert told in lines[0]
+    assert ".csv" in lines[0]
+
+
+def test_a_table_has_the_same_amplitudes_at_every_load(folder):
+    table = (
+        "mode,torque_Nm,amplitude_um,frequency_Hz\nfirst,5,1,7\nfirst,5,10,6.9\nfirst,20,1,7.2\n"
+    )
+    with pytest.raises(CampaignError, match=r"mode first at load 20 has 1 of the table's 2"):
+        with_table(folder, table)
+
+
+def test_a_structure_must_know_where_modes_are_looked_at(folder):
+    more = "structure: dovetail-H\nload: {name: axial force, unit: N}\n"
+    (folder / "records.csv").write_text("record,file,mode,force_N\nr1,a.csv,1B,3000\n")
+    text = "title: a\nmodes:\n  1B: {expected_Hz: 540}\n" + more
+    (folder / "campaign.yaml").write_text(text)
+    with pytest.raises(CampaignError, match=r"modes\.1B\.laser_x_mm is missing"):
+        load_campaign(folder)
+    (folder / "campaign.yaml").write_text(text + "sensors: {laser: {x_mm: 30}}\n")
+    assert load_campaign(folder).laser_x("1B") == 0.03
+    assert load_campaign(folder).structure_lacks == ""
+
+
+def test_a_structure_that_cannot_be_asked_says_what_lacks(folder):
+    campaign = loaded(folder, "record,file,mode\nr1,a.csv,first\n", "structure: dovetail-H\n")
+    assert "the campaign states none" in campaign.structure_lacks
+    more = "structure: dovetail-H\nload: {name: axial force, unit: kN}\n"
+    campaign = loaded(folder, "record,file,mode,load\nr1,a.csv,first,3\n", more)
+    assert "a structure knows modes 1B and 2B, not first, second" in campaign.structure_lacks

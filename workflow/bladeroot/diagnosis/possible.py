@@ -42,8 +42,7 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
         return ""
     there = np.exp(grid[point, list(choice)])
     pairs = [
-        f"{own:.4g} Hz for {mode} at {float(np.exp(t)):.4g} Hz "
-        f"({100.0 * (own / float(np.exp(t)) - 1.0):+.3g} %)"
+        f"{own:.4g} Hz for {mode} at {float(np.exp(t)):.4g} Hz ({_off(own / float(np.exp(t)))})"
         for mode, t, own in zip(wanted, target, there, strict=False)
     ]
     return (
@@ -52,6 +51,11 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
         f"{', '.join(pairs)}, where {FACTOR:g} times its stated error of "
         f"{100 * float(stated.max()):.2g} % would be {100 * FACTOR * float(stated.max()):.3g} %"
     )
+
+
+def _off(ratio: float) -> str:
+    """How far a frequency is off, per cent while that is a small number."""
+    return f"{100.0 * (ratio - 1.0):+.3g} %" if 0.5 < ratio < 2.0 else f"{ratio:.3g} times it"
 
 
 def _box(model: xr.Dataset) -> Float[ndarray, "point mode"]:
