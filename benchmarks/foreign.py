@@ -65,7 +65,7 @@ def run(args: argparse.Namespace) -> None:
         for old in (folder, results):
             shutil.rmtree(old, ignore_errors=True)
         make(argparse.Namespace(**(vars(args) | {"seeds": str(seed)})))
-        verdict = infer(folder, results, args.cache or args.out / "cache", args.shipped)
+        verdict = infer(folder, results, args.cache or args.out / "cache", args.shipped, args.keep)
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
         truth = opened(args.out / f"truth-{seed}.json")
         hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> None:
         )
         if not args.keep:
             shutil.rmtree(folder)
-            shutil.rmtree(results)
+            shutil.rmtree(results, ignore_errors=True)
 
 
 def score(args: argparse.Namespace) -> None:

@@ -37,8 +37,8 @@ def draw_bench(rng: np.random.Generator, specimen: Specimen) -> Bench:
     }
     noise = float(rng.uniform(40, 80))
     loss = {m: float(np.exp(rng.uniform(np.log(8e-4), np.log(5e-3)))) for m in modes}
-    fall = min(noise, 60) / 20 * np.log(10) + 1.0
-    seconds = {m: min(0.35 + fall / (np.pi * f[m] * loss[m]), 5.0) for m in modes}
+    fall = min(noise, 55) / 20 * np.log(10) + 1.0
+    seconds = {m: min(0.35 + fall / (np.pi * f[m] * loss[m]), 3.5) for m in modes}
     strangers = []
     for _ in range(int(rng.integers(0, 3))):
         ratio = float(np.exp(rng.uniform(np.log(0.3), np.log(5.0))))
@@ -46,7 +46,7 @@ def draw_bench(rng: np.random.Generator, specimen: Specimen) -> Bench:
             strangers.append((ratio, float(rng.uniform(0.01, 0.15))))
     return Bench(
         float(rng.choice([12.3, 17.9, 21.4])),
-        float(rng.choice([s for s in (12800.0, 20000.0, 25600.0, 51200.0) if s > 6 * f["2B"]])),
+        float(rng.choice([s for s in (6400.0, 12800.0, 20000.0, 25600.0) if s > 6 * f["2B"]][:2])),
         noise,
         bool(rng.random() < 0.4),
         loss,

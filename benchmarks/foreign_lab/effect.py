@@ -53,7 +53,9 @@ class Effect:
 
     def larger(self, factor: float) -> "Effect":
         """The same with another size, at most the law's largest."""
-        return replace(self, size=np.sign(self.size) * min(abs(self.size) * factor, self.law.SIZES[1]))
+        return replace(
+            self, size=np.sign(self.size) * min(abs(self.size) * factor, self.law.SIZES[1])
+        )
 
     def at_most(self) -> bool:
         """Whether its size is the law's largest."""

@@ -132,9 +132,7 @@ def assemble(g: Geometry) -> Assembly:
         for whole, piece in zip(total, part, strict=True):
             whole[where, where] = piece
     held = [
-        starts[1 + end] + 6 * node + np.arange(6)
-        for end in (0, 1)
-        for node in bodies.fixed[end]
+        starts[1 + end] + 6 * node + np.arange(6) for end in (0, 1) for node in bodies.fixed[end]
     ]
     free = np.setdiff1d(np.arange(starts[-1]), np.concatenate(held))
     gap, slip = [], []
@@ -159,7 +157,9 @@ def export(g: Geometry, folder: Path, name: str) -> Path:
     inside.mkdir(parents=True, exist_ok=True)
     files = {}
     for body, frame in zip(("beam", "Xn", "Xp"), (bodies.beam, *bodies.slots), strict=True):
-        parts = dict(zip(("stiffness", "mass", "geometric_stiffness"), matrices(frame), strict=True))
+        parts = dict(
+            zip(("stiffness", "mass", "geometric_stiffness"), matrices(frame), strict=True)
+        )
         if body != "beam":
             parts.pop("geometric_stiffness")
             held = "\n".join(str(node + 1) for node in bodies.fixed[body == "Xp"])

@@ -8,7 +8,8 @@ import importlib.util
 import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
@@ -51,14 +52,51 @@ def parametric_of(structure_file: Path, cache: Path) -> Path:
     return done
 
 
-def infer(folder: Path, results: Path, cache: Path, shipped: Path) -> dict:
-    """verdict.json of a campaign's folder; artifacts of the stages go to `results`.
+@contextmanager
+def in_memory(kept: bool) -> Iterator[None]:
+    """Artifacts are handed from stage to stage without files, which cost more than the analysis.
+
+    With `kept` they are files as in a run by Snakemake.
+    """
+    stage("record")  # the library's path
+    from bladeroot import artifacts
+
+    shelf, load, save = {}, artifacts.load, artifacts.save
+
+    def shelve(dataset, path, *, origin=None, settings="{}"):
+        source = {"campaign": "", "simulated": 0} | (dataset if origin is None else origin).attrs
+        shelf[Path(path)] = dataset.assign_attrs(
+            campaign=source["campaign"], simulated=source["simulated"], settings=settings
+        )
+
+    def fetch(path):
+        found = shelf.get(Path(path))
+        return load(path) if found is None else found.copy(deep=True)
+
+    if kept:
+        yield
+        return
+    artifacts.load, artifacts.save = fetch, shelve
+    try:
+        yield
+    finally:
+        artifacts.load, artifacts.save = load, save
+
+
+def infer(folder: Path, results: Path, cache: Path, shipped: Path, keep: bool = False) -> dict:
+    """verdict.json of a campaign's folder; artifacts of the stages go to `results`, with `keep`.
 
     `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. The answer has
     `seconds` beside the verdict: CPU time of the records and of the diagnosis.
     """
+    own = folder / f"{yaml.safe_load((folder / 'campaign.yaml').read_text())['structure'][0]}.yaml"
+    parametric = parametric_of(own, cache) if own.is_file() else shipped
+    with in_memory(keep):
+        return _inferred(folder, results, parametric)
+
+
+def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
     clock = time.process_time()
-    sys.path.insert(0, str(ROOT / "workflow")) if str(ROOT / "workflow") not in sys.path else None
     from bladeroot.records.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
@@ -71,7 +109,9 @@ def infer(folder: Path, results: Path, cache: Path, shipped: Path) -> dict:
         others = [modes[m]["expected_Hz"] for m in modes if m != row["mode"]]
         facts = {**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False}
         stage_record, stage_decay = _cached("record"), _cached("decay")
-        stage_record(folder / row["file"], json.dumps(facts), name, settings["record"], paths["records"])
+        stage_record(
+            folder / row["file"], json.dumps(facts), name, settings["record"], paths["records"]
+        )
         stage_decay(paths["records"], settings["decay"], paths["decay"], paths["plateau"])
         for part, path in paths.items():
             made[part].append(path)
@@ -79,9 +119,6 @@ def infer(folder: Path, results: Path, cache: Path, shipped: Path) -> dict:
     stage("integrity")(made["records"], made["decay"], made["plateau"], name, integrity)
     stage("stick")(made["plateau"], name, settings["stick"], stick)
     recorded = time.process_time() - clock
-    structure = campaign.description["structure"][0]
-    own = folder / f"{structure}.yaml"
-    parametric = parametric_of(own, cache) if own.is_file() else shipped
     clock = time.process_time()
     seen, verdict = results / "observations.nc", results / "verdict.json"
     stage("observations")(

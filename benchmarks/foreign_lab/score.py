@@ -181,6 +181,8 @@ def _wrong(cases: list) -> str:
     rows = ["| seed | hidden | named for certain |", "|---|---|---|"]
     for truth, verdict in cases:
         if outcome(truth, verdict) == "wrong, certain":
-            hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+            hidden = (
+                ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+            )
             rows.append(f"| {truth['seed']} | {hidden} | {', '.join(sorted(names(verdict)))} |")
     return "\n".join(rows)

@@ -43,7 +43,9 @@ class Sheet:
         result = np.zeros(len(self.mode))
         for name, surface in self.specimen.surfaces.items():
             mine = self.mode == name
-            result[mine] = surface.ln_frequency(s["ln_kn"][mine], s["ln_kt"][mine], s["force"][mine])
+            result[mine] = surface.ln_frequency(
+                s["ln_kn"][mine], s["ln_kt"][mine], s["force"][mine]
+            )
         return result + s["ln_f"]
 
 

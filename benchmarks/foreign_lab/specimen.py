@@ -98,9 +98,7 @@ def _surfaces(system, ln_kn: float, ln_kt: float) -> dict[str, Surface]:
     high = np.array([ln_kn + WIDE, ln_kt + WIDE, FORCE[1]])
     coefficients = sample(system.ln_frequencies, low, high)
     motion = system.motion(ln_kn, ln_kt, 12e3)
-    return {
-        mode: Surface(coefficients[k], low, high, *motion[k]) for k, mode in enumerate(MODES)
-    }
+    return {mode: Surface(coefficients[k], low, high, *motion[k]) for k, mode in enumerate(MODES)}
 
 
 class FrameSystem:

@@ -8,7 +8,10 @@ FORMS = {
     "linear": lambda r: {},
     "saturating": lambda r: {"rate": float(r.uniform(2.0, 6.0))},
     "step": lambda r: {"when": float(r.uniform(0.25, 0.75))},
-    "periodic": lambda r: {"cycles": float(r.uniform(0.7, 3.0)), "phase": float(r.uniform(0, 6.28))},
+    "periodic": lambda r: {
+        "cycles": float(r.uniform(0.7, 3.0)),
+        "phase": float(r.uniform(0, 6.28)),
+    },
     "temperature": lambda r: {},
 }
 

@@ -7,7 +7,10 @@ SIZES, SIGNED = (0.08, 0.35), True
 FORMS = {
     "constant": lambda r: {},
     "curved": lambda r: {"bend": float(r.uniform(0.2, 0.6))},
-    "two-ranges": lambda r: {"change": float(r.uniform(0.3, 0.5)), "low": float(r.uniform(0.7, 1.3))},
+    "two-ranges": lambda r: {
+        "change": float(r.uniform(0.3, 0.5)),
+        "low": float(r.uniform(0.7, 1.3)),
+    },
 }
 
 
@@ -18,7 +21,9 @@ def stick(effect, sheet):
     if effect.form == "curved":
         gain = effect.size * (1 + effect.shape["bend"] * (part - 1))
     if effect.form == "two-ranges":
-        gain = np.where(part < effect.shape["change"], effect.shape["low"] * effect.size, effect.size)
+        gain = np.where(
+            part < effect.shape["change"], effect.shape["low"] * effect.size, effect.size
+        )
     return {"force": gain * sheet.reading}
 
 

@@ -12,7 +12,9 @@ def stick(effect, sheet):
     """Less going up, more coming down."""
     side = -sheet.direction.astype(float)
     if effect.form == "constant":
-        return {"force": np.maximum(side * effect.size * sheet.reference, 300 - sheet.state["force"])}
+        return {
+            "force": np.maximum(side * effect.size * sheet.reference, 300 - sheet.state["force"])
+        }
     if effect.form == "turning-point":
         way = np.abs(sheet.turning - sheet.reading) / max(np.ptp(sheet.reading), 1.0)
         side = np.where(sheet.direction < 0, 1 - 2 * np.exp(-way / 0.15), -1.0)

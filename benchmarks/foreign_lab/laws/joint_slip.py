@@ -19,8 +19,9 @@ FORMS = {
     "power": lambda r: _common(r) | {"power": float(r.uniform(0.6, 3.0))},
     "lognormal": lambda r: _common(r) | {"spread": float(r.uniform(0.3, 1.2))},
     "uniform": lambda r: _common(r) | {"first": float(r.uniform(0.0, 0.4))},
-    "iwan": lambda r: _common(r)
-    | {"chi": float(r.uniform(-0.8, -0.2)), "last": float(r.uniform(0.0, 0.4))},
+    "iwan": lambda r: (
+        _common(r) | {"chi": float(r.uniform(-0.8, -0.2)), "last": float(r.uniform(0.0, 0.4))}
+    ),
     "mindlin": _common,
     "cattaneo-line": _common,
     "dahl": _common,

@@ -19,8 +19,12 @@ def stick(effect, sheet):
     half = -0.5 * effect.size * sheet.direction * np.ones(len(way))
     if effect.form in ("turning-point", "kt-alone"):
         # the memory of the turning point fades with the distance from it
-        half = 0.5 * effect.size * np.where(
-            sheet.direction < 0, 2 * -np.expm1(-np.abs(way) / effect.shape["length"]) - 1, -1.0
+        half = (
+            0.5
+            * effect.size
+            * np.where(
+                sheet.direction < 0, 2 * -np.expm1(-np.abs(way) / effect.shape["length"]) - 1, -1.0
+            )
         )
     if effect.form == "lens":
         u = (sheet.reading - bottom) / max(top - bottom, 1.0)

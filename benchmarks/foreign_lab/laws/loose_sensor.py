@@ -5,7 +5,11 @@ import numpy as np
 ID, UNIT, OUTSIDE = "loose-sensor", "rattle over the velocity", True
 SIZES = (0.03, 0.2)
 KIN = ("loose-sensor", "mode-beating", "shaker-recontact", "clipping")
-FORMS = {"clicks": lambda r: {}, "even": lambda r: {}, "lag": lambda r: {"from": float(r.uniform(0.1, 0.4))}}
+FORMS = {
+    "clicks": lambda r: {},
+    "even": lambda r: {},
+    "lag": lambda r: {"from": float(r.uniform(0.1, 0.4))},
+}
 
 
 def signal(effect, record, rng, t, v):

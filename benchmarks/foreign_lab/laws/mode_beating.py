@@ -6,7 +6,10 @@ ID, UNIT = "mode-beating", "its start over the mode's"
 SIZES = (0.05, 0.2)
 FORMS = {
     "one": lambda r: {"away": float(r.uniform(0.02, 0.12)), "decay": float(r.uniform(0.5, 2.0))},
-    "long-lived": lambda r: {"away": float(r.uniform(0.03, 0.12)), "decay": float(r.uniform(0.1, 0.4))},
+    "long-lived": lambda r: {
+        "away": float(r.uniform(0.03, 0.12)),
+        "decay": float(r.uniform(0.1, 0.4)),
+    },
     "two": lambda r: {"away": float(r.uniform(0.03, 0.12)), "decay": float(r.uniform(0.5, 1.5))},
 }
 

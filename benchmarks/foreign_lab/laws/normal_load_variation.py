@@ -42,7 +42,9 @@ def _gap(effect, record) -> float:
     """Laser amplitude (m) at which the flanks begin to open, for the record's mode."""
     sheet = record.sheet
     surface = sheet.specimen.surfaces["1B"]
-    share = 2.0 * float(surface.slope(0, sheet.specimen.ln_kn, sheet.specimen.ln_kt, sheet.reference))
+    share = 2.0 * float(
+        surface.slope(0, sheet.specimen.ln_kn, sheet.specimen.ln_kt, sheet.reference)
+    )
     start = float(np.median(sheet.start[sheet.mode == "1B"]))
     u = np.geomspace(1e-2, 100, 600)
     fall = share / 2.0 * (1.0 - left(effect.form, u))

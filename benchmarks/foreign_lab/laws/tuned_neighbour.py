@@ -2,7 +2,11 @@
 
 import numpy as np
 
-ID, UNIT, OUTSIDE = "tuned-neighbour", "coupling: half the least distance of the lines, relative", True
+ID, UNIT, OUTSIDE = (
+    "tuned-neighbour",
+    "coupling: half the least distance of the lines, relative",
+    True,
+)
 SIZES = (2e-3, 1e-2)
 KIN = ("mode-coupling", "tuned-neighbour", "mode-beating")
 FORMS = {"absorber": lambda r: {"at": float(r.uniform(0.2, 0.8))},
