@@ -1,9 +1,11 @@
 """The product on sealed campaigns of a laboratory that it has never seen.
 
-    python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped results/structures/dovetail-HB/parametric.nc
+    python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
     python benchmarks/foreign.py score --out DIR
-    python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone, to be looked at
+    python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
+
+PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
 
 Seeds 1 to 9999 are for tuning; from 100000 on they are for scoring alone. A case whose verdict is
 there is not run again unless `--again`; `--keep` keeps raw records and artifacts.

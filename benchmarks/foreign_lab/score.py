@@ -1,5 +1,6 @@
 """What the verdicts are worth: answer classes by kind, effect and form; sizes; log score."""
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable
@@ -168,7 +169,7 @@ def _reliability(cases: list) -> str:
         for truth, verdict in cases
         for key, value in probabilities(verdict).items()
     ]
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         mine = [(value, right) for value, right in pairs if low <= value < high]
         if mine:
             mean = sum(value for value, _ in mine) / len(mine)
