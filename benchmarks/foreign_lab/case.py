@@ -32,6 +32,7 @@ FIRST = ("force-gain", "force-offset", "gauge-friction", "force-relaxation")
 # An effect on stick frequencies is made larger until its rms over the records is this part of the
 # clampings' scatter, or its law's largest size is reached; level effects are what they are.
 VISIBLE = 0.8
+TRIES = 20  # draws of effects until the design can show them
 BIAS = 0.004  # of a mode's ln f; the analyst's dimensions and modulus make it 0.5 % in all
 
 
@@ -62,17 +63,24 @@ def draw_case(seed: int, cache: Path, shipped: Path, kind: str = "", effect: str
     sheet = draw_sheet(rng, made, bench)
     sheet.state = undisturbed(rng, sheet, bench, BIAS)
     sheet.state["eta"] = np.array([bench.loss[m] for m in sheet.mode])
-    effects = []
-    for law in _chosen(rng, kind, laws, effect):
-        one = draw_effect(rng, law)
-        while _seen(one, sheet, bench) < VISIBLE and not one.at_most():
-            one = one.larger(1.2)
-        effects.append(one)
+    for _ in range(TRIES):
+        effects = [
+            _grown(draw_effect(rng, law), sheet, bench) for law in _chosen(rng, kind, laws, effect)
+        ]
+        # a design without, say, unloading cannot show some effects at any size
+        if all(_seen(one, sheet, bench) > VISIBLE / 2 for one in effects):
+            break
     effects.sort(key=lambda one: (FIRST.index(one.id) if one.id in FIRST else 9, one.id))
     for one in effects:
         for name, change in (one.call("stick", sheet) or {}).items():
             sheet.state[name] = sheet.state[name] + change
     return Case(seed, kind, tuple(effects), sheet, bench)
+
+
+def _grown(effect: Effect, sheet: Sheet, bench: Bench) -> Effect:
+    while _seen(effect, sheet, bench) < VISIBLE and not effect.at_most():
+        effect = effect.larger(1.2)
+    return effect
 
 
 def _outside(law) -> bool:
