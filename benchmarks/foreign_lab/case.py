@@ -110,7 +110,7 @@ def _seen(effect: Effect, sheet: Sheet, bench: Bench) -> float:
     if change is None or effect.id in CLASSES[2] or set(change) <= {"ln_eta"}:
         return np.inf
     if not any(np.abs(part).max() > 0 for part in change.values()):
-        return np.inf
+        return np.inf if hasattr(effect.law, "curve") else 0.0
     moved = {name: part + change.get(name, 0.0) for name, part in sheet.state.items()}
     shift = sheet.ln_frequency(moved) - sheet.ln_frequency()
     seen = []
@@ -124,8 +124,11 @@ def _seen(effect: Effect, sheet: Sheet, bench: Bench) -> float:
     return float(max(seen))
 
 
-def write_campaign(case: Case, folder: Path) -> None:
-    """campaign.yaml, records.csv, raw/*.nc and, unless the structure is shipped, its matrices."""
+def write_campaign(case: Case, folder: Path, raw: bool = True) -> None:
+    """campaign.yaml, records.csv, raw/*.nc and, unless the structure is shipped, its matrices.
+
+    Without `raw` the records' files are empty.
+    """
     sheet, bench = case.sheet, case.bench
     rng = np.random.default_rng([case.seed, 4])
     (folder / "raw").mkdir(parents=True)
@@ -172,6 +175,9 @@ def write_campaign(case: Case, folder: Path) -> None:
             "time_s": f"{sheet.time[k]:.0f}",
         }
         lines.append(",".join(row[column] for column in columns))
+        if not raw:
+            (folder / row["file"]).touch()
+            continue
         digits, step = raw_record(
             np.random.default_rng([case.seed, 5, k]), Record(sheet, k), bench, case.effects
         )

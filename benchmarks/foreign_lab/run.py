@@ -4,8 +4,10 @@ This file alone of the laboratory uses the product, through the same functions a
 `workflow/scripts` call, with the settings of `config/config.yaml`.
 """
 
+import hashlib
 import importlib.util
 import json
+import pickle
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -59,10 +61,10 @@ def parametric_of(structure_file: Path, cache: Path) -> Path:
 
 
 @contextmanager
-def in_memory(kept: bool) -> Iterator[None]:
+def in_memory(kept: bool) -> Iterator[dict]:
     """Artifacts are handed from stage to stage without files, which cost more than the analysis.
 
-    With `kept` they are files as in a run by Snakemake.
+    With `kept` they are files as in a run by Snakemake, and the shelf that is given stays empty.
     """
     stage("record")  # the library's path
     from bladeroot import artifacts
@@ -80,29 +82,75 @@ def in_memory(kept: bool) -> Iterator[None]:
         return load(path) if found is None else found.copy(deep=True)
 
     if kept:
-        yield
+        yield shelf
         return
     artifacts.load, artifacts.save = fetch, shelve
     try:
-        yield
+        yield shelf
     finally:
         artifacts.load, artifacts.save = load, save
 
 
-def infer(folder: Path, results: Path, cache: Path, shipped: Path, keep: bool = False) -> dict:
+def analysed_file(folder: Path, seed: int) -> Path:
+    """Where the analysed records of a seed are kept: another name once any code that made them is.
+
+    The diagnosis alone may change without new records.
+    """
+    stage("record")  # the library's path
+    from bladeroot.provenance import code_hash
+
+    parts = [
+        code_hash(SCRIPTS / f"{name}.py") for name in ("record", "decay", "integrity", "stick")
+    ]
+    lab = Path(__file__).parent
+    parts += [path.read_text() for path in sorted(lab.rglob("*.py")) if path.name not in _NO_MAKERS]
+    key = hashlib.sha256("".join(parts).encode()).hexdigest()
+    return folder / f"{seed}-{key[:12]}.pickle"
+
+
+_NO_MAKERS = ("run.py", "score.py")
+
+
+def infer(
+    folder: Path,
+    results: Path,
+    cache: Path,
+    shipped: Path,
+    keep: bool = False,
+    analysed: Path | None = None,
+) -> dict:
     """verdict.json of a campaign's folder; artifacts of the stages go to `results`, with `keep`.
 
-    `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. The answer has
+    `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. `analysed`: the
+    analysed records, taken from there if the file exists, else left there. The answer has
     `seconds` beside the verdict: CPU time of the records and of the diagnosis.
     """
     own = folder / f"{yaml.safe_load((folder / 'campaign.yaml').read_text())['structure'][0]}.yaml"
     parametric = parametric_of(own, cache) if own.is_file() else shipped
-    with in_memory(keep):
-        return _inferred(folder, results, parametric)
+    with in_memory(keep) as shelf:
+        clock = time.process_time()
+        if analysed is not None and analysed.is_file():
+            stored = pickle.loads(analysed.read_bytes())
+            shelf.update({results / name: one for name, one in stored.items()})
+        else:
+            _analyse(folder, results)
+        if analysed is not None and not analysed.is_file():
+            wanted = {path.relative_to(results): one for path, one in shelf.items()}
+            kept = {name: one for name, one in wanted.items() if name.parts[0] not in _DROPPED}
+            analysed.parent.mkdir(parents=True, exist_ok=True)
+            analysed.write_bytes(pickle.dumps(kept))
+        recorded = time.process_time() - clock
+        clock = time.process_time()
+        verdict = _diagnose(folder, results, parametric)
+        seconds = {"records": recorded, "diagnosis": time.process_time() - clock}
+        return {**verdict, "seconds": seconds}
 
 
-def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
-    clock = time.process_time()
+# The diagnosis reads the curves, stick.nc and integrity.nc.
+_DROPPED = ("records", "plateau")
+
+
+def _analyse(folder: Path, results: Path) -> None:
     from bladeroot.records.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
@@ -124,12 +172,16 @@ def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
     integrity, stick = results / "integrity.nc", results / "stick.nc"
     stage("integrity")(made["records"], made["decay"], made["plateau"], name, integrity)
     stage("stick")(made["plateau"], name, settings["stick"], stick)
-    recorded = time.process_time() - clock
-    clock = time.process_time()
+
+
+def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
+    from bladeroot.records.campaign import load_campaign
+
+    campaign, config = load_campaign(folder), configuration()
+    decays = [results / "decay" / f"{row['record']}.nc" for row in campaign.records]
+    integrity, stick = results / "integrity.nc", results / "stick.nc"
     seen, verdict = results / "observations.nc", results / "verdict.json"
-    stage("observations")(
-        stick, made["decay"], [integrity], json.dumps(_observed_facts(campaign)), seen
-    )
+    stage("observations")(stick, decays, [integrity], json.dumps(_observed_facts(campaign)), seen)
     stage("diagnosis")(
         seen,
         parametric,
@@ -145,11 +197,7 @@ def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
         verdict,
         None,
     )
-    diagnosed = time.process_time() - clock
-    return {
-        **json.loads(verdict.read_text()),
-        "seconds": {"records": recorded, "diagnosis": diagnosed},
-    }
+    return json.loads(verdict.read_text())
 
 
 _MAINS: dict[str, Callable] = {}
