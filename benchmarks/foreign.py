@@ -9,8 +9,7 @@ PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
 
 Seeds 1 to 9999 are for tuning; from 100000 on they are for scoring alone. A case whose verdict is
 there is not run again unless `--again`; `--keep` keeps raw records and artifacts. With `--analysed`
-records are analysed once, so that a changed diagnosis is tried within a second or two a case (not
-with another `--kind` or `--effect` of the same seed).
+records are analysed once, so that a changed diagnosis is tried within a second or two a case.
 """
 
 import argparse
@@ -68,7 +67,11 @@ def run(args: argparse.Namespace) -> None:
         folder, results = args.out / "campaigns" / f"c{seed}", args.out / "results" / f"c{seed}"
         for old in (folder, results):
             shutil.rmtree(old, ignore_errors=True)
-        store = analysed_file(args.analysed, seed) if args.analysed else None
+        store = (
+            analysed_file(args.analysed, f"{seed}{args.kind}{args.effect}")
+            if args.analysed
+            else None
+        )
         fresh = store is None or not store.is_file()
         make(argparse.Namespace(**(vars(args) | {"seeds": str(seed)})), raw=fresh)
         cache = args.cache or args.out / "cache"

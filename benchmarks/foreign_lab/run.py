@@ -91,8 +91,8 @@ def in_memory(kept: bool) -> Iterator[dict]:
         artifacts.load, artifacts.save = load, save
 
 
-def analysed_file(folder: Path, seed: int) -> Path:
-    """Where the analysed records of a seed are kept: another name once any code that made them is.
+def analysed_file(folder: Path, case: str) -> Path:
+    """Where the analysed records of a case are kept: another name once any code that made them is.
 
     The diagnosis alone may change without new records.
     """
@@ -105,7 +105,7 @@ def analysed_file(folder: Path, seed: int) -> Path:
     lab = Path(__file__).parent
     parts += [path.read_text() for path in sorted(lab.rglob("*.py")) if path.name not in _NO_MAKERS]
     key = hashlib.sha256("".join(parts).encode()).hexdigest()
-    return folder / f"{seed}-{key[:12]}.pickle"
+    return folder / f"{case}-{key[:12]}.pickle"
 
 
 _NO_MAKERS = ("run.py", "score.py")
