@@ -19,6 +19,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
+RECORD_STAGES = ("ringdown", "integrity", "stick")
 
 
 def stage(name: str) -> Callable:
@@ -66,7 +67,7 @@ def in_memory(kept: bool) -> Iterator[dict]:
 
     With `kept` they are files as in a run by Snakemake, and the shelf that is given stays empty.
     """
-    stage("record")  # the library's path
+    stage("ringdown")  # the library's path
     from bladeroot import artifacts
 
     shelf, load, save = {}, artifacts.load, artifacts.save
@@ -96,12 +97,10 @@ def analysed_file(folder: Path, case: str) -> Path:
 
     The diagnosis alone may change without new records.
     """
-    stage("record")  # the library's path
+    stage("ringdown")  # the library's path
     from bladeroot.provenance import code_hash
 
-    parts = [
-        code_hash(SCRIPTS / f"{name}.py") for name in ("record", "decay", "integrity", "stick")
-    ]
+    parts = [code_hash(SCRIPTS / f"{name}.py") for name in RECORD_STAGES]
     lab = Path(__file__).parent
     parts += [path.read_text() for path in sorted(lab.rglob("*.py")) if path.name not in _NO_MAKERS]
     key = hashlib.sha256("".join(parts).encode()).hexdigest()
@@ -154,34 +153,41 @@ def _analyse(folder: Path, results: Path) -> None:
     from bladeroot.records.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
-    name = campaign.name
     modes = campaign.description["modes"]
-    made: dict[str, list[Path]] = {"records": [], "decay": [], "plateau": []}
-    settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
+    facts = []
     for row in campaign.records:
-        paths = {part: results / part / f"{row['record']}.nc" for part in made}
         others = [modes[m]["expected_Hz"] for m in modes if m != row["mode"]]
-        facts = {**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False}
-        stage_record, stage_decay = _cached("record"), _cached("decay")
-        stage_record(
-            folder / row["file"], json.dumps(facts), name, settings["record"], paths["records"]
-        )
-        stage_decay(paths["records"], settings["decay"], paths["decay"], paths["plateau"])
-        for part, path in paths.items():
-            made[part].append(path)
-    integrity, stick = results / "integrity.nc", results / "stick.nc"
-    stage("integrity")(made["records"], made["decay"], made["plateau"], name, integrity)
-    stage("stick")(made["plateau"], name, settings["stick"], stick)
+        facts.append({**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False})
+    settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
+    batch = results / BATCH
+    stage("ringdown")(
+        [folder / row["file"] for row in campaign.records],
+        json.dumps(facts),
+        campaign.name,
+        settings["record"],
+        settings["decay"],
+        results,
+        batch,
+    )
+    stage("integrity")([batch], campaign.name, results / "integrity.nc")
+    stage("stick")([batch], campaign.name, settings["stick"], results / "stick.nc")
+
+
+# All records of a campaign are one batch.
+BATCH = Path("batches/all.txt")
 
 
 def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
     from bladeroot.records.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
-    decays = [results / "decay" / f"{row['record']}.nc" for row in campaign.records]
+    batch = results / BATCH
+    if not batch.is_file():
+        batch.parent.mkdir(parents=True)
+        batch.write_text("".join(f"{row['record']}\n" for row in campaign.records))
     integrity, stick = results / "integrity.nc", results / "stick.nc"
     seen, verdict = results / "observations.nc", results / "verdict.json"
-    stage("observations")(stick, decays, [integrity], json.dumps(_observed_facts(campaign)), seen)
+    stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
     stage("diagnosis")(
         seen,
         parametric,
@@ -198,15 +204,6 @@ def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
         None,
     )
     return json.loads(verdict.read_text())
-
-
-_MAINS: dict[str, Callable] = {}
-
-
-def _cached(name: str) -> Callable:
-    if name not in _MAINS:
-        _MAINS[name] = stage(name)
-    return _MAINS[name]
 
 
 def _observed_facts(campaign) -> dict:
