@@ -97,6 +97,7 @@ SIZES = {
     ("force-offset", "offset"): "offset",
     ("added-mass", "mass"): "mass",
     ("load-dependent-stiffness", "exponent"): "slope_kn",
+    ("force-relaxation", "loss"): "size",
 }
 
 
@@ -108,8 +109,9 @@ def sizes(truth: dict, verdict: dict) -> list[tuple[str, float]]:
         one = hidden.get(cause["mechanism"])
         for parameter in cause.get("parameters", []) if one else []:
             measure = SIZES.get((cause["mechanism"], parameter["name"]))
-            if measure in one["measures"] and parameter["std"]:
-                off = parameter["value"] - one["measures"][measure]
+            true = {"size": one["size"], **one["measures"]}
+            if measure in true and parameter["std"]:
+                off = parameter["value"] - true[measure]
                 found.append((cause["mechanism"], off / parameter["std"]))
     return found
 

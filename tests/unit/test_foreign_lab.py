@@ -362,6 +362,18 @@ def test_the_log_score_takes_stated_probabilities_and_a_name_at_its_word():
     assert "drift" in score.report([(truth, both), (hidden("drift"), verdict("unexplained"))])
 
 
+def test_a_size_counts_in_its_stated_standard_deviations():
+    truth = hidden("force-gain")
+    truth["effects"][0] |= {"size": 0.2, "measures": {"gain": 0.17}}
+    answer = verdict("named", ["force-gain"])
+    answer["causes"][0]["parameters"] = [
+        {"name": "gain", "value": 0.2, "std": 0.01},
+        {"name": "other", "value": 5.0, "std": 1.0},
+    ]
+    [(name, off)] = score.sizes(truth, answer)
+    assert (name, off) == ("force-gain", pytest.approx(3.0))
+
+
 def imported(path):
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
