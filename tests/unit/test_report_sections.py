@@ -148,10 +148,11 @@ def test_a_record_unlike_its_repeats_is_not_overlooked():
 
 def test_in_short_says_who_is_rejected_and_what_needs_a_structure():
     stick = sticks(10e3).drop_dims("record").assign(rejections(12).variables)
-    _, bad, alone = alone_section(stick).parts
+    said = {"structure": None, "causes": [], "shortfall": [], "reason": ""}
+    _, bad, alone = alone_section(stick, said).parts
     assert bad.startswith("Rejected: 12 of 13 records, r1, r2, ")
     assert "r10 and 2 more;" in bad
-    assert "names no structure" in alone
+    assert "Nothing is simulated: each mode is judged against a linear one" in alone
 
 
 def test_the_stick_figure_without_forces_of_a_simulation():

@@ -7,9 +7,10 @@ from bladeroot.decay.groups import group_differences
 
 
 def main(batches, campaign, output):
-    read = [artifacts.load_records(batches, one) for one in ("decay", "plateau")]
-    curves = mean_curves(*read)
-    differences = group_differences(*read)
+    decays, plateaus = (artifacts.load_records(batches, one) for one in ("decay", "plateau"))
+    curves = mean_curves(decays, plateaus)
+    rejected = [str(one["verdict"].values).startswith("rejected") for one in plateaus]
+    differences = group_differences(decays, rejected)
     if differences is not None:
         curves = curves.merge(differences)
     curves.attrs["campaign"] = campaign

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.groups import group_differences
@@ -24,7 +25,9 @@ def main(stick, batches, integrity, settings, output):
         facts["laser_x"],
         facts["time"],
     )
-    differences = group_differences(decays, artifacts.load_records(batches, "plateau"))
+    bad = np.char.startswith(measured["verdict"].values.astype(str), "rejected")
+    rejected = dict(zip(measured["record"].values.astype(str), bad.tolist(), strict=True))
+    differences = group_differences(decays, [rejected[one.attrs["record"]] for one in decays])
     if differences is not None:
         seen = seen.merge(differences)
     artifacts.save(seen, output, origin=measured, settings=settings)

@@ -38,13 +38,11 @@ class _Motion:
     place: tuple[float, str]  # load and sensor
 
 
-def group_differences(
-    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]
-) -> xr.Dataset | None:
+def group_differences(decays: Sequence[xr.Dataset], rejected: Sequence[bool]) -> xr.Dataset | None:
     """How groups differ in each mode; None where records name no two groups.
 
     decays: as from `bladeroot.decay.estimate.estimate`, with `mode`, `group`, `event`, `sensor` and
-    the load in their attributes; plateaus: of the same records; what is rejected there is left out.
+    the load in their attributes; rejected: which of them are left out.
     A record's level is its mean distance from the others over the amplitudes that they share.
 
     Returns:
@@ -57,8 +55,8 @@ def group_differences(
     """
     usable = [
         decay
-        for decay, plateau in zip(decays, plateaus, strict=True)
-        if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
+        for decay, bad in zip(decays, rejected, strict=True)
+        if decay.sizes["point"] > 1 and not bad
     ]
     motions = [_motion(decay) for decay in usable]
     rows, levels = [], []

@@ -175,12 +175,8 @@ def frequencies(seen: xr.Dataset, expected: Mapping[str, float]) -> dict[str, fl
     """Median stick frequency (Hz) of each mode, or the expected one where there is none."""
     mode, value = seen["mode"].values.astype(str), seen["stick_frequency"].values
     usable = np.isfinite(value) & (seen["verdict"].values.astype(str) == "usable")
-    return {
-        name: float(np.median(value[usable & (mode == name)]))
-        if (usable & (mode == name)).any()
-        else float(own)
-        for name, own in expected.items()
-    }
+    found = {n: float(np.median(value[usable & (mode == n)])) for n in np.unique(mode[usable])}
+    return {name: float(own) for name, own in expected.items()} | found
 
 
 def _with_groups(said: dict, seen: xr.Dataset) -> dict:

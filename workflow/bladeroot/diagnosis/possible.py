@@ -26,6 +26,8 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
     structure has no mode of a name, modes are taken in the order of their frequencies, in the way
     that suits it best. error: the model's stated relative error by mode.
     """
+    if not measured:
+        return ""
     names = model["mode"].values.astype(str).tolist()
     grid = _box(model)
     wanted = dict(sorted(measured.items(), key=lambda one: one[1]))
