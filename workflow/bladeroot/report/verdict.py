@@ -182,7 +182,7 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
         if below >= 0:
             text = said["reason"][below:].rstrip(".").replace("+-", "±")
             texts.append(f"{said['structure']}: {plain(text.replace('_', ' '))}.")
-        if said["causes"] and lacks_of(one):
+        if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":
             lacks.setdefault("; ".join(lacks_of(one)), []).append(said["structure"])
     texts += [
         f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "
