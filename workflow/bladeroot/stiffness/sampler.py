@@ -14,8 +14,9 @@ from bladeroot.stiffness.posterior import Problem, biases
 from bladeroot.stiffness.summit import Summit
 
 WALKERS = 16  # for each parameter that is walked over
-# Autocorrelation times are 50 to 80 steps: some 2,000 independent draws. From seed to seed the 16 and
-# 84 % quantiles of ln k move by 0.05 of its standard deviation, the 97.5 % one of a long tail by 0.2.
+# Autocorrelation times are 50 to 80 steps: some 2,000 independent draws. From seed to seed the 16
+# and 84 % quantiles of ln k move by 0.05 of its standard deviation, the 97.5 % one of a long tail
+# by 0.2.
 STEPS, THIN = 1000, 20
 
 
