@@ -7,26 +7,31 @@ _JOINT = (
     (r"\bon beam and rig\b", "on the specimen"),
     (r"\bthe beam\b|\bthe rig\b", "the specimen"),
     (r"\bthe flanks\b|\ba flank\b|\bflanks\b", "the joint"),
+    (r"\bstuck joint\b", "plateau"),
+    (r", or says itself that it is not so", ""),
+    (r"\bthe shaker's tip\b", "the exciter"),
+)
+_SIMULATION = (
     (r"\bthan simulated\b", "than in a linear mode"),
     (r"\bsimulated as it was\b|\band simulated\b", "and of a linear mode"),
-    (r"\bstuck joint\b", "plateau"),
     (r"\bThe simulation explains\b", "Linear modes explain"),
     (r"\bThe simulation misses\b", "Linear modes miss"),
     (r"\bin the simulation\b", "in the model"),
     (r"\bthe simulation as it is\b", "linear modes"),
-    (r", or says itself that it is not so", ""),
     (r"\bthe simulation is too (low|high)\b", r"a linear mode is too \1"),
     (r"\bthe simulation without it\b", "linear modes"),
     (r"\bthe simulation explains\b", "linear modes explain"),
     (r"\bdepart from the simulation\b", "depart from a linear mode's"),
     (r"\bthe simulation\b", "a linear mode"),
-    (r"\bthe shaker's tip\b", "the exciter"),
 )
 
 
-def plainly(text: str, load: str) -> str:
-    """A sentence of the catalogue or of a verdict in terms that any specimen has."""
-    for pattern, other in _JOINT:
+def plainly(text: str, load: str, simulated: bool = False) -> str:
+    """A sentence of the catalogue or of a verdict in terms that any specimen has.
+
+    load: its name, or "". simulated: whether anything is, so that sentences may speak of it.
+    """
+    for pattern, other in _JOINT if simulated else (*_SIMULATION, *_JOINT):
         text = re.sub(pattern, other, text)
     text = text.replace("clamping, gauge and", "clamping, reading and" if load else "clamping and")
     if not load:
@@ -42,7 +47,9 @@ def plainly(text: str, load: str) -> str:
     return re.sub(r"  +", " ", text)
 
 
-def plainly_but_ids(text: str, load: str) -> str:
+def plainly_but_ids(text: str, load: str, simulated: bool = False) -> str:
     """Plain words, where ids such as force-gain stay."""
     parts = re.split(r"(\b[a-z]+(?:-[a-z]+)+\b)", text)
-    return "".join(part if k % 2 else plainly(part, load) for k, part in enumerate(parts))
+    return "".join(
+        part if k % 2 else plainly(part, load, simulated) for k, part in enumerate(parts)
+    )

@@ -86,7 +86,7 @@ def diagnose(
     modes = simulated.modes
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
-    lacks = lacking(data, simulated.kind)
+    lacks = lacking(data, simulated.kind, simulated.knows_contact)
     barred = _barred(candidates, settings, data, bool(lacks))
     known = Known(settings.splits, not lacks, barred)
     faulty = faulty_records(seen, candidates)

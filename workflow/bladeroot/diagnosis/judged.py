@@ -23,6 +23,7 @@ from bladeroot.diagnosis.simulation.own_range import (
 )
 from bladeroot.diagnosis.simulation.table import Table, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
+from bladeroot.loads import AXIAL_FORCE
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.plain_words import plainly, plainly_but_ids
 
@@ -99,8 +100,11 @@ def _in_own(
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
     made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
     whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
+    if simulated.kind == "none" or own.name != AXIAL_FORCE:
+        of_table = simulated.kind == "table"
+        whole = _dataset_plainly(whole, own.name, of_table)
+        said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":
-        whole, said = _dataset_plainly(whole, own.name), _verdict_plainly(said, own.name)
         ranked = plainly_but_ids(_ranked(made), own.name)
         silent = SILENT + (SILENT_LOAD if own.name else "")
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
@@ -114,24 +118,28 @@ def _in_own(
     return whole, said, None
 
 
-def _verdict_plainly(said: Mapping, load: str) -> dict:
+def _verdict_plainly(said: Mapping, load: str, simulated: bool) -> dict:
     """A verdict in such terms; ids stay."""
     made = dict(said)
-    made["reason"] = plainly_but_ids(said["reason"], load)
-    made["causes"] = [one | {"splitter": plainly(one["splitter"], load)} for one in said["causes"]]
-    made["shortfall"] = [one | {"trend": plainly(one["trend"], load)} for one in said["shortfall"]]
+    made["reason"] = plainly_but_ids(said["reason"], load, simulated)
+    made["causes"] = [
+        one | {"splitter": plainly(one["splitter"], load, simulated)} for one in said["causes"]
+    ]
+    made["shortfall"] = [
+        one | {"trend": plainly(one["trend"], load, simulated)} for one in said["shortfall"]
+    ]
     return made
 
 
-def _dataset_plainly(found: xr.Dataset, load: str) -> xr.Dataset:
+def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Dataset:
     """A diagnosis's Dataset in such terms."""
     made = found.copy()
     for name in ("sentence", "barred"):
         if name in made:
-            texts = [plainly(str(text), load) for text in made[name].values]
+            texts = [plainly(str(text), load, simulated) for text in made[name].values]
             made[name] = (made[name].dims, texts, made[name].attrs)
     for name in ("reason", "lacks"):
-        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load)
+        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
     return made
 
 

@@ -10,11 +10,11 @@ from bladeroot.diagnosis.stick_model import StickData
 LINEAR_RECORDS = 4
 
 
-def lacking(data: StickData, kind: str = "structure") -> list[str]:
+def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> list[str]:
     """What the stick frequencies lack, a phrase each; empty where they suffice.
 
     kind: of the simulation; with none, level and slope over the load are free, and nothing is said
-    that would need more than repeats.
+    that would need more than repeats. contact: whether it has kn and kt.
     """
     records = data.records
     if kind == "none" and not data.ln_f.size:
@@ -23,9 +23,10 @@ def lacking(data: StickData, kind: str = "structure") -> list[str]:
         return [] if replicated(data) else ["repeats: without them their scatter is not known"]
     forces = np.unique(records.force)
     lacks = []
-    if np.unique(records.mode).size < guards.MODES:
+    if contact and np.unique(records.mode).size < guards.MODES:
         lacks.append("a second mode: one frequency cannot tell kn from kt")
-    if forces.size < guards.FORCES:
+    of_load = kind == "structure" or forces.size > 1
+    if of_load and forces.size < guards.FORCES:
         lacks.append(f"more axial forces: {forces.size} where a law needs {guards.FORCES} or more")
     if not replicated(data):
         lacks.append(
@@ -36,6 +37,8 @@ def lacking(data: StickData, kind: str = "structure") -> list[str]:
         lacks.append(
             f"records: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
             "from the scatter of clampings"
+            if of_load
+            else f"records: {data.ln_f.size} where some {guards.RECORDS} tell levels from scatter"
         )
     return lacks
 
@@ -66,11 +69,11 @@ def replicated(data: StickData) -> bool:
 
 
 def hopeless(data: StickData, kind: str = "structure") -> bool:
-    """Whether no law of the force can be judged: one mode, or too few forces; of a linear mode, too
-    few records.
+    """Whether no law of the force can be judged: one mode, or too few forces; without a structure,
+    too few records.
     """
     records = data.records
-    if kind == "none":
+    if kind != "structure":
         return data.ln_f.size < LINEAR_RECORDS
     return (
         np.unique(records.mode).size < guards.MODES or np.unique(records.force).size < guards.FORCES

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
-from bladeroot.loads import shown
+from bladeroot.loads import AXIAL_FORCE, shown
 from bladeroot.plain_words import plainly
 from bladeroot.report.diagnosis_tables import (
     candidates_table,
@@ -54,8 +54,9 @@ def diagnosis_section(
         head = f"{verdicts[0]['structure']}: not this specimen, nothing is inferred with it"
         return Section(TITLE, [Box(head, [f"{said['reason']}." for said in verdicts])])
     whole = Section(TITLE, _parts(found, verdicts, figures, simulated, remarks))
-    if found[0].attrs.get("kind") == "none":
-        return _without_simulation(whole, shown(found[0].attrs)[2])
+    kind, load = found[0].attrs.get("kind"), shown(found[0].attrs)[2]
+    if kind == "none" or (kind == "table" and load != AXIAL_FORCE):
+        return _in_own_words(whole, load, kind == "table")
     return whole
 
 
@@ -99,18 +100,24 @@ def _parts(
     return [*parts, *stiffness_tables(found), *next_parts(found)]
 
 
-def _without_simulation(section: Section, load: str) -> Section:
-    """The section in the words of a specimen of which nothing is simulated."""
+def _in_own_words(section: Section, load: str, simulated: bool) -> Section:
+    """The section as of a specimen with another load, or of which nothing is simulated."""
     parts: list = []
     for part in section.parts:
         if isinstance(part, str):
-            parts.append(plainly(part, load))
+            parts.append(plainly(part, load, simulated))
         elif isinstance(part, Box):
-            parts.append(Box(plainly(part.head, load), [plainly(one, load) for one in part.lines]))
+            parts.append(
+                Box(
+                    plainly(part.head, load, simulated),
+                    [plainly(one, load, simulated) for one in part.lines],
+                )
+            )
         elif isinstance(part, Picture):
-            parts.append(Picture(part.svg, plainly(part.caption, load)))
+            parts.append(Picture(part.svg, plainly(part.caption, load, simulated)))
         else:
             header = ["against" if name == "structure" else name for name in part.header]
-            rows = [[plainly(cell, load) for cell in row] for row in part.rows]
-            parts.append(Table(plainly(part.caption, load), header, rows, part.folded))
-    return Section("What linear modes do not explain, and why", parts)
+            rows = [[plainly(cell, load, simulated) for cell in row] for row in part.rows]
+            parts.append(Table(plainly(part.caption, load, simulated), header, rows, part.folded))
+    title = section.title if simulated else "What linear modes do not explain, and why"
+    return Section(title, parts)
