@@ -5,6 +5,7 @@ import pkgutil
 from importlib import import_module
 from pathlib import Path
 
+from bladeroot import mechanisms
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.mechanisms.own_files import own_files
 from bladeroot.mechanisms.probe import probe
@@ -20,7 +21,7 @@ def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
     the `probe`, or two of the folder's files have one id.
     """
     found = {}
-    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+    for module in pkgutil.iter_modules(mechanisms.__path__):
         if module.name not in _NO_MECHANISM:
             one = import_module(f"bladeroot.mechanisms.{module.name}").MECHANISM
             found[one.id] = one

@@ -10,10 +10,10 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 from scipy.linalg import expm
 
+from bladeroot.compiled import njit
 from bladeroot.rig.forces import ModalForces, no_forces, nonlinear_force
 from bladeroot.rig.sweep import own_give, settle
 
