@@ -31,8 +31,7 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
     every = with_lower_forces(*given, told, candidates)
     whole = dataset(made, every).merge(next_measurements(made))
     artifacts.save(whole, diagnosis, origin=seen, settings=settings)
-    text = json.dumps(verdict_of(made, every), indent=2, allow_nan=False)
-    artifacts.save_text(text + "\n", verdict)
+    artifacts.save_json(verdict_of(made, every), verdict)
     if model:
         artifacts.save_text(yaml.safe_dump(model_file(made), sort_keys=False), model)
 

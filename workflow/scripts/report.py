@@ -34,7 +34,7 @@ def main(
         [artifacts.load(calibration) for calibration in calibrations],
         [artifacts.load(joint) for joint in joints],
         [artifacts.load(diagnosis) for diagnosis in diagnoses],
-        [json.loads(Path(verdict).read_text()) for verdict in verdicts],
+        [artifacts.load_json(verdict) for verdict in verdicts],
         [artifacts.load(joint) for joint in extended],
         [artifacts.load(amplitude) for amplitude in amplitudes],
         [artifacts.load(shortfall) for shortfall in shortfalls],
