@@ -156,5 +156,5 @@ def test_what_the_system_refuses_is_one_line(tmp_path, monkeypatch):
     monkeypatch.setattr(
         xr.Dataset, "to_netcdf", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("HDF error"))
     )
-    with pytest.raises(ValueError, match="HDF error; is the disk full"):
+    with pytest.raises(ValueError, match="hdf error; is the disk full"):
         artifacts.save(SAMPLE, tmp_path / "b.nc")
