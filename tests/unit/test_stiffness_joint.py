@@ -18,7 +18,16 @@ from bladeroot.stiffness.joint import (
 from bladeroot.stiffness.laws import LAWS, PRIORS, REFERENCE_FORCE, powers, slopes
 from bladeroot.stiffness.levels import LEAST_STD, Levels, levels_of
 from bladeroot.stiffness.marginal import marginal, with_biases
-from bladeroot.stiffness.posterior import biases, local, log_posterior, predict, problem_of
+from bladeroot.stiffness.posterior import (
+    SCATTER,
+    bias_rows,
+    biases,
+    inner_products,
+    local,
+    log_posterior,
+    predict,
+    problem_of,
+)
 from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.summit import climb, find_summit
@@ -291,6 +300,20 @@ def test_one_clean_record_a_mode_and_force_of_one_clamping_has_a_posterior(model
     summit = find_summit(problems["one power"], starts=(0.0,))
     draws, _ = sample(summit, steps=20)
     assert np.isfinite(draws).all()
+    # each frequency in a clamping of its own, and the largest scatter: as by the whole covariance
+    alone = problems["one power"]
+    alone = replace(alone, levels=replace(alone.levels, clamping=np.arange(len(f))))
+    u = np.zeros((1, len(alone.names)))
+    u[:, -1] = 4.0
+    slope = predict(alone, u).slope
+    columns = bias_rows(alone.levels)[None]
+    product, determinant = inner_products(alone, slope, u[:, -1], columns)
+    scatter = np.exp(SCATTER[0] + 4.0 * SCATTER[1])
+    variance = LEAST_STD**2 + scatter**2 * (slope[0, :, :2] ** 2).sum(axis=1)
+    np.testing.assert_allclose(determinant, np.log(variance).sum(), rtol=1e-9)
+    expected = (columns[0] / variance) @ columns[0].T
+    np.testing.assert_allclose(product[0], expected, rtol=1e-3)
+    assert np.linalg.eigvalsh(product[0])[0] > 0.0
 
 
 def test_a_frequency_without_error_is_refused():
