@@ -23,7 +23,7 @@ ALLOWED = {
 }
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share
 # what checks files.
-COMPILER, SHARED = {"compiled"}, {"schema", "checksum"}
+COMPILER, SHARED = {"compiled"}, {"schema", "checksum", "hdf5_links"}
 
 
 def imported_rooms(room):

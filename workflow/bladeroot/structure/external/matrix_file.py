@@ -13,6 +13,8 @@ from bladeroot.structure.external import readers
 
 # Largest difference of the triangles, relative to the largest entry.
 SYMMETRY = 1.0e-9
+# Rows that a model may have, far more than can be solved here; a header may claim any number.
+MOST_ROWS = 10_000_000
 
 
 @cache
@@ -72,6 +74,8 @@ def _checked(found: sp.coo_array, where: str) -> sp.csr_array:
     rows, columns = found.shape
     if rows != columns or rows == 0:
         raise ValueError(f"expected a square matrix, got {rows} x {columns} ({where})")
+    if rows > MOST_ROWS:
+        raise ValueError(f"expected {MOST_ROWS} rows at most, got {rows} ({where})")
     if np.iscomplexobj(found.data):
         raise ValueError(f"expected a real matrix, got a complex one ({where})")
     bad = np.flatnonzero(~np.isfinite(found.data))

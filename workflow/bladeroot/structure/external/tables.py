@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+DIGITS = 18  # of a whole number, so that it fits 64 bits
+
 
 @dataclass(frozen=True)
 class Table:
@@ -80,11 +82,12 @@ def whole_numbers(table: Table, name: str, empty: int | None = None) -> Int[ndar
     for k, cell in enumerate(cells):
         if not cell and empty is not None:
             result[k] = empty
-        elif cell.isascii() and cell.isdigit() and int(cell) > 0:
+        elif cell.isascii() and cell.isdigit() and len(cell) <= DIGITS and int(cell) > 0:
             result[k] = int(cell)
         else:
             raise ValueError(
-                f"{name} must be a whole number from 1, got {cell!r} ({table.where(k)})"
+                f"{name} must be a whole number from 1, of {DIGITS} digits at most, got "
+                f"{cell[:60]!r} ({table.where(k)})"
             )
     return result
 
