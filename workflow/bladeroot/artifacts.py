@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -45,6 +45,19 @@ def _again(path: str | Path) -> str:
 
 def _reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
+
+
+def load_records(batches: Iterable[str | Path], stage: str) -> list[xr.Dataset]:
+    """The artifacts of one stage (records, decay, plateau) of all records, in the order of names.
+
+    batches: files of a campaign's folder `batches` with a record's name a line.
+    """
+    places = [
+        (name, Path(batch).parents[1] / stage / f"{name}.nc")
+        for batch in batches
+        for name in Path(batch).read_text(encoding="utf-8").split()
+    ]
+    return [load(place) for _, place in sorted(places)]
 
 
 def save(
