@@ -126,8 +126,8 @@ def hash_of(folder, *files):
 # A registry's folder, a file in it, a script that uses it, and one that does not.
 REGISTRIES = [
     ("mechanisms", "drift.py", "diagnosis", "theory"),
-    ("records/readers", "wav.py", "record", "theory"),
-    ("records/findings", "spike.py", "record", "theory"),
+    ("records/readers", "wav.py", "ringdown", "theory"),
+    ("records/findings", "spike.py", "ringdown", "theory"),
     ("rig/effects", "drift.py", "../bladeroot/rig/tuning", "diagnosis"),
     ("structure/external/readers", "calculix.py", "matrices_reduced", "theory"),
 ]
@@ -204,3 +204,9 @@ def test_the_environment_names_what_computes_and_can_be_kept(monkeypatch):
     monkeypatch.setattr(provenance, "environment", lambda: text.replace("numpy ", "numpy 9"))
     assert environment_hash() != before
     assert environment_hash(keep=text) == before
+
+
+def test_settings_hold_no_tag_of_a_page():
+    text = canonical_json({"title": "</script><script>alert(1)</script>"})
+    assert not set("<>") & set(text)
+    assert json.loads(text) == {"title": "</script><script>alert(1)</script>"}

@@ -31,8 +31,12 @@ _KNOWN = _LIBRARY / "__pycache__" / f"sources-{_READER.hexdigest()[:8]}.json"
 
 
 def canonical_json(settings: object) -> str:
-    """JSON text that is the same for equal settings: sorted keys, no spaces, no NaN."""
-    return json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    """JSON text that is the same for equal settings: sorted keys, no spaces, no NaN.
+
+    Angle brackets are escaped: Snakemake's report holds parameters within a page's script.
+    """
+    text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 @cache

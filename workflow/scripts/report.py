@@ -39,9 +39,12 @@ def main(
         [artifacts.load(amplitude) for amplitude in amplitudes],
         [artifacts.load(shortfall) for shortfall in shortfalls],
         [artifacts.load(search) for search in searched],
-        {Path(figure).stem: _inline(Path(figure).read_text()) for figure in figures},
+        {
+            Path(figure).stem: _inline(Path(figure).read_text(encoding="utf-8"))
+            for figure in figures
+        },
         pd.read_csv(published),
-        yaml.safe_load(Path(errata).read_text()),
+        yaml.safe_load(Path(errata).read_text(encoding="utf-8")),
         __version__,
     )
     artifacts.save_text(page, output)

@@ -35,6 +35,8 @@ def split(reference: str) -> tuple[str, str | None]:
 
 def check_file(path: Path) -> None:
     """Raise ValueError, one line, if there is no such file or no reader for its suffix."""
+    if set("{}") & set(str(path)):
+        raise ValueError(f"expected a path without braces, which stand for wildcards, got {path}")
     if path.suffix.lower() not in formats():
         raise ValueError(
             f"expected a matrix file ending in {', '.join(sorted(formats()))}, got {path}"

@@ -30,6 +30,8 @@ def read_table(path: Path, required: Sequence[str], optional: Sequence[str] = ()
 
     Raises ValueError, one line, for a missing file, a missing or unknown column, a short row.
     """
+    if set("{}") & set(str(path)):
+        raise ValueError(f"expected a path without braces, which stand for wildcards, got {path}")
     if not path.is_file():
         raise ValueError(f"expected a table with columns {', '.join(required)}, got none at {path}")
     with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
