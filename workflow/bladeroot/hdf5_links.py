@@ -1,7 +1,8 @@
 """What in an HDF5 file (NetCDF-4, MATLAB 7.3) leads elsewhere or nowhere, found before it is read.
 
 Links and data may stand in other files, of which the sheet says nothing and which nobody sent. A
-group that holds itself makes a library that lists all groups fill the memory from two kilobytes.
+group that holds itself, or has two names at every level, makes a library that lists all groups fill
+the memory from two kilobytes.
 """
 
 # A record or a set of matrices has a few dozen groups and variables, a few deep.
@@ -20,12 +21,11 @@ def check_links(path: str) -> None:
     except OSError:
         return
     with file:
-        seen: set = set()
-        count = 0
-        waiting = [(file["/"], "", frozenset([_identity(file["/"])]))]
+        seen, count = {_identity(file["/"])}, 0
+        waiting = [(file["/"], "", 1)]
         while waiting:
-            group, place, above = waiting.pop()
-            if len(above) > DEEPEST:
+            group, place, depth = waiting.pop()
+            if depth > DEEPEST:
                 raise ValueError(f"expected groups {DEEPEST} deep at most, got {place} ({path})")
             for name in group:
                 here = f"{place}/{name}"
@@ -46,14 +46,13 @@ def check_links(path: str) -> None:
                     _check_storage(item, here, path)
                 elif isinstance(item, h5py.Group):
                     own = _identity(item)
-                    if own in above:
+                    if own in seen:
                         raise ValueError(
-                            f"expected groups within groups, got {here}, which holds itself "
-                            f"({path})"
+                            f"expected each group once, got {here}, which holds itself or has two "
+                            f"names ({path})"
                         )
-                    if own not in seen:  # a second name of a group is none of its own
-                        seen.add(own)
-                        waiting.append((item, here, above | {own}))
+                    seen.add(own)
+                    waiting.append((item, here, depth + 1))
 
 
 def _identity(group) -> tuple:

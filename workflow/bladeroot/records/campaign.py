@@ -246,7 +246,11 @@ class _Sheet:
                 f"{given[0]} {values[given[0]]} is {value:g} N on a gauge of {full_scale:.0f} N: "
                 f"kN given as N? ({self.path}, row {row})"
             )
-        return round(value, 6)
+        value = round(value, 6)
+        if value <= 0.0:
+            self.fault(f"{given[0]} must be positive, got {values[given[0]]}", row)
+            return None
+        return value
 
     def records(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
         checked: list[dict] = []

@@ -121,7 +121,10 @@ def _norm(joint: Joint, low: ndarray, high: ndarray) -> Norm:
     size = len(factor)
     operator = LinearOperator((size, size), matvec=relative, dtype=float)
     start = np.linspace(1.0, 2.0, size)
-    largest = eigsh(operator, 1, which="LM", v0=start, return_eigenvectors=False)[0]
+    # without prestress nothing grows with force, and the iteration could not start
+    largest = 0.0
+    if joint.geometric.any():
+        largest = eigsh(operator, 1, which="LM", v0=start, return_eigenvectors=False)[0]
     # The ratio is concave in the force, so it is least at an end; stiffer contact only raises it.
     coercivity = 1.0 - reach * abs(float(largest))
     if not coercivity > 0.0:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Int
 from numpy import ndarray
 
+from bladeroot.structure.external.reading import check_path
 from bladeroot.structure.external.tables import DIGITS, Table, whole_numbers
 
 # Displacements along X, Y, Z, then rotations about them, as ANSYS writes them.
@@ -64,8 +65,7 @@ def _from_mapping(path: Path, place: dict[int, int], table: Path) -> Equations:
         raise ValueError(
             f"expected a mapping ending in .mapping (HBMAT) or .dof (CalculiX), got {path}"
         )
-    if not path.is_file():
-        raise ValueError(f"expected a mapping file, got none at {path}")
+    check_path(path, "a mapping file")
     read = _hbmat_row if path.suffix.lower() == ".mapping" else _calculix_row
     number, node, axis = [], [], []
     for line, text in enumerate(path.read_text(encoding="latin-1").splitlines(), 1):

@@ -10,11 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladeroot.structure.external import readers
+from bladeroot.structure.external.reading import check_order, check_path
 
 # Largest difference of the triangles, relative to the largest entry.
 SYMMETRY = 1.0e-9
-# Rows that a model may have, far more than can be solved here; a header may claim any number.
-MOST_ROWS = 10_000_000
 
 
 @cache
@@ -35,14 +34,11 @@ def split(reference: str) -> tuple[str, str | None]:
 
 def check_file(path: Path) -> None:
     """Raise ValueError, one line, if there is no such file or no reader for its suffix."""
-    if set("{}") & set(str(path)):
-        raise ValueError(f"expected a path without braces, which stand for wildcards, got {path}")
     if path.suffix.lower() not in formats():
         raise ValueError(
             f"expected a matrix file ending in {', '.join(sorted(formats()))}, got {path}"
         )
-    if not path.is_file():
-        raise ValueError(f"expected a matrix file, got none at {path}")
+    check_path(path, "a matrix file")
 
 
 def read_matrix(folder: Path, reference: str) -> sp.csr_array:
@@ -76,8 +72,7 @@ def _checked(found: sp.coo_array, where: str) -> sp.csr_array:
     rows, columns = found.shape
     if rows != columns or rows == 0:
         raise ValueError(f"expected a square matrix, got {rows} x {columns} ({where})")
-    if rows > MOST_ROWS:
-        raise ValueError(f"expected {MOST_ROWS} rows at most, got {rows} ({where})")
+    check_order(rows, where)
     if np.iscomplexobj(found.data):
         raise ValueError(f"expected a real matrix, got a complex one ({where})")
     bad = np.flatnonzero(~np.isfinite(found.data))

@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from bladeroot.structure.external.reading import check_path
+
 DIGITS = 18  # of a whole number, so that it fits 64 bits
 
 
@@ -30,10 +32,7 @@ def read_table(path: Path, required: Sequence[str], optional: Sequence[str] = ()
 
     Raises ValueError, one line, for a missing file, a missing or unknown column, a short row.
     """
-    if set("{}") & set(str(path)):
-        raise ValueError(f"expected a path without braces, which stand for wildcards, got {path}")
-    if not path.is_file():
-        raise ValueError(f"expected a table with columns {', '.join(required)}, got none at {path}")
+    check_path(path, f"a table with columns {', '.join(required)}")
     with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
         numbered = [(k, line) for k, line in enumerate(file, 1) if line.strip(" \t,;\r\n")]
     numbered = [(k, line) for k, line in numbered if not line.startswith("#")]
