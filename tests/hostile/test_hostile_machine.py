@@ -1,4 +1,4 @@
-"""A machine that has no space, no right to write, no language and no home: one line, or the result."""
+"""A machine without space, right to write, language or home: one line, or the result."""
 
 import os
 import resource
