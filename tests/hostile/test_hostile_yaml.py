@@ -1,8 +1,12 @@
 """YAML that is a bomb, a hole, no YAML, or a document of another kind."""
 
+import re
+from pathlib import Path
+
 import pytest
 from answers import answer
 from bladeroot.schema import DEEPEST, read_yaml
+from bladeroot.structure.file import load_structure
 
 NINE = ",".join(["*a{0}"] * 9)
 TEXTS = {
@@ -66,3 +70,32 @@ def test_yaml(case, schema, tmp_path, monkeypatch):
     path.write_bytes(text.encode("utf-8", "surrogateescape"))
     assert answer(lambda: read_yaml(path, schema), "document.yaml", told)
     assert sorted(tmp_path.iterdir()) == [path]  # nothing was executed
+
+
+# A key of a shipped structure's file, and a number that would fill the memory or never end.
+NUMBERS = [
+    ("width_elements", "1000000000"),
+    ("jaw_elements", "9" * 400),
+    ("span_element_mm", "1.0e-9"),
+    ("root_element_mm", "5.0e-324"),
+    ("root_element_mm", "0"),
+    ("beam_modes", "1000000000"),
+    ("slot_modes", "-1"),
+    ("slot_modes", "2.5"),
+    ("width_mm", "1.0e+400"),
+    ("lip_mm", ".nan"),
+    ("density_kg_m3", "'7800'"),
+    ("poisson_ratio", "0.5"),
+    ("young_modulus_GPa", "9" * 5000),
+    ("name", "n" * 101),
+]
+SHIPPED = Path(__file__).resolve().parents[2] / "resources" / "structures" / "dovetail-H.yaml"
+
+
+@pytest.mark.parametrize(("key", "number"), NUMBERS, ids=range(len(NUMBERS)))
+def test_number_of_a_structure(key, number, tmp_path):
+    path = tmp_path / "structure.yaml"
+    text, count = re.subn(rf"\b{key}: [^,}}\n]+", f"{key}: {number}", SHIPPED.read_text(), count=1)
+    assert count == 1
+    path.write_text(text)
+    assert answer(lambda: load_structure(path), "structure.yaml")
