@@ -9,7 +9,7 @@ from bladeroot import artifacts
 from bladeroot.diagnosis import judged
 from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.simulation.table import table_of
-from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.mechanisms.catalogue import usable_catalogue
 from bladeroot.records.load import Load
 from bladeroot.records.table import read_table
 
@@ -26,7 +26,7 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
         one["measurement"]: (one["value"], one["std"]) for one in asked.get("independent", [])
     }
     told = Settings(bias, offset, 1000.0 * asked.get("full_contact_from_kN", 0.0), splits)
-    candidates = catalogue(asked.get("mechanisms") or None)
+    candidates, failed = usable_catalogue(asked.get("mechanisms") or None)
     expected = asked.get("expected_Hz", {})
     if not parametric:
         made = judged.with_baseline(seen, told, candidates, expected)
@@ -40,8 +40,9 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
         lacks = asked.get("structure_lacks", "")
         made = judged.with_structure(seen, structure, told, candidates, expected, lacks)
     whole, said, extension = made
+    whole.attrs["mechanisms_not_tried"] = "; ".join(failed)
     artifacts.save(whole, diagnosis, origin=seen, settings=settings)
-    artifacts.save_text(json.dumps(said, indent=2, allow_nan=False) + "\n", verdict)
+    artifacts.save_json(said, verdict)
     if model:
         text = yaml.safe_dump(extension, sort_keys=False) if extension else ""
         artifacts.save_text(text, model)

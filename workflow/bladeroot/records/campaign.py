@@ -9,7 +9,8 @@ from pathlib import Path
 
 from bladeroot.records.load import COLUMNS, Load, load_of
 from bladeroot.records.load import force_scale as force_scale
-from bladeroot.records.rows import ID, RECORD_COLUMNS, RecordRows
+from bladeroot.records.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
+from bladeroot.records.rows import RECORD_COLUMNS, RecordRows
 from bladeroot.records.sheet import read_sheet
 from bladeroot.records.simulation import simulation_of
 from bladeroot.records.stick_rows import STICK_COLUMNS, VALUES, StickRows
@@ -91,11 +92,15 @@ class Campaign:
 def load_campaign(folder: str | Path) -> Campaign:
     """Load and check a campaign folder. Raises CampaignError with a line for every fault."""
     folder = Path(folder)
-    if not folder.is_dir():
-        raise CampaignError(f"campaign folder not found: {folder}")
-    if not ID.fullmatch(folder.name):
+    if not is_there(folder.is_dir):
+        raise CampaignError(f"campaign folder not found: {short(str(folder))}")
+    if not is_id(folder.name):
         raise CampaignError(
-            f"a campaign folder's name must be letters, digits, - and _, got {folder.name!r}"
+            f"a campaign folder's name must be {ID_TOLD}, got {short(folder.name)!r}"
+        )
+    if MEANT & set(str(folder)):
+        raise CampaignError(
+            f"the path of a campaign folder must have none of {MEANT_TOLD}: {folder}"
         )
     if folder.name in _RESERVED:
         raise CampaignError(

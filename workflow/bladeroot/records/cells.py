@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bladeroot.records.load import COLUMNS, Load, factor_of
+from bladeroot.records.names import short
 
 # A force this small on a gauge this large (N) is a slip of the unit.
 SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
@@ -49,7 +50,7 @@ class Cells:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            self.fault(f"{name} must be a finite number, got {text!r}", row)
+            self.fault(f"{name} must be a finite number, got {short(text)!r}", row)
             return None
         if positive and value <= 0:
             self.fault(f"{name} must be positive, got {text}", row)
@@ -142,7 +143,11 @@ class Cells:
                 f"{self.load.full_scale:.0f} N: kN given as N?",
                 row,
             )
-        return round(value, 6)
+        value = round(value, 6)
+        if value <= 0.0 and not self.load.signed:
+            self.fault(f"{given[0]} must be positive, got {values[given[0]]}", row)
+            return None
+        return value
 
     def _asked(self) -> str:
         """The columns that may hold the load."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bladeroot.records.cells import Cells
 from bladeroot.records.load import COLUMNS
+from bladeroot.records.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
 from bladeroot.records.overrides import overruled
 from bladeroot.records.read import formats, read
 from bladeroot.records.sheet import REMARK
@@ -17,9 +18,10 @@ RECORD_COLUMNS = (
     "drive_A", "quantity", "unit", "sensitivity", "sampling_Hz", "channel", "sensor", "start_s",
     "end_s", "band_Hz", "keep", "exclude",
 )  # fmt: skip
+# Signs of a channel's name in a record's: file systems allow 255 bytes.
+LONGEST_CHANNEL = 60
 # Loads so much apart (relative) are rather readings of one load than two of a test's.
 ALIKE = 0.01
-ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 _FOREIGN = re.compile(r"[^A-Za-z0-9_]+")
 # What a file's own statements are checked against; rows of one event must agree in them.
 _MOTION = ("direction", "time_s", "group", "hold", "load", "temperature_C")
@@ -42,8 +44,8 @@ class RecordRows(Cells):
         naming: dict[str, bool] = {}
         for row, values in rows:
             record = values["record"]
-            if not ID.fullmatch(record):
-                self.fault(f"record must be letters, digits, - and _, got {record!r}", row)
+            if not is_id(record):
+                self.fault(f"record must be {ID_TOLD}, got {short(record)!r}", row)
                 continue
             for line in self._row(row, values, naming):
                 if line["record"] in first_row:
@@ -158,8 +160,8 @@ class RecordRows(Cells):
             several = len(channels) > 1
             named = [of_channel.get(c or "", _id_of(c) if several else "") for c in channels]
         for name in named:
-            if name and not ID.fullmatch(name):
-                self.fault(f"sensor must be letters, digits, - and _, got {name!r}", row)
+            if name and not is_id(name):
+                self.fault(f"sensor must be {ID_TOLD}, got {short(name)!r}", row)
             elif name and declared and name not in declared:
                 self.fault(
                     f"sensor must be one of {', '.join(declared)} (campaign.yaml), got {name!r}",
@@ -190,9 +192,11 @@ class RecordRows(Cells):
             if name != f"{record}.nc":
                 self.fault(f"file of a simulated record must be {record}.nc, got {name!r}", row)
         elif Path(name).suffix.lower() not in formats():
-            self.fault(f"file must end in {', '.join(sorted(formats()))}, got {name!r}", row)
-        elif not (self.folder / name).is_file():
-            self.fault(f"file not found: {name}", row)
+            self.fault(f"file must end in {', '.join(sorted(formats()))}, got {short(name)!r}", row)
+        elif MEANT & set(name):
+            self.fault(f"file must have none of {MEANT_TOLD} in its name, got {short(name)}", row)
+        elif not is_there((self.folder / name).is_file):
+            self.fault(f"file not found: {short(name)}", row)
         return name
 
     def _quantity(self, row: int, values: dict) -> dict:
@@ -276,4 +280,4 @@ class RecordRows(Cells):
 
 def _id_of(channel: str | None) -> str:
     """A channel's name as part of a record's id."""
-    return _FOREIGN.sub("-", channel or "").strip("-") or "channel"
+    return _FOREIGN.sub("-", channel or "").strip("-")[:LONGEST_CHANNEL] or "channel"

@@ -83,6 +83,7 @@ def _parts(
             "no cause does would be unexplained.",
         ),
         candidates_table(found),
+        *_not_tried(found[0]),
         *([sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []),
     ]
     law = any("stick_residual" in one for one in found)
@@ -121,3 +122,9 @@ def _in_own_words(section: Section, load: str, simulated: bool) -> Section:
             parts.append(Table(plainly(part.caption, load, simulated), header, rows, part.folded))
     title = section.title if simulated else "What linear modes do not explain, and why"
     return Section(title, parts)
+
+
+def _not_tried(found: xr.Dataset) -> list[str]:
+    """The user's own mechanisms that the ranking lacks, and why."""
+    lines = found.attrs.get("mechanisms_not_tried", "")
+    return [f"Not in the ranking, own mechanisms that failed: {lines}."] if lines else []
