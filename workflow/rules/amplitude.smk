@@ -25,6 +25,8 @@ rule amplitude:
     benchmark:
         "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("amplitude"),
     params:
         settings=amplitude_facts,
         code=code("amplitude"),
@@ -75,6 +77,8 @@ rule figures_amplitude:
     benchmark:
         "results/benchmarks/figures_amplitude/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_amplitude"),
     params:
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_amplitude"),
@@ -95,6 +99,8 @@ rule shortfall:
     benchmark:
         "results/benchmarks/shortfall/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("shortfall"),
     params:
         code=code("shortfall"),
     message:

@@ -31,6 +31,8 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
             threads: 1
+            resources:
+                **needs("bench"),
             params:
                 rows=rows_of(campaign, names),
                 folder=f"results/bench/{campaign.name}",

@@ -19,6 +19,8 @@ rule calibrate:
     benchmark:
         "results/benchmarks/calibrate/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("calibrate"),
     params:
         code=code("calibrate"),
     message:

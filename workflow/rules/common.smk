@@ -185,6 +185,7 @@ def batch_lists(wildcards):
     return [f"results/{wildcards.campaign}/batches/{batch}.txt" for batch in made]
 
 
+@cache  # every batch asks
 def code(script):
     """Hash of a stage's code: its script and all that it imports of the library."""
     return code_hash(SCRIPTS / f"{script}.py")

@@ -51,6 +51,8 @@ rule observations:
     benchmark:
         "results/benchmarks/observations/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("observations"),
     params:
         settings=observed_facts,
         code=code("observations"),
@@ -89,6 +91,8 @@ rule diagnosis:
     benchmark:
         "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("diagnosis"),
     params:
         settings=diagnosis_facts,
         code=code("diagnosis"),
@@ -120,6 +124,8 @@ rule verdict:
     benchmark:
         "results/benchmarks/verdict/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("verdict"),
     message:
         "verdict on {wildcards.campaign}"
     shell:

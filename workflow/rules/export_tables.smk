@@ -13,6 +13,8 @@ rule export_tables:
     benchmark:
         "results/benchmarks/export_tables/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("export_tables"),
     params:
         code=code("export_tables"),
     message:

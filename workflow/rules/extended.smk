@@ -48,6 +48,8 @@ rule extended_structure:
     benchmark:
         "results/benchmarks/extended_structure/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_structure"),
     params:
         settings=settings("diagnosis"),
         code=code("extended_structure"),
@@ -76,6 +78,8 @@ rule extended_joint:
     benchmark:
         "results/benchmarks/extended_joint/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_joint"),
     params:
         settings=extended_facts,
         code=code("extended_joint"),
@@ -109,6 +113,8 @@ rule extended_nonlinear:
     benchmark:
         "results/benchmarks/extended_nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_nonlinear"),
     params:
         settings=extended_nonlinear_facts,
         code=code("nonlinear"),

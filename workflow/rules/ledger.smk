@@ -36,6 +36,8 @@ rule ledger:
     benchmark:
         "results/benchmarks/ledger/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("ledger"),
     params:
         thesis=ROOT / "resources" / "thesis",
         code=code("ledger"),
@@ -60,6 +62,8 @@ rule figures_slider:
     benchmark:
         "results/benchmarks/figures_slider/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_slider"),
     params:
         code=code("figures_slider"),
     message:

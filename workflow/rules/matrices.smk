@@ -38,6 +38,8 @@ rule matrices_mesh:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_mesh"),
     params:
         code=code("matrices_mesh"),
     message:
@@ -61,6 +63,8 @@ rule matrices_reduced:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_reduced"),
     params:
         code=code("matrices_reduced"),
     message:
@@ -84,6 +88,8 @@ rule matrices_checks:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_checks"),
     params:
         code=code("matrices_checks"),
     message:
@@ -108,6 +114,8 @@ rule matrices_accuracy:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_accuracy"),
     params:
         forces=forces_used,
         code=code("matrices_accuracy"),
@@ -134,6 +142,8 @@ rule export:
     wildcard_constraints:
         form="mtx|hb",
     threads: 1
+    resources:
+        **needs("export"),
     params:
         code=code("export"),
     message:
@@ -168,6 +178,8 @@ rule paraview:
     benchmark:
         "results/benchmarks/paraview/{structure}/{force}.tsv"
     threads: 1
+    resources:
+        **needs("paraview"),
     params:
         prestress=lambda w, input: (
             f"--prestress {input.prestress}" if input.prestress else ""

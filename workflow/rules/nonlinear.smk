@@ -24,6 +24,8 @@ rule nonlinear:
     benchmark:
         "results/benchmarks/nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("nonlinear"),
     params:
         settings=nonlinear_facts,
         code=code("nonlinear"),

@@ -15,6 +15,8 @@ rule score:
     benchmark:
         "results/benchmarks/score/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("score"),
     params:
         code=code("score"),
     message:
@@ -66,6 +68,8 @@ rule figures_records:
     benchmark:
         "results/benchmarks/figures_records/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_records"),
     params:
         code=code("figures_records"),
     message:
@@ -91,6 +95,8 @@ rule figures_stick:
     benchmark:
         "results/benchmarks/figures_stick/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_stick"),
     params:
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_stick"),
@@ -153,6 +159,8 @@ rule figures:
     benchmark:
         "results/benchmarks/figures/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures"),
     params:
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures"),
@@ -187,6 +195,8 @@ rule figures_thesis_search:
     benchmark:
         "results/benchmarks/figures_thesis_search/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_thesis_search"),
     params:
         code=code("figures_thesis_search"),
     message:
@@ -242,6 +252,8 @@ rule figures_diagnosis:
     benchmark:
         "results/benchmarks/figures_diagnosis/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_diagnosis"),
     params:
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_diagnosis"),
@@ -356,6 +368,8 @@ rule report:
     benchmark:
         "results/benchmarks/report/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("report"),
     params:
         facts=report_facts,
         code=code("report"),

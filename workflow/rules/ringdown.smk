@@ -41,6 +41,8 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
             threads: 1
+            resources:
+                **needs("ringdown"),
             params:
                 facts=canonical_json(
                     [record_facts(campaign, rows[name]) for name in names]

@@ -20,6 +20,8 @@ rule stick:
     benchmark:
         "results/benchmarks/stick/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("stick"),
     params:
         settings=settings("stick"),
         code=code("stick"),

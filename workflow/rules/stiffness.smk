@@ -26,6 +26,8 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/search/{campaign.name}/{structure}.tsv"
             threads: 1
+            resources:
+                **needs("search"),
             params:
                 settings=settings("search"),
                 code=code("search"),
@@ -70,6 +72,8 @@ rule joint:
     benchmark:
         "results/benchmarks/joint/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("joint"),
     params:
         settings=joint_facts,
         code=code("joint"),
@@ -100,6 +104,8 @@ rule stiffness:
     benchmark:
         "results/benchmarks/stiffness/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("stiffness"),
     params:
         code=code("stiffness"),
     message:
@@ -125,6 +131,8 @@ rule thesis_search:
     benchmark:
         "results/benchmarks/thesis_search/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("thesis_search"),
     params:
         settings=settings("search"),
         code=code("thesis_search"),

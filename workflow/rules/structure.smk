@@ -15,6 +15,8 @@ rule mesh:
     benchmark:
         "results/benchmarks/mesh/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("mesh"),
     params:
         code=code("mesh"),
     message:
@@ -35,6 +37,8 @@ rule prestress:
     benchmark:
         "results/benchmarks/prestress/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("prestress"),
     params:
         code=code("prestress"),
     message:
@@ -62,6 +66,8 @@ rule shapes:
     benchmark:
         "results/benchmarks/shapes/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("shapes"),
     params:
         code=code("shapes"),
     message:
@@ -84,6 +90,8 @@ rule reduced:
     benchmark:
         "results/benchmarks/reduced/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("reduced"),
     params:
         code=code("reduced"),
     message:
@@ -107,6 +115,8 @@ rule checks:
     benchmark:
         "results/benchmarks/checks/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("checks"),
     params:
         code=code("checks"),
     message:

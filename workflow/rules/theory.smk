@@ -13,6 +13,8 @@ rule theory:
     benchmark:
         "results/benchmarks/theory/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("theory"),
     params:
         code=code("theory"),
     message:

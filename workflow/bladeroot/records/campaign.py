@@ -9,15 +9,18 @@ import re
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from bladeroot.records.lone import lone
 from bladeroot.records.read import formats
 from bladeroot.records.sheet import read_sheet
 from bladeroot.records.units import SI, USUAL, motion, sensitivity_of
 from bladeroot.schema import read_yaml
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RECORD_COLUMNS = (
     "record", "file", "mode", "force_N", "pressure_bar", "hold", "direction", "time_s", "drive_A",
@@ -41,8 +44,10 @@ ALIKE = 0.01
 _RESERVED = ("structures", "bench", "logs", "benchmarks")
 
 
-def stick_table(path: Path) -> pd.DataFrame:
+def stick_table(path: Path) -> "pd.DataFrame":
     """The table of a checked `stick.csv`: text of its cells, a column each."""
+    import pandas as pd  # late: a plan of the jobs has no use for it
+
     rows, _ = read_sheet(path, STICK_COLUMNS, NUMBERS)
     return pd.DataFrame([values for _, values in rows])
 
