@@ -34,7 +34,12 @@ DESCRIPTION = """title: {count} records, simulated for the benchmark of scale
 modes:
   1B: {{expected_Hz: 180, laser_x_mm: 0}}
   2B: {{expected_Hz: 520, laser_x_mm: 0}}
-force: {{gauge: pressure, piston_area_cm2: 17.9, full_scale_bar: 700, accuracy_percent: 1, accuracy_of: reading}}
+force:
+  gauge: pressure
+  piston_area_cm2: 17.9
+  full_scale_bar: 700
+  accuracy_percent: 1
+  accuracy_of: reading
 """
 
 
