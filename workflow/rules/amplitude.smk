@@ -80,13 +80,14 @@ rule figures_amplitude:
     resources:
         **needs("figures_amplitude"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_amplitude"),
     message:
         "figures of the nonlinear joint of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_amplitude.py --amplitudes {input.amplitudes:q}"
-        " --simulated {params.simulated} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --simulated {params.simulated} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule shortfall:

@@ -19,7 +19,7 @@ for campaign in CAMPAIGNS.values():
             name:
                 f"bench.{campaign.name}.{batch}"
             input:
-                bench=bench_of(campaign),
+                bench=local(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
                 raw=[f"results/bench/{campaign.name}/{name}.nc" for name in names],
@@ -35,7 +35,7 @@ for campaign in CAMPAIGNS.values():
                 **needs("bench"),
             params:
                 rows=rows_of(campaign, names),
-                folder=f"results/bench/{campaign.name}",
+                folder=folder_of_output,
                 code=code("bench"),
             message:
                 f"virtual bench: {len(names)} records of {campaign.name} (simulated)"

@@ -185,6 +185,11 @@ def batch_lists(wildcards):
     return [f"results/{wildcards.campaign}/batches/{batch}.txt" for batch in made]
 
 
+def folder_of_output(wildcards, output):
+    """Where a job writes: with a storage plugin not below results/, but in the plugin's copy of it."""
+    return os.path.dirname(output[0])
+
+
 @cache  # every batch asks
 def code(script):
     """Hash of a stage's code: its script and all that it imports of the library."""

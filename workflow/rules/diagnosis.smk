@@ -81,7 +81,7 @@ rule diagnosis:
     input:
         observations=rules.observations.output.observations,
         parametric=rules.parametric.output.parametric,
-        mechanisms=MECHANISMS,
+        mechanisms=local(MECHANISMS),
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",

@@ -27,8 +27,10 @@ rule ledger:
                 structure, "map", forces_of(CAMPAIGNS[w.campaign])
             )
         ],
-        printed=sorted((ROOT / "resources" / "thesis").glob("*.csv"))
-        + sorted((ROOT / "resources" / "thesis").glob("*.yaml")),
+        printed=local(
+            sorted((ROOT / "resources" / "thesis").glob("*.csv"))
+            + sorted((ROOT / "resources" / "thesis").glob("*.yaml"))
+        ),
     output:
         ledger="results/{campaign}/ledger.nc",
     log:

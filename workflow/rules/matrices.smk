@@ -14,8 +14,10 @@ def described_by(files):
     """Input function: what the structure's file names, its tables or its matrices."""
     from bladeroot.structure.external import description
 
-    return lambda wildcards: getattr(description, files)(
-        description.read_description(STRUCTURES[wildcards.structure])
+    return lambda wildcards: local(
+        getattr(description, files)(
+            description.read_description(STRUCTURES[wildcards.structure])
+        )
     )
 
 

@@ -16,7 +16,7 @@ rule nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.joint.output.joint,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/nonlinear/{structure}.nc",
     log:

@@ -18,11 +18,12 @@ rule score:
     resources:
         **needs("score"),
     params:
+        truths=lambda w, input: os.path.dirname(input.truths[0]),
         code=code("score"),
     message:
         "stick frequencies of {wildcards.campaign} against the bench's truth"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths results/bench/{wildcards.campaign}/truth"
+        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths {params.truths:q}"
         " --output {output.score} > {log} 2>&1"
 
 
@@ -71,12 +72,13 @@ rule figures_records:
     resources:
         **needs("figures_records"),
     params:
+        folder=folder_of_output,
         code=code("figures_records"),
     message:
         "figures of the records of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_records.py --batches {input.batches:q}"
-        " --curves {input.curves:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --curves {input.curves:q} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_stick:
@@ -113,7 +115,7 @@ rule figures:
         stiffness=rules.stiffness.output.stiffness,
         joints=joints,
         theory=rules.theory.output.theory,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
         mesh=lambda w: expand(
             rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
         ),
@@ -162,6 +164,7 @@ rule figures:
     resources:
         **needs("figures"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures"),
     message:
@@ -170,13 +173,13 @@ rule figures:
         "{PYTHON:q} {SCRIPTS:q}/figures.py --searches {input.searches:q}"
         " --stiffness {input.stiffness:q} --joints {input.joints:q} --theory {input.theory:q}"
         " --published {input.published:q} --mesh {input.mesh:q} --simulated {params.simulated}"
-        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_thesis_search:
     input:
         searches=thesis_searches,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         solution_sets=report(
             "results/{campaign}/figures/solution_sets.svg",
@@ -198,12 +201,13 @@ rule figures_thesis_search:
     resources:
         **needs("figures_thesis_search"),
     params:
+        folder=folder_of_output,
         code=code("figures_thesis_search"),
     message:
         "figures 5.11 to 5.18 for {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_thesis_search.py --searches {input.searches:q}"
-        " --published {input.published:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --published {input.published:q} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_diagnosis:
@@ -255,6 +259,7 @@ rule figures_diagnosis:
     resources:
         **needs("figures_diagnosis"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_diagnosis"),
     message:
@@ -262,7 +267,7 @@ rule figures_diagnosis:
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_diagnosis.py --diagnoses {input.diagnoses:q}"
         " --verdicts {input.verdicts:q} --simulated {params.simulated}"
-        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --folder {params.folder:q} > {log} 2>&1"
 
 
 def report_facts(wildcards):
@@ -348,13 +353,17 @@ rule report:
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),
-        thesis=expand(
-            ROOT / "resources" / "thesis" / "{name}",
-            name=["table_5_1.csv", "errata.yaml"],
+        thesis=local(
+            expand(
+                ROOT / "resources" / "thesis" / "{name}",
+                name=["table_5_1.csv", "errata.yaml"],
+            )
         ),
-        page=expand(
-            ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
-            ending=["html.j2", "css"],
+        page=local(
+            expand(
+                ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
+                ending=["html.j2", "css"],
+            )
         ),
     output:
         report=report(
@@ -371,12 +380,13 @@ rule report:
     resources:
         **needs("report"),
     params:
+        results=folder_of_output,
         facts=report_facts,
         code=code("report"),
     message:
         "report of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
+        "{PYTHON:q} {SCRIPTS:q}/report.py --results {params.results:q}"
         " --checks {input.checks:q} --accuracies {input.accuracies:q}"
         " --calibrations {input.calibrations:q} --joints {input.joints:q}"
         " --diagnoses {input.diagnoses:q} --verdicts {input.verdicts:q}"

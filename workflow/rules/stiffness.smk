@@ -96,7 +96,7 @@ rule stiffness:
     input:
         searches=searches,
         fe_forces=rules.fe_forces.output.fe_forces,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         stiffness="results/{campaign}/stiffness.nc",
     log:
@@ -120,9 +120,11 @@ rule thesis_search:
     input:
         parametric=rules.parametric_equal_nodes.output.parametric,
         fe_forces=rules.fe_forces.output.fe_forces,
-        tables=expand(
-            ROOT / "resources" / "thesis" / "{name}.csv",
-            name=["table_5_1", "table_5_2"],
+        tables=local(
+            expand(
+                ROOT / "resources" / "thesis" / "{name}.csv",
+                name=["table_5_1", "table_5_2"],
+            )
         ),
     output:
         search="results/{campaign}/thesis_search/{structure}.nc",

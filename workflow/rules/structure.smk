@@ -2,7 +2,7 @@
 
 
 def structure_file(wildcards):
-    return STRUCTURES[wildcards.structure]
+    return local(STRUCTURES[wildcards.structure])
 
 
 rule mesh:
@@ -104,9 +104,11 @@ rule reduced:
 rule checks:
     input:
         structure=structure_file,
-        tables=expand(
-            ROOT / "resources" / "thesis" / "table_{table}.csv",
-            table=["2_2", "4_1", "4_2", "4_4"],
+        tables=local(
+            expand(
+                ROOT / "resources" / "thesis" / "table_{table}.csv",
+                table=["2_2", "4_1", "4_2", "4_4"],
+            )
         ),
     output:
         checks="results/structures/{structure}/checks.nc",
