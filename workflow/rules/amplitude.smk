@@ -43,7 +43,7 @@ def amplitudes(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
     if not campaign.records:
         return []
-    return expand(
+    return made(
         rules.amplitude.output.amplitude,
         campaign=campaign.name,
         structure=structures_of(campaign),

@@ -140,9 +140,24 @@ def structures_of(campaign):
     return campaign.description["structure"]
 
 
-def with_structure(made):
+def made(files, **wildcards):
+    """Files of a rule's output, of each combination of wildcards.
+
+    A storage plugin has put its own place before the patterns and does it again with what an input
+    function returns, so it is taken off here.
+    """
+    files = [files] if isinstance(files, str) else list(files)
+    before = workflow.storage_settings.default_storage_prefix or ""
+    for number, file in enumerate(files):
+        stored = getattr(file, "flags", {}).get("storage_object")
+        if stored is not None:
+            files[number] = stored.query.removeprefix(before).lstrip("/")
+    return expand(list(map(str, files)), **wildcards)
+
+
+def with_structure(files):
     """An input function: what is made of a campaign that has a structure, else nothing."""
-    return lambda w: made if structures_of(CAMPAIGNS[w.campaign]) else []
+    return lambda w: made(files, **w) if structures_of(CAMPAIGNS[w.campaign]) else []
 
 
 def forces_of(campaign):

@@ -42,7 +42,9 @@ rule observations:
         batches=batch_lists,
         decays=of_records("decay"),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
     output:
         observations="results/{campaign}/observations.nc",
@@ -107,7 +109,7 @@ rule diagnosis:
 
 def main_verdict(wildcards):
     """The verdict with the campaign's first structure, which is its main one."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign])[0],
@@ -138,7 +140,7 @@ ruleorder: verdict > diagnosis
 
 def diagnoses(wildcards):
     """The diagnosis with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.diagnosis,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
@@ -147,7 +149,7 @@ def diagnoses(wildcards):
 
 def verdicts(wildcards):
     """The verdict with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),

@@ -33,7 +33,7 @@ def extended_by(campaign):
 def model_of(wildcards):
     """The model file: the campaign's own diagnosis, or the one that is given."""
     if config["model"] == "diagnosis":
-        return rules.diagnosis.output.model.format(**wildcards)
+        return made(rules.diagnosis.output.model, **wildcards)
     return config["model"]
 
 
@@ -128,7 +128,7 @@ rule extended_nonlinear:
 
 def extended_joints(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
-    return expand(
+    return made(
         rules.extended_joint.output.joint,
         campaign=campaign.name,
         structure=extended_by(campaign),

@@ -13,10 +13,10 @@ rule ledger:
             rules.stiffness.output.stiffness,
             rules.theory.output.theory,
         ],
-        checks=lambda w: expand(
+        checks=lambda w: made(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
-        reduced=lambda w: expand(
+        reduced=lambda w: made(
             rules.reduced.output.reduced,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),

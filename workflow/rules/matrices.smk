@@ -168,7 +168,7 @@ rule paraview:
         structure=structure_file,
         mesh=rules.mesh.output.mesh,
         prestress=lambda w: (
-            [] if w.structure in MATRICES else expand(rules.prestress.output, **w)
+            [] if w.structure in MATRICES else made(rules.prestress.output, **w)
         ),
         matrices=lambda w: (
             described_by("matrix_files_of")(w) if w.structure in MATRICES else []

@@ -38,7 +38,7 @@ rule nonlinear:
 
 
 def nonlinears(wildcards):
-    return expand(
+    return made(
         rules.nonlinear.output.nonlinear,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),

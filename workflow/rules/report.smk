@@ -116,7 +116,7 @@ rule figures:
         joints=joints,
         theory=rules.theory.output.theory,
         published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
-        mesh=lambda w: expand(
+        mesh=lambda w: made(
             rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
         ),
     output:
@@ -286,11 +286,11 @@ def report_facts(wildcards):
 
 def calibrations_made(wildcards):
     """Calibrations of the campaign's structures that exist: they are made when asked for."""
-    made = expand(
+    possible = made(
         rules.calibrate.output.calibration,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
     )
-    return [path for path in made if Path(path).is_file()]
+    return [path for path in possible if Path(path).is_file()]
 
 
 rule report:
@@ -306,28 +306,28 @@ rule report:
         diagnosed=with_structure(rules.figures_diagnosis.output),
         amplitudes=amplitudes,
         amplitudes_drawn=lambda w: (
-            rules.figures_amplitude.output if amplitudes(w) else []
+            made(rules.figures_amplitude.output, **w) if amplitudes(w) else []
         ),
-        shortfalls=lambda w: expand(
+        shortfalls=lambda w: made(
             rules.shortfall.output.shortfall,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         thesis_searches=thesis_searches,
         searched=lambda w: (
-            rules.figures_thesis_search.output if thesis_searches(w) else []
+            made(rules.figures_thesis_search.output, **w) if thesis_searches(w) else []
         ),
         theory=with_structure(rules.theory.output.theory),
-        checks=lambda w: expand(
+        checks=lambda w: made(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
-        accuracies=lambda w: expand(
+        accuracies=lambda w: made(
             rules.accuracy.output.accuracy,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         calibrations=calibrations_made,
         stick_drawn=rules.figures_stick.output.stick,
         figures=with_structure(rules.figures.output),
-        modes=lambda w: expand(
+        modes=lambda w: made(
             rules.shapes.output.modes,
             # mode shapes are drawn on elements, which given matrices do not have
             structure=[
@@ -337,19 +337,27 @@ rule report:
             ],
         ),
         drawn=lambda w: (
-            rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
+            made(rules.figures_records.output, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
         score=lambda w: (
-            rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
+            made(rules.score.output.score, **w)
+            if CAMPAIGNS[w.campaign].simulated
+            else []
         ),
         ledger=lambda w: (
-            rules.ledger.output.ledger if of_the_thesis(CAMPAIGNS[w.campaign]) else []
+            made(rules.ledger.output.ledger, **w)
+            if of_the_thesis(CAMPAIGNS[w.campaign])
+            else []
         ),
         slider=lambda w: (
-            rules.figures_slider.output.slider
+            made(rules.figures_slider.output.slider, **w)
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),

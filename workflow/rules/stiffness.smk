@@ -85,7 +85,7 @@ rule joint:
 
 
 def joints(wildcards):
-    return expand(
+    return made(
         rules.joint.output.joint,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
@@ -151,7 +151,7 @@ def thesis_searches(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
     if campaign.description.get("published") != "thesis":
         return []
-    return expand(
+    return made(
         rules.thesis_search.output.search,
         campaign=campaign.name,
         structure=structures_of(campaign),
