@@ -45,7 +45,9 @@ rule observations:
         batches=batch_lists,
         decays=of_records("decay"),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
     output:
         observations="results/{campaign}/observations.nc",
@@ -54,6 +56,8 @@ rule observations:
     benchmark:
         "results/benchmarks/observations/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("observations"),
     params:
         settings=observed_facts,
         code=code("observations"),
@@ -91,10 +95,10 @@ def diagnosis_facts(wildcards):
 def simulation_file(wildcards):
     """What the diagnosis judges: a structure's model, the campaign's table, or nothing."""
     if wildcards.structure in STRUCTURES:
-        return rules.parametric.output.parametric
+        return made(rules.parametric.output.parametric, structure=wildcards.structure)
     campaign = CAMPAIGNS[wildcards.campaign]
     if wildcards.structure == "table":
-        return campaign.folder / campaign.description["simulation"]
+        return local(campaign.folder / campaign.description["simulation"])
     return []
 
 
@@ -102,7 +106,7 @@ rule diagnosis:
     input:
         observations=rules.observations.output.observations,
         parametric=simulation_file,
-        mechanisms=MECHANISMS,
+        mechanisms=local(MECHANISMS),
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",
@@ -112,6 +116,8 @@ rule diagnosis:
     benchmark:
         "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("diagnosis"),
     params:
         settings=diagnosis_facts,
         code=code("diagnosis"),
@@ -126,7 +132,7 @@ rule diagnosis:
 
 def main_verdict(wildcards):
     """The verdict with the campaign's first structure, which is its main one, or without any."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=judged_against(CAMPAIGNS[wildcards.campaign])[0],
@@ -143,6 +149,8 @@ rule verdict:
     benchmark:
         "results/benchmarks/verdict/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("verdict"),
     message:
         "verdict on {wildcards.campaign}"
     shell:
@@ -155,7 +163,7 @@ ruleorder: verdict > diagnosis
 
 def diagnoses(wildcards):
     """The diagnosis with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.diagnosis,
         campaign=wildcards.campaign,
         structure=judged_against(CAMPAIGNS[wildcards.campaign]),
@@ -164,7 +172,7 @@ def diagnoses(wildcards):
 
 def verdicts(wildcards):
     """The verdict with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=judged_against(CAMPAIGNS[wildcards.campaign]),

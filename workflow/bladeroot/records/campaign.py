@@ -15,7 +15,6 @@ from bladeroot.records.sheet import read_sheet
 from bladeroot.records.simulation import simulation_of
 from bladeroot.records.stick_rows import STICK_COLUMNS, VALUES, StickRows
 from bladeroot.records.stick_rows import stick_table as stick_table
-from bladeroot.records.table import outside, read_table
 from bladeroot.schema import read_yaml
 
 NUMBERS = (
@@ -168,6 +167,8 @@ def _beyond_table(
     table: Path, description: dict, load: Load | None, sheet: Path, rows: tuple[dict, ...]
 ) -> list[str]:
     """Faults of the table, and of records that it cannot speak of."""
+    from bladeroot.records.table import outside, read_table  # late: pandas, for a table alone
+
     try:
         frame = read_table(table, description, load)
     except ValueError as error:

@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from bladeroot.records.cells import Cells
 from bladeroot.records.lone import lone
 from bladeroot.records.sheet import read_sheet
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 VALUES = ("frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std")
 STICK_COLUMNS = ("mode", "force_N", "load", *VALUES)
@@ -16,8 +19,10 @@ STICK_COLUMNS = ("mode", "force_N", "load", *VALUES)
 MODE_BAND = 0.25
 
 
-def stick_table(path: Path) -> pd.DataFrame:
+def stick_table(path: Path) -> "pd.DataFrame":
     """The table of a checked `stick.csv`: text of its cells, a column each; the load as force_N."""
+    import pandas as pd  # late: a plan of the jobs has no use for it
+
     rows, _ = read_sheet(path, STICK_COLUMNS, STICK_COLUMNS[1:])
     return pd.DataFrame([values for _, values in rows]).rename(columns={"load": "force_N"})
 

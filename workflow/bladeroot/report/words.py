@@ -96,8 +96,9 @@ def pictures(words: Words) -> dict[str, str]:
         "was). What is left over should hold the other modes and the noise, and nothing of the "
         "mode: where it stands above the free decay the separation failed.",
         "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-        f"3.11), every usable record, {colour}; bands are one standard error, and points are drawn "
-        "where it is below 0.1 % of the frequency and 20 % of the loss factor.",
+        f"3.11), a curve for each usable record (at most 100 a mode), {colour}; bands are one "
+        "standard error, and points are drawn where it is below 0.1 % of the frequency and 20 % of "
+        "the loss factor.",
         "waterfall": f"Mean curve of all records {where}; the base lines are evenly spaced, the "
         "bar at the right is the curves' scale. Softening: how far the frequency lies below its "
         "value at the smallest amplitudes. The records' own levels are taken off before the mean "
