@@ -36,8 +36,15 @@ POINTS = Points(
 )
 
 
+EVERY = [form for one in catalogue() for form in one.every_form]
+
+
 def of_kind(hook):
-    return [one for one in catalogue() if getattr(one, hook) is not None]
+    return [one for one in EVERY if getattr(one, hook) is not None]
+
+
+def named(one):
+    return f"{one.id} {one.form}".strip()
 
 
 def usual(mechanism):
@@ -58,7 +65,7 @@ def test_the_fixed_ids_are_there_with_their_classes():
     assert {name: found.get(name) for name in FIXED} == FIXED
 
 
-@pytest.mark.parametrize("mechanism", catalogue(), ids=lambda one: one.id)
+@pytest.mark.parametrize("mechanism", EVERY, ids=named)
 def test_a_mechanism_states_all_that_a_reader_asks(mechanism):
     assert mechanism.sentence
     assert mechanism.splitter
@@ -69,7 +76,7 @@ def test_a_mechanism_states_all_that_a_reader_asks(mechanism):
         assert p.low <= p.mean <= p.high
 
 
-@pytest.mark.parametrize("mechanism", of_kind("stick"), ids=lambda one: one.id)
+@pytest.mark.parametrize("mechanism", of_kind("stick"), ids=named)
 def test_derivatives_of_stick_effects(mechanism):
     values = usual(mechanism)
     effect = mechanism.stick(RECORDS, values)
@@ -81,7 +88,7 @@ def test_derivatives_of_stick_effects(mechanism):
             assert effect.slopes[name][:, k] == pytest.approx(slope, rel=1e-5, abs=1e-6 * scale)
 
 
-@pytest.mark.parametrize("mechanism", of_kind("curve"), ids=lambda one: one.id)
+@pytest.mark.parametrize("mechanism", of_kind("curve"), ids=named)
 def test_derivatives_of_curve_effects(mechanism):
     values = usual(mechanism)
     effect = mechanism.curve(POINTS, values)
@@ -95,7 +102,7 @@ def test_derivatives_of_curve_effects(mechanism):
 
 def test_slip_begins_at_a_threshold_that_grows_with_the_force():
     slip = next(one for one in catalogue() if one.id == "joint-slip")
-    values = np.array([0.02, 1.0, 1e-9, 0.5, 1e-6])
+    values = np.array([0.02, 1.0, 1e-9, 0.5, 1.0, 1e-6])
     threshold = values[2] * 8e3
     around = np.array([0.5, 0.99, 1.01, 2.0]) * threshold
     one = np.ones(4)
@@ -115,7 +122,7 @@ def test_slip_of_uneven_pressure_begins_smoothly(below):
     z = -below * spread
     one = np.ones(1)
     points = Points(np.zeros(1, int), 8e3 * one, threshold * 8e3 * np.exp(z) * one, 4e-3 * one)
-    effect = slip.curve(points, np.array([share, 1.0, threshold, 0.5, spread]))
+    effect = slip.curve(points, np.array([share, 1.0, threshold, 0.5, 1.0, spread]))
 
     def loss(t):
         ratio = np.exp(z - spread * t)
@@ -222,7 +229,7 @@ def test_every_hook_is_tried(tmp_path, hook, law, message):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("mechanism", catalogue(), ids=lambda one: one.id)
+@pytest.mark.parametrize("mechanism", EVERY, ids=named)
 def test_what_is_shipped_passes_the_trial_of_a_users_law(mechanism):
     probe(mechanism)
 
