@@ -12,7 +12,7 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.gaussian import Fit, Problem
 from bladeroot.diagnosis.stick_model import Simulation, StickData
-from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]
 # Length of the competitor's Ornstein-Uhlenbeck kernels: of ln F, and of the campaign's time.
@@ -25,7 +25,7 @@ class Channel:
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
-    "hold", the number of the part that each datum belongs to.
+    "hold", the number of the part that each datum belongs to. records: of stick frequencies.
     """
 
     name: str
@@ -34,6 +34,7 @@ class Channel:
     candidates: tuple[Mechanism, ...]
     smooth: Callable[[Fit], dict[str, Kernels]]
     part: dict[str, Int[ndarray, " datum"]]
+    records: Records | None = None
 
 
 def stick_channel(
@@ -47,6 +48,7 @@ def stick_channel(
         _possible(candidates, "stick", data),
         lambda fitted: _smooth(data, 3e-4) | _contact(data, fitted),
         _parts(data),
+        data.records,
     )
 
 

@@ -147,9 +147,10 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
     for found in made.found:
         step = found.steps[0]
         named = {cause.mechanism.id for cause in found.causes}
+        barred = {**found.known.barred, **found.known.ruled_out}
         for one in found.channel.candidates:
             rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
-                         one.id in named, found.known.barred.get(one.id, "")))  # fmt: skip
+                         one.id in named, barred.get(one.id, "")))  # fmt: skip
         rows += [
             (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
             for name, value in step.smooth.items()
