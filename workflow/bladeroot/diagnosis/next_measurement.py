@@ -153,6 +153,7 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
         std=np.concatenate([data.std, np.full(n, np.median(data.std))]),
         hold=np.concatenate([data.hold, hold]),
         row=np.concatenate([data.row, np.full(n, -1)]),
+        shared=None if data.shared is None else np.concatenate([data.shared, np.zeros(n)]),
     )
 
 

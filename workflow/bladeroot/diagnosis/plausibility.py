@@ -75,7 +75,10 @@ def changes(found, cause, first: int) -> list[dict]:
 
 
 def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
-    """Whether what each cause changes is `guards.SIGMAS` standard deviations or more from none."""
+    """Whether each cause is `guards.SIGMAS` standard deviations or more from none.
+
+    By what it changes, and by its first parameter where that is none at zero.
+    """
     first = channel.base
     for number, one in enumerate(chosen):
         own = slice(first, first + len(one.parameters))
@@ -83,6 +86,9 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
         size, std = largest(fitted, number, own)
         if abs(size) < guards.SIGMAS * std:
             return False
+        if not (one.parameters[0].log or one.parameters[0].bounded):
+            if abs(fitted.parameters[own.start]) < guards.SIGMAS * fitted.std[own.start]:
+                return False
     return True
 
 

@@ -16,6 +16,7 @@ from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.clampings import clampings, hold_names
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import RECORDS, TRUST
+from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.joint import trimmed
@@ -35,6 +36,7 @@ NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
+LEAST_LIMIT = 5e-3  # of a frequency: a limit that is known worse says less than a clamping scatters
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 # Where so many of the records have a time, the others are left out rather than all laws of time.
 MOSTLY = 0.8
@@ -45,7 +47,8 @@ SCALES = ("ln_scatter_kn", "ln_scatter_kt", "atanh_correlation", "ln_noise")
 class StickData:
     """The records with a stick frequency.
 
-    std: relative, within the record. hold: number of the clamping. rounding: standard deviation of
+    std: relative, within the record. shared: relative error of those that do not reach their
+    plateau by the law that takes them to it (`bladeroot.diagnosis.limits`), one of a mode's. hold: number of the clamping. rounding: standard deviation of
     the reading's rounding, N. row: number in the observations. jumped: holds that count as two
     clampings. unheld: records whose hold is not stated. untimed: records left out for want of a
     time.
@@ -63,6 +66,7 @@ class StickData:
     jumped: tuple[str, ...] = ()
     unheld: int = 0
     untimed: int = 0
+    shared: Float[ndarray, " record"] | None = None
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,8 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     mode = seen["mode"].values.astype(str)
     frequency, std = seen["stick_frequency"].values, seen["stick_frequency_std"].values
     usable = np.isin(mode, modes) & (seen["verdict"].values.astype(str) == "usable")
-    usable &= (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
+    frequency, std, shared = _with_limits(seen, frequency, std)
+    usable &= np.isfinite(frequency) & np.isfinite(std)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
     every = row
     row = _timed(row, seen["time"].values, seen["force"].values, mode)
@@ -131,7 +136,23 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         tuple(called[jumped].tolist()),
         unheld,
         every.size - row.size,
+        shared[row],
     )
+
+
+def _with_limits(seen: xr.Dataset, frequency: ndarray, std: ndarray) -> tuple[ndarray, ...]:
+    """Stick frequencies and errors (Hz), with the limits of records that reach no plateau, and the
+    relative error that these share.
+    """
+    reached = (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
+    if reached.all():
+        return frequency, std, np.zeros(frequency.size)
+    found = limits(seen)
+    own = np.hypot(found.std, OWN * found.shared)
+    own[~(np.hypot(own, found.shared) < LEAST_LIMIT)] = np.nan
+    limit = np.exp(found.ln_f)
+    shared = np.where(reached, 0.0, np.nan_to_num(found.shared))
+    return np.where(reached, frequency, limit), np.where(reached, std, own * limit), shared
 
 
 def _timed(
@@ -218,6 +239,7 @@ def problem(
         return State(mean, np.hstack(columns), facts)
 
     same_hold = data.hold[:, None] == data.hold
+    beyond = _of_limits(data)
     trust = [trust_kernel(data, one.over) for one in mechanisms]
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
@@ -235,6 +257,7 @@ def problem(
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
             e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
             whole += np.outer(TRUST**2 * e, e) * kernel
+        whole += beyond
         whole[rows, rows] += data.std**2 + noise**2
         parts = [
             np.exp(2.0 * scale) * unit for scale, (unit, _) in zip(scales[4:], extra, strict=True)
@@ -257,6 +280,14 @@ def problem(
     scales += [(np.log(size), 1.5) for _, size in extra]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
     return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
+
+
+def _of_limits(data: StickData) -> Float[ndarray, "record record"]:
+    """Covariance by the law that takes records to the plateau they do not reach."""
+    if data.shared is None or not data.shared.any():
+        return np.zeros((data.ln_f.size, data.ln_f.size))
+    alike = same_mode(data) * near(np.log(data.records.force), FORCE_LENGTH)
+    return np.outer(data.shared, data.shared) * alike
 
 
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
