@@ -10,7 +10,7 @@ from numpy import ndarray
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gaussian import Fit
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.verdict import verdict
+from bladeroot.diagnosis.verdict import insufficient, verdict
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 
@@ -43,6 +43,7 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"]),
         lacks=";".join(made.lacks),
+        insufficient=". ".join(insufficient(made)),
         least_force_N=made.settings.least_force,
     )
 

@@ -229,6 +229,29 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
     return said
 
 
+def insufficient(made: Diagnosis) -> list[str]:
+    """What explains most and may yet not be named, and why."""
+    return [
+        f"{found.insufficient} explains the {found.channel.name} data best and is not named: "
+        f"{found.known.barred[found.insufficient]}"
+        for found in made.found
+        if found.insufficient and not _cannot_name(made, found)
+    ]
+
+
+def _out_of_line(made: Diagnosis) -> list[str]:
+    """Clampings and records that the records' own check finds unlike their repeats."""
+    findings = made.seen["findings"].values.astype(str)
+    apart = np.array(["unlike-repeats" in text.split(";") for text in findings], dtype=bool)
+    if not apart.any():
+        return []
+    holds = made.seen["hold"].values.astype(str)
+    names = [n for n in dict.fromkeys(holds[apart]) if n]
+    places = f" of the clampings {', '.join(names)}" if names else ""
+    records = ", ".join(made.seen["record"].values.astype(str)[apart])
+    return [f"unlike their repeats are the records {records}{places}: a wrong label, or force?"]
+
+
 def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
     departing = [
@@ -245,10 +268,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
     if answer == "insufficient-data":
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
         judged = [made.not_judged] if made.not_judged else []
-        return ". ".join([*lacks, *departing, *faults, *judged])
-    lines = departing
+        said = insufficient(made)
+        return ". ".join([*said, *lacks, *departing, *faults, *_out_of_line(made), *judged])
+    lines = [*departing, *_out_of_line(made), *insufficient(made)]
     if answer == "nothing-missing":
-        lines.append("the simulation explains all records within their scatter")
+        whole = "all records" if len(lines) == 0 else "the other records"
+        lines.append(f"the simulation explains {whole} within their scatter")
     for found in made.found:
         for number, cause in enumerate(found.causes):
             text = f"{cause.mechanism.id}: {cause.mechanism.sentence}"
@@ -263,9 +288,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
             lines.append(text + ")")
             if len(cause.credible) > 1:
                 lines.append(
-                    f"{', '.join(cause.credible)} explain it about as well; to decide: "
-                    f"{cause.mechanism.splitter}"
+                    f"as likely as not another of {', '.join(cause.credible)} stands in its place"
+                    if cause.probability < 0.5
+                    else f"with a probability of {100 * cause.probability:.0f} %, else of "
+                    f"{', '.join(cause.credible[1:])}"
                 )
+                lines.append(f"to decide: {cause.mechanism.splitter}")
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
