@@ -45,6 +45,12 @@ def from_the_top(part: np.ndarray) -> np.ndarray:
     return 1.0 - part
 
 
+def tangential(records: Records, values: np.ndarray) -> StickEffect:
+    """kt alone, the same at all forces."""
+    half = -0.5 * records.sign
+    return StickEffect({"ln_kt": values[0] * half}, {"ln_kt": half[:, None]})
+
+
 MECHANISM = Mechanism(
     id="loading-hysteresis",
     kind="direction",
@@ -64,6 +70,7 @@ MECHANISM = Mechanism(
 MECHANISM = replace(
     MECHANISM,
     forms=(
+        replace(MECHANISM, stick=tangential, form="kt alone"),
         replace(MECHANISM, stick=law(lens), form="closed at both turning points"),
         replace(MECHANISM, stick=law(from_the_top), form="closed at the upper turning point"),
         replace(

@@ -219,8 +219,11 @@ class Mechanism:
         names = [one.form for one in self.every_form]
         if len(set(names)) < len(names) or any(one.forms for one in self.forms):
             raise ValueError(f"mechanism {self.id}: forms must have names of their own and no forms")
-        if any(one.id != self.id or one.channel != self.channel for one in self.forms):
-            raise ValueError(f"mechanism {self.id}: its forms must have its id and kind of hook")
+        if any(one.channel != self.channel for one in self.forms):
+            raise ValueError(f"mechanism {self.id}: its forms must have its kind of hook")
+        # A file that gives a shipped mechanism another id means all of its forms.
+        own = tuple(one if one.id == self.id else replace(one, id=self.id) for one in self.forms)
+        object.__setattr__(self, "forms", own)
 
     @property
     def hooks(self) -> tuple:
