@@ -6,6 +6,9 @@ PRIOR = 2.5
 PRIOR_UNKNOWN = 4.0
 # Part of all that is explained (nats) that is no evidence between laws: no law is exact.
 MODEL_ERROR = 0.015
+# Part of what the best single cause explains that each further cause must explain besides: a law
+# that is not quite right invents a second one.
+FURTHER_PART = 0.04
 # The same for a smooth remainder beside causes: a law that misses a part of its own effect.
 REMAINDER = 0.07
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own

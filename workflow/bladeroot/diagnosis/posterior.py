@@ -40,9 +40,12 @@ def probabilities(models: Iterable[Weighed], replicates: bool = True) -> Sets:
     best = max(one.log_evidence for one in models)
     reach = max(best, *(one.log_evidence + one.smooth for one in models if not one.causes), 0.0)
     heat = temperature(reach, replicates)
+    alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
+    further = guards.FURTHER_PART * max(alone, 0.0) / heat
     log: Sets = {}
     for one in models:
-        own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
+        count = len(one.causes)
+        own = one.log_evidence / heat - guards.PRIOR * count - further * max(count - 1, 0)
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
         if np.isfinite(one.smooth):
             warm = heat

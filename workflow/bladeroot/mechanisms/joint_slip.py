@@ -28,7 +28,7 @@ SHARED = (
         "other modes over the first: slip per unit of the sensor's amplitude", log=True,
     ),
     Parameter(
-        "threshold_exponent", "1", 1.0, 0.2, 0.0, 2.0,
+        "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
         "friction's limit over the axial force, 1; displacement of a rounded contact 2/3",
     ),
 )  # fmt: skip

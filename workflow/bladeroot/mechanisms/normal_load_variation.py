@@ -42,8 +42,8 @@ def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
                 log=True,
             ),
             Parameter(
-                "threshold_exponent", "1", 1.0, 0.2, 0.0, 2.0,
-                "preload over the axial force",
+                "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
+                "preload over the axial force; an opening whatever the force is none of a flank",
             ),
             Parameter(
                 "dissipation", "1", 0.08, 0.8, 0.0, 0.25,
