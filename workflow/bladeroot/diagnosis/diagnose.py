@@ -101,8 +101,8 @@ def diagnose(
         found.append(search(damping_channel(damping, candidates), known))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
-        energy = _energy(found[0], len(modes)) if not nothing else {}
-        channel = curve_channel(curves, [one.tied(energy) for one in candidates])
+        tied = _tied(candidates, None if nothing else found[0], len(modes))
+        channel = curve_channel(curves, tied)
         why = f"it lacks {' and '.join(curve_lacks)}"
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
@@ -143,20 +143,26 @@ def _ruled_out(settings: Settings) -> dict[str, str]:
     return {}
 
 
-def _energy(found: Found, modes: int) -> dict[str, list[float]]:
-    """Each mode's part of energy in the contact springs, mean over the records, at the fit's kn, kt.
+def _tied(
+    candidates: Sequence[Mechanism], found: Found | None, modes: int
+) -> list[Mechanism]:
+    """Candidates by each mode's part of energy in the contact springs, mean over the records.
 
-    A frequency's derivative by ln k is half of k's part of the mode's potential energy.
+    A frequency's derivative by ln k is half of k's part of the mode's potential energy, which for
+    a stiff contact is as uncertain as k.
     """
-    gradient = found.final.state.facts["gradient"]
-    records = found.channel.records.mode
-    if not all((records == m).any() for m in range(modes)):
-        return {}
-    parts = [2.0 * gradient[records == m, :2].mean(axis=0) for m in range(modes)]
-    return {
+    if found is None or "gradient" not in found.final.state.facts:
+        return list(candidates)
+    gradient, records = found.final.state.facts["gradient"], found.channel.records
+    if not all((records.mode == m).any() for m in range(modes)):
+        return list(candidates)
+    parts = [2.0 * gradient[records.mode == m, :2].mean(axis=0) for m in range(modes)]
+    energy = {
         name: [float(np.clip(part[k], 1e-4, 1.0)) for part in parts]
         for k, name in enumerate(("normal", "tangential"))
     }
+    doubt = dict(zip(energy, found.final.std[:2].tolist(), strict=True))
+    return [one.tied(energy, doubt) for one in candidates]
 
 
 def _spoiled(seen: xr.Dataset, faulty: Sequence[Faulty]) -> tuple[np.ndarray, str]:

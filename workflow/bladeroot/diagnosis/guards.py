@@ -3,7 +3,7 @@
 # Prior: nats by which a cause of the catalogue, and something of no catalogue, is less likely than
 # its absence: with ten mechanisms a channel, half of all campaigns have none.
 PRIOR = 2.5
-PRIOR_UNKNOWN = 4.0
+PRIOR_UNKNOWN = 5.0
 # Part of all that is explained (nats) that is no evidence between laws: no law is exact.
 MODEL_ERROR = 0.015
 # Part of what the best single cause explains that each further cause must explain besides: a law

@@ -77,7 +77,7 @@ def changes(found, cause, first: int) -> list[dict]:
 def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
     """Whether each cause is `guards.SIGMAS` standard deviations or more from none.
 
-    By what it changes, and by its first parameter, which at zero is none, unless it is a share.
+    By what it changes, and by its first parameter where that may be zero.
     """
     first = channel.base
     for number, one in enumerate(chosen):
@@ -86,8 +86,9 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
         size, std = largest(fitted, number, own)
         if abs(size) < guards.SIGMAS * std:
             return False
-        scale = 1.0 if one.parameters[0].log else abs(fitted.parameters[own.start])
-        if not one.parameters[0].bounded and scale < guards.SIGMAS * fitted.std[own.start]:
+        main = one.parameters[0]
+        near = abs(fitted.parameters[own.start]) < guards.SIGMAS * fitted.std[own.start]
+        if near and not (main.log or main.bounded):
             return False
     return True
 

@@ -21,8 +21,8 @@ from bladeroot.structure.sensitivity import Change
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
-# Times the simulation's own part of the energy that a share may be: kn and kt are known to some ten
-# per cent, and the flanks' ends, which move most, give way beyond their part.
+# Times the simulation's own part of the energy, and twice its error, that a share may be: the
+# flanks' ends, which move most, give way beyond their part.
 MARGIN = 1.5
 _FAR = 40.0  # of a bounded coordinate, where its parameter has met its limit
 ENERGIES = ("tangential", "normal")  # contact springs whose part of a mode's energy bounds a share
@@ -262,14 +262,19 @@ class Mechanism:
                 return one
         raise ValueError(f"mechanism {self.id} has no form {form!r}")
 
-    def tied(self, energy: Mapping[str, Sequence[float]]) -> "Mechanism":
+    def tied(
+        self, energy: Mapping[str, Sequence[float]], doubt: Mapping[str, float]
+    ) -> "Mechanism":
         """The mechanism in a simulation whose contact springs have these parts of each mode's energy.
 
-        energy: by `ENERGIES`, first mode first; what is missing stays as any structure allows. A
-        share may be more than the simulation's by `MARGIN`, as its kn and kt are fitted.
+        energy: by `ENERGIES`, first mode first; what is missing stays as any structure allows.
+        doubt: standard deviation of the parts' logarithms, as kn and kt are known.
         """
-        tied = tuple(_tied(p, energy.get(p.tie, ())) for p in self.parameters)
-        return replace(self, parameters=tied, forms=tuple(one.tied(energy) for one in self.forms))
+        tied = tuple(
+            _tied(p, energy[p.tie], doubt[p.tie]) if p.tie in energy else p for p in self.parameters
+        )
+        forms = tuple(one.tied(energy, doubt) for one in self.forms)
+        return replace(self, parameters=tied, forms=forms)
 
     @property
     def channel(self) -> str:
@@ -281,16 +286,18 @@ class Mechanism:
         return "curve" if self.curve is not None else "stick"
 
 
-def _tied(parameter: Parameter, energy: Sequence[float]) -> Parameter:
+def _tied(parameter: Parameter, energy: Sequence[float], doubt: float) -> Parameter:
     """A parameter by what the simulation's modes have of the energy it is a part of."""
-    if not len(energy):
-        return parameter
     if parameter.ratio:
         if len(energy) < 2:
             return parameter
         mean = float(np.mean(energy[1:]) / energy[0])
-        return replace(parameter, mean=np.clip(mean, parameter.low, parameter.high))
+        return replace(parameter, mean=float(np.clip(mean, parameter.low, parameter.high)))
     span = parameter.high - parameter.low
-    high = parameter.low + min(MARGIN * float(energy[0]), span)
-    median = (parameter.mean - parameter.low) / span * (high - parameter.low)
-    return replace(parameter, mean=parameter.low + median, high=high)
+    part = min(float(energy[0]), span)
+    high = min(MARGIN * part * float(np.exp(2.0 * doubt)), span)
+    median = (parameter.mean - parameter.low) / span * min(MARGIN * part, high)
+    return replace(
+        parameter, mean=parameter.low + median, high=parameter.low + high,
+        std=float(np.hypot(parameter.std, doubt)),
+    )  # fmt: skip
