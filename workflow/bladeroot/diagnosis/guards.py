@@ -3,12 +3,12 @@
 # Prior: nats by which a cause of the catalogue, and something of no catalogue, is less likely than
 # its absence: with ten mechanisms a channel, half of all campaigns have none.
 PRIOR = 2.5
-PRIOR_UNKNOWN = 5.0
+PRIOR_UNKNOWN = 5.5
 # Part of all that is explained (nats) that is no evidence between laws: no law is exact.
 MODEL_ERROR = 0.015
 # Part of what the best single cause explains that each further cause must explain besides: a law
-# that is not quite right invents a second one.
-FURTHER_PART = 0.04
+# that is not quite right invents a second one, though none as large as such parts of it.
+FURTHER_PART, FURTHER_FADES = 0.04, 0.2
 # The same for a smooth remainder beside causes: a law that misses a part of its own effect.
 REMAINDER = 0.07
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own

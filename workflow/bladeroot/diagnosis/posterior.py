@@ -41,11 +41,10 @@ def probabilities(models: Iterable[Weighed], replicates: bool = True) -> Sets:
     reach = max(best, *(one.log_evidence + one.smooth for one in models if not one.causes), 0.0)
     heat = temperature(reach, replicates)
     alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
-    further = guards.FURTHER_PART * max(alone, 0.0) / heat
     log: Sets = {}
     for one in models:
-        count = len(one.causes)
-        own = one.log_evidence / heat - guards.PRIOR * count - further * max(count - 1, 0)
+        own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
+        own -= _invented(one, alone) / heat
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
         if np.isfinite(one.smooth):
             warm = heat
@@ -56,6 +55,17 @@ def probabilities(models: Iterable[Weighed], replicates: bool = True) -> Sets:
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
     total = sum(weights.values())
     return {key: value / total for key, value in weights.items()}
+
+
+def _invented(one: Weighed, alone: float) -> float:
+    """Nats of a set's further causes that a law which is not quite right would invent, where the
+    best single one explains so much; those that explain a good part of it are not invented.
+    """
+    count = len(one.causes) - 1
+    if count < 1 or alone <= 0.0:
+        return 0.0
+    more = max(one.log_evidence - alone, 0.0) / (count * alone)
+    return guards.FURTHER_PART * count * alone * float(np.exp(-more / guards.FURTHER_FADES))
 
 
 def together(parts: Iterable[Sets]) -> Sets:

@@ -6,7 +6,9 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
 
-_TWICE = 1.0 / 3.0 + np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness lacking at A = 2 gap
+_TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness at A = 2 gap
+_SPREAD = 0.25 * np.linspace(-2.5, 2.5, 21)  # of ln gap
+_WEIGHTS = np.exp(-0.5 * (_SPREAD / 0.25) ** 2) / np.exp(-0.5 * (_SPREAD / 0.25) ** 2).sum()
 
 
 def cubic(points: Points, values: np.ndarray) -> CurveEffect:
@@ -25,14 +27,22 @@ def large(points: Points, values: np.ndarray) -> CurveEffect:
 
 
 def stop(points: Points, values: np.ndarray) -> CurveEffect:
-    """A stiffness behind a gap to both sides, by its first harmonic; as much as alpha at A = 2 gap."""
-    gap = values[2]
-    s = np.minimum(gap / points.amplitude, 1.0)
-    touching = 1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))
-    by_s = -4.0 / np.pi * np.sqrt(1.0 - s**2)
-    scale = 0.375 * 4.0 * gap**2 / (1.0 - _TWICE)
-    slope = 2.0 * scale / gap * touching + scale * by_s * np.where(s < 1.0, s / gap, 0.0)
-    return _effect(points, values[:2], scale * touching, slope)
+    """A stiffness behind gaps to both sides, by its first harmonic; as much as alpha at A = 2 gap.
+
+    Gaps are spread, as no two faces are parallel; the other modes' amplitude of touch times a
+    ratio.
+    """
+    other = points.mode > 0
+    gap = values[2] * np.where(other, values[3], 1.0)
+    s = np.minimum(gap[:, None] * np.exp(_SPREAD) / points.amplitude[:, None], 1.0)
+    touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _WEIGHTS
+    by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _WEIGHTS
+    scale = 1.5 * values[2] ** 2 / _TWICE
+    return _effect(
+        points, values[:2], scale * touching,
+        scale * (2.0 * touching + by_ln) / values[2],
+        scale * by_ln * other / values[3],
+    )  # fmt: skip
 
 
 def _effect(
@@ -90,9 +100,16 @@ MECHANISM = replace(
             parameters=(
                 *MECHANISM.parameters,
                 Parameter("gap", "m", 5e-6, 1.2, 1e-8, 1e-2, "to a stop on both sides", log=True),
+                Parameter(
+                    "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "other modes over the first, at the "
+                    "sensor", log=True,
+                ),
             ),
             curve=stop,
-            starts=((np.log(3e6), np.log(0.5), np.log(1e-6)), (np.log(3e6), np.log(0.5), np.log(2e-5))),
+            starts=tuple(
+                (float(np.log(3e6)), float(np.log(0.5)), float(np.log(gap)), float(np.log(0.7)))
+                for gap in (1e-6, 2e-5)
+            ),
             form="stop",
         ),
     ),

@@ -23,12 +23,14 @@ _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
 # ln of the part of sliders that is weaker, for distributions with a strongest slider: so far down
 # that the rest, a part of 1e-6, shows in no record.
 _LN_PART = np.linspace(-14.0, 0.0, 113)
-_PART = np.exp(_LN_PART) / np.exp(_LN_PART).sum()
+_PART = np.exp(_LN_PART) * np.where(_LN_PART < 0.0, 1.0, 0.5)  # trapezoidal rule
+_PART = _PART / _PART.sum()
 # Free distribution: places of ln threshold about the law's, each smeared by so much.
 PLACES = np.linspace(-3.2, 3.2, 9)
 _SMEAR = np.linspace(-2.0, 2.0, 9)
 _SMEARED = np.exp(-0.5 * _SMEAR**2) / np.exp(-0.5 * _SMEAR**2).sum()
 _WIDTH = 0.35
+_LEAST = 0.02  # part of a mode's stiffness that is left at any amplitude
 
 Array = Float[ndarray, "..."]
 Lost = Callable[[Array], tuple[Array, Array, Array, Array]]
@@ -133,4 +135,10 @@ def curve(points: Points, values: ndarray, element: Lost, spread: Spread) -> Cur
     loss, loss_slope = slopes(loss, loss_slope)
     loss_slope = dissipation * loss_slope
     loss_slope[:, 5] = loss
-    return CurveEffect(-0.5 * lost, dissipation * loss, -0.5 * lost_slope, loss_slope)
+    # Frequency and loss factor go by the stiffness that is left.
+    left = np.maximum(1.0 - lost, _LEAST)
+    whole = (dissipation * loss + points.loss) / left
+    return CurveEffect(
+        0.5 * np.log(left), whole - points.loss, -0.5 * lost_slope / left[:, None],
+        (loss_slope + whole[:, None] * lost_slope) / left[:, None],
+    )  # fmt: skip
