@@ -8,7 +8,7 @@ PRIOR_UNKNOWN = 5.5
 MODEL_ERROR = 0.015
 # Part of what the best single cause explains that each further cause must explain besides: a law
 # that is not quite right invents a second one, though none as large as such parts of it.
-FURTHER_PART, FURTHER_FADES = 0.04, 0.2
+FURTHER_PART, FURTHER_FADES = 0.08, 0.2
 # The same for a smooth remainder beside causes: a law that misses a part of its own effect.
 REMAINDER = 0.07
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own
@@ -18,7 +18,7 @@ FEW_TEMPERATURE = 2.0
 CERTAIN, CREDIBLE = 0.9, 0.95
 # Sets of causes less probable are not listed.
 LEAST_PROBABILITY = 1e-6
-# Standard deviations from nothing below which no cause is named.
+# Standard deviations from nothing below which no cause is named, nor more probable than its prior.
 SIGMAS = 3.0
 ROUNDS = 4  # of the search for the most probable set
 # A law is trusted to this part of its own effect (standard deviation).

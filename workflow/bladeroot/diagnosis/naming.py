@@ -74,6 +74,8 @@ class _Search:
         self.models: dict[frozenset, Model] = {}
         self.steps: dict[frozenset, Step] = {}
         self.allowed: dict[frozenset, bool] = {frozenset(): True}
+        # Sets that may be and yet show nothing: worth no more than the set without the last cause.
+        self.unsure: dict[frozenset, float] = {}
 
     def expand(self, model: Model) -> None:
         """Try one cause more, and the smooth competitors, beside a model."""
@@ -88,6 +90,10 @@ class _Search:
         for name, one in more.items():
             old = self.models.get(one.ids)
             allowed = name not in self.known.ruled_out and self._allowed(model, one)
+            if not allowed and name not in self.known.ruled_out:
+                if possible(self.channel, one.causes, one.fit) and self.allowed[model.ids]:
+                    shown = min(one.log_evidence, model.log_evidence)
+                    self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
                 self.allowed[one.ids], old.log_evidence
             ):
@@ -112,10 +118,15 @@ class _Search:
         )
 
     def weighed(self) -> Sets:
-        """Probabilities of all sets that may be."""
+        """Probabilities of all sets that may be.
+
+        A cause that is not surely there has no more than its prior: it is not excluded either.
+        """
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids]:
+                if ids in self.unsure:
+                    rows.append(Weighed(ids, self.unsure[ids]))
                 continue
             step = self.steps.get(ids)
             gains = np.array(list(step.smooth.values())) if step else np.zeros(0)
@@ -129,6 +140,8 @@ class _Search:
         """
         sums: Sets = {}
         for key, value in self.weighed().items():
+            if not self.allowed[key - {UNKNOWN}]:
+                continue
             if barred or not key & set(self.known.barred):
                 sums[key - {UNKNOWN}] = sums.get(key - {UNKNOWN}, 0.0) + value
         return max(sums, key=lambda key: (sums[key], sorted(key)))

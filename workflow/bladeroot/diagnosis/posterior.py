@@ -64,8 +64,9 @@ def _invented(one: Weighed, alone: float) -> float:
     count = len(one.causes) - 1
     if count < 1 or alone <= 0.0:
         return 0.0
-    more = max(one.log_evidence - alone, 0.0) / (count * alone)
-    return guards.FURTHER_PART * count * alone * float(np.exp(-more / guards.FURTHER_FADES))
+    more = max(one.log_evidence - alone, 0.0)
+    faded = float(np.exp(-more / (count * alone) / guards.FURTHER_FADES))
+    return min(guards.FURTHER_PART * count * alone * faded, more)
 
 
 def together(parts: Iterable[Sets]) -> Sets:
