@@ -240,9 +240,11 @@ def _dataset(rows: list[dict], levels: list[dict]) -> xr.Dataset:
 def _at(one: xr.Dataset) -> str:
     """The largest difference in words."""
     sensor = one["largest_sensor"].item()
+    size, std = 100.0 * float(one["largest"]), 100.0 * float(one["largest_std"])
+    digits = max(0, -int(np.floor(np.log10(max(std, 1e-9)))))
     return (
-        f"{1e3 * float(one['largest_amplitude']):.2g} mm{' of ' + sensor if sensor else ''} "
-        f"{100.0 * float(one['largest']):.2g} ± {100.0 * float(one['largest_std']):.1g} % larger "
+        f"{1e6 * float(one['largest_amplitude']):.3g} µm{' at ' + sensor if sensor else ''} "
+        f"{size:.{digits}f} ± {std:.{digits}f} % larger "
         f"in {one['largest_high'].item()} than in {one['largest_low'].item()}"
     )
 

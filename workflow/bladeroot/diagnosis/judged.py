@@ -13,7 +13,7 @@ from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.possible import impossible
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.linear import JOINT, Linear
 from bladeroot.diagnosis.simulation.own_range import (
     dataset_in_own,
     in_catalogue,
@@ -31,6 +31,11 @@ SILENT = (
     "in all records are not spoken of"
 )
 SILENT_LOAD = "; so is its line over the load, and with it the scale and the zero of the reading"
+CONTACT_LAWS = ("load-dependent-stiffness", "incomplete-contact", "loading-hysteresis")
+AS_IF = (
+    f". Sizes of laws of the joint's stiffness are as if {100.0 * JOINT:.0f} % of the modes' "
+    "stiffness went through it"
+)
 # Log evidence (20 to 1) from which a candidate is spoken of that is not named, and its part of the
 # best one's; how many.
 SHOWN, SHARE, SHOWN_CAUSES = 3.0, 0.5, 3
@@ -97,6 +102,8 @@ def _in_own(
         whole, said = _dataset_plainly(whole, own.name), _verdict_plainly(said, own.name)
         ranked = plainly_but_ids(_ranked(made), own.name)
         silent = SILENT + (SILENT_LOAD if own.name else "")
+        if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
+            silent += AS_IF
         said["reason"] = ". ".join(filter(None, (said["reason"], ranked, silent)))
         whole.attrs["ranked"] = ranked
     said["structure"] = name or None
@@ -197,7 +204,7 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
             {
                 "quantity": quantity, "mode": str(one["compared_mode"].item()),
                 "trend": f"differs between groups at the same amplitude by up to "
-                f"{100.0 * size:.2g} %, {high} over {low}",
+                f"{100.0 * size:.3g} %, {high} over {low}",
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip

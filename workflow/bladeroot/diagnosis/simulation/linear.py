@@ -3,7 +3,8 @@
 Over a load its frequency follows stress stiffening, f^2 = f0^2 (1 + F/Fc): a line in f^2 over F.
 Level and line are free, so that nothing is said of kn and kt, of the load's gauge or of what is the
 same at all loads; all else is judged as with a structure. A law of the contact stiffness acts on
-the part of a mode's stiffness that goes through the joint, which is free, too.
+the part of a mode's stiffness that goes through the joint. How the modes' parts differ is free, but
+not how large they are on the whole: sizes of such laws are as if that were JOINT.
 """
 
 from dataclasses import dataclass
@@ -21,8 +22,10 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 LEVEL = 0.3  # of ln f about the expected frequency: another mode lies further
 STIFFENING = 0.3  # of f^2 over the range of the load
-# ln of the part of a mode's stiffness that goes through the joint.
-JOINT = (np.log(0.03), 1.5)
+# Part of the stiffness that goes through the joint, geometric mean of the modes: a large one, so
+# that no law's size is beyond its limits for want of it; and ln of a mode's part over it.
+JOINT = 0.3
+JOINT_SPREAD = 1.5
 # ln of the scatter of a frequency between clampings, what all modes share and each mode's own.
 SCATTER = (np.log(2e-4), 1.5)
 _LEAST = 0.05  # of f^2, where a line in it would pass zero
@@ -74,7 +77,7 @@ def acts_on(one: Mechanism) -> set[str]:
 
 
 class _OfRecords:
-    """Parameters: ln f and line of each mode, and ln of its part of stiffness in the joint."""
+    """Parameters: ln f and line of each mode, and ln of its part in the joint over the others'."""
 
     scales = (SCATTER, SCATTER)
 
@@ -86,9 +89,9 @@ class _OfRecords:
         self.range = float(high - low) if high > low else np.inf
         self.middle = 0.5 * float(low + high) if records.force.size else 0.0
         self.prior = Prior(
-            np.concatenate([np.log(simulated.expected), np.zeros(modes), np.full(modes, JOINT[0])]),
+            np.concatenate([np.log(simulated.expected), np.zeros(2 * modes)]),
             np.concatenate(
-                [np.full(modes, LEVEL), np.full(modes, STIFFENING), np.full(modes, JOINT[1])]
+                [np.full(modes, LEVEL), np.full(modes, STIFFENING), np.full(modes, JOINT_SPREAD)]
             ),
         )
         self.same_hold = (hold[:, None] == hold).astype(float)
@@ -113,7 +116,7 @@ class _OfRecords:
         level, line, joint = theta.reshape(3, self.modes)[:, m]
         u = (self.records.force + changes[:, 2] - self.middle) / self.range
         square = np.maximum(1.0 + line * u, _LEAST)
-        part = np.exp(np.minimum(joint, 0.0))
+        part = JOINT * np.exp(joint - theta[2 * self.modes :].mean())
         # springs in series: what the joint loses, the mode loses by its part
         both = 0.5 * (changes[:, 0] + changes[:, 1])
         mean = level + 0.5 * np.log(square) + 0.5 * part * both
@@ -122,7 +125,7 @@ class _OfRecords:
             [
                 self.of_mode,
                 self.of_mode * by_line[:, None],
-                self.of_mode * (0.5 * part * both * (joint < 0.0))[:, None],
+                (self.of_mode - 1.0 / self.modes) * (0.5 * part * both)[:, None],
             ]
         )
         by_k = 0.25 * part
