@@ -159,7 +159,8 @@ def test_another_machine_is_refused_in_one_sentence_with_the_numbers(model, expe
     seen["stick_frequency"] = seen["stick_frequency"] * np.nan
     made, said, extension = judged.with_structure(seen, model, SETTINGS, CATALOGUE, foreign)
     check(json.loads(json.dumps(said)), "verdict", "refused")
-    assert (said["answer"], said["causes"], extension) == ("insufficient-data", [], None)
+    assert (said["answer"], said["causes"]) == ("insufficient-data", [])
+    check(extension, "model", "refused")
     assert "cannot be this specimen" in said["reason"]
     assert f"{foreign['first']:.4g} Hz" in said["reason"]
     assert ". " not in said["reason"].rstrip(".")

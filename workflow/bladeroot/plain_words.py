@@ -28,6 +28,7 @@ def plainly(text: str, load: str) -> str:
     """A sentence of the catalogue or of a verdict in terms that any specimen has."""
     for pattern, other in _JOINT:
         text = re.sub(pattern, other, text)
+    text = text.replace("clamping, gauge and", "clamping, reading and" if load else "clamping and")
     if not load:
         text = re.sub(r" at some of the forces,|\bat each force |, over axial force", "", text)
         text = re.sub(r"\b(over )?(the )?amplitude and (the )?force\b", "over amplitude", text)

@@ -151,8 +151,8 @@ def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
             std = np.hypot(here_std, stated) / np.sqrt([one.size for one in values])
             low, high = int(np.argmin(mean)), int(np.argmax(mean))
             apart, own = mean[high] - mean[low], float(np.hypot(std[low], std[high]))
-            if apart > max(SURE * own, best):
-                best = float(apart)
+            if apart - SURE * own > best:  # not the point that noise takes furthest
+                best = float(apart - SURE * own)
                 found = {
                     "largest": float(np.expm1(apart)), "largest_std": float(np.exp(apart) * own),
                     "largest_amplitude": float(ladder[k]), "largest_sensor": place[1],

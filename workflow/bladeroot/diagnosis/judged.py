@@ -9,6 +9,7 @@ import xarray as xr
 from bladeroot.decay.groups import told
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.possible import impossible
@@ -171,7 +172,9 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
         attrs={"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
                "lacks": "", "least_force_N": 0.0, "refused": 1},
     )  # fmt: skip
-    return whole, said, None
+    unchanged = {"schema": EXTENSION, "campaign": said["campaign"], "structure": structure,
+                 "contact": {}, "mechanisms": []}  # fmt: skip
+    return whole, said, unchanged
 
 
 def _load(seen: xr.Dataset) -> dict[str, str]:
