@@ -326,6 +326,9 @@ rule report:
         integrity=lambda w: (
             rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
         ),
+        curves=lambda w: (
+            rules.curves.output.curves if CAMPAIGNS[w.campaign].records else []
+        ),
         score=lambda w: (
             rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
         ),
