@@ -13,7 +13,7 @@ from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.gaussian import Fit, Problem
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.stick_model import StickData
-from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]
 # Length of the competitor's Ornstein-Uhlenbeck kernels: of ln F, and of the campaign's time.
@@ -26,7 +26,7 @@ class Channel:
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
-    "hold", the number of the part that each datum belongs to.
+    "hold", the number of the part that each datum belongs to. records: of stick frequencies.
     """
 
     name: str
@@ -35,6 +35,7 @@ class Channel:
     candidates: tuple[Mechanism, ...]
     smooth: Callable[[Fit], dict[str, Kernels]]
     part: dict[str, Int[ndarray, " datum"]]
+    records: Records | None = None
 
 
 def stick_channel(
@@ -50,6 +51,7 @@ def stick_channel(
             _smooth(data, 3e-4) | (_contact(data, fitted) if simulated.knows_contact else {})
         ),
         _parts(data),
+        data.records,
     )
 
 

@@ -87,8 +87,8 @@ def diagnose(
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)
-    barred = _barred(candidates, settings, data, bool(lacks))
-    known = Known(settings.splits, not lacks, barred)
+    barred = _barred(candidates, data, bool(lacks))
+    known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
     curves = curve_model.curve_data(seen, modes, skip, baseline)
@@ -101,7 +101,9 @@ def diagnose(
         found.append(search(damping_channel(damping, candidates), known))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
-        channel = curve_channel(curves, candidates)
+        of_contact = simulated.knows_contact and not nothing
+        tied = _tied(candidates, found[0] if of_contact else None, len(modes))
+        channel = curve_channel(curves, tied)
         why = f"it lacks {' and '.join(curve_lacks)}"
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
@@ -140,18 +142,45 @@ def with_lower_forces(
 
 
 def _barred(
-    candidates: Sequence[Mechanism], settings: Settings, data: StickData, few: bool
+    candidates: Sequence[Mechanism], data: StickData, few: bool
 ) -> dict[str, str]:
     """Mechanisms that the campaign cannot speak of, and why."""
     barred = {}
     for one in candidates:
-        if one.id == "incomplete-contact" and settings.least_force > 0.0:
-            barred[one.id] = "the campaign says that contact is full at the forces used"
-        elif few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
+        if few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
             barred[one.id] = "too few records to tell it from the scatter of clampings"
         elif one.kind == "direction" and not replicated(data):
             barred[one.id] = "no repeated clampings to tell it from their scatter"
     return barred
+
+
+def _ruled_out(settings: Settings) -> dict[str, str]:
+    """Mechanisms that the campaign says are not there, and how."""
+    if settings.least_force > 0.0:
+        return {"incomplete-contact": "the campaign says that contact is full at the forces used"}
+    return {}
+
+
+def _tied(
+    candidates: Sequence[Mechanism], found: Found | None, modes: int
+) -> list[Mechanism]:
+    """Candidates by each mode's part of energy in the contact springs, mean over the records.
+
+    A frequency's derivative by ln k is half of k's part of the mode's potential energy, which for
+    a stiff contact is as uncertain as k.
+    """
+    if found is None or "gradient" not in found.final.state.facts:
+        return list(candidates)
+    gradient, records = found.final.state.facts["gradient"], found.channel.records
+    if not all((records.mode == m).any() for m in range(modes)):
+        return list(candidates)
+    parts = [2.0 * gradient[records.mode == m, :2].mean(axis=0) for m in range(modes)]
+    energy = {
+        name: [float(np.clip(part[k], 1e-4, 1.0)) for part in parts]
+        for k, name in enumerate(("normal", "tangential"))
+    }
+    doubt = dict(zip(energy, found.final.std[:2].tolist(), strict=True))
+    return [one.tied(energy, doubt) for one in candidates]
 
 
 def _spoiled(seen: xr.Dataset, faulty: Sequence[Faulty]) -> tuple[np.ndarray, str]:

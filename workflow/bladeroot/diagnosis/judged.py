@@ -168,7 +168,7 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
     """The answer where a structure cannot be the specimen: one sentence, and no cause."""
     said = {
         "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")), "structure": structure,
-        "answer": "insufficient-data", "causes": [], "shortfall": [], "gain": {},
+        "answer": "insufficient-data", "probabilities": {}, "causes": [], "shortfall": [], "gain": {},
         "records": records_of(seen), "reason": reason,
     }  # fmt: skip
     empty = np.array([], dtype=str)

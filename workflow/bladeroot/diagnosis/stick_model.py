@@ -16,6 +16,7 @@ from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.clampings import clampings, hold_names
 from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import RECORDS, TRUST
+from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
@@ -23,6 +24,7 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
+LEAST_LIMIT = 5e-3  # of a frequency: a limit that is known worse says less than a clamping scatters
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 # Where so many of the records have a time, the others are left out rather than all laws of time.
 MOSTLY = 0.8
@@ -32,10 +34,12 @@ MOSTLY = 0.8
 class StickData:
     """The records with a stick frequency.
 
-    std: relative, within the record. hold: number of the clamping. rounding: standard deviation of
-    the reading's rounding, N. row: number in the observations. group: number of each record's
-    group, None where there is one only. jumped: holds that count as two clampings. unheld: records
-    whose hold is not stated. untimed: records left out for want of a time.
+    std: relative, within the record. shared: relative error of those that do not reach their
+    plateau by the law that takes them to it (`bladeroot.diagnosis.limits`), one of a mode's. hold:
+    number of the clamping. rounding: standard deviation of the reading's rounding, N. row: number
+    in the observations. group: number of each record's group, None where there is one only. jumped:
+    holds that count as two clampings. unheld: records whose hold is not stated. untimed: records
+    left out for want of a time.
     """
 
     modes: tuple[str, ...]
@@ -51,6 +55,7 @@ class StickData:
     jumped: tuple[str, ...] = ()
     unheld: int = 0
     untimed: int = 0
+    shared: Float[ndarray, " record"] | None = None
 
 
 def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0) -> StickData:
@@ -58,7 +63,8 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     mode = seen["mode"].values.astype(str)
     frequency, std = seen["stick_frequency"].values, seen["stick_frequency_std"].values
     usable = np.isin(mode, modes) & (seen["verdict"].values.astype(str) == "usable")
-    usable &= (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
+    frequency, std, shared = _with_limits(seen, frequency, std)
+    usable &= np.isfinite(frequency) & np.isfinite(std)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
     every = row
     row = _timed(row, seen["time"].values, seen["force"].values, mode)
@@ -99,7 +105,23 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         tuple(called[jumped].tolist()),
         unheld,
         every.size - row.size,
+        shared[row],
     )
+
+
+def _with_limits(seen: xr.Dataset, frequency: ndarray, std: ndarray) -> tuple[ndarray, ...]:
+    """Stick frequencies and errors (Hz), with the limits of records that reach no plateau, and the
+    relative error that these share.
+    """
+    reached = (seen["plateau_reached"].values == 1) & np.isfinite(frequency) & np.isfinite(std)
+    if reached.all():
+        return frequency, std, np.zeros(frequency.size)
+    found = limits(seen)
+    own = np.hypot(found.std, OWN * found.shared)
+    own[~(np.hypot(own, found.shared) < LEAST_LIMIT)] = np.nan
+    limit = np.exp(found.ln_f)
+    shared = np.where(reached, 0.0, np.nan_to_num(found.shared))
+    return np.where(reached, frequency, limit), np.where(reached, std, own * limit), shared
 
 
 def _timed(
@@ -143,6 +165,7 @@ def problem(
         facts = {"gradient": said.gradient, "effects": effects}
         return State(said.mean + made.changes[:, 3], np.hstack(columns), facts)
 
+    beyond = _of_limits(data)
     trust = [trust_kernel(data, one.over) for one in mechanisms]
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
@@ -151,6 +174,7 @@ def problem(
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
             e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
             whole += np.outer(TRUST**2 * e, e) * kernel
+        whole += beyond
         whole[rows, rows] += data.std**2 + noise**2
         parts = [
             np.exp(2.0 * scale) * unit
@@ -168,6 +192,14 @@ def problem(
     scales += [(np.log(size), 1.5) for _, size in extra]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
     return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
+
+
+def _of_limits(data: StickData) -> Float[ndarray, "record record"]:
+    """Covariance by the law that takes records to the plateau they do not reach."""
+    if data.shared is None or not data.shared.any():
+        return np.zeros((data.ln_f.size, data.ln_f.size))
+    alike = same_mode(data) * near(np.log(data.records.force), FORCE_LENGTH)
+    return np.outer(data.shared, data.shared) * alike
 
 
 def _means(of_mode: ndarray, values: ndarray) -> ndarray:
