@@ -76,7 +76,7 @@ def _own(rng: np.random.Generator, name: str) -> Specimen:
             _, tangential, frequency = system.parts(ln_kn, ln_kt, 12e3)
             if tangential[0] >= wanted:
                 break
-        if 0.015 < tangential[0] < 0.15 and 100 < frequency[0] and frequency[1] < 2000:
+        if 0.015 < tangential[0] < 0.15 and frequency[0] > 100 and frequency[1] < 2000:
             break
     else:
         raise RuntimeError("no specimen with the wanted contact energy in 100 draws")

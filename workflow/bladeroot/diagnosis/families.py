@@ -93,9 +93,7 @@ def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
     return found
 
 
-def _family(
-    channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool
-) -> Model:
+def _family(channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool) -> Model:
     """The model with one cause more, the best of its forms; others than the first are tried where
     the data ask for something or the first explains something.
     """

@@ -13,7 +13,7 @@ FURTHER_PART, FURTHER_FADES = 0.08, 0.2
 REMAINDER = 0.07
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own
 # misfit.
-FEW_TEMPERATURE = 2.0
+FEW_TEMPERATURE = 1.5
 # Probability from which on a name is certain, and of a credible set where it is not.
 CERTAIN, CREDIBLE = 0.9, 0.95
 # Sets of causes less probable are not listed.

@@ -95,7 +95,8 @@ class _Search:
                     shown = min(one.log_evidence, model.log_evidence)
                     self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
-                self.allowed[one.ids], old.log_evidence
+                self.allowed[one.ids],
+                old.log_evidence,
             ):
                 self.models[one.ids], self.allowed[one.ids] = one, allowed
 
@@ -134,15 +135,11 @@ class _Search:
             rows.append(Weighed(ids, model.log_evidence, float(other)))
         return probabilities(rows, self.known.replicates)
 
-    def best(self, barred: bool = True) -> frozenset:
-        """The most probable set of causes, whatever is unexplained beside it; with barred ones or
-        of the others.
-        """
+    def best(self) -> frozenset:
+        """The most probable set of causes, whatever is unexplained beside it."""
         sums: Sets = {}
         for key, value in self.weighed().items():
-            if not self.allowed[key - {UNKNOWN}]:
-                continue
-            if barred or not key & set(self.known.barred):
+            if self.allowed[key - {UNKNOWN}]:
                 sums[key - {UNKNOWN}] = sums.get(key - {UNKNOWN}, 0.0) + value
         return max(sums, key=lambda key: (sums[key], sorted(key)))
 
@@ -184,7 +181,11 @@ def _openings(made: _Search, here: frozenset) -> list[frozenset]:
 
 
 def _found(made: _Search) -> Found:
-    best, here, sets = made.best(), made.best(barred=False), made.weighed()
+    best, sets = made.best(), made.weighed()
+    barred = sorted(best & set(made.known.barred))
+    here = best - set(barred)
+    if not made.allowed.get(here, False):
+        here = frozenset()
     model = made.models[here]
     causes = [_cause(made, model, one, sets) for one in model.causes]
     causes.sort(key=lambda one: -one.gain)
@@ -194,7 +195,6 @@ def _found(made: _Search) -> Found:
     first = made.steps[frozenset()]
     step = made.steps.get(here, first)
     unexplained = max(step.smooth, key=step.smooth.get, default="") if unknown > 0.5 else ""
-    barred = sorted(best & set(made.known.barred))
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
@@ -235,21 +235,14 @@ def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
         elif rest < known and len(known) == len(rest) + 1:
             (name,) = known - rest
             instead[name] = instead.get(name, 0.0) + value
-    total = sum(instead.values())
+    probability = inclusion(sets, one.id)
+    credible, covered = [one.id], probability
     others = sorted((n for n in instead if n != one.id), key=lambda n: (-instead[n], n))
-    credible, covered = [one.id], instead[one.id] / total
-    for name in others:
-        if covered >= (guards.CERTAIN if len(credible) == 1 else guards.CREDIBLE):
+    for name in others if probability < guards.CERTAIN else []:
+        if len(credible) > 1 and covered >= guards.CREDIBLE:
             break
         credible.append(name)
-        covered += instead[name] / total
-    probability = inclusion(sets, one.id)
-    if probability < guards.CERTAIN and len(credible) == 1:
-        near = sorted(
-            {n for key in sets if one.id not in key for n in (key - model.ids or {NONE})},
-            key=lambda n: -sum(v for k, v in sets.items() if one.id not in k and n in (k or {NONE})),
-        )
-        credible += near[:1]
+        covered += instead[name]
     unsplit = {
         x.id for x in made.channel.candidates
         if x.needed and x.measured_by not in made.known.splits

@@ -4,10 +4,10 @@ import numpy as np
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
-from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.guards import CERTAIN
+from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
-from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, inclusion, labelled, together
+from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
 from bladeroot.diagnosis.shortfall import of_curves, of_records
 from bladeroot.diagnosis.stick_model import biases
 

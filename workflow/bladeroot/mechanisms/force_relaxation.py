@@ -40,9 +40,7 @@ def power(records: Records, values: np.ndarray) -> StickEffect:
     return _effect(records, course, loss, loss * by_tau, loss * by_order)
 
 
-def _effect(
-    records: Records, course: np.ndarray, loss: float, *slopes: np.ndarray
-) -> StickEffect:
+def _effect(records: Records, course: np.ndarray, loss: float, *slopes: np.ndarray) -> StickEffect:
     force = records.force
     columns = np.stack([course, *slopes], axis=1)
     return StickEffect({"force": -loss * course * force}, {"force": -columns * force[:, None]})

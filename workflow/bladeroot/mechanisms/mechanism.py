@@ -218,7 +218,9 @@ class Mechanism:
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
         names = [one.form for one in self.every_form]
         if len(set(names)) < len(names) or any(one.forms for one in self.forms):
-            raise ValueError(f"mechanism {self.id}: forms must have names of their own and no forms")
+            raise ValueError(
+                f"mechanism {self.id}: forms must have names of their own and no forms"
+            )
         if any(one.channel != self.channel for one in self.forms):
             raise ValueError(f"mechanism {self.id}: its forms must have its kind of hook")
         # A file that gives a shipped mechanism another id means all of its forms.
@@ -246,9 +248,7 @@ class Mechanism:
         """Values of the parameters, and their derivative by the fit's coordinates."""
         pairs = list(zip(self.parameters, np.asarray(coordinates, float), strict=True))
         values = np.array([p.value(x) for p, x in pairs])
-        return values, np.array(
-            [p.slope(v) for p, v in zip(self.parameters, values, strict=True)]
-        )
+        return values, np.array([p.slope(v) for p, v in zip(self.parameters, values, strict=True)])
 
     @property
     def every_form(self) -> tuple["Mechanism", ...]:
