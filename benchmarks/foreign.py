@@ -1,12 +1,15 @@
 """The product on sealed campaigns of a laboratory that it has never seen.
 
-    python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped results/structures/dovetail-HB/parametric.nc
+    python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
     python benchmarks/foreign.py score --out DIR
-    python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone, to be looked at
+    python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
+
+PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
 
 Seeds 1 to 9999 are for tuning; from 100000 on they are for scoring alone. A case whose verdict is
-there is not run again unless `--again`; `--keep` keeps raw records and artifacts.
+there is not run again unless `--again`; `--keep` keeps raw records and artifacts. With `--analysed`
+records are analysed once, so that a changed diagnosis is tried within a second or two a case.
 """
 
 import argparse
@@ -40,7 +43,7 @@ def drawn(args: argparse.Namespace, seed: int) -> Case:
     return draw_case(seed, cache, args.shipped, args.kind, args.effect)
 
 
-def make(args: argparse.Namespace) -> None:
+def make(args: argparse.Namespace, raw: bool = True) -> None:
     """Campaigns with their sealed truths, no inference."""
     for seed in seeds_of(args.seeds):
         folder = args.out / "campaigns" / f"c{seed}"
@@ -48,13 +51,13 @@ def make(args: argparse.Namespace) -> None:
         case = drawn(args, seed)
         args.out.mkdir(parents=True, exist_ok=True)
         digest = seal(case, args.out / f"truth-{seed}.json")
-        write_campaign(case, folder)
+        write_campaign(case, folder, raw)
         print(f"{folder}: {len(case.sheet.mode)} records, sealed {digest[:16]}")
 
 
 def run(args: argparse.Namespace) -> None:
     """Make, seal, infer, open, tell."""
-    from foreign_lab.run import infer
+    from foreign_lab.run import analysed_file, infer
 
     for seed in seeds_of(args.seeds):
         answer = args.out / f"verdict-{seed}.json"
@@ -64,8 +67,15 @@ def run(args: argparse.Namespace) -> None:
         folder, results = args.out / "campaigns" / f"c{seed}", args.out / "results" / f"c{seed}"
         for old in (folder, results):
             shutil.rmtree(old, ignore_errors=True)
-        make(argparse.Namespace(**(vars(args) | {"seeds": str(seed)})))
-        verdict = infer(folder, results, args.cache or args.out / "cache", args.shipped, args.keep)
+        store = (
+            analysed_file(args.analysed, f"{seed}{args.kind}{args.effect}")
+            if args.analysed
+            else None
+        )
+        fresh = store is None or not store.is_file()
+        make(argparse.Namespace(**(vars(args) | {"seeds": str(seed)})), raw=fresh)
+        cache = args.cache or args.out / "cache"
+        verdict = infer(folder, results, cache, args.shipped, args.keep, store)
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
         truth = opened(args.out / f"truth-{seed}.json")
         hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
@@ -100,6 +110,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
     parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
     parser.add_argument("--shipped", type=Path, help="parametric.nc of dovetail-HB")
+    parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
     parser.add_argument("--kind", default="", choices=["", "null", "single", "pair", "outside"])
     parser.add_argument("--effect", default="", help="the id of the one effect to hide")
     parser.add_argument("--again", action="store_true")

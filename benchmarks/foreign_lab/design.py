@@ -120,7 +120,7 @@ def _rows(rng: np.random.Generator) -> list[dict]:
     loads[-1] = max(loads[-1], 0.7)
     weight = rng.uniform(0.3, 1.0, len(loads))
     two_ways = rng.random() < 0.8
-    groups = rng.random() < 0.5
+    turn = 3 + int(6 * rng.random())  # clampings until the other operator takes over
     rows, clock, hold, way = [], 0.0, 0, 1
     while len(rows) < MOST + 20:
         order = range(len(loads)) if way > 0 else range(len(loads))[::-1]
@@ -139,7 +139,7 @@ def _rows(rng: np.random.Generator) -> list[dict]:
                         "direction": way,
                         "time": clock + since,
                         "in_hold": since,
-                        "group": int(groups and (hold // 5) % 2),
+                        "group": int((hold // turn) % 2),
                         "drive": float(rng.choice([0.7, 1.0, 1.4]) * rng.uniform(0.85, 1.15)),
                     }
                 )

@@ -2,8 +2,8 @@
 
 A file is one physical effect: `ID`, `UNIT`, `SIZES` (smallest and largest size), `FORMS` (name to a
 function of a generator that draws the shape's parameters) and one or more hooks. `SIGNED` where the
-size may have either sign; `OUTSIDE` where no catalogue is known to have it, with `KIN`, the ids that
-would be a fair description of it. Hooks get the effect and the sheet of records (`sheet.py`):
+size may have either sign; `OUTSIDE` where no catalogue is known to have it, with `KIN`, the ids
+that would be a fair description of it. Hooks get the effect and the sheet of records (`sheet.py`):
 
     stick(effect, sheet)               changes by record: ln_kn, ln_kt, force, ln_f, ln_eta
     curve(effect, record, x)           changes at amplitudes x (m, laser): ln_f, eta, even, odd

@@ -4,6 +4,7 @@ The heads' arms reach back from the end section to the flanks, so that a rotatio
 along the flanks more than it presses on them.
 """
 
+import itertools
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -80,7 +81,7 @@ def build(g: Geometry) -> Bodies:
     head = Section(g.width / 3, 1.4 * g.depth, g.modulus, g.density)
     steel = Section(g.width / 2, 2.5 * g.depth, 2.1e11, 7800.0)
     axis = [beam.node(x, 0.0, 0.0) for x in np.linspace(-0.5, 0.5, g.elements + 1) * g.length]
-    for first, last in zip(axis[:-1], axis[1:], strict=True):
+    for first, last in itertools.pairwise(axis):
         beam.member(first, last, span, 1.0)
     for end, side in enumerate((-1, 1)):
         slot = slots[end]

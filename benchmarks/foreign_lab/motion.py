@@ -8,7 +8,7 @@ from foreign_lab.design import Bench
 from foreign_lab.effect import Effect
 from foreign_lab.sheet import Record
 
-GRID = np.linspace(0.0, -9.0, 160)  # ln of the amplitude over its start
+GRID = np.linspace(0.0, -9.0, 640)  # ln of the amplitude over its start
 
 
 def backbone(record: Record, loss: float, effects: Sequence[Effect], x: np.ndarray) -> dict:
@@ -66,7 +66,7 @@ def raw_record(
     rng: np.random.Generator, record: Record, bench: Bench, effects: Sequence[Effect]
 ) -> tuple[np.ndarray, float]:
     """Velocity in digits of 16 bits, and the digit (m/s)."""
-    sheet, mode = record.sheet, record.mode
+    _sheet, mode = record.sheet, record.mode
     fs, seconds = bench.sampling_Hz, bench.seconds[mode]
     t = np.arange(int(seconds * fs)) / fs
     release = float(rng.uniform(0.05, 0.3))

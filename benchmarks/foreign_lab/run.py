@@ -4,8 +4,10 @@ This file alone of the laboratory uses the product, through the same functions a
 `workflow/scripts` call, with the settings of `config/config.yaml`.
 """
 
+import hashlib
 import importlib.util
 import json
+import pickle
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +19,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
+RECORD_STAGES = ("ringdown", "integrity", "stick")
 
 
 def stage(name: str) -> Callable:
@@ -48,17 +51,23 @@ def parametric_of(structure_file: Path, cache: Path) -> Path:
         mesh, reduced = folder / "mesh.nc", folder / "reduced.nc"
         stage("matrices_mesh")(structure_file, mesh)
         stage("matrices_reduced")(structure_file, mesh, reduced)
-        stage("parametric")(reduced, "area", json.dumps(configuration()["parametric"]), done)
+        asked = configuration()["parametric"]
+        try:
+            stage("parametric")(reduced, "area", json.dumps(asked), done)
+        except ValueError:
+            # 1B and 2B are what is needed; a user leaves out a third mode that crosses another
+            fewer = {**asked, "modes": ["1B", "2B"]}
+            stage("parametric")(reduced, "area", json.dumps(fewer), done)
     return done
 
 
 @contextmanager
-def in_memory(kept: bool) -> Iterator[None]:
+def in_memory(kept: bool) -> Iterator[dict]:
     """Artifacts are handed from stage to stage without files, which cost more than the analysis.
 
-    With `kept` they are files as in a run by Snakemake.
+    With `kept` they are files as in a run by Snakemake, and the shelf that is given stays empty.
     """
-    stage("record")  # the library's path
+    stage("ringdown")  # the library's path
     from bladeroot import artifacts
 
     shelf, load, save = {}, artifacts.load, artifacts.save
@@ -74,56 +83,111 @@ def in_memory(kept: bool) -> Iterator[None]:
         return load(path) if found is None else found.copy(deep=True)
 
     if kept:
-        yield
+        yield shelf
         return
     artifacts.load, artifacts.save = fetch, shelve
     try:
-        yield
+        yield shelf
     finally:
         artifacts.load, artifacts.save = load, save
 
 
-def infer(folder: Path, results: Path, cache: Path, shipped: Path, keep: bool = False) -> dict:
+def analysed_file(folder: Path, case: str) -> Path:
+    """Where the analysed records of a case are kept: another name once any code that made them is.
+
+    The diagnosis alone may change without new records.
+    """
+    stage("ringdown")  # the library's path
+    from bladeroot.provenance import code_hash
+
+    parts = [code_hash(SCRIPTS / f"{name}.py") for name in RECORD_STAGES]
+    lab = Path(__file__).parent
+    parts += [path.read_text() for path in sorted(lab.rglob("*.py")) if path.name not in _NO_MAKERS]
+    key = hashlib.sha256("".join(parts).encode()).hexdigest()
+    return folder / f"{case}-{key[:12]}.pickle"
+
+
+_NO_MAKERS = ("run.py", "score.py")
+
+
+def infer(
+    folder: Path,
+    results: Path,
+    cache: Path,
+    shipped: Path,
+    keep: bool = False,
+    analysed: Path | None = None,
+) -> dict:
     """verdict.json of a campaign's folder; artifacts of the stages go to `results`, with `keep`.
 
-    `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. The answer has
+    `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. `analysed`: the
+    analysed records, taken from there if the file exists, else left there. The answer has
     `seconds` beside the verdict: CPU time of the records and of the diagnosis.
     """
     own = folder / f"{yaml.safe_load((folder / 'campaign.yaml').read_text())['structure'][0]}.yaml"
     parametric = parametric_of(own, cache) if own.is_file() else shipped
-    with in_memory(keep):
-        return _inferred(folder, results, parametric)
+    with in_memory(keep) as shelf:
+        clock = time.process_time()
+        if analysed is not None and analysed.is_file():
+            stored = pickle.loads(analysed.read_bytes())
+            shelf.update({results / name: one for name, one in stored.items()})
+        else:
+            _analyse(folder, results)
+        if analysed is not None and not analysed.is_file():
+            wanted = {path.relative_to(results): one for path, one in shelf.items()}
+            kept = {name: one for name, one in wanted.items() if name.parts[0] not in _DROPPED}
+            analysed.parent.mkdir(parents=True, exist_ok=True)
+            analysed.write_bytes(pickle.dumps(kept))
+        recorded = time.process_time() - clock
+        clock = time.process_time()
+        verdict = _diagnose(folder, results, parametric)
+        seconds = {"records": recorded, "diagnosis": time.process_time() - clock}
+        return {**verdict, "seconds": seconds}
 
 
-def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
-    clock = time.process_time()
+# The diagnosis reads the curves, stick.nc and integrity.nc.
+_DROPPED = ("records", "plateau")
+
+
+def _analyse(folder: Path, results: Path) -> None:
     from bladeroot.records.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
-    name = campaign.name
     modes = campaign.description["modes"]
-    made: dict[str, list[Path]] = {"records": [], "decay": [], "plateau": []}
-    settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
+    facts = []
     for row in campaign.records:
-        paths = {part: results / part / f"{row['record']}.nc" for part in made}
         others = [modes[m]["expected_Hz"] for m in modes if m != row["mode"]]
-        facts = {**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False}
-        stage_record, stage_decay = _cached("record"), _cached("decay")
-        stage_record(
-            folder / row["file"], json.dumps(facts), name, settings["record"], paths["records"]
-        )
-        stage_decay(paths["records"], settings["decay"], paths["decay"], paths["plateau"])
-        for part, path in paths.items():
-            made[part].append(path)
-    integrity, stick = results / "integrity.nc", results / "stick.nc"
-    stage("integrity")(made["records"], made["decay"], made["plateau"], name, integrity)
-    stage("stick")(made["plateau"], name, settings["stick"], stick)
-    recorded = time.process_time() - clock
-    clock = time.process_time()
-    seen, verdict = results / "observations.nc", results / "verdict.json"
-    stage("observations")(
-        stick, made["decay"], [integrity], json.dumps(_observed_facts(campaign)), seen
+        facts.append({**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False})
+    settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
+    batch = results / BATCH
+    stage("ringdown")(
+        [folder / row["file"] for row in campaign.records],
+        json.dumps(facts),
+        campaign.name,
+        settings["record"],
+        settings["decay"],
+        results,
+        batch,
     )
+    stage("integrity")([batch], campaign.name, results / "integrity.nc")
+    stage("stick")([batch], campaign.name, settings["stick"], results / "stick.nc")
+
+
+# All records of a campaign are one batch.
+BATCH = Path("batches/all.txt")
+
+
+def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
+    from bladeroot.records.campaign import load_campaign
+
+    campaign, config = load_campaign(folder), configuration()
+    batch = results / BATCH
+    if not batch.is_file():
+        batch.parent.mkdir(parents=True)
+        batch.write_text("".join(f"{row['record']}\n" for row in campaign.records))
+    integrity, stick = results / "integrity.nc", results / "stick.nc"
+    seen, verdict = results / "observations.nc", results / "verdict.json"
+    stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
     stage("diagnosis")(
         seen,
         parametric,
@@ -139,20 +203,7 @@ def _inferred(folder: Path, results: Path, parametric: Path) -> dict:
         verdict,
         None,
     )
-    diagnosed = time.process_time() - clock
-    return {
-        **json.loads(verdict.read_text()),
-        "seconds": {"records": recorded, "diagnosis": diagnosed},
-    }
-
-
-_MAINS: dict[str, Callable] = {}
-
-
-def _cached(name: str) -> Callable:
-    if name not in _MAINS:
-        _MAINS[name] = stage(name)
-    return _MAINS[name]
+    return json.loads(verdict.read_text())
 
 
 def _observed_facts(campaign) -> dict:

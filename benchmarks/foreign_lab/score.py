@@ -1,5 +1,6 @@
 """What the verdicts are worth: answer classes by kind, effect and form; sizes; log score."""
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable
@@ -96,6 +97,7 @@ SIZES = {
     ("force-offset", "offset"): "offset",
     ("added-mass", "mass"): "mass",
     ("load-dependent-stiffness", "exponent"): "slope_kn",
+    ("force-relaxation", "loss"): "size",
 }
 
 
@@ -107,8 +109,9 @@ def sizes(truth: dict, verdict: dict) -> list[tuple[str, float]]:
         one = hidden.get(cause["mechanism"])
         for parameter in cause.get("parameters", []) if one else []:
             measure = SIZES.get((cause["mechanism"], parameter["name"]))
-            if measure in one["measures"] and parameter["std"]:
-                off = parameter["value"] - one["measures"][measure]
+            true = {"size": one["size"], **one["measures"]}
+            if measure in true and parameter["std"]:
+                off = parameter["value"] - true[measure]
                 found.append((cause["mechanism"], off / parameter["std"]))
     return found
 
@@ -168,7 +171,7 @@ def _reliability(cases: list) -> str:
         for truth, verdict in cases
         for key, value in probabilities(verdict).items()
     ]
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         mine = [(value, right) for value, right in pairs if low <= value < high]
         if mine:
             mean = sum(value for value, _ in mine) / len(mine)

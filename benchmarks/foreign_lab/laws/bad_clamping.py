@@ -5,8 +5,7 @@ import numpy as np
 ID, UNIT, OUTSIDE = "bad-clamping", "ln k of it", True
 SIZES, SIGNED = (0.4, 1.2), True
 KIN = ("bad-clamping", "unlike-clamping", "unlike-repeats")
-FORMS = {"contact": lambda r: {"which": float(r.random())}, "label": lambda r: {"which": float(r.random())},
-         "two": lambda r: {"which": float(r.random())}}  # fmt: skip
+FORMS = dict.fromkeys(("contact", "label", "two"), lambda r: {"which": float(r.random())})
 
 
 def stick(effect, sheet):

@@ -1,4 +1,4 @@
-"""Air or oil that resists with more than the velocity's first power: damping grows with amplitude."""
+"""Air or oil resists with more than the velocity's first power: damping grows with amplitude."""
 
 import numpy as np
 

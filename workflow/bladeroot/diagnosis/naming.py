@@ -90,10 +90,10 @@ class _Search:
         for name, one in more.items():
             old = self.models.get(one.ids)
             allowed = name not in self.known.ruled_out and self._allowed(model, one)
-            if not allowed and name not in self.known.ruled_out:
-                if possible(self.channel, one.causes, one.fit) and self.allowed[model.ids]:
-                    shown = min(one.log_evidence, model.log_evidence)
-                    self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
+            maybe = not allowed and name not in self.known.ruled_out and self.allowed[model.ids]
+            if maybe and possible(self.channel, one.causes, one.fit):
+                shown = min(one.log_evidence, model.log_evidence)
+                self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
                 self.allowed[one.ids],
                 old.log_evidence,

@@ -48,10 +48,10 @@ class StickData:
     """The records with a stick frequency.
 
     std: relative, within the record. shared: relative error of those that do not reach their
-    plateau by the law that takes them to it (`bladeroot.diagnosis.limits`), one of a mode's. hold: number of the clamping. rounding: standard deviation of
-    the reading's rounding, N. row: number in the observations. jumped: holds that count as two
-    clampings. unheld: records whose hold is not stated. untimed: records left out for want of a
-    time.
+    plateau by the law that takes them to it (`bladeroot.diagnosis.limits`), one of a mode's. hold:
+    number of the clamping. rounding: standard deviation of the reading's rounding, N. row: number
+    in the observations. jumped: holds that count as two clampings. unheld: records whose hold is
+    not stated. untimed: records left out for want of a time.
     """
 
     modes: tuple[str, ...]

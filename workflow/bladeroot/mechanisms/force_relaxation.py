@@ -48,7 +48,7 @@ def _effect(records: Records, course: np.ndarray, loss: float, *slopes: np.ndarr
 
 _LOSS = Parameter(
     "loss", "1", 0.0, 0.01, 0.0, 0.2,
-    "a decade of time, where steepest: a hydraulic hold loses tenths of a per cent to some per cent",
+    "a decade of time, where steepest: a hydraulic hold loses tenths of a per cent to some",
 )  # fmt: skip
 _TIME = Parameter(
     "time_constant", "s", 60.0, 1.2, 1.0, 1e5, "from seconds (seats) to an hour (leakage)", log=True
