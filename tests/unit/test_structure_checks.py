@@ -34,7 +34,7 @@ def test_every_comparison_is_there(result):
     assert found["Table 4.1"] == 6
     assert found["Table 4.2"] == 6
     assert found["Table 4.4"] == 4
-    assert found["reduced against full"] == 18
+    assert found["reduced against full"] == 12
     assert found["rigid rotation"] == 3
     assert sum(found[found.index.str.startswith("Table 2.2")]) == 9
 
