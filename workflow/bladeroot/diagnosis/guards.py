@@ -4,7 +4,7 @@
 # catalogue, is less likely than its absence. With ten mechanisms a channel half of all campaigns
 # have none; the smooth competitor, which may be anything, is asked for more.
 PRIOR, PRIOR_UNKNOWN = 2.5, 5.5
-# The temper of the evidence was set on some 60 tuning campaigns of a laboratory with other laws
+# The temper of the evidence was set on some 45 tuning campaigns of a laboratory with other laws
 # than these (its seeds 1 to 199, benchmarks/foreign.py) and 36 of Masing's slip, seating and drift
 # by further formulas, so that no name above 0.9 was wrong but for reasons that were mended.
 # Part of all that is explained (nats) that is no evidence between laws: no law is exact.

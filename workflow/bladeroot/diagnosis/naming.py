@@ -118,6 +118,11 @@ class _Search:
             and (measured > 0.0 or surely_there(self.channel, more.causes, more.fit))
         )
 
+    def _idle(self, model: Model) -> bool:
+        """Whether one of the causes explains nothing beside the others, possible or not."""
+        rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
+        return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
+
     def weighed(self) -> Sets:
         """Probabilities of all sets that may be.
 
@@ -125,7 +130,7 @@ class _Search:
         """
         rows = []
         for ids, model in self.models.items():
-            if not self.allowed[ids]:
+            if not self.allowed[ids] or self._idle(model):
                 if ids in self.unsure:
                     rows.append(Weighed(ids, self.unsure[ids]))
                 continue
