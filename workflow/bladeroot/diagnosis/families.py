@@ -10,6 +10,7 @@ from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.gaussian import Fit, asked_for, best_fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
+_SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
 _INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
 
 
@@ -64,6 +65,16 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
     gain += 0.5 * (value / std) ** 2 + np.log(std)
     changed = replace(mechanism, parameters=(parameter, *mechanism.parameters[1:]))
     return changed, float(gain)
+
+
+def baseline(channel: Channel) -> Model:
+    """The model without a cause, from several sizes of the scatter: far from its summit, where data
+    lie many of their errors away, the search sees no slope.
+    """
+    problem = channel.problem((), ())
+    usual = problem.scales
+    fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
+    return Model((), max(fits, key=lambda one: one.log_evidence), 0.0)
 
 
 def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:

@@ -7,7 +7,15 @@ import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.families import Known, Model, prepared, smooth, with_one_more, without
+from bladeroot.diagnosis.families import (
+    Known,
+    Model,
+    baseline,
+    prepared,
+    smooth,
+    with_one_more,
+    without,
+)
 from bladeroot.diagnosis.gaussian import Fit, fit
 from bladeroot.diagnosis.plausibility import explained_by_law, possible, surely_there
 from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, Weighed, inclusion, probabilities
@@ -156,7 +164,7 @@ def search(channel: Channel, known: Known) -> Found:
     is smooth explains most, two causes are tried together: either law alone may miss much.
     """
     made = _Search(channel, known)
-    made.models[frozenset()] = Model((), fit(channel.problem((), ())), 0.0)
+    made.models[frozenset()] = baseline(channel)
     made.expand(made.models[frozenset()])
     for _ in range(guards.ROUNDS):
         here = made.best()
