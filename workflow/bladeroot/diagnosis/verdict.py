@@ -57,7 +57,7 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
     return {
         "mechanism": mechanism.id,
         "form": mechanism.form,
-        "probability": cause.probability,
+        "probability": round(cause.probability, 9),
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [
