@@ -1,11 +1,11 @@
 """The command: what a person types, and what they get."""
 
-import json
 import re
 
 import numpy as np
 import pytest
 import yaml
+from bladeroot import artifacts
 from bladeroot.command.explain import explained
 from bladeroot.command.main import COMMANDS, main
 from bladeroot.command.run import followed
@@ -115,7 +115,7 @@ def test_explain_reads_the_verdict(tmp_path, monkeypatch):
     }  # fmt: skip
     place = tmp_path / "results" / "c" / "diagnosis"
     place.mkdir(parents=True)
-    (place / "verdict.json").write_text(json.dumps(told))
+    artifacts.save_json(told, place / "verdict.json")
     done = called("explain", "c")
     assert done.exit_code == 0
     assert "55.0%  drift" in done.output

@@ -140,9 +140,24 @@ def structures_of(campaign):
     return campaign.description["structure"]
 
 
-def with_structure(made):
+def made(files, **wildcards):
+    """Files of a rule's output, of each combination of wildcards.
+
+    A storage plugin has put its own place before the patterns and does it again with what an input
+    function returns, so it is taken off here.
+    """
+    files = [files] if isinstance(files, str) else list(files)
+    before = workflow.storage_settings.default_storage_prefix or ""
+    for number, file in enumerate(files):
+        stored = getattr(file, "flags", {}).get("storage_object")
+        if stored is not None:
+            files[number] = stored.query.removeprefix(before).lstrip("/")
+    return expand(list(map(str, files)), **wildcards)
+
+
+def with_structure(files):
     """An input function: what is made of a campaign that has a structure, else nothing."""
-    return lambda w: made if structures_of(CAMPAIGNS[w.campaign]) else []
+    return lambda w: made(files, **w) if structures_of(CAMPAIGNS[w.campaign]) else []
 
 
 def forces_of(campaign):
@@ -185,6 +200,12 @@ def batch_lists(wildcards):
     return [f"results/{wildcards.campaign}/batches/{batch}.txt" for batch in made]
 
 
+def folder_of_output(wildcards, output):
+    """Where a job writes: with a storage plugin not below results/, but in the plugin's copy of it."""
+    return os.path.dirname(output[0])
+
+
+@cache  # every batch asks
 def code(script):
     """Hash of a stage's code: its script and all that it imports of the library."""
     return code_hash(SCRIPTS / f"{script}.py")

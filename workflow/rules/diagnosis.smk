@@ -42,7 +42,9 @@ rule observations:
         batches=batch_lists,
         decays=of_records("decay"),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
     output:
         observations="results/{campaign}/observations.nc",
@@ -51,6 +53,8 @@ rule observations:
     benchmark:
         "results/benchmarks/observations/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("observations"),
     params:
         settings=observed_facts,
         code=code("observations"),
@@ -79,7 +83,7 @@ rule diagnosis:
     input:
         observations=rules.observations.output.observations,
         parametric=rules.parametric.output.parametric,
-        mechanisms=MECHANISMS,
+        mechanisms=local(MECHANISMS),
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",
@@ -89,6 +93,8 @@ rule diagnosis:
     benchmark:
         "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("diagnosis"),
     params:
         settings=diagnosis_facts,
         code=code("diagnosis"),
@@ -103,7 +109,7 @@ rule diagnosis:
 
 def main_verdict(wildcards):
     """The verdict with the campaign's first structure, which is its main one."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign])[0],
@@ -120,6 +126,8 @@ rule verdict:
     benchmark:
         "results/benchmarks/verdict/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("verdict"),
     message:
         "verdict on {wildcards.campaign}"
     shell:
@@ -132,7 +140,7 @@ ruleorder: verdict > diagnosis
 
 def diagnoses(wildcards):
     """The diagnosis with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.diagnosis,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
@@ -141,7 +149,7 @@ def diagnoses(wildcards):
 
 def verdicts(wildcards):
     """The verdict with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),

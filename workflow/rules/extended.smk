@@ -33,7 +33,7 @@ def extended_by(campaign):
 def model_of(wildcards):
     """The model file: the campaign's own diagnosis, or the one that is given."""
     if config["model"] == "diagnosis":
-        return rules.diagnosis.output.model.format(**wildcards)
+        return made(rules.diagnosis.output.model, **wildcards)
     return config["model"]
 
 
@@ -48,6 +48,8 @@ rule extended_structure:
     benchmark:
         "results/benchmarks/extended_structure/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_structure"),
     params:
         settings=settings("diagnosis"),
         code=code("extended_structure"),
@@ -76,6 +78,8 @@ rule extended_joint:
     benchmark:
         "results/benchmarks/extended_joint/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_joint"),
     params:
         settings=extended_facts,
         code=code("extended_joint"),
@@ -101,7 +105,7 @@ rule extended_nonlinear:
         reduced=rules.reduced.output.reduced,
         joint=rules.extended_joint.output.joint,
         model=model_of,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/extended/{structure}/nonlinear.nc",
     log:
@@ -109,6 +113,8 @@ rule extended_nonlinear:
     benchmark:
         "results/benchmarks/extended_nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_nonlinear"),
     params:
         settings=extended_nonlinear_facts,
         code=code("nonlinear"),
@@ -122,7 +128,7 @@ rule extended_nonlinear:
 
 def extended_joints(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
-    return expand(
+    return made(
         rules.extended_joint.output.joint,
         campaign=campaign.name,
         structure=extended_by(campaign),

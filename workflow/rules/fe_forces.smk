@@ -25,6 +25,8 @@ rule fe_forces:
     benchmark:
         "results/benchmarks/fe_forces/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("fe_forces"),
     params:
         settings=force_facts,
         code=code("fe_forces"),

@@ -16,7 +16,7 @@ rule nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.joint.output.joint,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/nonlinear/{structure}.nc",
     log:
@@ -24,6 +24,8 @@ rule nonlinear:
     benchmark:
         "results/benchmarks/nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("nonlinear"),
     params:
         settings=nonlinear_facts,
         code=code("nonlinear"),
@@ -36,7 +38,7 @@ rule nonlinear:
 
 
 def nonlinears(wildcards):
-    return expand(
+    return made(
         rules.nonlinear.output.nonlinear,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),

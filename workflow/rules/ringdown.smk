@@ -9,7 +9,7 @@ RINGDOWN_BATCH = 32
 def raw_file(campaign, row):
     if campaign.simulated:
         return f"results/bench/{campaign.name}/{row['record']}.nc"
-    return campaign.folder / row["file"]
+    return local(campaign.folder / row["file"])
 
 
 def record_facts(campaign, row):
@@ -41,6 +41,8 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
             threads: 1
+            resources:
+                **needs("ringdown"),
             params:
                 facts=canonical_json(
                     [record_facts(campaign, rows[name]) for name in names]
@@ -48,7 +50,7 @@ for campaign in CAMPAIGNS.values():
                 campaign=campaign.name,
                 record=settings("record"),
                 decay=settings("decay"),
-                folder=f"results/{campaign.name}",
+                folder=lambda w, output: os.path.dirname(os.path.dirname(output.batch)),
                 code=code("ringdown"),
             message:
                 f"free decays and their curves: {len(names)} records of {campaign.name}"

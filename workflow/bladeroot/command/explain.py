@@ -1,10 +1,10 @@
 """Why the verdict on a campaign's simulation is what it is, in text."""
 
-import json
 from collections.abc import Iterator
 
 import click
 
+from bladeroot.artifacts import load_json
 from bladeroot.command.results import results_of
 
 ANSWERS = {
@@ -23,7 +23,7 @@ def command(campaign: str) -> None:
     path = results_of(campaign) / "diagnosis" / "verdict.json"
     if not path.is_file():
         raise ValueError(f"the campaign has no verdict ({path})")
-    for line in explained(json.loads(path.read_text(encoding="utf-8"))):
+    for line in explained(load_json(path)):
         click.echo(line)
 
 

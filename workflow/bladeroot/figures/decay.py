@@ -16,11 +16,15 @@ from bladeroot.figures.style import (
     plain_log_scale,
 )
 
+# Curves of a mode that are drawn: more hide each other, and each makes the page 30 kB larger.
+MOST = 100
+
 
 def backbones(decays: Sequence[xr.Dataset]) -> Figure:
-    """f_n(A) above, loss factor(A) below, a column a mode, every record, coloured by force.
+    """f_n(A) above, loss factor(A) below, a column a mode, a curve a record, coloured by force.
 
-    Where all have one force, by hold, or by record where there is one hold only.
+    Where all have one force, by hold, or by record where there is one hold only. Of more than
+    `MOST` records of a mode so many are drawn, evenly over their forces; the title says so.
     """
     decays = [decay for decay in decays if decay.sizes["point"]]
     if not decays:
@@ -32,6 +36,8 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
     for column, mode in enumerate(modes):
         above, below = axes[:, column]
         here = [decay for decay in decays if decay.attrs["mode"] == mode]
+        count = len(here)
+        here = _spread(here)
         names = _names(here)
         for decay, name in zip(here, names, strict=True):
             one = colormaps["turbo"]((names.index(name) + 0.5) / len(names))
@@ -44,7 +50,8 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
                 axis.fill_between(
                     amplitude, value - spread, value + spread, color=colour, alpha=0.2, linewidth=0
                 )
-        above.set_title(f"mode {mode}", loc="left")
+        part = f", {len(here)} of {count} records" if len(here) < count else ""
+        above.set_title(f"mode {mode}{part}", loc="left")
         above.set_xscale("log")
         for axis, quantity, scale in ((above, "frequency", 1.0), (below, "loss_factor", 1e2)):
             axis.set_ylim(*_limits(here, quantity, scale))
@@ -59,6 +66,15 @@ def backbones(decays: Sequence[xr.Dataset]) -> Figure:
     if several:
         drawn.colorbar(forces, ax=axes[:, -1], label="axial force / kN", aspect=40)
     return note_simulated(drawn, any(bool(d.attrs.get("simulated")) for d in decays))
+
+
+def _spread(decays: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """At most `MOST` of the records, evenly over their forces."""
+    if len(decays) <= MOST:
+        return list(decays)
+    order = np.argsort([decay.attrs["force_N"] for decay in decays], kind="stable")
+    kept = order[np.arange(MOST) * (len(decays) - 1) // (MOST - 1)]
+    return [decays[k] for k in sorted(kept)]
 
 
 def _names(decays: Sequence[xr.Dataset]) -> list[str]:

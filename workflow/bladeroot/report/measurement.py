@@ -30,7 +30,8 @@ PICTURES = {
     "over should hold the other modes and the noise, and nothing of the mode: where it stands "
     "above the free decay the separation failed.",
     "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-    "3.11), every usable record, coloured by force (by hold or record where there is one force "
+    "3.11), a curve for each usable record (at most 100 a mode, evenly over the forces), coloured "
+    "by force (by hold or record where there is one force "
     "only); bands are one standard error, and points are drawn where it is below 0.1 % of the "
     "frequency and 20 % of the loss factor.",
     "waterfall": "Mean curve of all records at each force, over the base line of its force; the "

@@ -8,9 +8,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.rig.forces import ModalForces, nonlinear_force
 from bladeroot.rig.modes import StuckModes
 from bladeroot.rig.sweep import own_give, settle

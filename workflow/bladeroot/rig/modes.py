@@ -78,7 +78,7 @@ def _solved(
     whole = body.parts
     stiffness, slider_kt = stuck_stiffness(body, kn, kt)
     squares, shapes = eigh(stiffness, body.mass, subset_by_index=(0, kept - 1))
-    if squares[0] <= 0:
+    if not squares[0] > 0:
         raise ValueError(f"the stuck specimen is not stable: omega^2 = {squares[0]}")
     at_sliders = whole.tangential @ shapes
     residual = np.zeros((len(slider_kt), len(slider_kt)))

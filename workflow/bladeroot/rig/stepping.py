@@ -10,9 +10,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.rig.forces import ModalForces, no_forces, nonlinear_force
 from bladeroot.rig.sweep import largest, own_give, settle_leading
 

@@ -3,7 +3,8 @@
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from bladeroot.compiled import njit
 
 _NEAR = 0.8  # of its limit: what a step's slip of others may add is less as a rule
 
