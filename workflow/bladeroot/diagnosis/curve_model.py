@@ -35,8 +35,9 @@ QUANTITIES = ("frequency", "loss_factor")
 class CurveData:
     """Points of all levels, first ln f, then the loss factor of the same.
 
-    stuck: whether any record of the level has a plateau. value: excess over the plateau, less the baseline's. noise: covariance by the records' stated
-    errors. level: number of each point's level, force_number: of its force. records: how many.
+    value: excess over the plateau, less the baseline's. noise: covariance by the records' errors,
+    stated and as repeats differ. level: number of each point's level. records: how many. stuck:
+    whether any record of the level has a plateau.
     """
 
     modes: tuple[str, ...]

@@ -141,9 +141,7 @@ def with_lower_forces(
     return diagnose(seen, model, replace(settings, least_force=0.0), candidates)
 
 
-def _barred(
-    candidates: Sequence[Mechanism], data: StickData, few: bool
-) -> dict[str, str]:
+def _barred(candidates: Sequence[Mechanism], data: StickData, few: bool) -> dict[str, str]:
     """Mechanisms that the campaign cannot speak of, and why."""
     barred = {}
     for one in candidates:
@@ -161,9 +159,7 @@ def _ruled_out(settings: Settings) -> dict[str, str]:
     return {}
 
 
-def _tied(
-    candidates: Sequence[Mechanism], found: Found | None, modes: int
-) -> list[Mechanism]:
+def _tied(candidates: Sequence[Mechanism], found: Found | None, modes: int) -> list[Mechanism]:
     """Candidates by each mode's part of energy in the contact springs, mean over the records.
 
     A frequency's derivative by ln k is half of k's part of the mode's potential energy, which for

@@ -10,6 +10,9 @@ from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.gaussian import Fit, asked_for, best_fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
+_SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
+_INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
+
 
 @dataclass(frozen=True)
 class Known:
@@ -64,6 +67,16 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
     return changed, float(gain)
 
 
+def baseline(channel: Channel) -> Model:
+    """The model without a cause, from several sizes of the scatter: far from its summit, where data
+    lie many of their errors away, the search sees no slope.
+    """
+    problem = channel.problem((), ())
+    usual = problem.scales
+    fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
+    return Model((), max(fits, key=lambda one: one.log_evidence), 0.0)
+
+
 def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:
     """The model, and those with one cause more by its id.
 
@@ -93,9 +106,7 @@ def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
     return found
 
 
-def _family(
-    channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool
-) -> Model:
+def _family(channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool) -> Model:
     """The model with one cause more, the best of its forms; others than the first are tried where
     the data ask for something or the first explains something.
     """
@@ -104,7 +115,8 @@ def _family(
         if tried and not asks and tried[0][1].log_evidence <= model.fit.log_evidence:
             break
         changed, measured = prepared(form, known)
-        fitted = _fitted(channel, model, changed, asks)
+        like = max(tried, key=lambda one: one[2], default=None)
+        fitted = _fitted(channel, model, changed, asks, like)
         tried.append((changed, fitted, fitted.log_evidence + measured))
     weights = np.array([evidence for *_, evidence in tried])
     whole = np.logaddexp.reduce(weights) - np.log(len(family.every_form))
@@ -115,17 +127,49 @@ def _family(
     return Model((*model.causes, changed), fitted, model.log_evidence + gain)
 
 
-def _fitted(channel: Channel, model: Model, one: Mechanism, asks: bool) -> Fit:
-    """The baseline starts afresh: where it had to make up for a cause, there is no way down."""
+def _fitted(
+    channel: Channel,
+    model: Model,
+    one: Mechanism,
+    asks: bool,
+    like: tuple[Mechanism, Fit, float] | None = None,
+) -> Fit:
+    """The baseline starts afresh: where it had to make up for a cause, there is no way down.
+
+    like: another form that was fitted, from whose parameters of the same names to begin too.
+    """
     current = model.fit
     problem = channel.problem([*model.causes, one], ())
     before = np.append(problem.prior.mean[: channel.base], current.parameters[channel.base :])
-    starts = [np.append(before, start) for start in (one.start, *one.starts)]
-    if channel.name == "curve" and asks:
+    own = [one.start, *map(np.asarray, one.starts)]
+    thorough = channel.name == "curve" and asks
+    if like is not None:
+        # Over amplitude a start costs a whole fit, and forms differ little in what they share.
+        kept = own[:1] if thorough and set(_names(like[0])) & set(_names(one)[2:]) else own
+        own = [*kept, _alike(one, *like[:2])]
+    starts = [np.append(before, start) for start in own]
+    if thorough:
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
         ends = [fit(problem, start, current.scales) for start in starts]
         return max(ends, key=lambda end: end.log_evidence)
     return best_fit(problem, starts, current.scales)
+
+
+def _names(one: Mechanism) -> list[str]:
+    return [p.name for p in one.parameters]
+
+
+def _alike(one: Mechanism, other: Mechanism, fitted: Fit) -> np.ndarray:
+    """Coordinates of a form, those that another has too as they were fitted with it."""
+    values, _ = other.values(fitted.parameters[-len(other.parameters) :])
+    there = dict(zip(_names(other), values, strict=True))
+    start = one.start
+    for k, p in enumerate(one.parameters):
+        if p.name in there:
+            inside = (p.high - p.low) * _INSIDE if p.bounded else 0.0
+            value = np.clip(there[p.name], p.low + inside, p.high - inside)
+            start[k] = p.coordinate(float(value))
+    return start
 
 
 def without(channel: Channel, model: Model, gone: str) -> Model:

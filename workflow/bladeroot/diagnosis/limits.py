@@ -49,7 +49,7 @@ def limits(seen: xr.Dataset) -> Limits:
 
 
 def _limit(amplitude: ndarray, ln_f: ndarray, std: ndarray) -> tuple[float, float, float]:
-    """Limit for q = 1, its standard error with all points' errors alike, and half of what q does."""
+    """Limit for q = 1, its standard error if all points err alike, and half of what q does."""
     ends, error = [], 0.0
     for power in POWERS:
         rows = np.stack([np.ones(amplitude.size), (amplitude / amplitude[-1]) ** power], axis=1)

@@ -7,7 +7,15 @@ import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.families import Known, Model, prepared, smooth, with_one_more, without
+from bladeroot.diagnosis.families import (
+    Known,
+    Model,
+    baseline,
+    prepared,
+    smooth,
+    with_one_more,
+    without,
+)
 from bladeroot.diagnosis.gaussian import Fit, fit
 from bladeroot.diagnosis.plausibility import explained_by_law, possible, surely_there
 from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, Weighed, inclusion, probabilities
@@ -90,12 +98,13 @@ class _Search:
         for name, one in more.items():
             old = self.models.get(one.ids)
             allowed = name not in self.known.ruled_out and self._allowed(model, one)
-            if not allowed and name not in self.known.ruled_out:
-                if possible(self.channel, one.causes, one.fit) and self.allowed[model.ids]:
-                    shown = min(one.log_evidence, model.log_evidence)
-                    self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
+            maybe = not allowed and name not in self.known.ruled_out and self.allowed[model.ids]
+            if maybe and possible(self.channel, one.causes, one.fit):
+                shown = min(one.log_evidence, model.log_evidence)
+                self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
-                self.allowed[one.ids], old.log_evidence
+                self.allowed[one.ids],
+                old.log_evidence,
             ):
                 self.models[one.ids], self.allowed[one.ids] = one, allowed
 
@@ -117,6 +126,11 @@ class _Search:
             and (measured > 0.0 or surely_there(self.channel, more.causes, more.fit))
         )
 
+    def _idle(self, model: Model) -> bool:
+        """Whether one of the causes explains nothing beside the others, possible or not."""
+        rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
+        return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
+
     def weighed(self) -> Sets:
         """Probabilities of all sets that may be.
 
@@ -124,7 +138,7 @@ class _Search:
         """
         rows = []
         for ids, model in self.models.items():
-            if not self.allowed[ids]:
+            if not self.allowed[ids] or self._idle(model):
                 if ids in self.unsure:
                     rows.append(Weighed(ids, self.unsure[ids]))
                 continue
@@ -134,15 +148,11 @@ class _Search:
             rows.append(Weighed(ids, model.log_evidence, float(other)))
         return probabilities(rows, self.known.replicates)
 
-    def best(self, barred: bool = True) -> frozenset:
-        """The most probable set of causes, whatever is unexplained beside it; with barred ones or
-        of the others.
-        """
+    def best(self) -> frozenset:
+        """The most probable set of causes, whatever is unexplained beside it."""
         sums: Sets = {}
         for key, value in self.weighed().items():
-            if not self.allowed[key - {UNKNOWN}]:
-                continue
-            if barred or not key & set(self.known.barred):
+            if self.allowed[key - {UNKNOWN}]:
                 sums[key - {UNKNOWN}] = sums.get(key - {UNKNOWN}, 0.0) + value
         return max(sums, key=lambda key: (sums[key], sorted(key)))
 
@@ -154,7 +164,7 @@ def search(channel: Channel, known: Known) -> Found:
     is smooth explains most, two causes are tried together: either law alone may miss much.
     """
     made = _Search(channel, known)
-    made.models[frozenset()] = Model((), fit(channel.problem((), ())), 0.0)
+    made.models[frozenset()] = baseline(channel)
     made.expand(made.models[frozenset()])
     for _ in range(guards.ROUNDS):
         here = made.best()
@@ -184,7 +194,11 @@ def _openings(made: _Search, here: frozenset) -> list[frozenset]:
 
 
 def _found(made: _Search) -> Found:
-    best, here, sets = made.best(), made.best(barred=False), made.weighed()
+    best, sets = made.best(), made.weighed()
+    barred = sorted(best & set(made.known.barred))
+    here = best - set(barred)
+    if not made.allowed.get(here, False):
+        here = frozenset()
     model = made.models[here]
     causes = [_cause(made, model, one, sets) for one in model.causes]
     causes.sort(key=lambda one: -one.gain)
@@ -194,7 +208,6 @@ def _found(made: _Search) -> Found:
     first = made.steps[frozenset()]
     step = made.steps.get(here, first)
     unexplained = max(step.smooth, key=step.smooth.get, default="") if unknown > 0.5 else ""
-    barred = sorted(best & set(made.known.barred))
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
@@ -235,21 +248,14 @@ def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
         elif rest < known and len(known) == len(rest) + 1:
             (name,) = known - rest
             instead[name] = instead.get(name, 0.0) + value
-    total = sum(instead.values())
+    probability = inclusion(sets, one.id)
+    credible, covered = [one.id], probability
     others = sorted((n for n in instead if n != one.id), key=lambda n: (-instead[n], n))
-    credible, covered = [one.id], instead[one.id] / total
-    for name in others:
-        if covered >= (guards.CERTAIN if len(credible) == 1 else guards.CREDIBLE):
+    for name in others if probability < guards.CERTAIN else []:
+        if len(credible) > 1 and covered >= guards.CREDIBLE:
             break
         credible.append(name)
-        covered += instead[name] / total
-    probability = inclusion(sets, one.id)
-    if probability < guards.CERTAIN and len(credible) == 1:
-        near = sorted(
-            {n for key in sets if one.id not in key for n in (key - model.ids or {NONE})},
-            key=lambda n: -sum(v for k, v in sets.items() if one.id not in k and n in (k or {NONE})),
-        )
-        credible += near[:1]
+        covered += instead[name]
     unsplit = {
         x.id for x in made.channel.candidates
         if x.needed and x.measured_by not in made.known.splits

@@ -16,8 +16,8 @@ from numpy import ndarray
 from bladeroot.diagnosis import stick_model
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.gaussian import Fit, best_fit
 from bladeroot.diagnosis.families import starts_of
+from bladeroot.diagnosis.gaussian import Fit, best_fit
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.mechanisms.mechanism import Mechanism, Records

@@ -77,9 +77,10 @@ def changes(found, cause, first: int) -> list[dict]:
 def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
     """Whether each cause is `guards.SIGMAS` standard deviations or more from none.
 
-    By what it changes, and by its first parameter where that may be zero.
+    By what it changes, and by its first parameter where that may be zero: at the kn and kt of the
+    fit, whose error scales the parameter and makes it no nearer to nothing.
     """
-    first = channel.base
+    first, precision = channel.base, np.linalg.inv(fitted.covariance)
     for number, one in enumerate(chosen):
         own = slice(first, first + len(one.parameters))
         first = own.stop
@@ -87,7 +88,8 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
         if abs(size) < guards.SIGMAS * std:
             return False
         main = one.parameters[0]
-        near = abs(fitted.parameters[own.start]) < guards.SIGMAS * fitted.std[own.start]
+        alone = np.linalg.inv(precision[own, own])
+        near = abs(fitted.parameters[own.start]) < guards.SIGMAS * np.sqrt(alone[0, 0])
         if near and not (main.log or main.bounded):
             return False
     return True

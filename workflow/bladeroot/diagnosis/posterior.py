@@ -15,6 +15,7 @@ from bladeroot.diagnosis import guards
 
 NONE, UNKNOWN = "none", "none-of-these"
 Sets = dict[frozenset[str], float]
+_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,9 @@ def inclusion(sets: Mapping[frozenset[str], float], name: str) -> float:
 
 
 def labelled(sets: Mapping[frozenset[str], float]) -> dict[str, float]:
-    """By names as `verdict.json` has them, most probable first; they sum to one."""
-    order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))
-    return {"+".join(sorted(key)) or NONE: sets[key] for key in order}
+    """By names as `verdict.json` has them, most probable first; they sum to one.
+
+    Rounded, so that they do not depend on the order in which they were summed.
+    """
+    rounded = {"+".join(sorted(key)) or NONE: round(sets[key], _DIGITS) for key in sets}
+    return dict(sorted(rounded.items(), key=lambda pair: (-pair[1], pair[0])))

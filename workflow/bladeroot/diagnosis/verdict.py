@@ -5,10 +5,10 @@ import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
-from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.guards import CERTAIN
+from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
-from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, inclusion, labelled, together
+from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
 from bladeroot.diagnosis.shortfall import of_curves, of_records
 from bladeroot.diagnosis.simulation.parametric import biases
 
@@ -58,7 +58,7 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
     return {
         "mechanism": mechanism.id,
         "form": mechanism.form,
-        "probability": cause.probability,
+        "probability": round(cause.probability, 9),
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [

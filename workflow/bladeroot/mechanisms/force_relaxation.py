@@ -40,9 +40,7 @@ def power(records: Records, values: np.ndarray) -> StickEffect:
     return _effect(records, course, loss, loss * by_tau, loss * by_order)
 
 
-def _effect(
-    records: Records, course: np.ndarray, loss: float, *slopes: np.ndarray
-) -> StickEffect:
+def _effect(records: Records, course: np.ndarray, loss: float, *slopes: np.ndarray) -> StickEffect:
     force = records.force
     columns = np.stack([course, *slopes], axis=1)
     return StickEffect({"force": -loss * course * force}, {"force": -columns * force[:, None]})
@@ -50,7 +48,7 @@ def _effect(
 
 _LOSS = Parameter(
     "loss", "1", 0.0, 0.01, 0.0, 0.2,
-    "a decade of time, where steepest: a hydraulic hold loses tenths of a per cent to some per cent",
+    "a decade of time, where steepest: a hydraulic hold loses tenths of a per cent to some",
 )  # fmt: skip
 _TIME = Parameter(
     "time_constant", "s", 60.0, 1.2, 1.0, 1e5, "from seconds (seats) to an hour (leakage)", log=True

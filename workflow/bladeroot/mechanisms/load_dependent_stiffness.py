@@ -45,7 +45,8 @@ MECHANISM = Mechanism(
     parameters=(
         Parameter(
             "exponent", "1", 0.3, 0.4, 0.0, 1.2,
-            "smooth contact 0.05 (6.16), rough contact 1; Table 5.2 has 0.65 and 0.47",
+            "smooth contact 0.05 (6.16), spheres 1/3 (Hertz), rough contact 1; Table 5.2 has 0.65 "
+            "and 0.47",
         ),
         _DIFFERENCE,
     ),
@@ -68,14 +69,6 @@ MECHANISM = replace(
             ),
             stick=series,
             form="rough layer in series with the bulk",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                Parameter("exponent", "1", 1.0 / 3.0, 0.03, 0.0, 1.2, "sphere on plane (Hertz)"),
-                _DIFFERENCE,
-            ),
-            form="Hertz",
         ),
     ),
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """What a mechanism is: the one interface between the catalogue, the fit and the simulation.
 
-A file of the catalogue holds one `MECHANISM`, a physical cause in one or several forms (laws that the
-literature has for it). Its hooks say what it changes: `stick` the contact
+A file of the catalogue holds one `MECHANISM`, a physical cause in one or several forms (laws that
+the literature has for it). Its hooks say what it changes: `stick` the contact
 stiffness, the axial force or the frequency of a record; `structure` the matrices; `damping` the
 stuck joint's loss factor; `curve` frequency and damping over amplitude; `finding` is what the
 records' own check calls it. Hooks take the parameters' values and return effects with their
@@ -32,7 +32,8 @@ ENERGIES = ("tangential", "normal")  # contact springs whose part of a mode's en
 class Parameter:
     """A parameter with its Gaussian prior; `low` and `high` are what is physically possible.
 
-    With `log` the prior is of the parameter's logarithm, with `bounded` of ln((p - low)/(high - p)):
+    With `log` the prior is of the parameter's logarithm, with `bounded` of
+    ln((p - low)/(high - p)):
     `mean` is then its median (in the parameter's own unit) and `std` that of this coordinate.
     tie: one of `ENERGIES` where the parameter is a part of the first mode's stiffness, or with
     `ratio` that of the other modes over the first: the simulation's own part then bounds it.
@@ -218,7 +219,9 @@ class Mechanism:
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
         names = [one.form for one in self.every_form]
         if len(set(names)) < len(names) or any(one.forms for one in self.forms):
-            raise ValueError(f"mechanism {self.id}: forms must have names of their own and no forms")
+            raise ValueError(
+                f"mechanism {self.id}: forms must have names of their own and no forms"
+            )
         if any(one.channel != self.channel for one in self.forms):
             raise ValueError(f"mechanism {self.id}: its forms must have its kind of hook")
         # A file that gives a shipped mechanism another id means all of its forms.
@@ -246,9 +249,7 @@ class Mechanism:
         """Values of the parameters, and their derivative by the fit's coordinates."""
         pairs = list(zip(self.parameters, np.asarray(coordinates, float), strict=True))
         values = np.array([p.value(x) for p, x in pairs])
-        return values, np.array(
-            [p.slope(v) for p, v in zip(self.parameters, values, strict=True)]
-        )
+        return values, np.array([p.slope(v) for p, v in zip(self.parameters, values, strict=True)])
 
     @property
     def every_form(self) -> tuple["Mechanism", ...]:
@@ -265,7 +266,7 @@ class Mechanism:
     def tied(
         self, energy: Mapping[str, Sequence[float]], doubt: Mapping[str, float]
     ) -> "Mechanism":
-        """The mechanism in a simulation whose contact springs have these parts of each mode's energy.
+        """The mechanism in a simulation whose contact springs have so much of each mode's energy.
 
         energy: by `ENERGIES`, first mode first; what is missing stays as any structure allows.
         doubt: standard deviation of the parts' logarithms, as kn and kt are known.

@@ -37,7 +37,7 @@ Values = Float[ndarray, " parameter"]
 
 
 def probe(one: Mechanism) -> None:
-    """Raise ValueError, naming hook and place, where a hook of any form returns what no fit can use.
+    """Raise ValueError, naming hook and place, where a form's hook returns what no fit can use.
 
     Tried at the prior's mean, a standard deviation away from it by each parameter, as far as its
     limits allow, and at each start; derivatives are compared with differences.

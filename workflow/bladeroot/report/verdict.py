@@ -96,9 +96,7 @@ def odds(said: Mapping) -> list[str]:
     sets = [(name, p) for name, p in said["probabilities"].items() if p >= _SHOWN][:4]
     if not sets:
         return []
-    texts = [
-        f"{listed([plain(one) for one in name.split('+')])} {chance(p)}" for name, p in sets
-    ]
+    texts = [f"{listed([plain(one) for one in name.split('+')])} {chance(p)}" for name, p in sets]
     return [f"Probabilities: {'; '.join(texts)}."]
 
 
@@ -177,7 +175,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     if said["answer"] == "unexplained":
         lines.append(f"No cause of the catalogue explains it: {said['reason']}.")
     if said["answer"] == "insufficient-data":
-        if "insufficient" in one.attrs and one.attrs["insufficient"]:
+        if one.attrs.get("insufficient"):
             lines.append(f"{one.attrs['insufficient']}.")
         if lacks_of(one):
             lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
