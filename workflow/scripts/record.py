@@ -5,10 +5,10 @@ import json
 import numpy as np
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.records.cut import cut, rejected
-from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.cut import rejected
+from bladeroot.records.free_decay import free_decay
+from bladeroot.records.integrity import judge
 from bladeroot.records.read import read
-from bladeroot.records.recording import velocity
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -22,11 +22,8 @@ def main(raw, facts, campaign, settings, output):
     except ValueError as error:
         decay = judge(rejected(str(error)), np.zeros(0), expected)
     else:
-        motion = velocity(recording, expected)
-        clear = bridged(motion, recording.sampling_Hz, expected)
-        decay = cut(clear, recording.sampling_Hz, expected, **json.loads(settings))
         others = tuple(known["other_modes_Hz"])
-        decay = judge(decay, motion, expected, others, recording.notes, recording)
+        decay = free_decay(recording, expected, others, **json.loads(settings))
     decay.attrs |= {
         "record": known["record"],
         "mode": known["mode"],

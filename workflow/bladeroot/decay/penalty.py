@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 from numba import njit
 from numpy import ndarray
 
-from bladeroot.decay.banded import factored, inverse_band, solved
+from bladeroot.records.banded import factored, inverse_band, solved
 from bladeroot.decay.bsplines import derivative_rows
 
 DEGREE = 5

@@ -39,6 +39,7 @@ def judge(
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
+    alone: Float[ndarray, " whole"] | None = None,
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -55,6 +56,7 @@ def judge(
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
+        alone: `whole` with the mode by itself (`records.components`), if others were taken off.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
     velocity = decay["velocity"].values
@@ -70,7 +72,7 @@ def judge(
                 found.append(("sampling-rate", _fact(told, "warn")))
     else:
         seen = sight(decay, whole, expected_Hz, modes_Hz)
-        examined = examine(seen)
+        examined = examine(seen, seen if alone is None else sight(decay, alone, expected_Hz))
         if recording is not None and recording.quantity != "velocity":
             examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:
@@ -133,15 +135,21 @@ def sight(
     )
 
 
-def examine(seen: Sight) -> list[tuple[str, Finding]]:
-    """Every check's candidate, whether it counts or not."""
+def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]]:
+    """Every check's candidate, whether it counts or not.
+
+    alone: the same decay without what else rings; then only the checks that say so (`MIXED`) look
+    at the decay as it was recorded.
+    """
     found = []
+    alone = seen if alone is None else replace(alone, mixed=seen)
     first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
     for name, module in checks().items():
         if name not in first and first:
             spans = tuple(s for _, f in found if f.counts for s in f.spans)
-            seen, first = mended(seen, spans), []
-        finding = module.find(seen)
+            alone, first = mended(alone, spans), []
+            seen = alone if alone.mixed is None else mended(seen, spans)
+        finding = module.find(seen if hasattr(module, "MIXED") else alone)
         if finding is not None:
             found.append((name, finding))
     return found
