@@ -7,12 +7,12 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.records.envelopes import Envelopes, demodulated
-from bladeroot.records.lines import loudest, mode_Hz
+from bladeroot.records.envelopes import SHARE, Envelopes, demodulated
+from bladeroot.records.lines import loudest, magnitudes, mode_Hz
 from bladeroot.records.runs import medians
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
-MOST, ROUNDS = 8, 6
+MOST, ROUNDS = 8, 8
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
 LEAST, CLEAR = 1e-3, 8.0
@@ -31,8 +31,15 @@ KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
 RISEN, QUIET, FEWEST_QUIET = 0.1, 0.03, 8
 # Its contact lasts as long as the components leave over this many times what they do later; the
 # start is moved so many times at most.
-STRUCK, BLOWS = 1.7, 4
+STRUCK, AGAIN, BLOWS = 1.7, 6.0, 4
 LIFE_CYCLES, BESIDE = 12.0, 0.1
+# Modes of the campaign within this part of the mode's frequency are looked for by name: where they
+# are expected (relative), from this part of the loudest on, in so many of their beats.
+CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.03, 8.0
+# Part of what two notions of smoothness differ by that is taken as a standard error.
+DOUBT = 0.5
+# A line moves by this part of the distance to the next one at most when it is placed better.
+MOVED = 0.1
 # An envelope is followed down to this many of its standard errors.
 LOST = 4.0
 
@@ -43,7 +50,8 @@ class Separated:
 
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
     start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
-    were alone.
+    were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
+    be, as an error of independent cycles.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -51,12 +59,14 @@ class Separated:
     lines_Hz: list[float]
     time: Float[ndarray, " knot"]
     widening: Float[ndarray, " knot"]
+    doubt: Float[ndarray, " knot"]
 
 
 def separated(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
     expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
     first: int = 0,
     usable: Bool[ndarray, " sample"] | None = None,
 ) -> Separated:
@@ -65,10 +75,11 @@ def separated(
     known = None if usable is None else usable[first:]
     own_Hz = mode_Hz(*loudest(x, sampling_Hz, expected_Hz), expected_Hz)
     x, known = _lasting(x, known, sampling_Hz, own_Hz)
-    lines, base_Hz = np.array([own_Hz]), 0.0
+    lines = np.array(_told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
+    own_Hz, base_Hz = float(lines[0]), 0.0
     for _ in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        lines = np.array([lines[0], *(_moved(found, k, sampling_Hz) for k in range(1, lines.size))])
+        lines = np.array([_moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = _more_lines(x, found, sampling_Hz, lines, base_Hz, known)
         slow = [line for line in more if line < LOW * own_Hz]
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
@@ -77,27 +88,29 @@ def separated(
             break
         lines = np.concatenate([lines, fast])
     if lines.size == 1 and not base_Hz:
-        return Separated(velocity, first, [], np.zeros(0), np.zeros(0))
+        return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
         struck = _struck(x - found.waves(), found.spacing)
+        if not struck or x.size - struck < FEWEST_CYCLES * LIFE_CYCLES * sampling_Hz / own_Hz:
+            break
         first += struck
         x, known = x[struck:], None if known is None else known[struck:]
-        if not struck:
-            break
-    else:
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
     course = np.stack([_course(found, k) for k in range(lines.size)])
-    spacing = found.spacing
+    spacing, before = found.spacing, found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
     single = demodulated(x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1])
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
+    nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
+    doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
+    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(own_Hz / (SHARE * nearest))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
     time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
-    return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening)
+    return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening, doubt)
 
 
 def onset(velocity: Float[ndarray, " sample"]) -> int:
@@ -129,13 +142,14 @@ def _lasting(x, known, sampling_Hz, own_Hz):
 def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:
     """Samples at the start in which what is left over is far more than after: a blow's contact."""
     length = max(spacing // blocks, 4)
-    if rest.size < 3 * blocks * length:
+    count = min(rest.size // length, 3 * blocks)
+    if count < 3 * blocks:
         return 0
-    power = np.sqrt(np.mean(rest[: 3 * blocks * length].reshape(-1, length) ** 2, axis=1))
-    for k in range(blocks):
-        if power[k] < STRUCK * np.median(power[k + 1 : k + 1 + blocks]):
-            return k * length
-    return blocks * length
+    power = np.sqrt(np.mean(rest[: count * length].reshape(-1, length) ** 2, axis=1))
+    at = 0
+    while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
+        at += 1
+    return at * length
 
 
 def _followed(velocity, sampling_Hz, lines, base_Hz, usable) -> Envelopes:
@@ -191,11 +205,42 @@ def _more_lines(velocity, found, sampling_Hz, lines, base_Hz, usable) -> list[fl
     return chosen[:3]
 
 
+def _told_apart(
+    x: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...],
+) -> list[float]:
+    """Frequencies of the mode and of known modes close to it, if the spectrum shows each of them."""
+    close = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+    if not close:
+        return []
+    apart = min(abs(one - expected_Hz) for one in close)
+    count = min(int(RESOLVING * sampling_Hz / apart), x.size)
+    frequency, level = magnitudes(x[:count], sampling_Hz)
+    wanted = [expected_Hz, *close]
+    inside = np.abs(frequency / expected_Hz - 1.0) < 1.2 * CLOSE
+    peak = np.zeros(level.size, bool)
+    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:]) & inside[1:-1]
+    peaks = np.flatnonzero(peak & (level > HEARD * level.max(where=inside, initial=0.0)))
+    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in peaks]
+    found: dict[int, float] = {}
+    used: set[int] = set()
+    for size, n, k in sorted(off):
+        if size < ABOUT and n not in found and k not in used:
+            found[n] = float(frequency[k])
+            used.add(k)
+    return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
+
+
 def _moved(found: Envelopes, line: int, sampling_Hz: float) -> float:
-    """A line's mean frequency, from how its envelope turns."""
+    """A line's mean frequency, from how its envelope turns, not far from what it was."""
     z = found.envelope(line)
     turn = np.angle(np.vdot(z[:-1], z[1:])) if z.size > 1 else 0.0
-    return float(found.lines_Hz[line] + turn * sampling_Hz / (2.0 * np.pi * found.spacing))
+    was = float(found.lines_Hz[line])
+    other = np.concatenate([[0.0], np.delete(found.lines_Hz, line)])
+    most = MOVED * np.abs(other - was).min()
+    return was + float(np.clip(turn * sampling_Hz / (2 * np.pi * found.spacing), -most, most))
 
 
 def _course(found: Envelopes, line: int) -> Complex[ndarray, " knot"]:

@@ -1,8 +1,9 @@
 """From a recording to the judged free decay of one mode."""
 
+import numpy as np
 import xarray as xr
 
-from bladeroot.records.components import onset, separated
+from bladeroot.records.components import Separated, onset, separated
 from bladeroot.records.cut import cut
 from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.recording import Recording, velocity
@@ -24,11 +25,11 @@ def free_decay(
     clear = bridged(motion, rate, expected_Hz)
     decay = cut(clear, rate, expected_Hz, end)
     struck = onset(clear)
-    if expected_Hz >= 0.45 * rate or (not struck and decay.attrs["verdict"] != "usable"):
+    if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
     let_go = decay.attrs["excitation"] == "shaker"
     first = round(decay.attrs["start_s"] * rate) if let_go else struck
-    parts = separated(clear, rate, expected_Hz, first)
+    parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     if not parts.lines_Hz and parts.velocity is clear:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
     how = decay.attrs["excitation"] or "hammer"
@@ -36,4 +37,18 @@ def free_decay(
         how = "hammer"
     release = Release(parts.first / rate, 0.0, how)
     decay = cut(parts.velocity, rate, expected_Hz, end, release=release)
-    return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
+    judged = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
+    return _with_widening(judged, parts)
+
+
+def _with_widening(decay: xr.Dataset, parts: Separated) -> xr.Dataset:
+    """The decay, with what its mode is less sure by for the components taken off."""
+    if not np.isfinite(decay.attrs["start_s"]):
+        return decay
+    about = {"units": "1", "long_name": "standard error beside other components over that without"}
+    when = {"units": "s", "long_name": "time since the start of the cut"}
+    return decay.assign(
+        widening=("knot", parts.widening, about),
+        doubt=("knot", parts.doubt, about | {"long_name": "relative error by the others' course"}),
+        widening_time=("knot", parts.time - decay.attrs["start_s"], when),
+    ).assign_attrs(components_Hz=parts.lines_Hz)
