@@ -203,7 +203,7 @@ def unleaked(
             for pair in pairs
         )
         # in the noise there is no rate
-        seen = power > CLEAR**2 * 2 * reach * frames.std**2
+        seen = (power > CLEAR**2 * 2 * reach * frames.std**2) & (advance != 0.0)
         advance = np.where(seen, advance, 1.0) / np.where(seen, power, 1.0)
         term = theirs * np.where(seen, np.log(advance) / step.min() - other.real, 0.0)
         direct, mirrored = frames.taken[:, k]

@@ -27,12 +27,15 @@ LOW, ABOVE, HIGHEST = 0.15, 2.5, 0.45
 # Knots in the time in which the mode and its nearest neighbour differ by a turn; fewest cycles of
 # the mode from knot to knot; most intervals.
 KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
-# A blow rises to this part of the record's largest sample out of what is quieter than that part.
-RISEN, QUIET, FEWEST_QUIET = 0.1, 0.03, 8
+# A blow rises to this part of the record's largest step out of what is quieter than that part, and
+# within two cycles of the mode to that part of it.
+RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # Its contact lasts as long as the components leave over this many times what they do later; the
 # start is moved so many times at most.
 STRUCK, AGAIN, BLOWS = 1.7, 6.0, 4
-LIFE_CYCLES, BESIDE = 12.0, 0.1
+# A mode has drowned where its envelope is no more than so many times what is left of it at the end,
+# if it began so many times higher; fewest cycles that are left to a decay.
+ABOVE_FLOOR, DEEP, LIFE_CYCLES = 2.0, 30.0, 12.0
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.03, 8.0
@@ -74,18 +77,23 @@ def separated(
     x = velocity[first:]
     known = None if usable is None else usable[first:]
     own_Hz = mode_Hz(*loudest(x, sampling_Hz, expected_Hz), expected_Hz)
-    x, known = _lasting(x, known, sampling_Hz, own_Hz)
     lines = np.array(_told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
-    for _ in range(ROUNDS):
+    trimmed = False
+    for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
         lines = np.array([_moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = _more_lines(x, found, sampling_Hz, lines, base_Hz, known)
+        if not trimmed and (turn or not more):
+            last, trimmed = _lasting(found), True
+            x, known = x[:last], None if known is None else known[:last]
+            if last < found.samples:
+                continue
+        if not more:
+            break
         slow = [line for line in more if line < LOW * own_Hz]
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= LOW * own_Hz][: MOST + 1 - lines.size]
-        if not more:
-            break
         lines = np.concatenate([lines, fast])
     if lines.size == 1 and not base_Hz:
         return Separated(velocity, first, [], *np.zeros((3, 0)))
@@ -113,30 +121,28 @@ def separated(
     return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening, doubt)
 
 
-def onset(velocity: Float[ndarray, " sample"]) -> int:
+def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
     """The sample in which something strikes what was quiet; 0 for a record that begins in motion.
 
-    A blow shows in all modes at once, and to the sample.
+    A blow shows in all modes at once, and to the sample. cycle: samples in a cycle of the mode.
     """
     size = np.abs(np.diff(velocity, prepend=velocity[0]))  # without offset and drift
     first = int(np.argmax(size > RISEN * size.max()))
     quiet = size[:first]
     if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():
         return 0
-    return first
+    return first if size[first : first + int(2 * cycle) + 1].max() > SUDDEN * size.max() else 0
 
 
-def _lasting(x, known, sampling_Hz, own_Hz):
-    """The part of a decay in which its mode stands out of what lies beside it in frequency."""
-    spacing = int(max(LIFE_CYCLES / own_Hz * sampling_Hz, x.size / INTERVALS, 8.0))
-    beside = own_Hz * (1.0 + np.array([0.0, -BESIDE, BESIDE]))
-    found = demodulated(x, sampling_Hz, beside, spacing, known)
-    own, *other = (np.abs(found.envelope(k)) for k in range(3))
-    over = np.flatnonzero(own > 1.5 * np.maximum(*other))
-    if over.size:
-        last = min(int((over[-1] + 1) * 1.1 * spacing + 2 * spacing), x.size)
-        return x[:last], None if known is None else known[:last]
-    return x, known
+def _lasting(found: Envelopes) -> int:
+    """Samples until the mode has drowned in what its envelope shows where nothing is left of it."""
+    size = np.abs(found.envelope(0))
+    size = np.maximum.accumulate(size[::-1])[::-1]
+    floor = float(np.median(size[-max(size.size // 5, 1) :]))
+    if size[0] < DEEP * floor:
+        return found.samples
+    last = int(np.flatnonzero(size > ABOVE_FLOOR * floor)[-1])
+    return min(int((1.1 * last + 4) * found.spacing), found.samples)
 
 
 def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:

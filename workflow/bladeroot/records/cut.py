@@ -44,6 +44,7 @@ def cut(
     end: float | str = "noise",
     bins: int = 1000,
     release: Release | None = None,
+    least: float | None = None,
 ) -> xr.Dataset:
     """The free decay of one mode, from the release to its end.
 
@@ -65,11 +66,12 @@ def cut(
             there before (the thesis's 1/1000, 3.1.1).
         bins: bins of the overview kept for figures.
         release: when and how the decay was let go, where that is known.
+        least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
     """
     # Of a decay without other noise than its rounding, the last digits stand still.
     white, step = white_noise(velocity), quantum(velocity)
     noise = max(white, step / np.sqrt(12.0))
-    least = STEPS * step if white < BLURRED * step else 0.0
+    least = coarse(velocity) if least is None else least
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
@@ -95,6 +97,12 @@ def cut(
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
+
+
+def coarse(samples: Float[ndarray, " sample"]) -> float:
+    """Amplitude below which a digitiser's steps show, zero where noise blurs them."""
+    white, step = white_noise(samples), quantum(samples)
+    return STEPS * step if white < BLURRED * step else 0.0
 
 
 def rejected(finding: str) -> xr.Dataset:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.records.components import Separated, onset, separated
-from bladeroot.records.cut import cut
+from bladeroot.records.cut import coarse, cut
 from bladeroot.records.integrity import bridged, judge
 from bladeroot.records.recording import Recording, velocity
 from bladeroot.records.release import Release
@@ -23,8 +23,9 @@ def free_decay(
     motion = velocity(recording, expected_Hz)
     rate = recording.sampling_Hz
     clear = bridged(motion, rate, expected_Hz)
-    decay = cut(clear, rate, expected_Hz, end)
-    struck = onset(clear)
+    steps = _steps(recording, expected_Hz)
+    decay = cut(clear, rate, expected_Hz, end, least=steps)
+    struck = onset(clear, rate / expected_Hz)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
     let_go = decay.attrs["excitation"] == "shaker"
@@ -36,9 +37,17 @@ def free_decay(
     if first and how == "begins in the decay":
         how = "hammer"
     release = Release(parts.first / rate, 0.0, how)
-    decay = cut(parts.velocity, rate, expected_Hz, end, release=release)
+    decay = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     judged = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
     return _with_widening(judged, parts)
+
+
+def _steps(recording: Recording, expected_Hz: float) -> float:
+    """Velocity (m/s) of the mode that is but some steps of the sensor's digitiser high."""
+    least = coarse(recording.samples)
+    if recording.quantity == "acceleration":
+        return least / (2.0 * np.pi * expected_Hz)
+    return least * (2.0 * np.pi * expected_Hz if recording.quantity == "displacement" else 1.0)
 
 
 def _with_widening(decay: xr.Dataset, parts: Separated) -> xr.Dataset:

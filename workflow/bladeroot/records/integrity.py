@@ -21,6 +21,10 @@ from bladeroot.records.sight import Sight
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
 
+# What these find in a mode's course may also be what others left there: beside others they warn.
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
+HARD = ("mask", "drop")
+
 
 @cache
 def checks() -> dict[str, ModuleType]:
@@ -78,6 +82,10 @@ def judge(
         for name, finding in examined:
             if not finding.counts:
                 continue
+            if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
+                # what separation leaves of other modes looks alike; the errors know of it
+                text = finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
+                finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
                 for first, last in finding.spans:
