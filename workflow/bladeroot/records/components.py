@@ -24,6 +24,9 @@ FIRST_CYCLES, LONGER = 16.0, 4.0
 # What lies below this part of the mode's frequency belongs to the baseline, which is then followed
 # up to this multiple of it, but not beyond this part of the mode's frequency.
 LOW, ABOVE, HIGHEST = 0.15, 2.5, 0.45
+# Harmonics of lines from this part of the mode's amplitude on may lie nearer, but not nearer than
+# the other part of its frequency.
+OVERTONES, NEAREST = 0.3, 0.05
 # Knots in the time in which the mode and its nearest neighbour differ by a turn; fewest cycles of
 # the mode from knot to knot; most intervals.
 KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
@@ -95,6 +98,8 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= LOW * own_Hz][: MOST + 1 - lines.size]
         lines = np.concatenate([lines, fast])
+    overtones = _overtones(found, lines)
+    lines = np.concatenate([lines, overtones])
     if lines.size == 1 and not base_Hz:
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):
@@ -237,6 +242,19 @@ def _told_apart(
             found[n] = float(frequency[k])
             used.add(k)
     return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
+
+
+def _overtones(found: Envelopes, lines: ndarray) -> list[float]:
+    """Second and third harmonics of loud lines that lie too near to the mode to be seen beside it."""
+    size = [np.abs(found.envelope(k)).max() for k in range(lines.size)]
+    near = [
+        order * line
+        for line, own in zip(lines[1:], size[1:], strict=True)
+        for order in (2, 3)
+        if own > OVERTONES * size[0]
+    ]
+    near = [one for one in near if abs(one - lines[0]) < APART * lines[0]]
+    return [one for one in near if np.abs(one - lines).min() > NEAREST * lines[0]]
 
 
 def _moved(found: Envelopes, line: int, sampling_Hz: float) -> float:

@@ -2,12 +2,18 @@
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
 
 from bladeroot.records.components import Separated, onset, separated
 from bladeroot.records.cut import coarse, cut
 from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.lines import TOLERANCE, magnitudes
 from bladeroot.records.recording import Recording, velocity
 from bladeroot.records.release import Release
+
+# Of a line so many times as loud as the mode, the release is taken where the mode shows none.
+LOUDER = 3.0
 
 
 def free_decay(
@@ -28,18 +34,33 @@ def free_decay(
     struck = onset(clear, rate / expected_Hz)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
-    let_go = decay.attrs["excitation"] == "shaker"
-    first = round(decay.attrs["start_s"] * rate) if let_go else struck
+    let_go = decay
+    if not struck and decay.attrs["excitation"] != "shaker":
+        let_go = _of_the_loudest(clear, rate, expected_Hz)
+    held = not struck and let_go is not None and let_go.attrs["excitation"] == "shaker"
+    first = round(let_go.attrs["start_s"] * rate) if held else struck
     parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     if not parts.lines_Hz and parts.velocity is clear:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
-    how = decay.attrs["excitation"] or "hammer"
-    if first and how == "begins in the decay":
+    how = "shaker" if held else decay.attrs["excitation"] or "hammer"
+    if struck and how == "begins in the decay":
         how = "hammer"
     release = Release(parts.first / rate, 0.0, how)
     decay = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     judged = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
     return _with_widening(judged, parts)
+
+
+def _of_the_loudest(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> xr.Dataset | None:
+    """The decay of a far louder line, which is let go when the mode is; None where there is none."""
+    frequency, level = magnitudes(velocity, sampling_Hz)
+    loud_Hz = float(frequency[np.argmax(level)])
+    own = level.max(where=np.abs(frequency / expected_Hz - 1.0) < TOLERANCE, initial=0.0)
+    if level.max() < LOUDER * own or not 0.1 * expected_Hz < loud_Hz < 0.3 * sampling_Hz:
+        return None
+    return cut(velocity, sampling_Hz, loud_Hz)
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:
