@@ -19,6 +19,9 @@ LEAST, CLEAR = 1e-3, 8.0
 # Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
 # than that part are one.
 APART, SAME = 0.17, 0.1
+# Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
+# that is its skirt, where it is chirping.
+SKIRT, FAINT = 0.35, 0.03
 # Cycles of the mode in the shortest stretch that is searched; each next one is longer by a factor.
 FIRST_CYCLES, LONGER = 16.0, 4.0
 # What lies below this part of the mode's frequency belongs to the baseline, which is then followed
@@ -201,7 +204,17 @@ def _more_lines(velocity, found, sampling_Hz, lines, base_Hz, usable) -> list[fl
         peak &= (frequency > base_Hz / ABOVE * 1.05) | (frequency > LOW * own_Hz)
         peak &= (frequency > 2.0 * width) & (frequency < 0.48 * sampling_Hz)
         peak &= np.abs(frequency - own_Hz) > max(APART * own_Hz, 8.0 * width)
+        last = max(size // found.spacing, 1)
+        loud = [
+            float(np.sqrt(np.mean(np.abs(found.envelope(j)[:last]) ** 2)))
+            for j in range(1, lines.size)
+        ]
         for k in np.flatnonzero(peak):
+            if any(
+                abs(frequency[k] - line) < SKIRT * line and level[k] < FAINT * one
+                for line, one in zip(lines[1:], loud, strict=True)
+            ):
+                continue
             near = max(SAME * min(frequency[k], own_Hz), 2.0 * width)
             if np.abs(frequency[k] - lines).min() > near:
                 # parabola through the logarithms: a third of a bin at most is left
