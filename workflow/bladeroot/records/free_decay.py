@@ -34,21 +34,42 @@ def free_decay(
     struck = onset(clear, rate / expected_Hz)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
-    let_go = decay
-    if not struck and decay.attrs["excitation"] != "shaker":
-        let_go = _of_the_loudest(clear, rate, expected_Hz)
-    held = not struck and let_go is not None and let_go.attrs["excitation"] == "shaker"
-    first = round(let_go.attrs["start_s"] * rate) if held else struck
-    parts = separated(clear, rate, expected_Hz, modes_Hz, first)
+    if struck:
+        parts = separated(clear, rate, expected_Hz, modes_Hz, struck)
+    else:
+        first = _let_go(clear, rate, expected_Hz, modes_Hz, decay)
+        parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     if not parts.lines_Hz and parts.velocity is clear:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
-    how = "shaker" if held else decay.attrs["excitation"] or "hammer"
+    how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
         how = "hammer"
     release = Release(parts.first / rate, 0.0, how)
     decay = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+    if parts.velocity.size < clear.size and decay.attrs["end_reason"] == "end of the record":
+        decay.attrs["end_reason"] = "the noise"
     judged = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
     return _with_widening(judged, parts)
+
+
+def _let_go(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...],
+    decay: xr.Dataset,
+) -> int:
+    """The sample in which a drive ends, 0 where none is seen.
+
+    A mode that beats with others looks driven, too: what remains without them decides.
+    """
+    loudest = _of_the_loudest(velocity, sampling_Hz, expected_Hz)
+    if decay.attrs["excitation"] == "shaker" and loudest is None:
+        alone = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
+        loudest = cut(alone, sampling_Hz, expected_Hz)
+    if loudest is None or loudest.attrs["excitation"] != "shaker":
+        return 0
+    return round(loudest.attrs["start_s"] * sampling_Hz)
 
 
 def _of_the_loudest(

@@ -22,7 +22,7 @@ from bladeroot.records.sight import Sight
 FEWEST_CYCLES = 8
 
 # What these find in a mode's course may also be what others left there: beside others they warn.
-OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
 HARD = ("mask", "drop")
 
 
