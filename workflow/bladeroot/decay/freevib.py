@@ -109,6 +109,8 @@ def freevib(
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["other_modes_Hz"] = others
     result.attrs["damping"] = damping
+    if damping == "viscous":
+        result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
     return result
 
 

@@ -84,10 +84,12 @@ def demodulated(
     usable: Bool[ndarray, " sample"] | None = None,
     base_Hz: float = 0.0,
     course: Complex[ndarray, "line knot"] | None = None,
+    beside: Float[ndarray, " other"] | None = None,
 ) -> Envelopes:
     """The envelopes of all lines and the baseline in a decay, knots every `spacing` samples.
 
-    base_Hz: what is slower than that belongs to the baseline.
+    base_Hz: what is slower than that belongs to the baseline. beside: further lines that bound how
+    fast the envelopes may vary, though they are not fitted.
     course: what is known of the envelopes' logarithms at the knots; then it is the ratio to that
     which is penalised, and a decay or a drift of frequency costs nothing.
     """
@@ -120,10 +122,12 @@ def demodulated(
     told[..., 1::2], told[..., 2::2] = z.real, z.imag
     for a in range(ALIVE):
         right[a : a + intervals] += told[:, a]
+    every = lines_Hz if beside is None else np.concatenate([lines_Hz, beside])
+    stiffness = _stiffness(every, spacing, sampling_Hz, base_Hz)[:columns]
     ratio = np.ones((columns, intervals + ALIVE - 1), complex)
     if course is not None:
         ratio[1::2] = ratio[2::2] = np.exp(-course)
-    _penalise(band, ratio, _stiffness(lines_Hz, spacing, sampling_Hz, base_Hz))
+    _penalise(band, ratio, stiffness)
     scale, factor, good = factored(band)
     if not good:
         raise ValueError("the equations of the components are singular: no usable samples?")
@@ -158,7 +162,7 @@ def _stiffness(
 @no_type_check
 def _assemble(band, gram, turn, intervals):
     """Add the normal matrix of some intervals, made in their own phases, to the record's."""
-    width, lines = gram.shape[0], turn.shape[1]
+    lines = turn.shape[1]
     columns = 2 * lines + 1
     for k in intervals:
         first = k * columns

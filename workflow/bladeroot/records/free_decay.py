@@ -75,7 +75,7 @@ def _let_go(
 def _of_the_loudest(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
 ) -> xr.Dataset | None:
-    """The decay of a far louder line, which is let go when the mode is; None where there is none."""
+    """The decay of a far louder line, which is let go when the mode is; None if there is none."""
     frequency, level = magnitudes(velocity, sampling_Hz)
     loud_Hz = float(frequency[np.argmax(level)])
     own = level.max(where=np.abs(frequency / expected_Hz - 1.0) < TOLERANCE, initial=0.0)

@@ -84,7 +84,9 @@ def judge(
                 continue
             if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
                 # what separation leaves of other modes looks alike; the errors know of it
-                text = finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
+                text = (
+                    finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
+                )
                 finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
