@@ -19,11 +19,10 @@ rule all:
 
 include: "workflow/rules/structure.smk"
 include: "workflow/rules/calibrate.smk"
-include: "workflow/rules/assembly.smk"
+include: "workflow/rules/parametric.smk"
 include: "workflow/rules/matrices.smk"
 include: "workflow/rules/bench.smk"
-include: "workflow/rules/records.smk"
-include: "workflow/rules/decay.smk"
+include: "workflow/rules/ringdown.smk"
 include: "workflow/rules/curves.smk"
 include: "workflow/rules/integrity.smk"
 include: "workflow/rules/stick.smk"
@@ -36,6 +35,7 @@ include: "workflow/rules/nonlinear.smk"
 include: "workflow/rules/extended.smk"
 include: "workflow/rules/ledger.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/export_tables.smk"
 
 
 onstart:

@@ -13,6 +13,7 @@ from .specimen import Excitation, Mode, draw_modes, excite
 
 MOST_SAMPLES = 120_000
 DIRECT_SHARE = 0.2
+HIGHER = 6.0  # a backbone starts at so many times the amplitude of the record
 DIRECT_CYCLES = 6_000  # of the highest mode, at most, in an event that is integrated in time
 ASKED_MODES = 3  # a campaign asks for so many modes at most
 LEAST_RATE = 6.0  # samples in a cycle of a mode that is asked for
@@ -33,12 +34,15 @@ class Sensor:
 
 @dataclass
 class Event:
-    """`truths[mode]` is the law in modal amplitude; `asked` holds pairs of mode and sensor."""
+    """`truths[mode]` is the law in modal amplitude, None where there is none.
+
+    `asked` holds pairs of mode and sensor.
+    """
 
     seed: int
     sampling_Hz: float
     modes: list[Mode]
-    truths: list[Law]
+    truths: list[Law | None]
     excitation: Excitation
     sensors: list[Sensor]
     expected_Hz: dict[int, float]
@@ -85,10 +89,10 @@ def schedule(rng, modes: list[Mode], direct: bool):
 
 
 def friction_for(rng, modes: list[Mode], main: int) -> friction.Friction:
-    """An element on one mode that the others move by a few per cent of what it does."""
+    """An element on one mode that the others move by less than a per cent of what it does."""
     law = modes[main].law
     size = np.array([m.law.scale for m in modes])
-    couple = rng.uniform(-0.02, 0.02, size.size) * np.minimum(1.0, law.scale / size)
+    couple = rng.uniform(-0.005, 0.005, size.size) * np.minimum(1.0, law.scale / size)
     couple[main] = 1.0
     kind = "jenkins" if rng.random() < 0.6 else "bouc-wen"
     count = int(rng.integers(1, 13)) if kind == "jenkins" else 1
@@ -129,8 +133,9 @@ def backbones(modes, element, omega, zeta, highest, seconds):
             continue
         near = omega[k] / (2 * np.pi)
         rate, start = 40.0 * near, np.zeros(omega.size)
-        start[k] = 6.0 * mode.law.scale
-        count = int((1.5 * seconds + 80.0 / near) * rate)
+        start[k] = HIGHER * mode.law.scale
+        falls = (np.log(HIGHER) + 1.0) / (zeta[k] * omega[k])
+        count = int((1.2 * seconds + falls + 80.0 / near) * rate)
         nothing = (None, 0.0)
         out = friction.integrate(
             omega, zeta, element, start, np.zeros(omega.size), nothing, rate, count, highest
@@ -172,6 +177,13 @@ def draw(seed: int) -> Event:
             [b.level.real if b.level else 0.0 for b in excitation.before]
         )[:, None]
         motion[:, :, first:] = after[0]
+        loose = dense > max(excitation.free_s, 0.0)
+        for k, law in enumerate(truths):
+            if law is None or not modes[k].structural:
+                continue
+            step, near = dense[1] - dense[0], law.omega / (2 * np.pi)
+            if not friction.agrees(law, step, motion[0, k, loose], near):
+                truths[k] = None
     else:
         parts = [
             response(Flow(m.law), b, p, dense, m.harmonics)
@@ -196,7 +208,6 @@ def draw(seed: int) -> Event:
         gains = np.array([gain(chain, m.law.omega / (2 * np.pi), rate) for m in modes])
         seen.append(Sensor(chain, samples, noise, at * gains))
         heights.append(float(np.max(np.abs(clean))))
-        features |= chain.features
     event = Event(seed, rate, modes, truths, excitation, seen, {}, [], free, features)
     ask(rng, event, motion, dense, heights)
     return event
@@ -218,7 +229,7 @@ def ask(rng, event: Event, motion, dense, heights) -> None:
     begin = max(event.excitation.free_s, 0.0)
     for k, mode in enumerate(event.modes):
         near = mode.law.omega / (2 * np.pi)
-        if not mode.structural or rate < LEAST_RATE * near:
+        if not mode.structural or event.truths[k] is None or rate < LEAST_RATE * near:
             continue
         cycle = max(1, round(OVERSAMPLING * rate / near))
         inside = np.flatnonzero((dense >= begin) & (dense < event.sensors[0].samples.size / rate))

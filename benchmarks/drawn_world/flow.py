@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from .laws import Law
 
-HIGHEST, LOWEST = 3.0, -30.0  # ln x: a second blow may add to the first; the end is no amplitude
+HIGHEST, LOWEST = 1.0, -30.0  # ln x; no motion is larger, and the end is no amplitude
 STEP = 0.004  # of ln x; Hermite's error at it is below 1e-10 of a radian a panel
 GAUSS = np.polynomial.legendre.leggauss(5)
 

@@ -15,6 +15,10 @@ from .laws import Law
 
 PER_CYCLE = 120  # steps in a cycle of the highest mode
 READ_CYCLES = 1  # half the distance over which the backbone's slopes are taken
+LEAST_CYCLES = 60  # of a decay from which a backbone is read
+LEAST_FALLS = 10  # points of it, half a cycle apart, each below all before
+# How far the law that a mode follows in an event may be from the one that it has alone.
+AGREES_HZ, AGREES_LOSS = 3e-5, 0.02
 
 
 @dataclass(frozen=True)
@@ -58,9 +62,12 @@ def _integrate(q, v, flow, push, bouc, stiffness, limit, exponent, couple, dt, c
         total = 0.0
         for i in range(stiffness.size):
             if bouc:
-                z = held[i] / limit[i]
-                sign = 0.5 * np.sign(dy * z) + 0.5
-                held[i] += stiffness[i] * dy * (1.0 - abs(z) ** exponent * sign)
+                z, moved = held[i] / limit[i], stiffness[i] * dy / limit[i]
+                parts = int(abs(moved) / 0.05) + 1
+                for _ in range(parts):
+                    turns = 1.0 if moved * z > 0.0 else 0.0
+                    z += moved / parts * (1.0 - abs(z) ** exponent * turns)
+                held[i] = min(max(z, -1.0), 1.0) * limit[i]
             else:
                 held[i] = min(max(held[i] + stiffness[i] * dy, -limit[i]), limit[i])
             total += held[i]
@@ -106,8 +113,8 @@ def integrate(omega, zeta, friction, q, v, forces, rate_Hz, count, highest_Hz):
     )  # fmt: skip
 
 
-def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> Law:
-    """The law that a clean decay follows, from its analytic signal."""
+def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> Law | None:
+    """The law that a clean decay follows, from its analytic signal; None where it does not fall."""
     count = displacement.size
     cycle = round(1.0 / (frequency_Hz * time_step))
     # ends that go in smoothly, lest their jump leak into the rest
@@ -119,13 +126,16 @@ def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> 
         spectrum * np.where(frequency > 0, np.sin(0.5 * np.pi * edge) ** 2, 0)
     )
     at = np.arange(15 * cycle, count - 15 * cycle, max(1, cycle // 2))
-    phase, log, reach = np.unwrap(np.angle(analytic)), np.log(np.abs(analytic)), READ_CYCLES * cycle
+    size = np.maximum(np.abs(analytic), np.finfo(float).tiny)
+    phase, log, reach = np.unwrap(np.angle(analytic)), np.log(size), READ_CYCLES * cycle
     span = 2.0 * reach * time_step
     omega = (phase[at + reach] - phase[at - reach]) / span
     alpha = -(log[at + reach] - log[at - reach]) / span
     # the mean slope over the span belongs to the mean of ln A there, not to its middle
     mean = np.array([log[i - reach : i + reach + 1].mean() for i in at])
     falls = np.concatenate([[True], mean[1:] < np.minimum.accumulate(mean)[:-1]])
+    if np.count_nonzero(falls) < LEAST_FALLS:
+        return None
     u, omega, alpha = (part[falls][::-1] for part in (mean, omega, alpha))
     turn, decay = PchipInterpolator(u, omega), PchipInterpolator(u, alpha)
     nominal = 2.0 * np.pi * frequency_Hz
@@ -135,3 +145,22 @@ def backbone(time_step: float, displacement, frequency_Hz: float, name: str) -> 
         return turn(known) / nominal - 1.0, decay(known) / turn(known)
 
     return Law(name, nominal, 1.0, shape)
+
+
+def agrees(law: Law, time_step: float, displacement, frequency_Hz: float) -> bool:
+    """Whether a mode beside the others follows the law that it has alone.
+
+    The others shake the element too, and a mode that they have outlived is theirs to move: then
+    there is no law of the amplitude to be found in the record.
+    """
+    cycle = 1.0 / (frequency_Hz * time_step)
+    if displacement.size < LEAST_CYCLES * cycle:
+        return False
+    own = backbone(time_step, displacement - displacement.mean(), frequency_Hz, "own")
+    if own is None:
+        return False
+    first = np.abs(displacement[round(16 * cycle) : round(18 * cycle)]).max()
+    last = np.abs(displacement[-round(18 * cycle) : -round(16 * cycle)]).max()
+    amplitude = np.geomspace(max(last, first * np.exp(-4.0)), first, 9)
+    pairs = zip(own.truth(amplitude), law.truth(amplitude), (AGREES_HZ, AGREES_LOSS), strict=True)
+    return all(np.median(np.abs(a / b - 1.0)) < most for a, b, most in pairs)

@@ -34,7 +34,7 @@ class Chain:
 
 def draw_chain(rng, quantity: str, first_Hz: float) -> Chain:
     features = set()
-    kind = str(rng.choice(["delta-sigma", "butterworth", "none"], p=[0.5, 0.3, 0.2]))
+    kind = str(rng.choice(["delta-sigma", "butterworth", "none"], p=[0.6, 0.32, 0.08]))
     mains, sway, ac, offset, drift = [], [], 0.0, 0.0, 0.0
     if rng.random() < 0.4:
         base = rng.choice([50.0, 60.0]) + rng.normal() * 0.02

@@ -37,7 +37,7 @@ def facts(event: Event, mode: int, sensor: int) -> dict:
         "record": f"e{event.seed}-m{mode + 1}-s{sensor + 1}", "mode": names[mode],
         "expected_Hz": event.expected_Hz[mode], "other_modes_Hz": others, "force_N": 10000.0,
         "hold": "", "direction": "", "simulated": False, "quantity": chain.quantity,
-        "unit": UNITS[chain.quantity], "channel": "", "sampling_Hz": None, "sensitivity": "",
+        "unit": UNITS[chain.quantity], "channel": None, "sampling_Hz": None, "sensitivity": None,
         "event": f"e{event.seed}", "sensor": f"s{sensor + 1}",
     }  # fmt: skip
 

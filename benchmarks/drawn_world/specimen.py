@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .flow import Flow
 from .laws import Law, draw_law, linear, log_uniform
 from .pushes import Before, Push, fading_drive, half_sine, haversine
 
 HIGHEST_HZ = 2000.0
+# Velocity of a suspension mode over that of the loudest structural one.
+SUSPENSION = 1e-3, 0.2
 NONLINEAR = {"coulomb", "sliders", "iwan", "hardening", "both", "dry"}  # laws with harmonics
 
 
@@ -19,7 +20,7 @@ class Mode:
     law: Law
     structural: bool
     at_sensors: np.ndarray  # shape at each sensor
-    at_force: float  # shape where it is pushed
+    at_force: float  # shape where it is pushed; of a suspension, its velocity over the loudest
     harmonics: tuple[tuple[int, float], ...] = ()
 
 
@@ -75,7 +76,7 @@ def draw_modes(rng, sensors: int) -> tuple[list[Mode], set[str]]:
         shape, _ = linear(rng, log_uniform(rng, 5e-4, 0.02))
         law = replace(law, name="suspension", shape=shape, kinks=())
         at = rng.uniform(-1.0, 1.0, sensors)
-        modes.append(Mode(law, False, at, float(rng.uniform(-1, 1) * log_uniform(rng, 0.02, 0.7))))
+        modes.append(Mode(law, False, at, log_uniform(rng, *SUSPENSION)))
         features.add("suspension")
     return modes, features
 
@@ -103,64 +104,77 @@ def drawn_velocity(rng, modes: list[Mode], sizes: list[float]) -> float:
     return min(log_uniform(rng, 1e-3, 3.0) / velocity, 0.02 / deflection)
 
 
+def drive_near(rng, modes: list[Mode], gains: list[float]):
+    """A drive near the resonance of a low mode: its frequency (rad/s) and the steady levels."""
+    target = modes[int(rng.integers(min(3, sum(m.structural for m in modes))))].law
+    omega, alpha = target.rates(1.0)
+    drive = float(omega + 0.3 * rng.normal() * alpha)
+    rates = [m.law.rates(1.0) for m in modes]
+    levels = [
+        complex(gain / (omega**2 + alpha**2 - drive**2 + 2j * alpha * drive))
+        for gain, (omega, alpha) in zip(gains, rates, strict=True)
+    ]
+    return drive, levels
+
+
+def sized(push: Push, modes: list[Mode], gains: list[float], velocity: float) -> Push:
+    """The push that gives the mode which it moves fastest this velocity."""
+    found = [
+        m.law.omega * amplitude_after(m.law, push.times(g))
+        for m, g in zip(modes, gains, strict=True)
+    ]
+    return push.times(velocity / max(found))
+
+
 def excite(rng, modes: list[Mode], start: float, late: float) -> tuple[list[Mode], Excitation]:
     """Modes with their laws scaled to the motion, and what moves them.
 
     Args:
+        modes: with laws of unit scale.
         start: time of the blow or release, s.
         late: time at which the specimen is touched again, or infinity.
     """
     kind = str(rng.choice(["hammer", "shaker", "step"], p=[0.65, 0.2, 0.15]))
-    rates = [tuple(float(r) for r in m.law.rates(1.0)) for m in modes]
-    gains = [m.at_force for m in modes]
-    before, common = [Before(start)] * len(modes), []
-    pushes: list[list[Push]] = [[] for _ in modes]
+    gains, common, drive = [m.at_force for m in modes], [], 0.0
+    levels = [0j] * len(modes)
     if kind == "hammer":
         common = [blow(rng, modes, start)]
-        sizes = [
-            amplitude_after(m.law, common[0].times(g)) for m, g in zip(modes, gains, strict=True)
-        ]
+        sizes = [amplitude_after(m.law, common[0].times(m.at_force)) for m in modes]
     elif kind == "step":
-        sizes = [abs(g) / omega**2 for g, (omega, _) in zip(gains, rates, strict=True)]
-    else:
-        target = int(rng.integers(min(3, len(modes))))
-        drive = rates[target][0] * (1.0 + rng.normal() * 0.3 * rates[target][1] / rates[target][0])
-        levels = [
-            g / (omega**2 + alpha**2 - drive**2 + 2j * alpha * drive)
-            for g, (omega, alpha) in zip(gains, rates, strict=True)
-        ]
+        levels = [complex(m.at_force / m.law.rates(1.0)[0] ** 2) for m in modes]
         sizes = [abs(level) for level in levels]
-    factor = drawn_velocity(rng, modes, sizes)
-    sizes = [max(factor * size, 1e-15) for size in sizes]
-    modes = [replace(m, law=replace(m.law, scale=s)) for m, s in zip(modes, sizes, strict=True)]
-    if kind == "hammer":
-        common = [common[0].times(factor)]
-        if rng.random() < 0.2:
-            again = start + common[0].duration + log_uniform(rng, 0.004, 0.06)
-            common.append(replace(common[0], start=again).times(log_uniform(rng, 0.05, 0.7)))
-            kind = "double hit"
-    elif kind == "step":
-        before = [Before(start, factor * g / o**2) for g, (o, _) in zip(gains, rates, strict=True)]
     else:
-        phase = np.exp(1j * rng.uniform(0.0, 2.0 * np.pi))
-        before = [Before(start, factor * level * phase, drive) for level in levels]
+        drive, levels = drive_near(rng, modes, gains)
+        sizes = [abs(level) for level in levels]
+    loudest = max(s * m.law.omega for s, m in zip(sizes, modes, strict=True) if m.structural)
+    for k, mode in enumerate(modes):
+        if not mode.structural:
+            share = mode.at_force * loudest / (sizes[k] * mode.law.omega)
+            gains[k], levels[k] = gains[k] * share, levels[k] * share
+    fade = 0.0
+    if kind == "hammer" and rng.random() < 0.2:
+        kind, again = "double hit", start + common[0].duration + log_uniform(rng, 0.004, 0.06)
+        common.append(replace(common[0], start=again).times(log_uniform(rng, 0.05, 0.7)))
+    elif kind == "shaker":
         fade = 2.0 * np.pi / drive * log_uniform(rng, 0.2, 8.0)
-        for own, gain in zip(pushes, gains, strict=True):
-            own.append(fading_drive(start, fade, factor * gain * phase, drive))
-        loudest = max(s * o for s, (o, _) in zip(sizes, rates, strict=True))
-        knock = half_sine(start + fade, 0.2 * 2.0 * np.pi / drive)
-        size = max(amplitude_after(m.law, knock.times(m.at_force)) * m.law.omega for m in modes)
-        common = [knock.times(log_uniform(rng, 1e-4, 0.03) * loudest / size)]
+        knock = half_sine(start + fade, 0.4 * np.pi / drive)
+        common.append(sized(knock, modes, gains, loudest * log_uniform(rng, 1e-4, 0.03)))
     free = max([p.start + p.duration for p in common] + [start])
     if np.isfinite(late):
-        loudest = max(s * o for s, (o, _) in zip(sizes, rates, strict=True))
         touch = blow(rng, modes, late)
-        size = max(amplitude_after(m.law, touch.times(m.at_force)) * m.law.omega for m in modes)
-        common.append(touch.times(log_uniform(rng, 1e-4, 0.02) * loudest / size))
-    for own, gain in zip(pushes, gains, strict=True):
-        own.extend(push.times(gain) for push in common)
+        common.append(sized(touch, modes, gains, loudest * log_uniform(rng, 1e-4, 0.02)))
+    # x = 1 is the most that all pushes together can give: no law is asked beyond it
+    most = [
+        abs(level) + sum(amplitude_after(m.law, push.times(g)) for push in common)
+        for m, g, level in zip(modes, gains, levels, strict=True)
+    ]
+    factor = drawn_velocity(rng, modes, most)
+    turn = np.exp(1j * rng.uniform(0.0, 2.0 * np.pi)) if kind == "shaker" else 1.0
+    pushes = [[push.times(factor * g) for push in common] for g in gains]
+    if kind == "shaker":
+        for own, g in zip(pushes, gains, strict=True):
+            own.append(fading_drive(start, fade, factor * g * turn, drive))
+    before = [Before(start, factor * level * turn, drive) for level in levels]
+    laws = [replace(m.law, scale=factor * size) for m, size in zip(modes, most, strict=True)]
+    modes = [replace(m, law=law) for m, law in zip(modes, laws, strict=True)]
     return modes, Excitation(kind, before, pushes, start, free, late)
-
-
-def flows(modes: list[Mode]) -> list[Flow]:
-    return [Flow(mode.law) for mode in modes]

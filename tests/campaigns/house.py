@@ -43,14 +43,21 @@ class House:
         return {**os.environ, "OMP_NUM_THREADS": "1"}
 
     def planned(self, *options: str) -> Counter:
-        """The rules (with how many jobs each) that the next run would do: Snakemake's job table."""
+        """The stages (with how many jobs each) that the next run would do: Snakemake's job table.
+
+        Where a stage's batches have rules of their own, what stands before the dot is the stage.
+        """
         text = self.run("--dry-run", *options).stdout
         table = re.search(r"^job +count\n[- ]+\n(.*?)^total", text, re.MULTILINE | re.DOTALL)
         if table is None:
             assert "Nothing to be done" in text
             return Counter()
         rows = (line.split() for line in table.group(1).splitlines() if line.strip())
-        return Counter({rule: int(count) for rule, count in rows if rule != "all"})
+        planned = Counter()
+        for rule, count in rows:
+            planned[rule.partition(".")[0]] += int(count)
+        planned.pop("all", None)
+        return planned
 
     def edit(self, path: str, old: str, new: str) -> None:
         file = self.folder / path

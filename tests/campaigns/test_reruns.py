@@ -7,7 +7,7 @@ AGGREGATES = {"stick": 1, "fe_forces": 1, "stiffness": 1, "joint": 1, "amplitude
               "score": 1, "figures": 1, "figures_records": 1, "figures_stick": 1,
               "figures_amplitude": 1, "curves": 1, "integrity": 1, "observations": 1,
               "diagnosis": 1, "verdict": 1, "figures_diagnosis": 1, "report": 1}  # fmt: skip
-SEARCHES = {"search": 2}
+SEARCHES = {"search": 1}
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_an_added_record_redoes_itself_and_what_aggregates_it(restored):
     added = ["r900", "r900.nc", *last[2:]]
     sheet.write_text(sheet.read_text().rstrip() + "\n" + ",".join(added) + "\n")
     assert restored.planned() == {
-        "bench": 1, "record": 1, "decay": 1, **AGGREGATES, **SEARCHES,
+        "bench": 1, "ringdown": 1, **AGGREGATES, **SEARCHES,
     }  # fmt: skip
 
 
@@ -45,15 +45,15 @@ def test_a_record_inserted_in_the_middle_moves_no_other(restored):
     added = ["r900", "r900.nc", *lines[1].split(",")[2:]]
     sheet.write_text("\n".join([*lines[:2], ",".join(added), *lines[2:]]) + "\n")
     planned = restored.planned()
-    assert (planned["bench"], planned["record"], planned["decay"]) == (1, 1, 1)
+    assert (planned["bench"], planned["ringdown"]) == (1, 1)
 
 
-def test_an_excluded_record_redoes_only_what_aggregates_it(restored):
+def test_an_excluded_record_redoes_its_batch_and_what_aggregates_it(restored):
     sheet = restored.folder / SHEET
     lines = sheet.read_text().splitlines()
     lines = [f"{lines[0]},exclude", f"{lines[1]},yes", *(f"{line}," for line in lines[2:])]
     sheet.write_text("\n".join(lines) + "\n")
-    assert restored.planned() == {**AGGREGATES, **SEARCHES}
+    assert restored.planned() == {"bench": 1, "ringdown": 1, **AGGREGATES, **SEARCHES}
 
 
 def test_a_search_setting_redoes_the_search_and_what_follows(restored):
@@ -65,35 +65,35 @@ def test_a_search_setting_redoes_the_search_and_what_follows(restored):
     }  # fmt: skip
 
 
-def test_another_estimator_redoes_the_decays_and_no_record(restored):
+def test_another_estimator_redoes_the_decays_and_no_structure(restored):
     asked = restored.planned("--config", "decay={estimator: thesis}")
-    assert asked["decay"] > 0
-    assert asked["record"] + asked["bench"] + asked["assembly"] == 0
+    assert asked["ringdown"] > 0
+    assert asked["bench"] + asked["frequency_maps"] == 0
     restored.edit("config/config.yaml", "estimator: blocks", "estimator: thesis")
     assert restored.planned() == asked
 
 
 def test_swapping_two_settings_is_noticed(restored):
     restored.edit("config/config.yaml", "{1B: 0.5, 2B: 0.6}", "{1B: 0.6, 2B: 0.5}")
-    assert restored.planned()["search"] == 2
+    assert restored.planned()["search"] == 1
 
 
-def test_a_new_force_redoes_only_itself_before_the_aggregates(restored):
+def test_a_new_force_redoes_the_maps_and_no_structure(restored):
     restored.edit("config/config.yaml", "[12, 16]", "[12, 14, 16]")
     planned = restored.planned()
-    assert (planned["assembly"], planned["frequency_map"]) == (1, 1)
-    assert planned["record"] + planned["reduced"] + planned["bench"] + planned["parametric"] == 0
+    assert (planned["frequency_maps"], planned["search"]) == (1, 1)
+    assert planned["ringdown"] + planned["reduced"] + planned["bench"] + planned["parametric"] == 0
 
 
 @pytest.mark.parametrize(
     ("module", "first", "never"),
     [
-        ("decay/freevib.py", "decay", ["record", "bench", "reduced"]),
-        ("stiffness/interpolation.py", "fe_forces", ["stick", "assembly"]),
+        ("decay/freevib.py", "ringdown", ["bench", "reduced"]),
+        ("stiffness/interpolation.py", "fe_forces", ["stick", "frequency_maps"]),
         ("structure/reduction.py", "reduced", ["mesh", "prestress"]),
-        ("structure/greedy.py", "parametric", ["reduced", "record"]),
-        ("records/cut.py", "record", ["bench", "reduced"]),
-        ("records/readers/netcdf.py", "record", ["bench", "reduced"]),
+        ("structure/greedy.py", "parametric", ["reduced", "ringdown"]),
+        ("records/cut.py", "ringdown", ["bench", "reduced"]),
+        ("records/readers/netcdf.py", "ringdown", ["bench", "reduced"]),
     ],
 )
 def test_changed_library_code_redoes_its_stage(restored, module, first, never):

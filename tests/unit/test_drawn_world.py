@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_world import campaign, draw, friction
+from drawn_world import campaign, draw, friction, verdicts
+from drawn_world.bound import columns
+from drawn_world.event import ORDER
 from drawn_world.flow import Flow, motion, state
 from drawn_world.laws import POOL, Law, linear
+from drawn_world.product import Answer
 from drawn_world.pushes import Before, fading_drive, half_sine, haversine, response
 from scipy.integrate import solve_ivp
 
@@ -155,7 +158,7 @@ def test_backbone_of_a_slider_follows_equivalent_stiffness_and_damping():
 def test_backbone_reads_a_known_law(kind):
     law = law_of(kind)
     rate = 3200.0
-    z = Flow(law).free(law.scale * (6 + 0j), np.arange(16000) / rate)
+    z = Flow(law).free(law.scale * (2.5 + 0j), np.arange(16000) / rate)
     read = friction.backbone(1 / rate, z.real, 80.0, "read")
     for x in (0.9, 0.5, 0.25):
         for found, true in zip(
@@ -188,22 +191,95 @@ def test_samples_are_whole_steps_and_hold_the_modes_in_their_size(seed):
         assert np.isfinite(frequency)
 
 
-def test_pairs_seen_in_the_spectrum_have_the_amplitude_that_is_true():
-    """A mode that is alone within its neighbourhood: projection on its own true motion."""
-    event = draw(1010)
-    mode, sensor = 0, 0
-    rate, one = event.sampling_Hz, event.sensors[sensor]
-    first = int(np.ceil(event.excitation.free_s * rate)) + 1
+@pytest.mark.parametrize("seed", [1113, 1115])
+def test_a_record_is_its_true_motion_and_its_noise(seed):
+    """Least squares by the modes' true motion: sizes as stated, and nothing left but the noise."""
+    event = draw(seed)
+    rate, one = event.sampling_Hz, event.sensors[0]
+    order = ORDER[one.chain.quantity]
+    first = int(np.ceil(max(event.excitation.free_s, 0.0) * rate)) + 60
     time = np.arange(first, one.samples.size) / rate - event.excitation.free_s
-    columns = []
-    for k, m in enumerate(event.modes):
-        z = Flow(m.law).free(event.free[k], time)
-        _, _, wave = motion(m.law, z)
-        _, _, turned = motion(m.law, -1j * z)
-        columns += [wave, turned]
-    columns.append(np.ones(time.size))
-    found, *_ = np.linalg.lstsq(np.stack(columns, axis=1), one.samples[first:], rcond=None)
-    assert np.hypot(*found[2 * mode : 2 * mode + 2]) == pytest.approx(one.at_modes[mode], rel=0.01)
+    columns, at = [np.ones(time.size), time], {}
+    for f, *_ in one.chain.mains:
+        columns += [np.cos(2 * np.pi * f * time), np.sin(2 * np.pi * f * time)]
+    for k, mode in enumerate(event.modes):
+        z = Flow(mode.law).free(event.free[k], time)
+        at[k] = len(columns)
+        columns += [motion(mode.law, z)[order], motion(mode.law, -1j * z)[order]]
+        for n, _ in mode.harmonics:
+            wave = mode.law.scale * (z / mode.law.scale) ** n
+            columns += [wave.real, wave.imag]
+    basis = np.stack(columns, axis=1)
+    size = np.linalg.norm(basis, axis=0)
+    found = np.linalg.lstsq(basis / size, one.samples[first:], rcond=None)[0] / size
+    for k, sensor in event.asked:
+        if sensor == 0:
+            known = one.at_modes[k]
+            assert np.hypot(*found[at[k] : at[k] + 2]) == pytest.approx(known, rel=0.02)
+    left = np.diff(one.samples[first:] - basis @ found, 3)  # slow sway and flicker do not count
+    assert np.std(left) / np.sqrt(20.0) == pytest.approx(one.noise, rel=0.1)
+
+
+def test_the_bound_knows_how_samples_move_with_the_rates():
+    """All knots of a linear mode moved together: frequency and decay rate, by differences."""
+    event = draw(1113)
+    event.modes = [
+        replace(m, law=replace(m.law, shape=linear(None, 0.003)[0])) for m in event.modes
+    ]
+    event.truths = [m.law for m in event.modes]
+    one, rate, step = event.sensors[0], event.sampling_Hz, 1e-4
+    times = np.arange(0, 400) / rate
+    rows, knots = columns(event, 0, 0, times, times[-1], one.noise)
+    law, order = event.modes[0].law, ORDER[one.chain.quantity]
+
+    def samples(omega_more=0.0, alpha_more=0.0):
+        omega, alpha = law.omega + omega_more, 0.003 * law.omega + alpha_more
+        z = event.free[0] * np.exp((1j * omega - alpha) * times)
+        return (one.at_modes[0] * (1j * law.omega) ** order * z).real
+
+    for shifts, own in (
+        ((step, 0.0), rows[2 : 2 + knots.size]),
+        ((0.0, step), rows[2 + knots.size :]),
+    ):
+        exact = (samples(*shifts) - samples(*(-s for s in shifts))) / (2 * step)
+        np.testing.assert_allclose(own.sum(axis=0), exact, atol=1e-5 * np.abs(exact).max())
+
+
+def answer(findings=(), curves=True, crash=""):
+    return Answer("usable", list(findings), "", {"time": np.zeros(1)} if curves else {}, 0.1, crash)
+
+
+def test_classes_of_records():
+    assert verdicts.verdict(answer(), wrong=False) == "right"
+    assert verdicts.verdict(answer(), wrong=True) == "wrong in silence"
+    assert verdicts.verdict(answer(["reader"]), wrong=True) == "wrong in silence"
+    assert verdicts.verdict(answer(["gap"]), wrong=True) == "wrong, told"
+    assert verdicts.verdict(answer(curves=False), wrong=False) == "dropped though right"
+    assert verdicts.verdict(answer(curves=False), wrong=None) == "dropped, no curve"
+    assert verdicts.verdict(answer(crash="x"), wrong=None) == "crash"
+
+
+def test_a_point_is_wrong_beyond_both_the_tolerance_and_its_stated_errors():
+    event = draw(1113)
+    mode, sensor = event.asked[0]
+    size = event.modes[mode].law.scale * event.sensors[sensor].at_modes[mode]
+    amplitude = size * np.geomspace(0.8, 0.2, 5)
+    frequency, loss = event.truth(mode, sensor, amplitude)
+    away = np.array([1e-3, 1e-3, 1e-4, 0.0, 0.0])
+    lossy = np.array([0.0, 0.0, 0.0, 0.2, 0.2])
+    curves = {
+        "amplitude": amplitude,
+        "frequency": frequency * (1 + away), "loss_factor": loss * (1 + lossy),
+        "frequency_std": frequency * np.array([1e-4, 1e-3, 1e-5, 1.0, 1.0]),
+        "loss_factor_std": loss * np.array([1.0, 1.0, 1.0, 0.05, 0.1]),
+    }  # fmt: skip
+    found = verdicts.errors(event, mode, sensor, curves)
+    assert verdicts.wrong_points(found).tolist() == [True, False, False, True, False]
+    told = replace(answer(), curves=curves)
+    row = verdicts.score(event, mode, sensor, told, {}, None)
+    assert row["class"] == "wrong in silence"
+    assert row["wrong where"] == ["start", "middle"]
+    assert row["frequency"]["within 3"] == pytest.approx(0.6)
 
 
 def test_a_campaign_is_written_with_what_a_sheet_says(tmp_path):

@@ -20,6 +20,7 @@ ALLOWED = {
     "ledger": {"decay", "structure", "contact"},
     "figures": set(),
     "report": set(),
+    "public": {"artifacts", "records", "decay", "structure", "diagnosis"},
 }
 # Plain files that a room may use: the bench stands alone, the others share the schema check.
 SHARED = {"schema"}

@@ -5,7 +5,7 @@ its place and moved there whole, so that a killed run never leaves half a file u
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,6 +18,19 @@ def load(path: str | Path) -> xr.Dataset:
     """Read a whole artifact into memory and close its file."""
     with xr.open_dataset(path, engine="netcdf4") as dataset:
         return dataset.load()
+
+
+def load_records(batches: Iterable[str | Path], stage: str) -> list[xr.Dataset]:
+    """The artifacts of one stage (records, decay, plateau) of all records, in the order of names.
+
+    batches: files of a campaign's folder `batches` with a record's name a line.
+    """
+    places = [
+        (name, Path(batch).parents[1] / stage / f"{name}.nc")
+        for batch in batches
+        for name in Path(batch).read_text(encoding="utf-8").split()
+    ]
+    return [load(place) for _, place in sorted(places)]
 
 
 def save(

@@ -16,7 +16,8 @@ rule amplitude:
         reduced=rules.reduced.output.reduced,
         parametric=rules.parametric.output.parametric,
         stick=rules.stick.output.stick,
-        decays=lambda w: of_records(rules.decay.output.decay, w),
+        batches=batch_lists,
+        decays=of_records("decay"),
     output:
         amplitude="results/{campaign}/amplitude/{structure}.nc",
     log:
@@ -31,7 +32,7 @@ rule amplitude:
         "kn, kt of {wildcards.campaign} with {wildcards.structure} from frequencies and amplitude curves"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/amplitude.py --reduced {input.reduced:q} --parametric {input.parametric:q}"
-        " --stick {input.stick:q} --decays {input.decays:q} --settings {params.settings:q}"
+        " --stick {input.stick:q} --batches {input.batches:q} --settings {params.settings:q}"
         " --output {output.amplitude} > {log} 2>&1"
 
 

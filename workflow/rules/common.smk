@@ -12,6 +12,7 @@ sys.path.insert(0, str(ROOT / "workflow"))
 
 from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash
+from bladeroot.records.batches import batches
 from bladeroot.records.campaign import load_campaign
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
@@ -165,13 +166,23 @@ def refuse_forces_outside_the_model():
 refuse_forces_outside_the_model()
 
 
-def of_records(pattern, wildcards):
-    """One artifact for each record of a campaign."""
-    return expand(
-        pattern,
-        campaign=wildcards.campaign,
-        record=[row["record"] for row in CAMPAIGNS[wildcards.campaign].records],
-    )
+def batches_of(campaign, most):
+    """The names of a campaign's records by batch; with more records no other batch changes."""
+    return batches([row["record"] for row in campaign.records], most)
+
+
+def of_records(stage):
+    """Input function: the artifacts of all records of a campaign after a stage."""
+    return lambda w: [
+        f"results/{w.campaign}/{stage}/{row['record']}.nc"
+        for row in CAMPAIGNS[w.campaign].records
+    ]
+
+
+def batch_lists(wildcards):
+    """Which records the batches of a campaign hold: short enough for a command line."""
+    made = batches_of(CAMPAIGNS[wildcards.campaign], RINGDOWN_BATCH)
+    return [f"results/{wildcards.campaign}/batches/{batch}.txt" for batch in made]
 
 
 def code(script):

@@ -3,8 +3,9 @@
 
 rule curves:
     input:
-        decays=lambda w: of_records(rules.decay.output.decay, w),
-        plateaus=lambda w: of_records(rules.decay.output.plateau, w),
+        batches=batch_lists,
+        decays=of_records("decay"),
+        plateaus=of_records("plateau"),
     output:
         curves="results/{campaign}/curves.nc",
     log:
@@ -17,5 +18,5 @@ rule curves:
     message:
         "mean curves over amplitude of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/curves.py --decays {input.decays:q} --plateaus {input.plateaus:q}"
+        "{PYTHON:q} {SCRIPTS:q}/curves.py --batches {input.batches:q}"
         " --campaign {wildcards.campaign} --output {output.curves} > {log} 2>&1"

@@ -39,7 +39,8 @@ def observed_facts(wildcards):
 rule observations:
     input:
         stick=rules.stick.output.stick,
-        decays=lambda w: of_records(rules.decay.output.decay, w),
+        batches=batch_lists,
+        decays=of_records("decay"),
         integrity=lambda w: (
             rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
         ),
@@ -56,7 +57,7 @@ rule observations:
     message:
         "all records of {wildcards.campaign} as the diagnosis takes them"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/observations.py --stick {input.stick:q} --decays {input.decays:q}"
+        "{PYTHON:q} {SCRIPTS:q}/observations.py --stick {input.stick:q} --batches {input.batches:q}"
         " --integrity {input.integrity:q} --settings {params.settings:q}"
         " --output {output.observations} > {log} 2>&1"
 

@@ -4,9 +4,10 @@
 
 rule integrity:
     input:
-        records=lambda w: of_records(rules.record.output.record, w),
-        decays=lambda w: of_records(rules.decay.output.decay, w),
-        plateaus=lambda w: of_records(rules.decay.output.plateau, w),
+        batches=batch_lists,
+        records=of_records("records"),
+        decays=of_records("decay"),
+        plateaus=of_records("plateau"),
     output:
         integrity="results/{campaign}/integrity.nc",
     log:
@@ -19,5 +20,5 @@ rule integrity:
     message:
         "findings of all records of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/integrity.py --records {input.records:q} --decays {input.decays:q}"
-        " --plateaus {input.plateaus:q} --campaign {wildcards.campaign} --output {output.integrity} > {log} 2>&1"
+        "{PYTHON:q} {SCRIPTS:q}/integrity.py --batches {input.batches:q}"
+        " --campaign {wildcards.campaign} --output {output.integrity} > {log} 2>&1"

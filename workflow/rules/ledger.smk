@@ -20,11 +20,13 @@ rule ledger:
             rules.reduced.output.reduced,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
-        maps=lambda w: expand(
-            rules.frequency_map.output.map,
-            structure=structures_of(CAMPAIGNS[w.campaign]),
-            force=forces_of(CAMPAIGNS[w.campaign]),
-        ),
+        maps=lambda w: [
+            path
+            for structure in structures_of(CAMPAIGNS[w.campaign])
+            for path in artifacts_at_forces(
+                structure, "map", forces_of(CAMPAIGNS[w.campaign])
+            )
+        ],
         printed=sorted((ROOT / "resources" / "thesis").glob("*.csv"))
         + sorted((ROOT / "resources" / "thesis").glob("*.yaml")),
     output:

@@ -109,7 +109,7 @@ rule matrices_accuracy:
         structure=names_of(MATRICES),
     threads: 1
     params:
-        forces=forces_with,
+        forces=forces_used,
         code=code("matrices_accuracy"),
     message:
         "{wildcards.structure}: parametric model against the full matrices at every force"

@@ -4,7 +4,10 @@
 rule score:
     input:
         stick=rules.stick.output.stick,
-        truths=lambda w: of_records(rules.bench.output.truth, w),
+        truths=lambda w: [
+            f"results/bench/{w.campaign}/truth/{row['record']}.nc"
+            for row in CAMPAIGNS[w.campaign].records
+        ],
     output:
         score="results/{campaign}/score.nc",
     log:
@@ -17,14 +20,15 @@ rule score:
     message:
         "stick frequencies of {wildcards.campaign} against the bench's truth"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths {input.truths:q}"
+        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths results/bench/{wildcards.campaign}/truth"
         " --output {output.score} > {log} 2>&1"
 
 
 rule figures_records:
     input:
-        records=lambda w: of_records(rules.record.output.record, w),
-        decays=lambda w: of_records(rules.decay.output.decay, w),
+        batches=batch_lists,
+        records=of_records("records"),
+        decays=of_records("decay"),
         curves=rules.curves.output.curves,
     output:
         cuts=report(
@@ -67,7 +71,7 @@ rule figures_records:
     message:
         "figures of the records of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/figures_records.py --records {input.records:q} --decays {input.decays:q}"
+        "{PYTHON:q} {SCRIPTS:q}/figures_records.py --batches {input.batches:q}"
         " --curves {input.curves:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
 
 

@@ -2,19 +2,17 @@
 
 
 def stick_sources(wildcards):
+    """The campaign's table, or the batches of its records."""
     campaign = CAMPAIGNS[wildcards.campaign]
     if campaign.stick:
         return [campaign.folder / "stick.csv"]
-    return expand(
-        rules.decay.output.plateau,
-        campaign=campaign.name,
-        record=[row["record"] for row in campaign.records],
-    )
+    return batch_lists(wildcards)
 
 
 rule stick:
     input:
         sources=stick_sources,
+        plateaus=of_records("plateau"),
     output:
         stick="results/{campaign}/stick.nc",
     log:

@@ -2,35 +2,48 @@
 import json
 
 
-rule search:
-    input:
-        map=rules.frequency_map.output.map,
-        fe_forces=rules.fe_forces.output.fe_forces,
-    output:
-        stiffness="results/{campaign}/stiffness/{structure}/{force}.nc",
-    log:
-        "results/logs/search/{campaign}/{structure}/{force}.log",
-    benchmark:
-        "results/benchmarks/search/{campaign}/{structure}/{force}.tsv"
-    threads: 1
-    params:
-        settings=settings("search"),
-        code=code("search"),
-    message:
-        "kn, kt of {wildcards.campaign} with {wildcards.structure} at {wildcards.force} N (5.8-5.24)"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/search.py --map {input.map:q} --fe_forces {input.fe_forces:q}"
-        " --settings {params.settings:q} --output {output.stiffness} > {log} 2>&1"
+def search_results(campaign, structure):
+    return [
+        f"results/{campaign.name}/stiffness/{structure}/{force}.nc"
+        for force in forces_of(campaign)
+    ]
+
+
+# All forces of a structure are one job, with a rule of its own: an output can't be a list that grows.
+for campaign in CAMPAIGNS.values():
+    for structure in structures_of(campaign):
+
+        rule:
+            name:
+                f"search.{campaign.name}.{structure}"
+            input:
+                maps=artifacts_at_forces(structure, "map", forces_of(campaign)),
+                fe_forces=f"results/{campaign.name}/fe_forces.nc",
+            output:
+                stiffness=search_results(campaign, structure),
+            log:
+                f"results/logs/search/{campaign.name}/{structure}.log",
+            benchmark:
+                f"results/benchmarks/search/{campaign.name}/{structure}.tsv"
+            threads: 1
+            params:
+                settings=settings("search"),
+                code=code("search"),
+            message:
+                f"kn, kt of {campaign.name} with {structure} at each force (5.8-5.24)"
+            shell:
+                "{PYTHON:q} {SCRIPTS:q}/search.py --maps {input.maps:q}"
+                " --fe_forces {input.fe_forces:q} --settings {params.settings:q}"
+                " --outputs {output.stiffness:q} > {log} 2>&1"
 
 
 def searches(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
-    return expand(
-        rules.search.output.stiffness,
-        campaign=campaign.name,
-        structure=structures_of(campaign),
-        force=forces_of(campaign),
-    )
+    return [
+        path
+        for structure in structures_of(campaign)
+        for path in search_results(campaign, structure)
+    ]
 
 
 def joint_facts(wildcards):

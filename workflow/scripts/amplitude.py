@@ -9,14 +9,14 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.structure.joint import joint_of_reduced
 
 
-def main(reduced, parametric, stick, decays, settings, output):
+def main(reduced, parametric, stick, batches, settings, output):
     measured, asked = artifacts.load(stick), json.loads(settings)
     gauge = asked["gauge"]
     bias, offset = (
         {mode: percent / 100 for mode, percent in asked[name].items()}
         for name in ("fe_bias_percent", "fe_offset_percent")
     )
-    curves = [artifacts.load(path) for path in decays]
+    curves = artifacts.load_records(batches, "decay")
     found = amplitude(
         joint_of_reduced(artifacts.load(reduced)),
         artifacts.load(parametric),
@@ -39,7 +39,7 @@ if __name__ == "__main__":
         reduced="reduced.nc of the structure",
         parametric="parametric.nc of the structure",
         stick="stick.nc",
-        decays="any: curves over amplitude of every record",
+        batches="many: lists of the records in each batch",
         settings="as of joint.py, with lasers (m, by mode) and curve_discrepancy_percent (JSON)",
         output="amplitude file",
     )

@@ -1,4 +1,4 @@
-"""One raw record of the virtual test bench, and its truth, which no inference reads."""
+"""Raw records of one batch of the virtual test bench, and their truth, which no inference reads."""
 
 import json
 
@@ -9,12 +9,12 @@ from bladeroot.rig.joint import parts
 from bladeroot.schema import read_yaml
 
 
-def main(bench, reduced, row, raw, truth):
-    record, answer = simulate(
-        read_yaml(bench, "bench"), parts(artifacts.load(reduced)), json.loads(row)
-    )
-    artifacts.save(answer, truth)
-    artifacts.save(record, raw)
+def main(bench, reduced, rows, folder):
+    described, specimen = read_yaml(bench, "bench"), parts(artifacts.load(reduced))
+    for row in json.loads(rows):
+        record, answer = simulate(described, specimen, row)
+        artifacts.save(answer, f"{folder}/truth/{row['record']}.nc")
+        artifacts.save(record, f"{folder}/{row['record']}.nc")
 
 
 if __name__ == "__main__":
@@ -22,7 +22,6 @@ if __name__ == "__main__":
         main,
         bench="the bench's file (YAML)",
         reduced="reduced.nc of the bench's structure",
-        row="the record's row of records.csv (JSON)",
-        raw="raw record to write",
-        truth="truth to write",
+        rows="the records' rows of records.csv, a list (JSON)",
+        folder="where the raw records go, and their truth in its folder truth",
     )

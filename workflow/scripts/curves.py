@@ -5,8 +5,8 @@ from bladeroot import artifacts
 from bladeroot.decay.curves import mean_curves
 
 
-def main(decays, plateaus, campaign, output):
-    curves = mean_curves(*([artifacts.load(one) for one in many] for many in (decays, plateaus)))
+def main(batches, campaign, output):
+    curves = mean_curves(*(artifacts.load_records(batches, one) for one in ("decay", "plateau")))
     curves.attrs["campaign"] = campaign
     artifacts.save(curves, output)
 
@@ -14,8 +14,7 @@ def main(decays, plateaus, campaign, output):
 if __name__ == "__main__":
     run(
         main,
-        decays="many: curves over amplitude of every record",
-        plateaus="many: plateaus of the same records, which say what is rejected",
+        batches="many: lists of the records in each batch",
         campaign="the campaign's name",
         output="curves.nc",
     )

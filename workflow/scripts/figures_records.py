@@ -10,10 +10,11 @@ from bladeroot.figures import spectra as spectrum_figures
 from bladeroot.figures.style import svg
 
 
-def main(records, decays, curves, folder):
-    found = {decay.attrs["record"]: decay for decay in map(artifacts.load, decays)}
+def main(batches, curves, folder):
+    decays = artifacts.load_records(batches, "decay")
+    found = {decay.attrs["record"]: decay for decay in decays}
     shown, not_shown = record_figures.worth_showing(
-        [artifacts.load(record) for record in records], found
+        artifacts.load_records(batches, "records"), found
     )
     mean = artifacts.load(curves)
     spectra = [
@@ -42,8 +43,7 @@ def main(records, decays, curves, folder):
 if __name__ == "__main__":
     run(
         main,
-        records="many: free decays",
-        decays="many: curves over amplitude",
+        batches="many: lists of the records in each batch",
         curves="curves.nc",
         folder="where the figures go",
     )

@@ -5,10 +5,9 @@ from bladeroot import artifacts
 from bladeroot.decay.judgement import judgement
 
 
-def main(records, decays, plateaus, campaign, output):
-    judged = judgement(
-        *([artifacts.load(one) for one in many] for many in (records, decays, plateaus))
-    )
+def main(batches, campaign, output):
+    stages = ("records", "decay", "plateau")
+    judged = judgement(*(artifacts.load_records(batches, stage) for stage in stages))
     judged.attrs["campaign"] = campaign
     artifacts.save(judged, output)
 
@@ -16,9 +15,7 @@ def main(records, decays, plateaus, campaign, output):
 if __name__ == "__main__":
     run(
         main,
-        records="many: free decays with their findings",
-        decays="many: curves over amplitude, in the same order",
-        plateaus="many: plateaus, in the same order",
+        batches="many: lists of the records in each batch",
         campaign="the campaign's name",
         output="integrity.nc",
     )

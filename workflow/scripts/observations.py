@@ -7,13 +7,13 @@ from bladeroot import artifacts
 from bladeroot.diagnosis.observations import Gauge, observations, reading_step
 
 
-def main(stick, decays, integrity, settings, output):
+def main(stick, batches, integrity, settings, output):
     measured, facts = artifacts.load(stick), json.loads(settings)
-    forces = measured["record_force"].values if decays else measured["force"].values
+    forces = measured["record_force"].values if batches else measured["force"].values
     full_scale = facts["full_scale"] * facts["accuracy"]
     seen = observations(
         measured,
-        [artifacts.load(decay) for decay in decays],
+        artifacts.load_records(batches, "decay"),
         artifacts.load(integrity[0]) if integrity else None,
         Gauge(
             full_scale if facts["primary"] == "full-scale" else 0.0,
@@ -30,7 +30,7 @@ if __name__ == "__main__":
     run(
         main,
         stick="stick.nc",
-        decays="any: curves over amplitude of the records",
+        batches="any: lists of the records in each batch, where there are records",
         integrity="any: integrity.nc, where there are records",
         settings="gauge (full_scale, scale, accuracy, primary), laser_x (m), time (s) (JSON)",
         output="observations.nc",

@@ -1,4 +1,4 @@
-"""kn and kt at one axial force with one structure -> stiffness/<structure>/<force>.nc."""
+"""kn and kt with one structure at each axial force -> stiffness/<structure>/<force>.nc."""
 
 import json
 
@@ -7,25 +7,22 @@ from bladeroot import artifacts
 from bladeroot.stiffness.search import search
 
 
-def main(map, fe_forces, settings, output):
+def main(maps, fe_forces, settings, outputs):
     measured = artifacts.load(fe_forces)
     bias, offset = (
         {mode: percent / 100 for mode, percent in json.loads(settings)[name].items()}
         for name in ("fe_bias_percent", "fe_offset_percent")
     )
-    artifacts.save(
-        search(artifacts.load(map), measured, bias, offset),
-        output,
-        origin=measured,
-        settings=settings,
-    )
+    for drawn, output in zip(maps, outputs, strict=True):
+        found = search(artifacts.load(drawn), measured, bias, offset)
+        artifacts.save(found, output, origin=measured, settings=settings)
 
 
 if __name__ == "__main__":
     run(
         main,
-        map="map file of the structure at the force",
+        maps="many: maps of the structure, one a force",
         fe_forces="fe_forces.nc",
         settings="section `search` of the configuration (JSON)",
-        output="stiffness file",
+        outputs="many: stiffness files to write, in the same order",
     )

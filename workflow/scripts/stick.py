@@ -14,7 +14,7 @@ def main(sources, campaign, settings, output):
         table = stick_table(Path(sources[0]))
         stick = stick_from_table(table, json.loads(settings)["table_error"])
     else:
-        plateaus = [artifacts.load(plateau) for plateau in sources]
+        plateaus = artifacts.load_records(sources, "plateau")
         stick = stick_from_records(plateaus)
         stick.attrs["simulated"] = max(plateau.attrs["simulated"] for plateau in plateaus)
     stick.attrs["campaign"] = campaign
@@ -24,7 +24,7 @@ def main(sources, campaign, settings, output):
 if __name__ == "__main__":
     run(
         main,
-        sources="many: the plateau of every record, or one stick.csv",
+        sources="many: lists of the records in each batch, or one stick.csv",
         campaign="the campaign's name",
         settings="section `stick` of the configuration (JSON)",
         output="stick.nc",

@@ -1,4 +1,4 @@
-# The joint's parametric model, once for all forces, and its accuracy; and at one force: beam and slots
+# The joint's parametric model, once for all forces, and its accuracy; and at each force: beam and slots
 # joined (5.1) and the frequencies of the joint as a map of kn, kt.
 
 
@@ -40,12 +40,14 @@ use rule parametric as parametric_equal_nodes with:
         "frequencies of {wildcards.structure} with equal nodal springs, as in the thesis (5.4-5.7)"
 
 
-def forces_with(wildcards):
-    """All axial forces at which any campaign uses a structure."""
-    users = [c for c in CAMPAIGNS.values() if wildcards.structure in structures_of(c)]
-    return canonical_json(
-        sorted({float(force) for campaign in users for force in forces_of(campaign)})
-    )
+def forces_with(structure):
+    """All axial forces in whole newtons at which any campaign uses a structure."""
+    users = [c for c in CAMPAIGNS.values() if structure in structures_of(c)]
+    return sorted({force for campaign in users for force in forces_of(campaign)})
+
+
+def forces_used(wildcards):
+    return canonical_json([float(force) for force in forces_with(wildcards.structure)])
 
 
 rule accuracy:
@@ -62,7 +64,7 @@ rule accuracy:
         "results/benchmarks/accuracy/{structure}.tsv"
     threads: 1
     params:
-        forces=forces_with,
+        forces=forces_used,
         code=code("accuracy"),
     message:
         "{wildcards.structure}: parametric model against the full one at every force"
@@ -72,40 +74,36 @@ rule accuracy:
         " --forces {params.forces:q} --output {output.accuracy} > {log} 2>&1"
 
 
-rule assembly:
-    input:
-        reduced=rules.reduced.output.reduced,
-    output:
-        assembly="results/structures/{structure}/assembly/{force}.nc",
-    log:
-        "results/logs/assembly/{structure}/{force}.log",
-    benchmark:
-        "results/benchmarks/assembly/{structure}/{force}.tsv"
-    threads: 1
-    params:
-        code=code("assembly"),
-    message:
-        "assembly of {wildcards.structure} at {wildcards.force} N (5.1)"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/assembly.py --reduced {input.reduced:q} --force {wildcards.force}"
-        " --output {output.assembly} > {log} 2>&1"
+def artifacts_at_forces(structure, stage, forces):
+    """One file for each axial force: a structure's `assembly` or `map`."""
+    return [f"results/structures/{structure}/{stage}/{force}.nc" for force in forces]
 
 
-rule frequency_map:
-    input:
-        parametric=rules.parametric.output.parametric,
-        assembly=rules.assembly.output.assembly,
-    output:
-        map="results/structures/{structure}/map/{force}.nc",
-    log:
-        "results/logs/frequency_map/{structure}/{force}.log",
-    benchmark:
-        "results/benchmarks/frequency_map/{structure}/{force}.tsv"
-    threads: 1
-    params:
-        code=code("frequency_map"),
-    message:
-        "frequencies of {wildcards.structure} over (kn, kt) at {wildcards.force} N (5.4-5.7)"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/frequency_map.py --parametric {input.parametric:q}"
-        " --assembly {input.assembly:q} --output {output.map} > {log} 2>&1"
+# All forces of a structure are one job, with a rule of its own: an output can't be a list that grows.
+for structure in STRUCTURES:
+    forces = forces_with(structure)
+    if not forces:  # of a bench alone
+        continue
+
+    rule:
+        name:
+            f"frequency_maps.{structure}"
+        input:
+            reduced=f"results/structures/{structure}/reduced.nc",
+            parametric=f"results/structures/{structure}/parametric.nc",
+        output:
+            assemblies=artifacts_at_forces(structure, "assembly", forces),
+            maps=artifacts_at_forces(structure, "map", forces),
+        log:
+            f"results/logs/frequency_maps/{structure}.log",
+        benchmark:
+            f"results/benchmarks/frequency_maps/{structure}.tsv"
+        threads: 1
+        params:
+            code=code("frequency_maps"),
+        message:
+            f"{structure}: assembly (5.1) and frequencies over (kn, kt) (5.4-5.7), {len(forces)} forces"
+        shell:
+            "{PYTHON:q} {SCRIPTS:q}/frequency_maps.py --reduced {input.reduced:q}"
+            " --parametric {input.parametric:q} --assemblies {output.assemblies:q}"
+            " --maps {output.maps:q} > {log} 2>&1"

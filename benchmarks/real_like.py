@@ -1,0 +1,80 @@
+"""Ring-downs as they are measured, drawn: what the product makes of every mode and sensor.
+
+    python benchmarks/real_like.py --events 60 --seed 1000 --json found.json
+    python benchmarks/real_like.py --small                     # some seconds
+    python benchmarks/real_like.py --show 1003                 # one event, a line for every pair
+
+Event i of a run has the seed SEED + i. Seeds from 1000 to 1999 are for tuning; those from 100000 on
+are for scoring only, and nothing may be set by looking at them.
+"""
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from drawn_world import campaign, draw
+from drawn_world.bound import bounds
+from drawn_world.product import analysed, unchecked
+from drawn_world.table import lines
+from drawn_world.verdicts import score
+
+SMALL_EVENTS = 4
+
+
+def scored(seed: int, bound: bool = True) -> list[dict]:
+    """All pairs of mode and sensor of one event."""
+    event, rows = draw(seed), []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for entry in campaign(event, folder):
+            mode, sensor = entry["mode"], entry["sensor"]
+            answer = analysed(entry, folder)
+            loose = unchecked(folder) if not answer.curves and not answer.crash else {}
+            least = bounds(event, mode, sensor) if bound and answer.curves else None
+            rows.append(score(event, mode, sensor, answer, loose, least))
+    return rows
+
+
+def shown(row: dict) -> str:
+    """One record in a line."""
+    text = f"{row['seed']} m{row['mode']} s{row['sensor']} {row['class']:20s}"
+    for name, factor, unit in (("frequency", 1e6, "ppm"), ("loss_factor", 100.0, "%")):
+        if name in row:
+            one = row[name]
+            text += (
+                f" | {factor * one['median relative']:.3g}"
+                f" (worst {factor * one['worst relative']:.3g})"
+                f" {unit}, worst {one['worst stated']:.3g} stated"
+            )
+    return f"{text} | {' '.join(row.get('wrong where', []))} | {' '.join(row['findings'])}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--events", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1000)
+    parser.add_argument("--small", action="store_true", help=f"{SMALL_EVENTS} events, no bound")
+    parser.add_argument(
+        "--show", type=int, nargs="*", default=[], help="only these seeds, a line a pair"
+    )
+    parser.add_argument("--json", type=Path)
+    chosen = parser.parse_args()
+    count = SMALL_EVENTS if chosen.small else chosen.events
+    seeds = chosen.show or range(chosen.seed, chosen.seed + count)
+    rows = []
+    for seed in seeds:
+        own = scored(seed, bound=not chosen.small)
+        rows += own
+        if chosen.show:
+            print(*map(shown, own), sep="\n")
+    print(f"seeds {seeds[0]} to {seeds[-1]}")
+    print(*lines(rows), sep="\n")
+    if chosen.json:
+        chosen.json.write_text(json.dumps(rows, indent=1, default=float))
+
+
+if __name__ == "__main__":
+    np.seterr(all="ignore")
+    main()

@@ -1,0 +1,226 @@
+"""The public face: a ring-down from any source, and contact stiffness of any joint."""
+
+import doctest
+
+import bladeroot as br
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.public import decay as public_decay
+
+RATE, MODE, LOSS = 8192.0, 211.0, 0.004
+NATURAL = MODE * np.sqrt(1.0 - (LOSS / 2.0) ** 2)  # omega_n^2 = omega^2 - A''/A (3.11)
+
+
+def samples(seed=1):
+    t = np.arange(int(3.0 * RATE)) / RATE
+    rate = np.pi * MODE * LOSS
+    noise = 1e-6 * np.random.default_rng(seed).standard_normal(t.size)
+    return 0.01 * np.exp(-rate * t) * np.cos(2 * np.pi * MODE * t) + noise
+
+
+def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path):
+    v = samples()
+    time = np.arange(v.size) / RATE
+    array = xr.DataArray(1e3 * v, {"time": time}, attrs={"units": "mm/s"})
+    path = tmp_path / "a.csv"
+    np.savetxt(path, np.c_[time, v], delimiter=",", header="time_s,velocity_m/s", comments="")
+    made = [
+        br.ringdown(v, mode_Hz=210, sampling_Hz=RATE),
+        br.ringdown(array, mode_Hz=210),
+        br.ringdown(path, mode_Hz=210),
+    ]
+    for one in made:
+        assert one.verdict == "usable"
+        value, std = one.stick_frequency
+        assert abs(value - NATURAL) < 4 * std
+        assert np.median(one.curves["loss_factor"]) == pytest.approx(LOSS, rel=0.01)
+        np.testing.assert_allclose(one.curves["frequency"], made[0].curves["frequency"], rtol=1e-6)
+    assert "stick frequency" in repr(made[0])
+    assert len(made[0].plot().axes) == 2
+
+
+def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():
+    noise = np.random.default_rng(0).standard_normal(20_000)
+    found = br.ringdown(1e-3 * noise, mode_Hz=300, sampling_Hz=RATE)
+    assert found.verdict.startswith("rejected: ")
+    assert np.isnan(found.stick_frequency[0])
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"mode_Hz": -1.0, "sampling_Hz": RATE}, "mode_Hz must be positive"),
+        ({"mode_Hz": 200.0}, "needs sampling_Hz"),
+        ({"mode_Hz": 200.0, "sampling_Hz": RATE, "unit": "V"}, "needs a sensitivity"),
+    ],
+)
+def test_what_is_missing_is_told_in_one_line(given, told):
+    with pytest.raises(ValueError, match=told) as error:
+        br.ringdown(samples(), **given)
+    assert "\n" not in str(error.value)
+
+
+def test_the_docstrings_example_holds():
+    assert doctest.testmod(public_decay).failed == 0
+
+
+# Two masses in a row, each held to the ground by its own springs in x, y and z, and in contact:
+# along the normal x with kn, across it with kt. In each direction two modes; the one in which the
+# masses move against each other knows the contact.
+MASS, GROUND = 2.0, 3e6
+
+
+def two_masses(normal=(1.0, 0.0, 0.0), interface=()):
+    pairs = br.ContactPairs(
+        np.array([[0, 1, 2]]), np.array([[3, 4, 5]]), np.array([normal]), np.ones(1), interface
+    )
+    # the ground's springs differ a little, so that no two modes are one
+    K = np.diag(GROUND * np.array([1.0, 1.1, 1.2, 1.0, 1.1, 1.2]))
+    return K, MASS * np.eye(6), pairs
+
+
+def against(axis):
+    shape = np.zeros(6)
+    shape[[axis, axis + 3]] = 1.0, -1.0
+    return shape
+
+
+def closed_form(k, axis):
+    return np.sqrt((GROUND * (1.0, 1.1, 1.2)[axis] + 2.0 * k) / MASS) / (2.0 * np.pi)
+
+
+def test_frequencies_and_their_gradient_are_those_of_two_masses():
+    K, M, pairs = two_masses()
+    joint = br.Joint.from_matrices(K, M, pairs, {"n": against(0), "t": against(1)})
+    ln_k = np.log([4e6, 9e5])
+    found = joint.modes_at(ln_k)
+    expected = [closed_form(4e6, 0), closed_form(9e5, 1)]
+    np.testing.assert_allclose(found.frequency, expected, rtol=1e-9)
+    step = 1e-5
+    numeric = np.column_stack(
+        [
+            np.log(joint.modes_at(ln_k + d).frequency / joint.modes_at(ln_k - d).frequency)
+            for d in step * np.eye(2)
+        ]
+    ) / (2.0 * step)
+    np.testing.assert_allclose(joint.gradient(ln_k, found), numeric, atol=1e-9)
+
+
+def test_a_load_stiffens_by_its_own_matrix():
+    K, M, pairs = two_masses()
+    joint = br.Joint.from_matrices(K, M, pairs, {"n": against(0)}, Kg=np.diag([7.0] * 6))
+    expected = np.sqrt((GROUND + 2.0 * 1e6 + 7.0 * 5e3) / MASS) / (2.0 * np.pi)
+    found = joint.modes_at(np.log([1e6, 1e6]), load=5e3)
+    assert found.frequency[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_free_joint_has_no_rigid_motion_among_its_modes():
+    _, M, pairs = two_masses()
+    joint = br.Joint.from_matrices(np.zeros((6, 6)), M, pairs, {"n": against(0)})
+    expected = np.sqrt(2.0 * 4e6 / MASS) / (2.0 * np.pi)
+    assert joint.modes_at(np.log([4e6, 9e5])).frequency[0] == pytest.approx(expected, rel=1e-9)
+
+
+def fit(frequencies, modes=(0, 1), **options):
+    K, M, pairs = two_masses()
+    names = dict(zip(frequencies, (against(axis) for axis in modes), strict=True))
+    joint = br.Joint.from_matrices(K, M, pairs, names)
+    return br.fit_contact(joint, frequencies, stiffness_range=(1e4, 1e8), **options)
+
+
+def test_as_many_modes_as_stiffnesses_find_both():
+    found = fit({"n": (closed_form(4e6, 0), 1e-3), "t": (closed_form(9e5, 1), 1e-3)}, fe_bias=1e-5)
+    assert found.kn == pytest.approx(4e6, rel=1e-3)
+    assert found.kt == pytest.approx(9e5, rel=1e-3)
+    assert found.fits
+    assert "kn" in repr(found)
+    assert found.plot().axes
+
+
+def test_more_modes_than_stiffnesses_show_a_model_that_is_wrong():
+    """The two tangential modes know one kt; with 1 % between them they contradict each other."""
+    right = {
+        "n": (closed_form(4e6, 0), 0.01),
+        "y": (closed_form(9e5, 1), 0.01),
+        "z": (closed_form(9e5, 2), 0.01),
+    }
+    assert fit(right, (0, 1, 2), fe_bias=1e-3).fits
+    wrong = {**right, "z": (1.01 * right["z"][0], 0.01)}
+    found = fit(wrong, (0, 1, 2), fe_bias=1e-3)
+    assert not found.fits
+    assert found.result.attrs["freedom"] == 1
+    assert abs(float(found.result["misfit"].sel(mode="n"))) < 1.0
+
+
+def test_fewer_modes_leave_the_prior_along_what_they_do_not_tell():
+    found = fit({"n": (closed_form(4e6, 0), 1e-3)}, (0,), fe_bias=1e-5)
+    assert found.kn == pytest.approx(4e6, rel=1e-3)
+    wide = 0.25 * np.log(1e8 / 1e4)  # the prior's standard deviation
+    assert float(found.result["ln_std"].sel(parameter="kt")) == pytest.approx(wide, rel=1e-3)
+
+
+def test_each_interface_has_its_own_stiffness():
+    K, M, _ = two_masses()
+    pairs = br.ContactPairs(
+        np.array([[0, 1, 2], [0, 1, 2]]),
+        np.array([[3, 4, 5], [-1, -1, -1]]),
+        np.array([[1.0, 0.0, 0.0]] * 2),
+        np.ones(2),
+        ("between", "wall"),
+    )
+    joint = br.Joint.from_matrices(K, M, pairs, {"1": 1, "2": 2})
+    assert joint.parameters == ("kn between", "kt between", "kn wall", "kt wall")
+    stiff = joint.modes_at(np.log([1e6, 1e6, 1e7, 1e6]), names=("1",)).frequency
+    soft = joint.modes_at(np.log([1e6, 1e6, 1e5, 1e6]), names=("1",)).frequency
+    assert stiff > soft
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"K": np.zeros((5, 6))}, "K must be square"),
+        ({"K": np.triu(np.ones((6, 6)))}, "K must be symmetric"),
+        ({"M": np.eye(5)}, "expected M with 6 rows"),
+        ({"Kg": np.full((6, 6), np.nan)}, "Kg must hold finite numbers"),
+        ({"modes": {}}, "at least one mode"),
+        ({"modes": {"a": 0}}, "order from 1"),
+        ({"modes": {"a": np.ones(3)}}, "6 finite numbers"),
+    ],
+)
+def test_wrong_matrices_are_refused_in_one_line(change, told):
+    K, M, pairs = two_masses()
+    given = {"K": K, "M": M, "pairs": pairs, "modes": {"n": 1}} | change
+    with pytest.raises(ValueError, match=told):
+        br.Joint.from_matrices(**given)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"first": np.array([[0, 1, 9]])}, "rows from 0 to 5"),
+        ({"normal": np.zeros((1, 3))}, "must not vanish"),
+        ({"area": np.array([-1.0])}, "area must be positive"),
+        ({"first": np.zeros((0, 3), int), "area": np.zeros(0)}, "at least one pair"),
+        ({"interface": ("a", "b")}, "must name 1 interfaces"),
+    ],
+)
+def test_wrong_pairs_are_refused_in_one_line(change, told):
+    K, M, pairs = two_masses()
+    given = {name: getattr(pairs, name) for name in ("first", "second", "normal", "area")}
+    with pytest.raises(ValueError, match=told):
+        br.Joint.from_matrices(K, M, br.ContactPairs(**given | change), {"n": 1})
+
+
+def test_a_shape_that_no_mode_has_is_told():
+    K, M, pairs = two_masses()
+    mixed = against(0) + against(1) + against(2)
+    joint = br.Joint.from_matrices(K, M, pairs, {"n": mixed})
+    with pytest.raises(ValueError, match="no mode agrees with the shape of n"):
+        joint.modes_at(np.log([4e6, 9e5]))
+
+
+def test_an_unknown_mode_is_told():
+    joint = br.Joint.from_matrices(*two_masses(), {"n": 1})
+    with pytest.raises(ValueError, match="modes must be among n"):
+        br.fit_contact(joint, {"m": (10.0, 0.1)})

@@ -1,0 +1,80 @@
+"""What other programs read of a campaign is what its artifacts hold."""
+
+import json
+
+import bladeroot as br
+import numpy as np
+import pandas as pd
+import pytest
+import pyuff
+import xarray as xr
+from bladeroot import artifacts
+from scipy.io import loadmat
+
+AMPLITUDE = np.geomspace(1e-4, 1e-6, 7)
+
+
+def decay(record, mode, force, offset):
+    point = {
+        "time": ("s", np.arange(7.0)),
+        "amplitude": ("m", AMPLITUDE),
+        "frequency": ("Hz", 500.0 + offset - 1e4 * AMPLITUDE),
+        "frequency_std": ("Hz", np.full(7, 0.01)),
+        "loss_factor": ("1", 0.002 + AMPLITUDE),
+        "loss_factor_std": ("1", np.full(7, 1e-5)),
+    }
+    data = {name: ("point", values, {"units": unit}) for name, (unit, values) in point.items()}
+    return xr.Dataset(data, attrs={"record": record, "mode": mode, "force_N": force})
+
+
+@pytest.fixture
+def results(tmp_path):
+    folder = tmp_path / "results" / "made"
+    for one in (decay("a", "1B", 1e3, 0.0), decay("b", "2B", 2e3, 900.0)):
+        artifacts.save(one, folder / "decay" / f"{one.attrs['record']}.nc")
+    stick = xr.Dataset(
+        {
+            "stick_frequency": ("record", [500.0, np.nan], {"units": "Hz"}),
+            "verdict": ("record", ["plateau", "rejected"], {"units": ""}),
+        },
+        {"record": ["a", "b"]},
+    )
+    artifacts.save(stick, folder / "stick.nc")
+    verdict = {"answer": "named", "causes": [{"mechanism": "joint-slip", "plausible": True}]}
+    artifacts.save_text(json.dumps(verdict), folder / "diagnosis" / "verdict.json")
+    return folder
+
+
+def test_the_tables_hold_every_point_and_field(results, tmp_path):
+    written = br.export(results, tmp_path / "out")
+    assert {path.name for path in written} == {
+        "curves.csv", "stick.csv", "verdict.csv", "results.mat", "curves.uff",
+    }  # fmt: skip
+    curves = pd.read_csv(tmp_path / "out" / "curves.csv")
+    assert len(curves) == 14
+    second = curves[curves["record"] == "b"]
+    np.testing.assert_allclose(second["frequency_Hz"], 1400.0 - 1e4 * AMPLITUDE)
+    np.testing.assert_allclose(second["damping_ratio"], 0.5 * (0.002 + AMPLITUDE))
+    told = pd.read_csv(tmp_path / "out" / "verdict.csv").set_index("entry")["value"]
+    assert told["causes.0.mechanism"] == "joint-slip"
+    stick = pd.read_csv(tmp_path / "out" / "stick.csv")
+    assert list(stick["verdict"]) == ["plateau", "rejected"]
+
+
+def test_matlab_and_universal_file_hold_the_same_numbers(results, tmp_path):
+    br.export(results, tmp_path)
+    curves = pd.read_csv(tmp_path / "curves.csv")
+    matlab = loadmat(tmp_path / "results.mat", simplify_cells=True)["curves"]
+    np.testing.assert_allclose(matlab["amplitude_m"], curves["amplitude_m"])
+    assert list(matlab["record"]) == list(curves["record"])
+    universal = pyuff.UFF(str(tmp_path / "curves.uff"))
+    assert len(universal.get_set_types()) == 4
+    first = universal.read_sets(0)
+    assert first["id1"].startswith("a 1B: frequency")
+    np.testing.assert_allclose(first["x"], AMPLITUDE[::-1], rtol=1e-5)
+    np.testing.assert_allclose(first["data"], 500.0 - 1e4 * AMPLITUDE[::-1], rtol=1e-9)
+
+
+def test_a_folder_without_results_is_told(tmp_path):
+    with pytest.raises(ValueError, match="expected stick"):
+        br.export(tmp_path, tmp_path / "out")

@@ -1,0 +1,176 @@
+"""Contact stiffness from measured frequencies: any number of modes and interfaces, at one load."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.stats import chi2
+
+from bladeroot.diagnosis.gaussian import Prior, Problem, State, best_fit
+from bladeroot.public.joint import Joint
+
+FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
+RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
+_STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
+_NOTABLE = 0.05  # probability of a larger misfit, below which the model is said not to fit
+
+
+@dataclass(frozen=True)
+class ContactFit:
+    """Contact stiffness at one load, most probable (MAP) with its covariance.
+
+    result: `stiffness` (N/m) and its `ln_std` by `parameter`; `ln_covariance`; by `mode` the
+    `measured` and `fitted` frequency (Hz), `misfit` (in standard deviations of measurement and
+    model together) and `jacobian` (d ln f / d ln k). Attributes: `load`, `chi2`, `freedom`,
+    `probability` of a larger chi-square, `log_evidence`.
+    """
+
+    joint: Joint
+    result: xr.Dataset
+
+    @property
+    def kn(self) -> float:
+        """Normal contact stiffness, N/m, of the only interface."""
+        return self._only("kn")
+
+    @property
+    def kt(self) -> float:
+        """Tangential contact stiffness, N/m, of the only interface."""
+        return self._only("kt")
+
+    @property
+    def covariance(self) -> Float[ndarray, "parameter parameter"]:
+        """Covariance of ln k."""
+        return self.result["ln_covariance"].values
+
+    @property
+    def fits(self) -> bool:
+        """Whether the model gives the measured frequencies within their errors and its bias."""
+        return bool(self.result.attrs["probability"] >= _NOTABLE)
+
+    def _only(self, name: str) -> float:
+        if name not in self.result["parameter"].values:
+            raise ValueError(f"several interfaces: result['stiffness'] has {self.joint.parameters}")
+        return float(self.result["stiffness"].sel(parameter=name))
+
+    def plot(self):
+        """68 and 95 % regions of the first interface's (kn, kt); a Figure."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(4.5, 4.0), layout="constrained")
+        axis = figure.subplots()
+        values, vectors = np.linalg.eigh(self.covariance[:2, :2])
+        turn = np.linspace(0.0, 2.0 * np.pi, 200)
+        circle = np.array([np.cos(turn), np.sin(turn)])
+        centre = np.log(self.result["stiffness"].values[:2])
+        for probability in (0.68, 0.95):
+            radius = np.sqrt(chi2.ppf(probability, 2))
+            ring = centre[:, None] + radius * vectors @ (np.sqrt(values)[:, None] * circle)
+            axis.plot(*np.exp(ring), label=f"{probability:.0%}")
+        axis.plot(*np.exp(centre), "k+")
+        axis.set(xscale="log", yscale="log")
+        axis.set_xlabel(f"{self.joint.parameters[0]} in N/m")
+        axis.set_ylabel(f"{self.joint.parameters[1]} in N/m")
+        axis.legend()
+        return figure
+
+    def __repr__(self) -> str:
+        """A short table."""
+        found, attrs = self.result, self.result.attrs
+        lines = [f"contact stiffness at a load of {attrs['load']:g}"]
+        for name in found["parameter"].values:
+            one = found.sel(parameter=name)
+            spread = np.exp(float(one["ln_std"]))
+            lines.append(f"  {name:<12}{float(one['stiffness']):.4g} N/m, factor {spread:.3g}")
+        for mode in found["mode"].values:
+            one = found.sel(mode=mode)
+            lines.append(
+                f"  {mode:<12}{float(one['measured']):.6g} Hz measured, "
+                f"{float(one['fitted']):.6g} fitted, {float(one['misfit']):+.1f} std"
+            )
+        if attrs["freedom"] > 0:
+            lines.append(
+                f"  chi-square {attrs['chi2']:.2f} with {attrs['freedom']} degrees of freedom"
+                + ("" if self.fits else ": the model does not fit")
+            )
+        elif not self.fits:
+            lines.append(f"  no root: misses by chi-square {attrs['chi2']:.2f}")
+        return "\n".join(lines)
+
+
+def fit_contact(
+    joint: Joint,
+    frequencies: Mapping[str, tuple[float, float]],
+    load: float = 0.0,
+    fe_bias: float | Mapping[str, float] = FE_BIAS,
+    stiffness_range: tuple[float, float] = RANGE,
+) -> ContactFit:
+    """The contact stiffnesses of all interfaces that give the measured frequencies at one load.
+
+    Args:
+        joint: from `Joint.from_matrices` or `Joint.dovetail`.
+        frequencies: by mode, frequency and its standard error in Hz.
+        load: in the joint's unit of load.
+        fe_bias: standard deviation of the model's relative error in frequency, of all modes or by
+            mode; it belongs to the errors, for it moves kn and kt by tens of per cent.
+        stiffness_range: N/m, two standard deviations of the prior of each stiffness (log-normal).
+
+    With as many modes as stiffnesses the fit is exact where a root exists, and its misfit says by
+    how much there is none; with more, chi-square says whether the model fits at all; with fewer,
+    the prior decides along what the data leave open, and `ln_std` shows it.
+
+    Raises:
+        ValueError: an unknown mode, an error that is not positive, a joint that is not stable.
+    """
+    names = tuple(frequencies)
+    unknown = [name for name in names if name not in joint.modes]
+    if unknown or not names:
+        raise ValueError(f"modes must be among {', '.join(joint.modes)}, got {', '.join(unknown)}")
+    value, std = np.array([frequencies[name] for name in names], float).T
+    bias = np.array([fe_bias[n] if isinstance(fe_bias, Mapping) else fe_bias for n in names])
+    for text, numbers in (("frequency", value), ("its standard error", std), ("fe_bias", bias)):
+        if not (np.isfinite(numbers).all() and (numbers > 0.0).all()):
+            raise ValueError(f"{text} must be positive, got {numbers.tolist()}")
+    low, high = np.log(stiffness_range)
+    if not low < high:
+        raise ValueError(f"stiffness_range must be 0 < low < high, got {stiffness_range}")
+    count = len(joint.parameters)
+    prior = Prior(np.full(count, 0.5 * (low + high)), np.full(count, 0.25 * (high - low)))
+    total = np.hypot(std / value, bias)
+
+    def predict(ln_k: ndarray) -> State:
+        modes = joint.modes_at(ln_k, load, names)
+        return State(np.log(modes.frequency), joint.gradient(ln_k, modes), {})
+
+    def covariance(state: State, scales: ndarray):
+        return np.diag(total**2), list
+
+    problem = Problem(np.log(value), predict, covariance, prior, Prior(np.zeros(0), np.zeros(0)))
+    found = best_fit(problem, [prior.mean + step * prior.std for step in _STARTS])
+    misfit = (np.log(value) - found.state.mean) / total
+    square, freedom = float(misfit @ misfit), len(names) - count
+    probability = float(chi2.sf(square, max(freedom, 1)))
+    text = {"units": "1"}
+    result = xr.Dataset(
+        {
+            "stiffness": ("parameter", np.exp(found.parameters), {"units": "N/m"}),
+            "ln_std": ("parameter", found.std, text),
+            "ln_covariance": (("parameter", "parameter_"), found.covariance, text),
+            "measured": ("mode", value, {"units": "Hz"}),
+            "fitted": ("mode", np.exp(found.state.mean), {"units": "Hz"}),
+            "misfit": ("mode", misfit, text),
+            "jacobian": (("mode", "parameter"), found.state.slope, text),
+        },
+        coords={"parameter": list(joint.parameters), "mode": list(names)},
+        attrs={
+            "load": float(load),
+            "chi2": square,
+            "freedom": freedom,
+            "probability": probability,
+            "log_evidence": found.log_evidence,
+        },
+    )
+    return ContactFit(joint, result)

@@ -1,0 +1,171 @@
+"""One ring-down, from a file or an array to its curves over amplitude and its stick frequency."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.decay.ringdown import analyse
+from bladeroot.records.read import read
+from bladeroot.records.recording import Recording, recording
+from bladeroot.records.units import SI
+
+Source = str | Path | xr.DataArray | Float[ndarray, " sample"]
+
+
+@dataclass(frozen=True)
+class Ringdown:
+    """What one record says of one mode.
+
+    free_decay: the cut-out decay (`velocity` in m/s) with its findings. curves: `amplitude` (m),
+    `frequency` (Hz), `loss_factor` (1) and their `_std` along `point`. plateau: stick frequency,
+    loss factor and onset of slip, NaN where the record does not reach its plateau.
+    """
+
+    free_decay: xr.Dataset
+    curves: xr.Dataset
+    plateau: xr.Dataset
+
+    @property
+    def verdict(self) -> str:
+        """Usable, or why the record is rejected."""
+        attrs = self.curves.attrs
+        return attrs["verdict"] if attrs["verdict"] == "usable" else f"rejected: {attrs['reason']}"
+
+    @property
+    def stick_frequency(self) -> tuple[float, float]:
+        """Frequency of the stick plateau and its standard error, Hz; NaN without a plateau."""
+        return tuple(
+            float(self.plateau[name]) for name in ("stick_frequency", "stick_frequency_std")
+        )
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What was found wrong in the record, a line each."""
+        return tuple(line for line in str(self.free_decay.attrs["findings"]).split("\n") if line)
+
+    def plot(self):
+        """Frequency and loss factor over amplitude with their standard errors; a Figure."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+        upper, lower = figure.subplots(2, sharex=True)
+        for axis, name, label in (
+            (upper, "frequency", "frequency in Hz"),
+            (lower, "loss_factor", "loss factor"),
+        ):
+            axis.errorbar(
+                self.curves["amplitude"],
+                self.curves[name],
+                self.curves[f"{name}_std"],
+                fmt=".",
+                markersize=4,
+                elinewidth=0.8,
+            )
+            axis.set_ylabel(label)
+            axis.grid(alpha=0.3)
+        lower.set_xscale("log")
+        lower.set_xlabel("displacement amplitude in m")
+        return figure
+
+    def __repr__(self) -> str:
+        """A short table."""
+        lines = [f"ring-down of the mode near {self.curves.attrs['expected_Hz']:g} Hz"]
+        lines.append(f"  {self.verdict}")
+        if self.curves.sizes["point"]:
+            for name, unit in (("amplitude", "m"), ("frequency", "Hz"), ("loss_factor", "")):
+                first, last = self.curves[name].values[[0, -1]]
+                lines.append(f"  {name:<16}{first:.6g} to {last:.6g} {unit}".rstrip())
+        value, std = self.stick_frequency
+        if np.isfinite(value):
+            lines.append(f"  {'stick frequency':<16}{value:.6g} +- {std:.2g} Hz")
+        else:
+            lines.append(f"  plateau         {self.plateau['verdict'].item()}")
+        return "\n".join([*lines, *(f"  finding: {line}" for line in self.findings)])
+
+
+def ringdown(
+    source: Source,
+    mode_Hz: float,
+    *,
+    sampling_Hz: float | None = None,
+    quantity: str | None = None,
+    unit: str | None = None,
+    sensitivity: str | None = None,
+    channel: str | None = None,
+    other_modes_Hz: Sequence[float] = (),
+    damping: str = "hysteretic",
+    estimator: str = "blocks",
+) -> Ringdown:
+    """Frequency and damping over amplitude of one mode of a ring-down.
+
+    Args:
+        source: a file of any format that the workflow reads; an array of samples, with
+            `sampling_Hz`; or a DataArray with a coordinate `time` in s and `units` in its attrs.
+        mode_Hz: about where the mode lies; the line nearest to it is measured.
+        sampling_Hz: for arrays, and for files that do not say.
+        quantity: velocity (of an array without a unit), displacement or acceleration.
+        unit: of the samples, such as `mm/s`; by default SI, or what the file says.
+        sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`.
+        channel: of a file that has several.
+        other_modes_Hz: other modes that are known to be there.
+        damping: law, `hysteretic` or `viscous`.
+        estimator: `blocks` or `thesis`.
+
+    Raises:
+        ValueError: what cannot be read, in one line. A record that is read and cannot be used
+            comes back without points; `verdict` says why.
+
+    >>> import numpy as np, bladeroot as br
+    >>> t = np.arange(40_000) / 10_000
+    >>> v = 0.01 * np.exp(-5.0 * t) * np.cos(2 * np.pi * 200.0 * t)
+    >>> v += 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    >>> decay = br.ringdown(v, mode_Hz=200.0, sampling_Hz=10_000.0)
+    >>> round(decay.stick_frequency[0], 2)
+    200.0
+    """
+    if not (np.isfinite(mode_Hz) and mode_Hz > 0.0):
+        raise ValueError(f"mode_Hz must be positive, got {mode_Hz}")
+    taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
+    name = str(source) if isinstance(source, str | Path) else "array"
+    known = {
+        "record": Path(name).stem,
+        "mode": f"{mode_Hz:g} Hz",
+        "expected_Hz": float(mode_Hz),
+        "other_modes_Hz": tuple(other_modes_Hz),
+        "force_N": float("nan"),
+        "hold": Path(name).stem,
+        "direction": "",
+        "simulated": False,
+    }
+    return Ringdown(*analyse(taken, known, {}, {"damping": damping, "estimator": estimator}))
+
+
+def _recording(
+    source: Source,
+    sampling_Hz: float | None,
+    quantity: str | None,
+    unit: str | None,
+    sensitivity: str | None,
+    channel: str | None,
+) -> Recording:
+    if isinstance(source, str | Path):
+        return read(source, quantity, unit, channel, sampling_Hz, sensitivity)
+    time = None
+    if isinstance(source, xr.DataArray):
+        unit = unit or source.attrs.get("units")
+        if "time" in source.coords:
+            time = source["time"].values.astype(float)
+        elif sampling_Hz is None:
+            raise ValueError("expected a coordinate `time` in the DataArray, or sampling_Hz")
+    elif sampling_Hz is None:
+        raise ValueError("an array of samples needs sampling_Hz")
+    if unit is None:
+        unit = SI[quantity or "velocity"]
+    return recording(
+        np.asarray(source), unit, "the given array", time, sampling_Hz, quantity, sensitivity
+    )

@@ -1,0 +1,297 @@
+"""A jointed structure as a notebook holds it: matrices, contact pairs and named modes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.structure.linear import lowest_eigenpairs
+
+# Of the largest entry, by which a matrix may differ from its transpose.
+_SYMMETRIC = 1e-6
+# Elastic modes that are searched for the named ones, beyond the highest order asked for.
+_SEARCHED = 6
+# Least agreement (MAC) of a mode with the shape that it is named by.
+LEAST_MAC = 0.7
+# Shift below the spectrum, over the lowest Rayleigh quotient of a single dof: keeps the factor away
+# from the rigid motions of free bodies.
+_SHIFT = 1e-3
+# Where the dovetail's modes are named by parity: N/m a flank, as the source finds, and N.
+_MIDDLE_STIFFNESS, _MIDDLE_FORCE = 2e9, 12e3
+# omega^2 below this part of the highest that is looked at is a rigid motion.
+_RIGID = 1e-7
+
+
+@dataclass(frozen=True)
+class ContactPairs:
+    """Node pairs in contact: which rows of the matrices, which way, how much area each stands for.
+
+    first, second: rows of the three displacements of the two nodes of each pair, -1 where a
+    displacement is fixed. normal: of the contact, of any length. area: any unit; only its share of
+    the interface counts. interface: name of each pair's interface; each has its own kn and kt.
+    """
+
+    first: Int[ndarray, "pair 3"]
+    second: Int[ndarray, "pair 3"]
+    normal: Float[ndarray, "pair 3"]
+    area: Float[ndarray, " pair"]
+    interface: tuple[str, ...] = ()
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the interfaces in the pairs' order; one empty name where none is given."""
+        return tuple(dict.fromkeys(self.interface)) or ("",)
+
+
+@dataclass(frozen=True)
+class NamedModes:
+    """Frequencies (Hz) and mass-normalised shapes of the named modes, in the order of the names."""
+
+    frequency: Float[ndarray, " mode"]
+    shape: Float[ndarray, "dof mode"]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Bodies and contact: K + load Kg + sum over interfaces of kn Kn + kt Kt, and M.
+
+    stiffness N/m, mass kg, geometric: change of stiffness per unit of load, or None. gap, slip: by
+    interface, the rows whose squares are Kn and Kt of 1 N/m (eq. 5.3, by area). modes: by name, the
+    order among the elastic modes (from 1) or the shape (a vector over all rows) it is known by.
+    """
+
+    mass: sp.csr_array
+    stiffness: sp.csr_array
+    geometric: sp.csr_array | None
+    gap: Mapping[str, sp.csr_array]
+    slip: Mapping[str, sp.csr_array]
+    modes: Mapping[str, int | Float[ndarray, " dof"]]
+
+    @classmethod
+    def from_matrices(
+        cls,
+        K,
+        M,
+        pairs: ContactPairs,
+        modes: Mapping[str, int | Float[ndarray, " dof"]],
+        Kg=None,
+    ) -> "Joint":
+        """A joint of any bodies, free or held, from matrices without its contact springs.
+
+        Args:
+            K, M: stiffness (N/m) and mass (kg), dense or sparse, of the same rows.
+            pairs: where bodies touch.
+            modes: what the measured modes are called, and by what each is known: its order among
+                the elastic modes, or its shape.
+            Kg: change of K per unit of load, in the units of K over those of the load.
+
+        Raises:
+            ValueError: sizes, symmetry or rows that do not fit, an interface without pairs.
+        """
+        mass, stiffness = _square("M", M), _square("K", K)
+        geometric = None if Kg is None else _square("Kg", Kg)
+        for name, matrix in (("M", mass), ("Kg", geometric)):
+            if matrix is not None and matrix.shape != stiffness.shape:
+                raise ValueError(
+                    f"expected {name} with {stiffness.shape[0]} rows as K, got {matrix.shape[0]}"
+                )
+        _check_modes(modes, stiffness.shape[0])
+        gap, slip = _contact_rows(pairs, stiffness.shape[0])
+        return cls(mass, stiffness, geometric, gap, slip, dict(modes))
+
+    @classmethod
+    def dovetail(cls, geometry: str | Path, modes: Sequence[str] = ("1B", "2B")) -> "Joint":
+        """The built-in dovetail of a structure file, reduced (4.3 to 4.12); load: axial force, N.
+
+        geometry: a YAML file, as those of resources/structures/. Takes some ten seconds. modes: by
+        the names that parity gives them. Raises ValueError for what is wrong in the file.
+        """
+        from bladeroot.structure.file import load_structure
+        from bladeroot.structure.joint import joint_of_reduced
+        from bladeroot.structure.mesh import build_mesh
+        from bladeroot.structure.prestress import prestress
+        from bladeroot.structure.reduction import reduce_structure
+
+        described = load_structure(geometry)
+        nodes = build_mesh(described)
+        reduced = reduce_structure(described, nodes, prestress(described, nodes))
+        return _of_operator(joint_of_reduced(reduced), modes)
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of the interfaces."""
+        return tuple(self.gap)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the contact stiffnesses: kn and kt of each interface."""
+        return tuple(f"{k} {name}".strip() for name in self.interfaces for k in ("kn", "kt"))
+
+    def modes_at(
+        self, ln_k: Float[ndarray, " parameter"], load: float = 0.0, names: Sequence[str] = ()
+    ) -> NamedModes:
+        """The named modes (all without names) at contact stiffnesses exp(ln_k) N/m and a load.
+
+        Raises:
+            ValueError: the joint is not stable there, or a mode is not found: no shape among the
+                lowest agrees with its own to a MAC of LEAST_MAC.
+        """
+        names = tuple(names) or tuple(self.modes)
+        orders = [self.modes[n] for n in names if not isinstance(self.modes[n], ndarray)]
+        count = max([len(self.modes), *orders]) + _SEARCHED
+        values, shapes = self._elastic(np.asarray(ln_k, float), load, count)
+        chosen = [self._column(name, shapes, values.size) for name in names]
+        return NamedModes(np.sqrt(values[chosen]) / (2.0 * np.pi), shapes[:, chosen])
+
+    def gradient(
+        self, ln_k: Float[ndarray, " parameter"], at: NamedModes
+    ) -> Float[ndarray, "mode parameter"]:
+        """Slope of ln f by ln k, exact: the contact's share of twice the energy (5.16, in log k).
+
+        A share k phi' Kc phi / omega^2 is what contact carries; half of it is d ln f / d ln k.
+        """
+        omega2 = (2.0 * np.pi * at.frequency) ** 2
+        rows = [rows for name in self.interfaces for rows in (self.gap[name], self.slip[name])]
+        share = np.array([((row @ at.shape) ** 2).sum(axis=0) for row in rows])
+        return 0.5 * (np.exp(ln_k)[:, None] * share / omega2).T
+
+    def _elastic(self, ln_k, load, count) -> tuple[ndarray, ndarray]:
+        """Lowest elastic modes: omega^2 and shapes; rigid motions of free bodies are left out."""
+        whole = self.stiffness if self.geometric is None else self.stiffness + load * self.geometric
+        rows = [rows for name in self.interfaces for rows in (self.gap[name], self.slip[name])]
+        for k, row in zip(np.exp(ln_k), rows, strict=True):
+            whole = whole + k * (row.T @ row)
+        size = whole.shape[0]
+        scale = float(np.min(whole.diagonal() / self.mass.diagonal()))
+        # Free bodies have six rigid motions, which the shift keeps the factor away from.
+        values, shapes = lowest_eigenpairs(
+            sp.csr_array(whole), self.mass, min(count + 6, size), shift=-_SHIFT * scale
+        )
+        if values[0] < -10.0 * _RIGID * values[-1]:
+            raise ValueError(f"the joint must be stable, but is not at a load of {load:g}")
+        elastic = values > _RIGID * values[-1]
+        return values[elastic], shapes[:, elastic]
+
+    def _column(self, name: str, shapes: ndarray, count: int) -> int:
+        known = self.modes[name]
+        if not isinstance(known, ndarray):
+            if known > count:
+                raise ValueError(
+                    f"mode {name} is number {known}, the model has {count} elastic modes"
+                )
+            return known - 1
+        weighted = self.mass @ known
+        mac = (weighted @ shapes) ** 2 / (known @ weighted)
+        if mac.max() < LEAST_MAC:
+            raise ValueError(
+                f"no mode agrees with the shape of {name}: largest MAC {mac.max():.2f}, expected "
+                f"{LEAST_MAC:g}"
+            )
+        return int(np.argmax(mac))
+
+    def __repr__(self) -> str:
+        """A short table."""
+        named = ", ".join(self.modes)
+        return (
+            f"joint of {self.stiffness.shape[0]} dofs: {', '.join(self.parameters)}; modes {named}"
+        )
+
+
+def _square(name: str, matrix) -> sp.csr_array:
+    """A symmetric matrix of finite numbers, sparse."""
+    made = sp.csr_array(matrix, dtype=float)
+    if made.ndim != 2 or made.shape[0] != made.shape[1]:
+        raise ValueError(f"{name} must be square, got shape {made.shape}")
+    if not np.isfinite(made.data).all():
+        raise ValueError(f"{name} must hold finite numbers")
+    off = abs(made - made.T).max()
+    if off > _SYMMETRIC * abs(made).max():
+        raise ValueError(f"{name} must be symmetric, got differences up to {off:.3g}")
+    return sp.csr_array(0.5 * (made + made.T))
+
+
+def _check_modes(modes: Mapping[str, object], rows: int) -> None:
+    if not modes:
+        raise ValueError("modes must name at least one mode")
+    for name, known in modes.items():
+        if isinstance(known, ndarray):
+            if known.shape != (rows,) or not np.isfinite(known).all() or not known.any():
+                raise ValueError(f"the shape of mode {name} must be {rows} finite numbers")
+        elif isinstance(known, bool) or not isinstance(known, int | np.integer) or known < 1:
+            raise ValueError(f"mode {name} must have an order from 1 or a shape, got {known!r}")
+
+
+def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
+    """Rows of gaps and slips by interface, each pair's times the root of its share of the area."""
+    first, second = np.asarray(pairs.first), np.asarray(pairs.second)
+    normal, area = np.asarray(pairs.normal, float), np.asarray(pairs.area, float)
+    count = len(area)
+    if count == 0:
+        raise ValueError("pairs must hold at least one pair")
+    for name, part in (("first", first), ("second", second), ("normal", normal)):
+        if part.shape != (count, 3):
+            raise ValueError(f"pairs.{name} must have shape ({count}, 3), got {part.shape}")
+    if not (np.isfinite(area).all() and (area > 0.0).all()):
+        raise ValueError("pairs.area must be positive")
+    if max(first.max(), second.max()) >= size or min(first.min(), second.min()) < -1:
+        raise ValueError(f"pairs must name rows from 0 to {size - 1}, or -1 where fixed")
+    length = np.linalg.norm(normal, axis=1)
+    if not (np.isfinite(length).all() and (length > 0.0).all()):
+        raise ValueError("pairs.normal must not vanish")
+    of = np.array(pairs.interface or [""] * count)
+    if of.shape != (count,):
+        raise ValueError(f"pairs.interface must name {count} interfaces, got {of.size}")
+    frame = _frames(normal / length[:, None])
+    gap, slip = {}, {}
+    for name in pairs.interfaces:
+        mine = np.flatnonzero(of == name)
+        scaled = np.sqrt(area[mine] / area[mine].sum())[:, None, None] * frame[mine]
+        gap[name] = _rows(scaled[:, :1], first[mine], second[mine], size)
+        slip[name] = _rows(scaled[:, 1:], first[mine], second[mine], size)
+    return gap, slip
+
+
+def _frames(normal: Float[ndarray, "pair 3"]) -> Float[ndarray, "pair 3 3"]:
+    """A normal and two tangents at each pair, which may be any: they share one kt."""
+    least = np.eye(3)[np.argmin(abs(normal), axis=1)]
+    one = np.cross(normal, least)
+    one /= np.linalg.norm(one, axis=1)[:, None]
+    return np.stack([normal, one, np.cross(normal, one)], axis=1)
+
+
+def _rows(
+    direction: Float[ndarray, "pair k 3"],
+    first: Int[ndarray, "pair 3"],
+    second: Int[ndarray, "pair 3"],
+    size: int,
+) -> sp.csr_array:
+    """Sparse rows of direction . (u_first - u_second)."""
+    pairs, k, _ = direction.shape
+    row = np.broadcast_to(np.arange(pairs * k).reshape(pairs, k, 1), direction.shape)
+    parts = []
+    for sign, dof in ((1.0, first), (-1.0, second)):
+        column = np.broadcast_to(dof[:, None, :], direction.shape)
+        there = column >= 0
+        parts.append((sign * direction[there], row[there], column[there]))
+    value, i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return sp.csr_array((value, (i, j)), shape=(pairs * k, size))
+
+
+def _of_operator(operator, names: Sequence[str]) -> Joint:
+    """A Joint of a reduced dovetail, whose modes are known by their shapes at one point."""
+    from bladeroot.structure.joint import exact_modes
+
+    middle = np.array([*np.log([_MIDDLE_STIFFNESS] * 2), _MIDDLE_FORCE])
+    shapes = exact_modes(operator, middle, names).shapes
+    return Joint(
+        sp.csr_array(operator.mass),
+        sp.csr_array(operator.stiffness),
+        sp.csr_array(operator.geometric),
+        {"": sp.csr_array(operator.gap)},
+        {"": sp.csr_array(operator.slip)},
+        {name: shapes[:, m].copy() for m, name in enumerate(names)},
+    )

@@ -1,0 +1,22 @@
+# Asked for by name: curves, stick frequencies and verdict for other programs.
+
+
+rule export_tables:
+    input:
+        stick=rules.stick.output.stick,
+        decays=of_records("decay"),
+        verdict=with_structure(rules.verdict.output.verdict),
+    output:
+        folder=directory("results/{campaign}/export"),
+    log:
+        "results/logs/export_tables/{campaign}.log",
+    benchmark:
+        "results/benchmarks/export_tables/{campaign}.tsv"
+    threads: 1
+    params:
+        code=code("export_tables"),
+    message:
+        "curves, stick frequencies and verdict of {wildcards.campaign} as CSV, MATLAB and UFF"
+    shell:
+        "{PYTHON:q} {SCRIPTS:q}/export_tables.py --results results/{wildcards.campaign}"
+        " --folder {output.folder} > {log} 2>&1"

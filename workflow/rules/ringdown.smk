@@ -1,0 +1,59 @@
+# From raw records to frequency and damping over amplitude: each record's free decay, its curves
+# (FREEVIB, with peak finding and fitting as a second opinion) and its stick plateau.
+# A batch of records is one job, with a rule of its own: a rule's outputs can't be a list that grows.
+
+# As many records as take about as long as Python's start.
+RINGDOWN_BATCH = 32
+
+
+def raw_file(campaign, row):
+    if campaign.simulated:
+        return f"results/bench/{campaign.name}/{row['record']}.nc"
+    return campaign.folder / row["file"]
+
+
+def record_facts(campaign, row):
+    """What is known of a record besides its samples."""
+    modes = campaign.description["modes"]
+    others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
+    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
+    return {**row, **modes[row["mode"]], **facts}
+
+
+for campaign in CAMPAIGNS.values():
+    rows = {row["record"]: row for row in campaign.records}
+    for batch, names in batches_of(campaign, RINGDOWN_BATCH).items():
+
+        rule:
+            name:
+                f"ringdown.{campaign.name}.{batch}"
+            input:
+                raw=[raw_file(campaign, rows[name]) for name in names],
+            output:
+                records=[f"results/{campaign.name}/records/{name}.nc" for name in names],
+                decays=[f"results/{campaign.name}/decay/{name}.nc" for name in names],
+                plateaus=[
+                    f"results/{campaign.name}/plateau/{name}.nc" for name in names
+                ],
+                batch=f"results/{campaign.name}/batches/{batch}.txt",
+            log:
+                f"results/logs/ringdown/{campaign.name}/{batch}.log",
+            benchmark:
+                f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
+            threads: 1
+            params:
+                facts=canonical_json(
+                    [record_facts(campaign, rows[name]) for name in names]
+                ),
+                campaign=campaign.name,
+                record=settings("record"),
+                decay=settings("decay"),
+                folder=f"results/{campaign.name}",
+                code=code("ringdown"),
+            message:
+                f"free decays and their curves: {len(names)} records of {campaign.name}"
+            shell:
+                "{PYTHON:q} {SCRIPTS:q}/ringdown.py --raw {input.raw:q} --facts {params.facts:q}"
+                " --campaign {params.campaign} --record_settings {params.record:q}"
+                " --decay_settings {params.decay:q} --folder {params.folder:q}"
+                " --batch {output.batch:q} > {log} 2>&1"

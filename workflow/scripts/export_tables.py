@@ -1,0 +1,12 @@
+"""Curves, stick frequencies and verdict of a campaign as CSV, MATLAB and universal file."""
+
+from _cli import run
+from bladeroot.public.export import export
+
+
+def main(results, folder):
+    export(results, folder)
+
+
+if __name__ == "__main__":
+    run(main, results="the campaign's folder in results/", folder="where the files go")
