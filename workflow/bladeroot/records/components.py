@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.records.component_lines import more_lines, moved, overtones, told_apart
+from bladeroot.records.component_lines import ABOUT, more_lines, moved, overtones, told_apart
 from bladeroot.records.envelopes import SHARE, Envelopes, demodulated
 from bladeroot.records.lines import loudest, mode_Hz
 
@@ -72,7 +72,11 @@ def separated(
     """
     x = velocity[first:]
     known = None if usable is None else usable[first:]
-    own_Hz = mode_Hz(*loudest(x, sampling_Hz, expected_Hz), expected_Hz)
+    frequency, level = loudest(x, sampling_Hz, expected_Hz)
+    for other in modes_Hz:
+        if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another mode's is not this one's
+            level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
+    own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
     trimmed = False
