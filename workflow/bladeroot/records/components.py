@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bladeroot.records.component_lines import ABOUT, more_lines, moved, overtones, told_apart
 from bladeroot.records.envelopes import SHARE, Envelopes, demodulated
@@ -30,6 +31,8 @@ ABOVE_FLOOR, DEEP, LIFE_CYCLES = 2.0, 30.0, 16.0
 # Part of what two notions of smoothness differ by that is taken as a standard error; as on drawn
 # records of close modes.
 DOUBT = 0.5
+# Intervals on either side that share the largest such difference, which passes through zero.
+ALIKE = 2
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -116,6 +119,7 @@ def separated(
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
+    doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(own_Hz / (SHARE * nearest))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
