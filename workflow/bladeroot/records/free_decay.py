@@ -14,6 +14,8 @@ from bladeroot.records.release import Release
 
 # Of a line so many times as loud as the mode, the release is taken where the mode shows none.
 LOUDER = 3.0
+# A hammer hits so many times at most, and again within this part of what is then seen of the decay.
+HITS, EARLY = 2, 0.25
 
 
 def free_decay(
@@ -34,22 +36,36 @@ def free_decay(
     struck = onset(clear, rate / expected_Hz)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
-    if struck:
-        parts = separated(clear, rate, expected_Hz, modes_Hz, struck)
-    else:
-        first = _let_go(clear, rate, expected_Hz, modes_Hz, decay)
-        parts = separated(clear, rate, expected_Hz, modes_Hz, first)
-    if not parts.lines_Hz and parts.velocity is clear:
-        return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+    first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, decay)
     how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
         how = "hammer"
-    release = Release(parts.first / rate, 0.0, how)
-    decay = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
-    if parts.velocity.size < clear.size and decay.attrs["end_reason"] == "end of the record":
-        decay.attrs["end_reason"] = "the noise"
-    judged = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording, parts.velocity)
+    for _ in range(HITS):
+        parts = separated(clear, rate, expected_Hz, modes_Hz, first)
+        if not parts.lines_Hz and parts.velocity is clear:
+            return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+        release = Release(parts.first / rate, 0.0, how)
+        alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+        if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
+            alone.attrs["end_reason"] = "the noise"
+        known = expected_Hz, modes_Hz, recording.notes, recording, parts.velocity
+        judged = judge(alone, motion, *known)
+        again = _struck_again(judged) if struck else 0
+        if not again:
+            break
+        first = parts.first + again
     return _with_widening(judged, parts)
+
+
+def _struck_again(decay: xr.Dataset) -> int:
+    """Samples until a decay is free where the mode's course steps early in it: a second blow."""
+    ids = decay["finding_id"].values.tolist()
+    if "shaker-recontact" not in ids:
+        return 0
+    k = ids.index("shaker-recontact")
+    begin, stop = decay["finding_from_s"].values[k], decay["finding_to_s"].values[k]
+    early = begin == 0.0 and stop < EARLY * decay.sizes["time"] / decay.attrs["sampling_Hz"]
+    return int(stop * decay.attrs["sampling_Hz"]) + 1 if early else 0
 
 
 def _let_go(
