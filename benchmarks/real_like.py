@@ -30,8 +30,8 @@ def scored(seed: int, bound: bool = True) -> list[dict]:
         folder = Path(name)
         for entry in campaign(event, folder):
             mode, sensor = entry["mode"], entry["sensor"]
-            answer = analysed(entry, folder)
-            loose = unchecked(folder) if not answer.curves and not answer.crash else {}
+            answer = analysed(entry)
+            loose = unchecked(answer) if not answer.curves and not answer.crash else {}
             least = bounds(event, mode, sensor) if bound and answer.curves else None
             rows.append(score(event, mode, sensor, answer, loose, least))
     return rows

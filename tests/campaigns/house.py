@@ -84,5 +84,5 @@ def copy_house(folder: Path) -> House:
     shutil.copy(SMALL / "config.yaml", folder / "config" / "config.yaml")
     house = House(folder)
     # How well a posterior is drawn is tested on the function; here chains were half of a run.
-    house.edit("workflow/bladeroot/stiffness/sampler.py", "STEPS, THIN = 2000", "STEPS, THIN = 200")
+    house.edit("workflow/bladeroot/stiffness/sampler.py", "STEPS, THIN = 1000", "STEPS, THIN = 200")
     return house

@@ -37,6 +37,8 @@ def test_verdict_by_tolerance(computed, tolerance, expected):
         ([0.4], [0.5, None], "differs"),
         ([0.7, 0.4], [0.3, 0.8], "reproduced"),
         ([np.nan], [None, 1.0], "differs"),
+        ([np.nan], [0.0, None], "differs"),
+        ([np.inf], [0.0, None], "differs"),
     ],
 )
 def test_verdict_by_range(computed, ends, expected):

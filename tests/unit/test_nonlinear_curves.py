@@ -274,6 +274,19 @@ def test_the_turning_phase_of_the_laser_is_in_the_frequency(stuck):
     assert seen == pytest.approx(turn, rel=0.05)
 
 
+def test_a_loss_that_no_record_shows_is_judged_by_what_one_does(stuck, monkeypatch):
+    """At first slip the loss factor is rounding: a multiple of it says nothing."""
+    sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.1, 1.0))
+    amplitudes = first_slip(stuck, sliders) * np.array([0.5, 1.0 + 1e-9])
+    value = stuck.values[0]
+    for change, whole in ((0.9, True), (1.1, False), (np.nan, False)):
+        step = (0.0, change * harmonic_balance.MEASURABLE_LOSS * value)
+        monkeypatch.setattr(harmonic_balance, "first_step", lambda *_, step=step: step)
+        curve = mode_curve(stuck, sliders, amplitudes, "harmonic-balance", (1, 3), False)
+        assert np.isfinite(curve.frequency).all() == whole
+        assert ("do not suffice" in curve.reason) != whole
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_fading_is_what_a_decay_integrated_in_time_loses(seed):
     """One mass and a smooth population of sliders, from peak to peak, against the curve."""

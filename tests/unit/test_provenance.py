@@ -1,5 +1,6 @@
 """A stage's code hash follows what it imports, and nothing else."""
 
+import importlib.util
 import json
 import shutil
 import subprocess
@@ -7,7 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from bladeroot.provenance import canonical_json
+from bladeroot import provenance
+from bladeroot.provenance import canonical_json, environment, environment_hash
 
 LIBRARY = Path(__file__).resolve().parents[2] / "workflow" / "bladeroot"
 
@@ -101,3 +103,110 @@ def test_equal_settings_give_equal_text():
 def test_settings_that_are_not_numbers_are_refused():
     with pytest.raises(ValueError, match="Out of range"):
         canonical_json({"a": float("nan")})
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A copy of the whole library with its scripts and schemas."""
+    folder = tmp_path_factory.mktemp("whole")
+    for name in ("bladeroot", "scripts", "schemas"):
+        shutil.copytree(LIBRARY.parent / name, folder / name)
+    return folder
+
+
+def hash_of(folder, *files):
+    """Hash by the copy's own provenance, freshly loaded: it keeps what it has read."""
+    path = folder / "bladeroot" / "provenance.py"
+    spec = importlib.util.spec_from_file_location("copied_provenance", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.code_hash(*(folder / file for file in files))
+
+
+# A registry's folder, a file in it, a script that uses it, and one that does not.
+REGISTRIES = [
+    ("mechanisms", "drift.py", "diagnosis", "theory"),
+    ("records/readers", "wav.py", "ringdown", "theory"),
+    ("records/findings", "spike.py", "ringdown", "theory"),
+    ("rig/effects", "drift.py", "../bladeroot/rig/tuning", "diagnosis"),
+    ("structure/external/readers", "calculix.py", "matrices_reduced", "theory"),
+]
+
+
+@pytest.mark.parametrize(("folder", "file", "script", "other"), REGISTRIES)
+def test_a_registry_counts_by_its_files_content_and_names(whole, folder, file, script, other):
+    scripts = [f"scripts/{name}.py" for name in (script, other)]
+    before = [hash_of(whole, one) for one in scripts]
+    path = whole / "bladeroot" / folder / file
+    text = path.read_text()
+
+    def changed():
+        mine, others = (hash_of(whole, one) for one in scripts)
+        assert others == before[1]
+        return mine != before[0]
+
+    path.write_text(text + "\n_MORE = 1\n")
+    assert changed()
+    path.unlink()
+    assert changed()
+    renamed = path.with_name("renamed.py")
+    renamed.write_text(text)
+    assert changed()
+    path.write_text(text)
+    assert changed()  # one more
+    renamed.unlink()
+    assert not changed()
+
+
+@pytest.mark.parametrize(
+    ("file", "script", "other"),
+    [
+        ("bladeroot/report/page.css", "report", "theory"),
+        ("bladeroot/report/page.html.j2", "report", "theory"),
+        ("schemas/structure.schema.yaml", "mesh", "theory"),
+        ("schemas/bench.schema.yaml", "bench", "theory"),
+    ],
+)
+def test_what_code_reads_beside_it_counts(whole, file, script, other):
+    scripts = [f"scripts/{name}.py" for name in (script, other)]
+    before = [hash_of(whole, one) for one in scripts]
+    path = whole / file
+    text = path.read_text()
+    path.write_text(text + "\n")
+    after = [hash_of(whole, one) for one in scripts]
+    path.write_text(text)
+    assert (after[0] != before[0], after[1] == before[1]) == (True, True)
+
+
+def test_an_own_mechanism_counts_with_what_it_imports(whole, tmp_path, monkeypatch):
+    own, beside, elsewhere = (
+        tmp_path / name for name in ("own.py", "laws.py", "far/away/__init__.py")
+    )
+    elsewhere.parent.mkdir(parents=True)
+    own.write_text("import laws\nfrom away import A\n")
+    beside.write_text("A = 1\n")
+    elsewhere.write_text("A = 1\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "far"))
+    seen = {hash_of(whole, "scripts/diagnosis.py", own)}
+    for path in (own, beside, elsewhere):
+        path.write_text(path.read_text() + "B = 2\n")
+        seen.add(hash_of(whole, "scripts/diagnosis.py", own))
+    seen.add(hash_of(whole, "scripts/diagnosis.py"))
+    assert len(seen) == 5
+
+
+def test_the_environment_names_what_computes_and_can_be_kept(monkeypatch):
+    text = environment()
+    assert text.startswith("python ")
+    assert all(f", {name} " in text for name in provenance.NUMERICAL)
+    before = environment_hash()
+    assert before == environment_hash(keep=text)
+    monkeypatch.setattr(provenance, "environment", lambda: text.replace("numpy ", "numpy 9"))
+    assert environment_hash() != before
+    assert environment_hash(keep=text) == before
+
+
+def test_settings_hold_no_tag_of_a_page():
+    text = canonical_json({"title": "</script><script>alert(1)</script>"})
+    assert not set("<>") & set(text)
+    assert json.loads(text) == {"title": "</script><script>alert(1)</script>"}

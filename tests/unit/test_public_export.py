@@ -1,7 +1,5 @@
 """What other programs read of a campaign is what its artifacts hold."""
 
-import json
-
 import bladeroot as br
 import numpy as np
 import pandas as pd
@@ -41,7 +39,7 @@ def results(tmp_path):
     )
     artifacts.save(stick, folder / "stick.nc")
     verdict = {"answer": "named", "causes": [{"mechanism": "joint-slip", "plausible": True}]}
-    artifacts.save_text(json.dumps(verdict), folder / "diagnosis" / "verdict.json")
+    artifacts.save_json(verdict, folder / "diagnosis" / "verdict.json")
     return folder
 
 

@@ -20,10 +20,12 @@ ALLOWED = {
     "ledger": {"decay", "structure", "contact"},
     "figures": set(),
     "report": set(),
+    "command": {"artifacts", "__version__", "records", "public"},
     "public": {"artifacts", "records", "decay", "structure", "diagnosis"},
 }
-# Plain files that a room may use: the bench stands alone, the others share the schema check.
-SHARED = {"schema"}
+# Plain files that a room may use: the bench stands alone but for the compiler, the others share
+# what checks files.
+COMPILER, SHARED = {"compiled"}, {"schema", "checksum", "hdf5_links"}
 
 
 def imported_rooms(room):
@@ -57,7 +59,7 @@ def test_every_room_is_listed():
 @pytest.mark.parametrize("room", ALLOWED)
 def test_a_room_imports_only_what_it_may(room):
     shared = set() if room == "rig" else SHARED
-    assert imported_rooms(room) <= ALLOWED[room] | shared
+    assert imported_rooms(room) <= ALLOWED[room] | shared | COMPILER
 
 
 def test_nothing_but_its_own_script_uses_the_bench():

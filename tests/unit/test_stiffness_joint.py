@@ -16,9 +16,18 @@ from bladeroot.stiffness.joint import (
     trimmed,
 )
 from bladeroot.stiffness.laws import LAWS, PRIORS, REFERENCE_FORCE, powers, slopes
-from bladeroot.stiffness.levels import Levels, levels_of
+from bladeroot.stiffness.levels import LEAST_STD, Levels, levels_of
 from bladeroot.stiffness.marginal import marginal, with_biases
-from bladeroot.stiffness.posterior import biases, local, log_posterior, predict, problem_of
+from bladeroot.stiffness.posterior import (
+    SCATTER,
+    bias_rows,
+    biases,
+    inner_products,
+    local,
+    log_posterior,
+    predict,
+    problem_of,
+)
 from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.summit import climb, find_summit
@@ -268,6 +277,43 @@ def test_levels_know_which_share_a_clamping():
     alone = levels_of(stick(f).drop_dims("record").assign(once), ("1B", "2B"))
     np.testing.assert_allclose(alone.std, found.std)
     np.testing.assert_allclose(levels_of(stick(f, 0.07), ("1B", "2B")).std, 0.07 / 500.0)
+
+
+def test_one_clean_record_a_mode_and_force_of_one_clamping_has_a_posterior(model):
+    """Nothing repeats, and the records' own errors are rounding."""
+    made = problem_of(surface(0.003), levels(), LAWS["one power"], np.full(2, 0.005), np.zeros(2),
+                      (200.0, 0.01))  # fmt: skip
+    f = np.exp(predict(made, np.zeros((1, len(made.names)))).ln_frequency[0])
+    records = {
+        "record_force": ("record", np.tile(FORCE, 2)),
+        "record_mode": ("record", np.repeat(["1B", "2B"], len(FORCE))),
+        "hold": ("record", np.full(len(f), "a")),
+        "plateau_reached": ("record", np.ones(len(f), int)),
+        "within_std": ("level", np.full(len(f), 1e-7)),
+        "between_record_std": ("level", np.full(len(f), np.nan)),
+        "records": ("level", np.ones(len(f), int)),
+        "holds": ("level", np.ones(len(f), int)),
+    }
+    given = stick(f).drop_dims("record").assign(records)
+    assert levels_of(given, ("1B", "2B")).std.min() == LEAST_STD
+    problems = problems_of(model, given, GAUGE, BIAS)
+    summit = find_summit(problems["one power"], starts=(0.0,))
+    draws, _ = sample(summit, steps=20)
+    assert np.isfinite(draws).all()
+    # each frequency in a clamping of its own, and the largest scatter: as by the whole covariance
+    alone = problems["one power"]
+    alone = replace(alone, levels=replace(alone.levels, clamping=np.arange(len(f))))
+    u = np.zeros((1, len(alone.names)))
+    u[:, -1] = 4.0
+    slope = predict(alone, u).slope
+    columns = bias_rows(alone.levels)[None]
+    product, determinant = inner_products(alone, slope, u[:, -1], columns)
+    scatter = np.exp(SCATTER[0] + 4.0 * SCATTER[1])
+    variance = LEAST_STD**2 + scatter**2 * (slope[0, :, :2] ** 2).sum(axis=1)
+    np.testing.assert_allclose(determinant, np.log(variance).sum(), rtol=1e-9)
+    expected = (columns[0] / variance) @ columns[0].T
+    np.testing.assert_allclose(product[0], expected, rtol=1e-3)
+    assert np.linalg.eigvalsh(product[0])[0] > 0.0
 
 
 def test_a_frequency_without_error_is_refused():

@@ -1,23 +1,50 @@
 """Opening and saving the artifacts of the stages: the one place that touches result files.
 
 An artifact is one xarray Dataset in one NetCDF file. It is written to a temporary name beside
-its place and moved there whole, so that a killed run never leaves half a file under a real name.
+its place and moved there whole, so that a killed run never leaves half a file under a real name;
+before that it is on the disk, so that neither does a power cut. At its end stands a checksum, which
+`load` checks. A verdict (JSON) carries its own as `checksum`.
 """
 
+import errno
+import hashlib
+import json
 import os
+import shlex
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import xarray as xr
 
-from bladeroot import __version__
+from bladeroot import __version__, checksum
+from bladeroot.provenance import environment
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Read a whole artifact into memory and close its file."""
+    """Read a whole artifact into memory and close its file.
+
+    Raises ValueError, one line that names the file and the command that makes it again, when it is
+    missing, empty, cut off or altered.
+    """
+    try:
+        fault = checksum.fault(path)
+    except OSError as error:
+        raise ValueError(f"{path}: {_reason(error)}; {_again(path)}") from error
+    if fault:
+        raise ValueError(f"{path} {fault}; {_again(path)}")
     with xr.open_dataset(path, engine="netcdf4") as dataset:
         return dataset.load()
+
+
+def _again(path: str | Path) -> str:
+    return (
+        f"`snakemake -j2 --force {shlex.quote(str(path))}` (with the run's --config) makes it again"
+    )
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
 
 
 def load_records(batches: Iterable[str | Path], stage: str) -> list[xr.Dataset]:
@@ -44,17 +71,53 @@ def save(
 
     `origin` is the artifact that it was made from: its campaign, and whether that is simulated,
     carry over; without one the dataset's own attributes say so. `settings` is the canonical JSON
-    text (see `bladeroot.provenance`) of the settings that made it.
+    text (see `bladeroot.provenance`) of the settings that made it; `environment`, which is added,
+    names the versions of what computes. Raises ValueError, one line,
+    where it cannot be written.
     """
     source = {"campaign": "", "simulated": 0} | (dataset if origin is None else origin).attrs
     stamped = dataset.assign_attrs(
         campaign=source["campaign"],
         simulated=source["simulated"],
         bladeroot_version=__version__,
+        environment=environment(),
         settings=settings,
     )
     with whole_file(path) as part:
-        stamped.to_netcdf(part, engine="netcdf4")
+        try:
+            stamped.to_netcdf(part, engine="netcdf4")
+        except RuntimeError as error:  # HDF5 does not say that the disk is full
+            raise OSError(None, f"the NetCDF library says {error}; is the disk full?") from error
+        checksum.seal(part)
+
+
+def save_json(document: dict, path: str | Path) -> None:
+    """Write a document (no NaN) with its checksum, for `load_json`."""
+    save_text(json.dumps(_summed(document), indent=2, allow_nan=False) + "\n", path)
+
+
+def load_json(path: str | Path) -> dict:
+    """Read a document of `save_json`, without its checksum. Raises ValueError as `load`."""
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"{path}: {_reason(error)}; {_again(path)}") from error
+    except ValueError as error:
+        fault = "is cut off or damaged" if Path(path).stat().st_size else "is empty"
+        raise ValueError(f"{path} {fault}; {_again(path)}") from error
+    if not isinstance(document, dict) or _summed(document) != document:
+        raise ValueError(
+            f"{path} was altered after it was written: its checksum does not match; {_again(path)}"
+        )
+    document.pop("checksum")
+    return document
+
+
+def _summed(document: dict) -> dict:
+    """The document with the checksum of all else in it."""
+    bare = {key: value for key, value in document.items() if key != "checksum"}
+    text = json.dumps(bare, sort_keys=True, separators=(",", ":"))
+    return bare | {"checksum": hashlib.sha256(text.encode()).hexdigest()}
 
 
 def save_text(text: str, path: str | Path) -> None:
@@ -65,12 +128,39 @@ def save_text(text: str, path: str | Path) -> None:
 
 @contextmanager
 def whole_file(path: str | Path) -> Iterator[Path]:
-    """A temporary name beside `path`, moved there when all has been written, else removed."""
+    """A temporary name beside `path`, moved there when all is on the disk, else removed.
+
+    Raises ValueError, one line that names the file, for what the system refuses: a full disk, a
+    folder that cannot be written to, a name that is too long.
+    """
     whole = Path(path)
-    whole.parent.mkdir(parents=True, exist_ok=True)
-    part = whole.with_name(f".{whole.name}.{os.getpid()}.part")
+    # not longer than the longest name that is allowed
+    short = hashlib.sha256(whole.name.encode()).hexdigest()[:16]
+    part = whole.with_name(f".{short}.{os.getpid()}.part")
     try:
-        yield part
-        os.replace(part, whole)
+        try:
+            whole.parent.mkdir(parents=True, exist_ok=True)
+            yield part
+            _to_disk(part)
+            os.replace(part, whole)
+            _to_disk(whole.parent)
+        finally:
+            with suppress(OSError):
+                part.unlink()
+    except OSError as error:
+        raise ValueError(
+            f"{path} cannot be written: {_reason(error)}; what was there before is left as it was"
+        ) from error
+
+
+def _to_disk(path: Path) -> None:
+    """Have a file, or the names in a folder, written out before anything else is done."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        # some network disks cannot do that for a folder
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EBADF):
+            raise
     finally:
-        part.unlink(missing_ok=True)
+        os.close(handle)

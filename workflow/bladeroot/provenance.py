@@ -2,7 +2,8 @@
 
 Snakemake notices a changed rule parameter but neither an edited module that a script imports
 nor, dependably, a changed dictionary. So each rule carries two strings: the hash of the stage's
-code and the canonical JSON of the settings that it reads.
+code and the canonical JSON of the settings that it reads. What the numbers stand on besides, the
+versions of the numerical libraries, is `environment`.
 """
 
 import ast
@@ -12,11 +13,17 @@ import os
 import platform
 from contextlib import suppress
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _LIBRARY = Path(__file__).parent
 _PACKAGE = _LIBRARY.name
+_SCHEMAS = _LIBRARY.parent / "schemas"
 _IMPORTS = (ast.Import, ast.ImportFrom)
+# What arithmetic depends on besides the library's own code.
+NUMERICAL = ("numpy", "scipy", "numba", "llvmlite")
+# Functions of `bladeroot.schema` that are given a schema's name.
+_CHECKS = ("read_yaml", "check")
 # What is known of sources, by the hash of their text: to parse a whole library takes seconds.
 # Another Python or another version of this file sees them differently.
 _READER = hashlib.sha256(platform.python_version().encode() + Path(__file__).read_bytes())
@@ -24,28 +31,54 @@ _KNOWN = _LIBRARY / "__pycache__" / f"sources-{_READER.hexdigest()[:8]}.json"
 
 
 def canonical_json(settings: object) -> str:
-    """JSON text that is the same for equal settings: sorted keys, no spaces, no NaN."""
-    return json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    """JSON text that is the same for equal settings: sorted keys, no spaces, no NaN.
+
+    Angle brackets are escaped: Snakemake's report holds parameters within a page's script.
+    """
+    text = json.dumps(settings, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e")
 
 
-def code_hash(script: str | Path) -> str:
+@cache
+def environment() -> str:
+    """Versions of Python and of what computes, as `python 3.12.3, numpy 2.4.6, ...`."""
+    parts = [f"python {platform.python_version()}"]
+    for name in NUMERICAL:
+        with suppress(PackageNotFoundError):
+            parts.append(f"{name} {version(name)}")
+    return ", ".join(parts)
+
+
+def environment_hash(keep: str = "") -> str:
+    """Short hash of the environment; of `keep`, an earlier one's text, where that is given.
+
+    Results that were made in the environment `keep` then count as current.
+    """
+    return hashlib.sha256((keep or environment()).encode()).hexdigest()[:16]
+
+
+def code_hash(*files: str | Path) -> str:
     """Hash of a stage's script and of every library module that it imports, however deep.
 
-    Syntax trees without docstrings are hashed: a comment, a docstring or a line break changes
-    nothing, any real change does. Raises SyntaxError when a module cannot be parsed.
+    Several files (a script and a user's mechanisms) are hashed together. Syntax trees without
+    docstrings are hashed: a comment, a docstring or a line break changes nothing, any real change
+    does. With a module count the files beside it that are no code (a page's template and style) and
+    the schemas that it names. Raises SyntaxError when a module cannot be parsed.
     """
-    script = Path(script).resolve()
     known = _known()
     before = len(known)
-    seen = {script}
-    waiting = [script]
+    seen = {Path(path).resolve() for path in files}
+    waiting = list(seen)
     while waiting:
         for imported in _library_imports(waiting.pop()) - seen:
             seen.add(imported)
             waiting.append(imported)
+    parts = [(_module_name(path), _source(path)["tree"]) for path in seen]
+    data = set().union(*map(_read_by, seen))
+    parts += [(_module_name(path), hashlib.sha256(path.read_bytes()).hexdigest()) for path in data]
     digest = hashlib.sha256()
-    for name, tree in sorted((_module_name(path), _source(path)["tree"]) for path in seen):
-        digest.update(f"{name}\n{tree}\n".encode())
+    for name, content in sorted(parts):
+        digest.update(f"{name}\n{content}\n".encode())
     if len(known) > before:
         _keep(known)
     return digest.hexdigest()[:16]
@@ -56,7 +89,7 @@ def _known() -> dict[str, dict]:
     """What earlier runs learnt of sources; nothing where that cannot be read."""
     with suppress(Exception):  # whatever is wrong with it, it only saves time
         known = json.loads(_KNOWN.read_text(encoding="utf-8"))
-        if {"tree", "imports"} <= set.intersection(*map(set, known.values())):
+        if {"tree", "imports", "schemas"} <= set.intersection(*map(set, known.values())):
             return known
     return {}
 
@@ -89,6 +122,7 @@ def _source(path: Path) -> dict:
         _known()[key] = {
             "tree": hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
             "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
+            "schemas": [name for node in ast.walk(tree) for name in _schema_names(node)],
         }
     return _known()[key]
 
@@ -99,6 +133,36 @@ def _import(node: ast.Import | ast.ImportFrom) -> tuple[int, str | None, list[st
     if isinstance(node, ast.Import):
         return 0, None, names
     return node.level, node.module or "", names
+
+
+def _schema_names(node: ast.AST) -> list[str]:
+    """Texts in a call of what checks a document, a schema's name among them."""
+    if not isinstance(node, ast.Call):
+        return []
+    called = getattr(node.func, "id", getattr(node.func, "attr", None))
+    if called not in _CHECKS:
+        return []
+    given = [*node.args, *(keyword.value for keyword in node.keywords)]
+    return [
+        one.value for one in given if isinstance(one, ast.Constant) and isinstance(one.value, str)
+    ]
+
+
+@cache
+def _read_by(path: Path) -> frozenset[Path]:
+    """Files that are no code and that a module reads: those of its folder, and its schemas."""
+    schemas = (_SCHEMAS / f"{name}.schema.yaml" for name in _source(path)["schemas"])
+    read = {schema for schema in schemas if schema.is_file()}
+    if path.is_relative_to(_LIBRARY):
+        read |= {
+            beside
+            for beside in path.parent.iterdir()
+            if beside.suffix != ".py"
+            and beside.is_file()
+            # an editor's own files are read by nobody
+            and not (beside.name.startswith(".") or beside.name.endswith("~"))
+        }
+    return frozenset(read)
 
 
 def _bare_tree(text: str, path: Path) -> ast.Module:
@@ -122,7 +186,8 @@ def _library_imports(path: Path) -> frozenset[Path]:
     """Files of the library that a file imports, anywhere in it (late imports, too).
 
     A sub-package that is imported as a whole counts with all its modules: it may be a registry
-    that finds them by itself. So do files beside a script.
+    that finds them by itself. So do files beside a script or a user's file, and those that it
+    finds by the environment's PYTHONPATH.
     """
     found = set()
     for level, module, imported in _source(path)["imports"]:
@@ -133,12 +198,21 @@ def _library_imports(path: Path) -> frozenset[Path]:
             names = [base, *whole]
         for name in names:
             found |= _files(name)
-            beside = path.parent / f"{name}.py"
-            if beside.is_file():
-                found.add(beside)
+            found |= _beside(path, name)
         for name in whole:
             found |= _modules_of(name)
     return frozenset(found)
+
+
+def _beside(path: Path, name: str) -> set[Path]:
+    """The files of a module that lies beside a file outside the library, or on PYTHONPATH."""
+    if path.is_relative_to(_LIBRARY) or name.split(".")[0] == _PACKAGE:
+        return set()
+    elsewhere = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    folders = [path.parent, *map(Path, filter(None, elsewhere))]
+    stems = [folder.joinpath(*name.split(".")) for folder in folders]
+    candidates = [one for stem in stems for one in (stem.with_suffix(".py"), stem / "__init__.py")]
+    return {one.resolve() for one in candidates if one.is_file()}
 
 
 def _modules_of(name: str) -> set[Path]:

@@ -1,19 +1,23 @@
 # The virtual test bench: raw records of a campaign that names a bench file, labelled simulated.
 # A batch of records is one job, with a rule of its own: a rule's outputs can't be a list that grows.
 
-# To simulate a record takes a second: a changed row redoes few others.
-BENCH_BATCH = 8
+# Clampings a batch: the records of one share most of their work.
+BENCH_CLAMPINGS = 2
 
 
-def rows_of(campaign, names):
-    """The rows of these records as text: a changed row redoes only its batch."""
-    return canonical_json([r for r in campaign.records if r["record"] in set(names)])
+def rows_by_batch(campaign):
+    """The sheet's rows of each batch of clampings; more clampings change no other batch."""
+    made = batches({row["hold"] for row in campaign.records}, BENCH_CLAMPINGS)
+    return {
+        batch: [row for row in campaign.records if row["hold"] in holds]
+        for batch, holds in made.items()
+    }
 
 
 for campaign in CAMPAIGNS.values():
     if not campaign.simulated:
         continue
-    for batch, names in batches_of(campaign, BENCH_BATCH).items():
+    for batch, rows in rows_by_batch(campaign).items():
 
         rule:
             name:
@@ -22,9 +26,12 @@ for campaign in CAMPAIGNS.values():
                 bench=bench_of(campaign),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
-                raw=[f"results/bench/{campaign.name}/{name}.nc" for name in names],
+                raw=[
+                    f"results/bench/{campaign.name}/{row['record']}.nc" for row in rows
+                ],
                 truth=[
-                    f"results/bench/{campaign.name}/truth/{name}.nc" for name in names
+                    f"results/bench/{campaign.name}/truth/{row['record']}.nc"
+                    for row in rows
                 ],
             log:
                 f"results/logs/bench/{campaign.name}/{batch}.log",
@@ -32,11 +39,11 @@ for campaign in CAMPAIGNS.values():
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
             threads: 1
             params:
-                rows=rows_of(campaign, names),
+                rows=canonical_json(rows),
                 folder=f"results/bench/{campaign.name}",
                 code=code("bench"),
             message:
-                f"virtual bench: {len(names)} records of {campaign.name} (simulated)"
+                f"virtual bench: {len(rows)} records of {campaign.name} (simulated)"
             shell:
                 "{PYTHON:q} {SCRIPTS:q}/bench.py --bench {input.bench:q} --reduced {input.reduced:q}"
                 " --rows {params.rows:q} --folder {params.folder:q} > {log} 2>&1"

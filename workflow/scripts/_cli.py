@@ -17,7 +17,8 @@ def run(stage: Callable[..., None], **options: str) -> None:
 
     `options` maps an option's name to its help; a help that starts with "many:" takes several
     values, with "any:" none or several, one that starts with "optional:" may be missing. A
-    ValueError ends the script with its text alone: it is an answer to bad input, not a crash.
+    ValueError ends the script with its text alone: it is an answer to bad input, not a crash. So
+    does what the system refuses (a full disk, a file without the right to read it).
     """
     parser = argparse.ArgumentParser(description=sys.modules["__main__"].__doc__)
     for name, text in options.items():
@@ -29,5 +30,5 @@ def run(stage: Callable[..., None], **options: str) -> None:
         )
     try:
         stage(**vars(parser.parse_args()))
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         sys.exit(f"{parser.prog}: {error}")

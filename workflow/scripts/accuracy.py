@@ -1,4 +1,4 @@
-"""The parametric model against the full finite-element model at every force -> accuracy.nc."""
+"""The parametric model against the full one at the ends of the force -> accuracy.nc."""
 
 import json
 

@@ -10,7 +10,7 @@ from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.verdict import verdict as verdict_of
-from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.mechanisms.catalogue import usable_catalogue
 
 BIAS_PERCENT = {"1B": 0.5, "2B": 0.5}
 
@@ -26,13 +26,13 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
     }
     told = Settings(bias, offset, 1000.0 * asked.get("full_contact_from_kN", 0.0), splits)
     given = (seen, artifacts.load(parametric))
-    candidates = catalogue(asked.get("mechanisms") or None)
+    candidates, failed = usable_catalogue(asked.get("mechanisms") or None)
     made = diagnose(*given, told, candidates)
     every = with_lower_forces(*given, told, candidates)
     whole = dataset(made, every).merge(next_measurements(made))
+    whole.attrs["mechanisms_not_tried"] = "; ".join(failed)
     artifacts.save(whole, diagnosis, origin=seen, settings=settings)
-    text = json.dumps(verdict_of(made, every), indent=2, allow_nan=False)
-    artifacts.save_text(text + "\n", verdict)
+    artifacts.save_json(verdict_of(made, every), verdict)
     if model:
         artifacts.save_text(yaml.safe_dump(model_file(made), sort_keys=False), model)
 

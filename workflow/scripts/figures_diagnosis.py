@@ -1,8 +1,5 @@
 """Figures of the diagnosis: ranking of causes, measured against simulated before and after."""
 
-import json
-from pathlib import Path
-
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.figures import diagnosis, residual_maps
@@ -11,7 +8,7 @@ from bladeroot.figures.style import svg
 
 def main(diagnoses, verdicts, simulated, folder):
     found = [artifacts.load(path) for path in diagnoses]
-    said = [json.loads(Path(path).read_text()) for path in verdicts]
+    said = [artifacts.load_json(path) for path in verdicts]
     made = bool(int(simulated))
     drawn = {
         "ranking": diagnosis.ranking(found, said, made),

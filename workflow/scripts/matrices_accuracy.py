@@ -1,4 +1,4 @@
-"""The parametric model against the full matrices at every force -> accuracy.nc."""
+"""The parametric model against the full matrices at the ends of the force -> accuracy.nc."""
 
 import json
 

@@ -34,14 +34,17 @@ def main(
         [artifacts.load(calibration) for calibration in calibrations],
         [artifacts.load(joint) for joint in joints],
         [artifacts.load(diagnosis) for diagnosis in diagnoses],
-        [json.loads(Path(verdict).read_text()) for verdict in verdicts],
+        [artifacts.load_json(verdict) for verdict in verdicts],
         [artifacts.load(joint) for joint in extended],
         [artifacts.load(amplitude) for amplitude in amplitudes],
         [artifacts.load(shortfall) for shortfall in shortfalls],
         [artifacts.load(search) for search in searched],
-        {Path(figure).stem: _inline(Path(figure).read_text()) for figure in figures},
+        {
+            Path(figure).stem: _inline(Path(figure).read_text(encoding="utf-8"))
+            for figure in figures
+        },
         pd.read_csv(published),
-        yaml.safe_load(Path(errata).read_text()),
+        yaml.safe_load(Path(errata).read_text(encoding="utf-8")),
         __version__,
     )
     artifacts.save_text(page, output)

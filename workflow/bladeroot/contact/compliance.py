@@ -73,7 +73,7 @@ def tangential_displacement(
     force = np.asarray(normal_force, float)
     shear = np.asarray(tangential_force, float)
     stick = force - np.abs(shear) / punch.friction
-    if np.any(stick < -1e-12 * force):
+    if not np.all(stick >= -1e-12 * force):
         raise ValueError("the tangential force exceeds friction times the normal force")
     moved = _pressed_compliance(force, punch) - _pressed_compliance(np.maximum(stick, 0), punch)
     return np.sign(shear) * punch.friction * moved

@@ -171,6 +171,6 @@ def shear(position: Array, line_load: Array, shear_load: Array, punch: Punch) ->
 def _stick_load(line_load: Array, shear_load: Array, punch: Punch) -> Array:
     ratio = np.abs(np.asarray(shear_load, float)) / punch.friction
     load = np.asarray(line_load, float)
-    if np.any(ratio > load * (1.0 + 1e-12)):
+    if not np.all(ratio <= load * (1.0 + 1e-12)):
         raise ValueError("the shear load exceeds friction times the normal load")
     return np.maximum(load - ratio, 0.0)

@@ -17,9 +17,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.decay.stretch import CELLS, Stretch, over_cells
 
 DOUBT = (0.01, 0.1, 0.4)

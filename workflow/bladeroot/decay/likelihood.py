@@ -4,9 +4,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.decay.laws import NODES, hat
 from bladeroot.decay.stretch import integrate
 

@@ -4,10 +4,10 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Complex, Float
-from numba import njit
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.compiled import njit
 from bladeroot.decay.phasors import Stretch
 
 

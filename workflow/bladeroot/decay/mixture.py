@@ -6,8 +6,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 NORMAL = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # ends of the central intervals, in %
 SQRT2 = np.sqrt(2.0)

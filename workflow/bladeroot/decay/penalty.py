@@ -4,9 +4,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.decay.bsplines import derivative_rows
 from bladeroot.records.banded import factored, inverse_band, solved
 

@@ -13,8 +13,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4

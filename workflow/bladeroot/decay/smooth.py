@@ -16,9 +16,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.decay.bsplines import alive_splines, derivative_rows, polynomials
 from bladeroot.decay.penalty import DEGREE, normal_sums, penalty_rows, posterior
 

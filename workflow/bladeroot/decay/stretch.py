@@ -5,8 +5,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float, Int
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
 FEWEST = 8  # groups through which a straight line is laid

@@ -15,6 +15,7 @@ from bladeroot.figures.style import (
     note_simulated,
     nothing,
     panels,
+    plain,
     plain_log_scale,
 )
 
@@ -77,7 +78,7 @@ def _ranks(axis, one: xr.Dataset, said: Mapping, channel: str) -> None:
         for n in here["candidate"].values
     ]
     axis.set_ylim(len(names) - max(len(names), 4) - 0.6, len(names) - 0.4)
-    axis.set_yticks(range(len(names)), names, fontsize=7.5)
+    axis.set_yticks(range(len(names)), list(map(plain, names)), fontsize=7.5)
     top = max(evidence.max(), 1.0)
     axis.set_xlim(min(max(evidence.min(), -0.25 * top), 0.0), 1.17 * top)
     axis.grid(axis="y", visible=False)

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, NullLocator
 from numpy import ndarray
 
@@ -70,10 +71,28 @@ def nothing(reason: str) -> Figure:
 
 
 def svg(drawn: Figure) -> str:
-    """The figure as SVG text, the same bytes for the same data."""
+    """The figure as SVG text, the same bytes for the same data.
+
+    A dollar sign in a text is one: names of records and clampings are no mathematics. The library's
+    own powers of ten at ticks are; names at ticks are `plain`.
+    """
+    ticks = {
+        label
+        for axes in drawn.axes
+        for line in (axes.xaxis, axes.yaxis)
+        for label in (*line.get_ticklabels(), *line.get_ticklabels(minor=True))
+    }
+    for label in drawn.findobj(Text):
+        if label not in ticks:
+            label.set_parse_math(False)
     text = io.StringIO()
     drawn.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()
+
+
+def plain(text: str) -> str:
+    """A name as a label of ticks, where dollar signs would begin mathematics."""
+    return text.replace("$", r"\$")
 
 
 def drawn_values(curves: xr.Dataset, name: str, error: str = "std") -> ndarray:

@@ -90,9 +90,12 @@ def compare(
     """
     if entry.range:
         labels, printed = labels * computed.size, np.full(computed.size, np.nan)
-        low, high = (np.nan if end is None else float(end) for end in entry.range)
+        low, high = (
+            side if end is None else float(end)
+            for side, end in zip((-np.inf, np.inf), entry.range, strict=True)
+        )
         tolerance = np.full(computed.size, np.nan)
-        within = ~(computed < low) & ~(computed > high) & np.isfinite(computed)
+        within = (computed >= low) & (computed <= high) & np.isfinite(computed)
         return Values(labels, printed, computed, tolerance, within)
     if printed.shape != computed.shape:
         raise ValueError(f"{entry.id}: {printed.size} values printed, {computed.size} computed")

@@ -2,11 +2,13 @@
 
 import importlib.util
 import pkgutil
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
+from bladeroot import mechanisms
 from bladeroot.mechanisms.mechanism import Mechanism
-from bladeroot.mechanisms.own_files import own_files
+from bladeroot.mechanisms.own_files import own_files, try_apart
 from bladeroot.mechanisms.probe import probe
 
 _NO_MECHANISM = ("catalogue", "mechanism", "own_files", "probe", "slip_curve")
@@ -19,20 +21,39 @@ def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
     replaces it. Raises ValueError if the folder is missing, a file cannot be read, its law fails
     the `probe`, or two of the folder's files have one id.
     """
+    found, faults = usable_catalogue(folder)
+    if faults:
+        raise ValueError("\n".join(faults))
+    return found
+
+
+def usable_catalogue(
+    folder: str | Path | None = None,
+) -> tuple[tuple[Mechanism, ...], tuple[str, ...]]:
+    """The mechanisms as `catalogue`, without the user's that fail; and a line for each that does.
+
+    Each of the user's files is tried in a process of its own first: it may end the program or never
+    end. Raises ValueError if the folder is missing or a file is not Python.
+    """
     found = {}
-    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+    for module in pkgutil.iter_modules(mechanisms.__path__):
         if module.name not in _NO_MECHANISM:
             one = import_module(f"bladeroot.mechanisms.{module.name}").MECHANISM
             found[one.id] = one
-    own = {}
-    if folder:
-        for path in own_files(folder):
+    own, faults = {}, []
+    for path in own_files(folder) if folder else []:
+        try:
+            try_apart(partial(_read, path), path)
             one = _read(path)
-            if one.id in own:
-                raise ValueError(f"two mechanisms have the id {one.id!r} ({path})")
-            own[one.id] = one
+        except ValueError as error:
+            faults.append(" ".join(str(error).split()))
+            continue
+        if one.id in own:
+            faults.append(f"two mechanisms have the id {one.id!r} ({path})")
+            continue
+        own[one.id] = one
     whole = found | own
-    return tuple(whole[name] for name in sorted(whole))
+    return tuple(whole[name] for name in sorted(whole)), tuple(faults)
 
 
 def _read(path: Path) -> Mechanism:
@@ -42,7 +63,7 @@ def _read(path: Path) -> Mechanism:
         spec.loader.exec_module(module)
     except ValueError as error:
         raise ValueError(f"{error} ({path})") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ValueError(f"{type(error).__name__}: {error} ({path})") from error
     one = getattr(module, "MECHANISM", None)
     if not isinstance(one, Mechanism):

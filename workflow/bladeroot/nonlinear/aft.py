@@ -15,9 +15,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.contact.laws.sliders import Sliders, parts, slide
 
 TIMES = 128

@@ -12,8 +12,8 @@ where the law leaves the normal spring linear.
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from bladeroot.compiled import njit
 from bladeroot.contact.laws.sliders import slide
 
 SWEEPS, NEWTON = 500, 40

@@ -193,7 +193,7 @@ def _laser_row(
     part = (x - place[after - 1]) / (place[after] - place[after - 1])
     row = (1.0 - part) * rows[after - 1] + part * rows[after]
     share = abs(row @ shape) / np.abs(rows @ shape).max()
-    if share < _NODE:
+    if not share >= _NODE:
         raise ValueError(
             f"the laser stands at a node of {mode}: at {x:g} m it sees {100 * share:.2g} % of the "
             f"mode's largest motion along the beam, at least {100 * _NODE:g} % are needed"

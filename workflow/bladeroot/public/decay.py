@@ -131,14 +131,26 @@ def ringdown(
     if not (np.isfinite(mode_Hz) and mode_Hz > 0.0):
         raise ValueError(f"mode_Hz must be positive, got {mode_Hz}")
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
-    name = str(source) if isinstance(source, str | Path) else "array"
+    name = Path(source).stem if isinstance(source, str | Path) else "array"
+    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, estimator)
+
+
+def of_recording(
+    taken: Recording,
+    mode_Hz: float,
+    name: str,
+    other_modes_Hz: Sequence[float] = (),
+    damping: str = "hysteretic",
+    estimator: str = "blocks",
+) -> Ringdown:
+    """The same of a recording that is already read."""
     known = {
-        "record": Path(name).stem,
+        "record": name,
         "mode": f"{mode_Hz:g} Hz",
         "expected_Hz": float(mode_Hz),
         "other_modes_Hz": tuple(other_modes_Hz),
         "force_N": float("nan"),
-        "hold": Path(name).stem,
+        "hold": name,
         "direction": "",
         "simulated": False,
     }

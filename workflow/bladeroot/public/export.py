@@ -1,6 +1,5 @@
 """A campaign's curves, stick frequencies and verdict as CSV, MATLAB and universal file."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -58,7 +57,7 @@ def _tables(results: Path) -> Iterator[tuple[str, pd.DataFrame]]:
                 yield name, _table_over(stick, dim)
     verdict = results / "diagnosis" / "verdict.json"
     if verdict.is_file():
-        told = json.loads(verdict.read_text(encoding="utf-8"))
+        told = artifacts.load_json(verdict)
         yield "verdict", pd.DataFrame(list(_leaves(told)), columns=["entry", "value"])
 
 

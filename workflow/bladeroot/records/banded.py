@@ -8,8 +8,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 
 @njit(cache=True)

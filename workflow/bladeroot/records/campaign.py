@@ -6,6 +6,7 @@ line a fault that names the file and the row (the line number an editor shows).
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -32,7 +33,12 @@ NUMBERS = (
 )  # fmt: skip
 # A stick frequency further than this from the mode's expected one belongs to another mode.
 MODE_BAND = 0.25
+# In the path of an input braces are Snakemake's wildcards, and angle brackets a page's tags.
+_MEANT, _TOLD = frozenset("{}<>"), "{ } < >"
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+# Signs of a name that becomes a file's, with a mode, a channel and an ending behind it: file
+# systems allow 255 bytes.
+LONGEST_NAME = 100
 # A force this small on a gauge this large (N) is a slip of the unit.
 SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
 # Forces so much apart (relative) are rather readings of one force than two of a test's.
@@ -87,6 +93,26 @@ class Campaign:
         return gauge[key] * self.force_scale
 
 
+_ID_TOLD = f"letters, digits, - and _, {LONGEST_NAME} at most"
+
+
+def _is_id(name: str) -> bool:
+    return len(name) <= LONGEST_NAME and bool(_ID.fullmatch(name))
+
+
+def _short(text: str) -> str:
+    """As much of a text as a message can bear."""
+    return text if len(text) <= 80 else f"{text[:80]}..."
+
+
+def _is(asked: Callable[[], bool]) -> bool:
+    """Whether a path is there; a name that is too long, or no right to look, is that it is not."""
+    try:
+        return asked()
+    except (OSError, ValueError):
+        return False
+
+
 def force_scale(gauge: dict) -> float:
     """Newtons per bar (F = A p) or per microstrain (F = A E strain) of a gauge (section 2.1.6)."""
     if gauge["gauge"] == "pressure":
@@ -97,12 +123,14 @@ def force_scale(gauge: dict) -> float:
 def load_campaign(folder: str | Path) -> Campaign:
     """Load and check a campaign folder. Raises CampaignError with a line for every fault."""
     folder = Path(folder)
-    if not folder.is_dir():
-        raise CampaignError(f"campaign folder not found: {folder}")
-    if not _ID.fullmatch(folder.name):
+    if not _is(folder.is_dir):
+        raise CampaignError(f"campaign folder not found: {_short(str(folder))}")
+    if not _is_id(folder.name):
         raise CampaignError(
-            f"a campaign folder's name must be letters, digits, - and _, got {folder.name!r}"
+            f"a campaign folder's name must be {_ID_TOLD}, got {_short(folder.name)!r}"
         )
+    if _MEANT & set(str(folder)):
+        raise CampaignError(f"the path of a campaign folder must have none of {_TOLD}: {folder}")
     if folder.name in _RESERVED:
         raise CampaignError(
             f"a campaign must not be named {folder.name}: results/ has such a folder"
@@ -172,7 +200,7 @@ class _Sheet:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            self.fault(f"{name} must be a finite number, got {text!r}", row)
+            self.fault(f"{name} must be a finite number, got {_short(text)!r}", row)
             return None
         if positive and value <= 0:
             self.fault(f"{name} must be positive, got {text}", row)
@@ -218,7 +246,11 @@ class _Sheet:
                 f"{given[0]} {values[given[0]]} is {value:g} N on a gauge of {full_scale:.0f} N: "
                 f"kN given as N? ({self.path}, row {row})"
             )
-        return round(value, 6)
+        value = round(value, 6)
+        if value <= 0.0:
+            self.fault(f"{given[0]} must be positive, got {values[given[0]]}", row)
+            return None
+        return value
 
     def records(self, rows: list[tuple[int, dict]]) -> tuple[dict, ...]:
         checked: list[dict] = []
@@ -227,8 +259,8 @@ class _Sheet:
             return ()
         for row, values in rows:
             record = values["record"]
-            if not _ID.fullmatch(record):
-                self.fault(f"record must be letters, digits, - and _, got {record!r}", row)
+            if not _is_id(record):
+                self.fault(f"record must be {_ID_TOLD}, got {_short(record)!r}", row)
             elif record in first_row:
                 self.fault(f"record {record!r} stands in row {first_row[record]} already", row)
             first_row.setdefault(record, row)
@@ -332,9 +364,13 @@ class _Sheet:
             if name != f"{record}.nc":
                 self.fault(f"file of a simulated record must be {record}.nc, got {name!r}", row)
         elif Path(name).suffix.lower() not in formats():
-            self.fault(f"file must end in {', '.join(sorted(formats()))}, got {name!r}", row)
-        elif not (self.folder / name).is_file():
-            self.fault(f"file not found: {name}", row)
+            self.fault(
+                f"file must end in {', '.join(sorted(formats()))}, got {_short(name)!r}", row
+            )
+        elif _MEANT & set(name):
+            self.fault(f"file must have none of {_TOLD} in its name, got {_short(name)}", row)
+        elif not _is((self.folder / name).is_file):
+            self.fault(f"file not found: {_short(name)}", row)
         return name
 
     def choice(self, row: int, values: dict, name: str, choices: tuple[str, ...], default: str):

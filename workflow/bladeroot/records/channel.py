@@ -55,6 +55,19 @@ class Entry:
         return f"{self.number}: {self.name}{unit}"
 
 
+class ChannelError(ValueError):
+    """No channel, or none alone, is meant: a line, and the file's channels (`entries`)."""
+
+    @property
+    def entries(self) -> Sequence[Entry]:
+        """The channels of the file."""
+        return self.args[1]
+
+    def __str__(self) -> str:
+        """The line."""
+        return self.args[0]
+
+
 def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, path: str) -> Entry:
     """The one channel that is meant.
 
@@ -62,7 +75,7 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
     number. Without it: the only channel of motion (of `quantity`, if given), or the only one.
 
     Raises:
-        ValueError: none or several; the line lists the channels.
+        ChannelError: none or several; the line lists the channels.
     """
     motion = [entry for entry in entries if not entry.timelike]
     if channel:
@@ -83,12 +96,13 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
     if len(fits) == 1:
         return fits[0]
     if not entries:
-        raise ValueError(f"expected {wanted}, got no vector of real numbers ({path})")
+        raise ChannelError(f"expected {wanted}, got no vector of real numbers ({path})", entries)
     listed = ", ".join(map(str, entries[:_LISTED]))
     more = f" and {len(entries) - _LISTED} more" if len(entries) > _LISTED else ""
-    raise ValueError(
+    raise ChannelError(
         f"expected {wanted}, got {'several' if fits else 'none'} of {listed}{more}; channel in "
-        f"records.csv names one ({path})"
+        f"records.csv names one ({path})",
+        entries,
     )
 
 

@@ -13,9 +13,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.records.banded import factored, inverse_band, solved
 
 # The envelope of a component varies no faster than this part of its distance to the next one.

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from bladeroot.records import readers
-from bladeroot.records.channel import Channel, split_name
+from bladeroot.records.channel import Channel, ChannelError, Entry, split_name
 from bladeroot.records.recording import Recording, recording
 from bladeroot.records.sampling import usual_rate
 from bladeroot.records.statements import FORCES_APART, NO_UNIT, RATES_APART, one_unit
@@ -96,13 +96,27 @@ def read(
     return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
 
 
+def channels(path: str | Path) -> tuple[Entry, ...]:
+    """What channels of motion or signal a file has, times left out.
+
+    Raises:
+        ValueError: no such file, an unknown suffix or a damaged file, in one line.
+    """
+    try:
+        # no channel has that name: whatever the file holds is listed
+        read(path, channel="\0")
+    except ChannelError as error:
+        return tuple(entry for entry in error.entries if not entry.timelike)
+    raise AssertionError("a reader takes a channel that is not there")
+
+
 def _channel(reader: str, path: Path, channel: str | None, quantity: str | None) -> Channel:
     """What the reader finds; whatever a library throws becomes one line that names the file."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return importlib.import_module(reader).read(str(path), channel, quantity)
-    except ImportError:
+    except (ImportError, ChannelError):
         raise
     except MemoryError as error:
         raise ValueError(f"the file claims more data than the memory holds ({path})") from error

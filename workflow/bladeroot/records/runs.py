@@ -4,8 +4,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 
 def medians(rows: Float[ndarray, "*row k"]) -> Float[ndarray, "*row"] | np.float64:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from bladeroot.records.text import decode, separator_of
 
+# Bytes of a sheet; one of ten thousand records has two million.
+LARGEST = 50_000_000
 # Columns beginning so are the owner's own.
 REMARK = "note"
 
@@ -21,7 +23,14 @@ def read_sheet(
     Raises:
         ValueError: not a sheet, or columns other than `columns` and remarks; a line a fault.
     """
-    lines = decode(path.read_bytes(), str(path)).splitlines()
+    try:
+        size = path.stat().st_size
+        content = path.read_bytes() if size <= LARGEST else b""
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror} ({path})") from error
+    if size > LARGEST:
+        raise ValueError(f"expected a sheet of {LARGEST} bytes at most, got {size} ({path})")
+    lines = decode(content, str(path)).splitlines()
     separator = separator_of(lines[0] if lines else "") or ","
     reader = csv.reader(lines, delimiter=separator)
     try:

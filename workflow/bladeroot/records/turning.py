@@ -6,8 +6,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 
 def clean_falls(

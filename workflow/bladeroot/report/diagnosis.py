@@ -59,6 +59,7 @@ def diagnosis_section(
             "no cause does would be unexplained.",
         ),
         candidates_table(found),
+        *_not_tried(found[0]),
         *([sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []),
     ]
     law = any("stick_residual" in one for one in found)
@@ -73,3 +74,9 @@ def diagnosis_section(
     parts += [Picture(figures["diagnosis_law"], _CAPTIONS["law"])] if law else []
     parts += [*stiffness_tables(found), *next_parts(found)]
     return Section("What the simulation gets wrong, and why", parts)
+
+
+def _not_tried(found: xr.Dataset) -> list[str]:
+    """The user's own mechanisms that the ranking lacks, and why."""
+    lines = found.attrs.get("mechanisms_not_tried", "")
+    return [f"Not in the ranking, own mechanisms that failed: {lines}."] if lines else []

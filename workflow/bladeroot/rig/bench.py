@@ -73,7 +73,7 @@ def move(bench: dict, clamping: Clamping, drive: float) -> tuple[Motion, float]:
         times["substeps"],
         forces=clamping.forces,
     )
-    if motion.energy_error > ENERGY_TOLERANCE:
+    if not motion.energy_error <= ENERGY_TOLERANCE:
         raise RuntimeError(
             f"energy balance: {motion.energy_error:.1e} of the work put in is not accounted for"
         )

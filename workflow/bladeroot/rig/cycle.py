@@ -8,9 +8,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.rig.forces import ModalForces, nonlinear_force
 from bladeroot.rig.modes import StuckModes
 from bladeroot.rig.sweep import own_give, settle
@@ -125,6 +125,7 @@ def _first_loading(load, shape, kt, give, limit):
     for n in range(1, load.size):
         for j in range(sliders):
             force[j] += kt[j] * shape[j] * (load[n] - load[n - 1])
+        slip[:] = 0.0
         settle(force, slip, give, rho, limit, _TOLERANCE, _SWEEPS)
         total += slip
         for j in range(sliders):

@@ -7,9 +7,9 @@ pushing, and tangential springs soften. Each is absent where its size is zero.
 from typing import NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit
 from numpy import ndarray
 
+from bladeroot.compiled import njit
 from bladeroot.rig.conditions import Conditions
 from bladeroot.rig.modes import StuckModes
 

@@ -1,6 +1,7 @@
 """The bench's specimen: reduced beam and slots joined by the springs of the stuck flanks."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import xarray as xr
@@ -8,7 +9,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # told apart by identity, so that results can be kept by it
 class Parts:
     """Beam and slots with fixed bases before they are clamped, all in the same dofs.
 
@@ -31,7 +32,7 @@ class Parts:
     line: Float[ndarray, "point 3 dof"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Specimen:
     """The parts under an axial force, without the springs of their flanks."""
 
@@ -97,6 +98,7 @@ def project(whole: Parts, basis: Float[ndarray, "dof few"]) -> Parts:
     )
 
 
+@lru_cache(maxsize=1)  # records of one hold follow each other
 def specimen(
     whole: Parts,
     force: float,

@@ -1,6 +1,7 @@
 """Modes of the stuck specimen, and the contacts' flexibility that the kept modes leave out."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -51,30 +52,40 @@ def stuck_modes(
     Without `slipping` the residual is not worked out and stays zero.
     """
     whole = body.parts
-    stiffness, slider_kt = stuck_stiffness(body, kn, kt)
-    squares, shapes = eigh(stiffness, body.mass, subset_by_index=(0, kept - 1))
-    if squares[0] <= 0:
-        raise ValueError(f"the stuck specimen is not stable: omega^2 = {squares[0]}")
-    at_sliders = whole.tangential @ shapes
-    residual = np.zeros((len(slider_kt), len(slider_kt)))
-    if slipping:
-        static = whole.tangential @ cho_solve(cho_factor(stiffness), whole.tangential.T)
-        residual = static - (at_sliders / squares) @ at_sliders.T
+    squares, shapes, slider_kt, residual = _solved(body, kn, kt, kept, slipping)
     line = whole.line[:, 2] @ shapes
     return StuckModes(
         omega=np.sqrt(squares),
         names=bending_names(whole.line_x, line),
-        slider_shape=at_sliders,
+        slider_shape=whole.tangential @ shapes,
         slider_kt=slider_kt,
         normal_shape=whole.normal @ shapes,
         normal_kn=kn * whole.share,
-        residual=(residual + residual.T) / 2,
+        residual=residual,
         geometric=shapes.T @ whole.geometric @ shapes,
         laser_shape=line_row(whole, laser_x) @ shapes,
         tip_shape=line_row(whole, tip_x) @ shapes,
         line_x=whole.line_x,
         line_shape=line,
     )
+
+
+@lru_cache(maxsize=1)  # one hold serves all its records, wherever laser and tip stand
+def _solved(
+    body: Specimen, kn: float, kt: float, kept: int, slipping: bool
+) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """omega^2 and shapes of the kept modes, the sliders' springs and the residual."""
+    whole = body.parts
+    stiffness, slider_kt = stuck_stiffness(body, kn, kt)
+    squares, shapes = eigh(stiffness, body.mass, subset_by_index=(0, kept - 1))
+    if not squares[0] > 0:
+        raise ValueError(f"the stuck specimen is not stable: omega^2 = {squares[0]}")
+    at_sliders = whole.tangential @ shapes
+    residual = np.zeros((len(slider_kt), len(slider_kt)))
+    if slipping:
+        static = whole.tangential @ cho_solve(cho_factor(stiffness), whole.tangential.T)
+        residual = static - (at_sliders / squares) @ at_sliders.T
+    return squares, shapes, slider_kt, (residual + residual.T) / 2
 
 
 def bending_names(x: Float[ndarray, " point"], z: Float[ndarray, "point mode"]) -> tuple[str, ...]:

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float
-from numba import njit
+from jaxtyping import Float, Int
 from numpy import ndarray
-from scipy.linalg import expm
 
+from bladeroot.compiled import njit
 from bladeroot.rig.forces import ModalForces, no_forces, nonlinear_force
-from bladeroot.rig.sweep import own_give, settle
+from bladeroot.rig.sweep import largest, own_give, settle_leading
 
 _SWEEPS = 400
 _TOLERANCE = 1e-8
@@ -80,7 +79,7 @@ def linear_load_step(
     generator[:, 1, 1] = -2 * zeta * omega * dt
     generator[:, 1, 2] = dt**2
     # Time is counted in steps inside, so that r' and the slope of g come out as r' dt and dg.
-    grown = expm(generator)
+    grown = exponential(generator)
     step = np.empty((omega.size, 2, 4))
     for row, scale in ((0, 1.0), (1, 1.0 / dt)):
         step[:, row, 0] = scale * grown[:, row, 0]
@@ -88,6 +87,23 @@ def linear_load_step(
         step[:, row, 2] = scale * (grown[:, row, 2] - grown[:, row, 3])
         step[:, row, 3] = scale * grown[:, row, 3]
     return step
+
+
+def exponential(matrices: Float[ndarray, "matrix n n"]) -> Float[ndarray, "matrix n n"]:
+    """Of many small matrices: Taylor's series of a part of each, squared again.
+
+    To rounding; scipy's takes as long for a few dozen matrices as a tenth of a second's motion.
+    """
+    norm = np.abs(matrices).sum(axis=2).max()
+    halvings = max(0, 1 + int(np.ceil(np.log2(norm)))) if norm > 0.0 else 0
+    scaled = matrices / 2.0**halvings  # of norm 1/2 at most
+    term = whole = np.broadcast_to(np.eye(matrices.shape[1]), matrices.shape)
+    for k in range(1, 19):
+        term = term @ scaled / k
+        whole = whole + term
+    for _ in range(halvings):
+        whole = whole @ whole
+    return whole
 
 
 def run(
@@ -116,21 +132,22 @@ def run(
     Raises RuntimeError if a step's slip does not settle.
     """
     step = linear_load_step(omega, zeta, dt)
+    order = _loosest_first(slider_kt[:, None] * slider_shape, limit, drive.mode)
+    shape, kt = slider_shape[order], slider_kt[order]
     r = np.zeros(omega.size) if state is None else state.astype(float)
     v = np.zeros(omega.size)
-    w = np.zeros(slider_kt.size)
-    flexible = (slider_shape * step[:, 0, 3]) @ slider_shape.T + residual
+    slip = np.zeros(kt.size)
+    flexible = (shape * step[:, 0, 3]) @ shape.T + residual[np.ix_(order, order)]
     # Slider force lost per slip within one step; symmetric, positive definite.
-    give = np.diag(slider_kt) - slider_kt[:, None] * flexible * slider_kt
+    give = np.diag(kt) - kt[:, None] * flexible * kt
     velocity, amplitude, work, overshoot, sweeps = _march(
-        step,
+        np.ascontiguousarray(step.transpose(1, 2, 0)),
         2 * zeta * omega,
         omega,
-        np.ascontiguousarray(slider_shape.T),
-        slider_kt,
-        np.ascontiguousarray(slider_kt[:, None] * residual),
+        np.ascontiguousarray(shape.T),
+        kt,
         np.ascontiguousarray(give),
-        limit,
+        limit[order[::2] // 2],
         tip_shape,
         laser_shape,
         drive.push,
@@ -141,8 +158,10 @@ def run(
         every,
         r,
         v,
-        w,
+        slip,
     )
+    w = np.empty_like(slip)
+    w[order] = slip
     if sweeps >= _SWEEPS:
         raise RuntimeError(f"the slip of a step did not settle in {_SWEEPS} sweeps")
     start = 0.0 if state is None else 0.5 * float(np.sum((omega * state) ** 2))
@@ -162,6 +181,15 @@ def run(
     )
 
 
+def _loosest_first(
+    pull: Float[ndarray, "slider mode"], limit: Float[ndarray, " pair"], mode: int
+) -> Int[ndarray, " slider"]:
+    """Sliders, pair by pair in the order in which a mode makes them slip."""
+    reach = np.hypot(pull[0::2, mode], pull[1::2, mode]) / limit
+    pairs = np.argsort(-reach, kind="stable")
+    return (2 * pairs[:, None] + np.arange(2)).ravel()
+
+
 def stored_energy(
     omega: Float[ndarray, " mode"],
     slider_shape: Float[ndarray, "slider mode"],
@@ -177,38 +205,38 @@ def stored_energy(
     return float(modal + 0.5 * pulled @ w - 0.5 * pulled @ residual @ pulled)
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath={"reassoc", "contract"})
 @no_type_check
 def _march(
-    step, decay, omega, shape, kt, kt_residual, give, limit, tip, laser, push, sine, driven, forces,
-    dt, every, r, v, w,
+    step, decay, omega, shape, kt, give, limit, tip, laser, push, sine, driven, forces, dt, every,
+    r, v, w,
 ):  # fmt: skip
-    modes, sliders = shape.shape
-    pairs = limit.size
-    steps = push.size - 1
-    velocity = np.zeros(steps // every + 1)
-    amplitude = np.zeros(steps // every + 1)
-    work = np.zeros(4)
-    overshoot = 0.0
-    most = 0
-    hold = np.zeros(modes)  # load of the locked-in slip on the modes
-    set_back = np.zeros(sliders)  # its displacement through the modes that are not kept
-    force = np.zeros(sliders)
-    before = np.zeros(sliders)
-    slip = np.zeros(sliders)
-    load0 = np.zeros(modes)
-    load1 = np.zeros(modes)
-    ahead = np.zeros(modes)
-    now = np.zeros(modes)  # the other forces at this instant, and as expected a step later
-    expected = np.zeros(modes)
-    earlier = np.zeros(modes)
-    rho = own_give(give)
+    """Step on; r, v, w are changed in place.
 
-    for j in range(sliders):
-        x = 0.0
-        for m in range(modes):
-            x += shape[m, j] * r[m]
-        force[j] = kt[j] * x
+    step (row, column, mode). pull = kt shape is the slider force per modal displacement and `give`
+    what slip takes from it, its load on the modes within the step included: with `free`, the modes
+    at the step's end but for that load, the force is pull free - give w.
+    """
+    modes, sliders = shape.shape
+    steps = push.size - 1
+    pull = shape * kt
+    at_end = step[0, 3]
+    velocity, amplitude = np.zeros(steps // every + 1), np.zeros(steps // every + 1)
+    work = np.zeros(4)
+    overshoot, most = 0.0, 0
+    # Not rows of one array, which the compiler takes for strided.
+    force, predicted, before = np.zeros(sliders), np.zeros(sliders), np.zeros(sliders)
+    slip, taken, lost = np.zeros(sliders), np.zeros(sliders), np.zeros(sliders)
+    guess = np.zeros(sliders)
+    hold, load0, load1 = np.zeros(modes), np.zeros(modes), np.zeros(modes)
+    free, ahead, known = np.zeros(modes), np.zeros(modes), np.zeros(modes)
+    now, expected, earlier = np.zeros(modes), np.zeros(modes), np.zeros(modes)
+    rho = own_give(give)
+    reach = relative_pull(pull, limit)
+    room = -1.0  # part of its limit that every pair had left at `free` = `known`
+    sliding = False
+    fresh = False  # whether `force` is that of the instant before
+
     pushed = push[0]
     for m in range(modes):
         load0[m] = tip[m] * pushed
@@ -230,64 +258,84 @@ def _march(
                 expected[m] = 2.0 * now[m] - earlier[m] if n > 0 else now[m]
             earlier[:] = now
 
-        before[:] = force
-        force[:] = set_back - w
+        away = 0.0
         for m in range(modes):
-            load1[m] = tip[m] * pushing + hold[m] + expected[m]
-            ahead[m] = (
-                step[m, 0, 0] * r[m]
-                + step[m, 0, 1] * v[m]
-                + step[m, 0, 2] * load0[m]
-                + step[m, 0, 3] * load1[m]
+            load = tip[m] * pushing + expected[m]
+            free[m] = (
+                step[0, 0, m] * r[m]
+                + step[0, 1, m] * v[m]
+                + step[0, 2, m] * load0[m]
+                + at_end[m] * load
             )
-            q = ahead[m]
-            for j in range(sliders):
-                force[j] += shape[m, j] * q
-        stuck = True
-        for i in range(pairs):
-            force[2 * i] *= kt[2 * i]
-            force[2 * i + 1] *= kt[2 * i + 1]
-            if force[2 * i] ** 2 + force[2 * i + 1] ** 2 > limit[i] ** 2:
-                stuck = False
+            load1[m] = load + hold[m]
+            ahead[m] = free[m] + at_end[m] * hold[m]
+            away += reach[m] * abs(free[m] - known[m])
 
-        if not stuck:
-            most = max(most, settle(force, slip, give, rho, limit, _TOLERANCE, _SWEEPS))
-            for j in range(sliders):
-                if slip[j] != 0.0:
+        # No pair's force changes by more than this part of its limit; so far all stay stuck.
+        if away < room:
+            fresh = False
+        else:
+            if fresh:
+                before[:] = force
+            slider_force(pull, free, lost, predicted)
+            room = 1.0 - largest(predicted, limit)
+            known[:] = free
+            if room >= 0.0:
+                force[:] = predicted
+                if sliding:
+                    slip[:] = 0.0
+                sliding = False
+            else:
+                if not fresh:
+                    for m in range(modes):
+                        free[m] = r[m] - at_end[m] * hold[m]
+                    slider_force(pull, free, lost, before)
+                # The last step's slip is a guess of this one's.
+                if not sliding:
+                    taken[:] = 0.0
+                for j in range(sliders):
+                    force[j] = predicted[j] - taken[j]
+                most = max(
+                    most, settle_leading(force, slip, guess, give, rho, limit, _TOLERANCE, _SWEEPS)
+                )
+                sliding = True
+                for j in range(sliders):
+                    taken[j] = predicted[j] - force[j]
+                    lost[j] += taken[j]
                     w[j] += slip[j]
                     work[2] += 0.5 * (before[j] + force[j]) * slip[j]
-                    pull = kt[j] * slip[j]
-                    for m in range(modes):
-                        more = shape[m, j] * pull
-                        hold[m] += more
-                        load1[m] += more
-                        ahead[m] += step[m, 0, 3] * more
-                    for k in range(sliders):
-                        set_back[k] += kt_residual[j, k] * slip[j]
-            for i in range(pairs):
-                size = np.sqrt(force[2 * i] ** 2 + force[2 * i + 1] ** 2)
-                overshoot = max(overshoot, size / limit[i] - 1.0)
+                for m in range(modes):
+                    more = 0.0
+                    for j in range(sliders):
+                        more += pull[m, j] * slip[j]
+                    hold[m] += more
+                    load1[m] += more
+                    ahead[m] += at_end[m] * more
+                overshoot = max(overshoot, largest(force, limit) - 1.0)
+            fresh = True
 
-        moved_tip = 0.0
-        faster_tip = 0.0
+        moved_tip, faster_tip, damped, others = 0.0, 0.0, 0.0, 0.0
         for m in range(modes):
             fast = (
-                step[m, 1, 0] * r[m]
-                + step[m, 1, 1] * v[m]
-                + step[m, 1, 2] * load0[m]
-                + step[m, 1, 3] * load1[m]
+                step[1, 0, m] * r[m]
+                + step[1, 1, m] * v[m]
+                + step[1, 2, m] * load0[m]
+                + step[1, 3, m] * load1[m]
             )
-            moved_tip += tip[m] * (ahead[m] - r[m])
+            moved = ahead[m] - r[m]
             gained = fast - v[m]
+            moved_tip += tip[m] * moved
             faster_tip += tip[m] * gained
             # Simpson's rule, its middle from the cubic through both ends.
-            middle = 1.5 * (ahead[m] - r[m]) / dt - 0.25 * (v[m] + fast)
-            work[1] += dt / 6 * decay[m] * (v[m] ** 2 + 4 * middle**2 + fast**2)
-            work[3] += 0.5 * (now[m] + expected[m]) * (ahead[m] - r[m])
-            work[3] += (expected[m] - now[m]) * dt / 12 * gained
+            middle = 1.5 * moved / dt - 0.25 * (v[m] + fast)
+            damped += decay[m] * (v[m] * v[m] + 4 * middle * middle + fast * fast)
+            others += 0.5 * (now[m] + expected[m]) * moved
+            others += (expected[m] - now[m]) * dt / 12 * gained
             v[m] = fast
             r[m] = ahead[m]
             load0[m] = load1[m]
+        work[1] += dt / 6 * damped
+        work[3] += others
         work[0] += 0.5 * (pushed + pushing) * moved_tip + (pushing - pushed) * dt / 12 * faster_tip
         pushed = pushing
 
@@ -299,3 +347,25 @@ def _march(
                 r[driven] ** 2 + (v[driven] / omega[driven]) ** 2
             )
     return velocity, amplitude, work, overshoot, most
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+@no_type_check
+def slider_force(pull, free, lost, force):
+    """Force (N) of the sliders at modal displacements without what slip has taken from it."""
+    for j in range(force.size):
+        force[j] = -lost[j]
+    for m in range(free.size):
+        q = free[m]
+        for j in range(force.size):
+            force[j] += pull[m, j] * q
+
+
+@njit(cache=True)
+@no_type_check
+def relative_pull(pull, limit):
+    """Largest change of a pair's force over its limit by each mode."""
+    most = np.zeros(pull.shape[0])
+    for m in range(most.size):
+        most[m] = largest(pull[m], limit)
+    return most

@@ -9,6 +9,11 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+# No frequency repeats better, relative: a steel's modulus changes by 2.5e-4 a kelvin, so 0.01 K is
+# as much. An error of one clean record alone may be a thousand times smaller; beside the scatter of
+# clampings such an error is lost in rounding, and covariances are no longer positive definite.
+LEAST_STD = 1e-6
+
 
 @dataclass(frozen=True)
 class Levels:
@@ -34,9 +39,10 @@ class Levels:
 def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
     """The levels of `bladeroot.decay.stick` that belong to the given modes.
 
-    A level's own noise is that within records and between records of a clamping; of a table
-    without records it is `frequency_std`. Two modes at one force share their clampings
-    if the records say so. Raises ValueError if there is no level or a frequency has no error.
+    A level's own noise is that within records and between records of a clamping, `LEAST_STD` at
+    least; of a table without records it is `frequency_std`. Two modes at one force share their
+    clampings if the records say so. Raises ValueError if there is no level or a frequency has no
+    error.
     """
     name, frequency = stick["mode"].values.astype(str), stick["frequency"].values
     chosen = np.flatnonzero(np.isin(name, modes) & np.isfinite(frequency))
@@ -71,7 +77,7 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
         mode,
         force,
         np.log(frequency),
-        own / frequency,
+        np.maximum(own / frequency, LEAST_STD),
         _clampings(stick, here, mode, force),
         np.maximum(here["holds"].values, 1).astype(float),
         hold_std,

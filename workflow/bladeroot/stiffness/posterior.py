@@ -155,17 +155,19 @@ def inner_products(
     member = (levels.clamping[:, None] == np.arange(levels.clamping.max() + 1)).astype(float)
     part = slope[..., :2] / (np.sqrt(levels.holds) * levels.std)[:, None]
     n, t = part[..., 0], part[..., 1]
-    nn, nt, tt = (n * n) @ member, (n * t) @ member, (t * t) @ member
-    # not (1 + s nn)(1 + s tt) - (s nt)^2, which is lost in rounding where the scatter s is large
-    determinant = 1.0 + square * (nn + tt) + square**2 * np.maximum(nn * tt - nt * nt, 0.0)
-    a, b, c = 1.0 + square * nn, square * nt, 1.0 + square * tt
+    # Along the principal axes of each clamping's two directions nothing cancels, not even where one
+    # frequency stands alone in its clamping, or the scatter is large beside its error.
+    turn = 0.5 * np.arctan2(2.0 * (n * t) @ member, (n * n - t * t) @ member)[:, levels.clamping]
+    axes = np.cos(turn) * n + np.sin(turn) * t, np.cos(turn) * t - np.sin(turn) * n
     columns = columns / levels.std
-    v, w = (n[:, None] * columns) @ member, (t[:, None] * columns) @ member
-    a, b, c = (square / determinant * one for one in (a, b, c))
-    v_back, w_back = v.transpose(0, 2, 1), w.transpose(0, 2, 1)
-    taken = (c[:, None] * v - b[:, None] * w) @ v_back + (a[:, None] * w - b[:, None] * v) @ w_back
-    whole = columns @ columns.transpose(0, 2, 1) - taken
-    return whole, np.log(determinant).sum(axis=1) + 2.0 * np.log(levels.std).sum()
+    whole = columns @ columns.transpose(0, 2, 1)
+    log_determinant = np.full(len(slope), 2.0 * np.log(levels.std).sum())
+    for axis in axes:
+        grown = 1.0 + square * ((axis * axis) @ member)
+        along = (axis[:, None] * columns) @ member
+        whole = whole - (square / grown)[:, None] * along @ along.transpose(0, 2, 1)
+        log_determinant += np.log(grown).sum(axis=1)
+    return whole, log_determinant
 
 
 def _scatter_square(problem: Problem, u_scatter: Float[ndarray, " point"]) -> ndarray:

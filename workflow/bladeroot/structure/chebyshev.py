@@ -134,7 +134,11 @@ def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> lis
 
 def _derivatives(x: Float[ndarray, " point"], count: int, scale: float, order: int) -> list:
     """Chebyshev polynomials and their derivatives by the unscaled coordinate."""
-    results = [np.cos(np.arange(count) * np.arccos(x)[:, None])]
+    rows = np.ones((count, len(x)))
+    rows[1:2] = x
+    for k in range(2, count):
+        rows[k] = 2.0 * x * rows[k - 1] - rows[k - 2]
+    results = [rows.T]
     for _ in range(order):
         results.append(scale * (results[-1] @ _differentiation(count)))
     return results

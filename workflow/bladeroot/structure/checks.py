@@ -50,8 +50,9 @@ _COLUMNS = {
     "table_4_2": ("mode", "force_N", "frequency_Hz"),
     "table_4_4": ("mode", "force_kN", "frequency_Hz"),
 }
-# Forces (N) at which the reduced beam meets the full one.
-_FORCES = (0.0, 12.0e3, 30.0e3)
+# Forces (N) at which the reduced beam meets the full one: none, for which its basis was made, and
+# the largest, farthest from it.
+_FORCES = (0.0, 30.0e3)
 
 
 def checks(structure: Structure, tables: Mapping[str, pd.DataFrame]) -> xr.Dataset:

@@ -32,7 +32,10 @@ def row(
 def checks_dataset(rows: list[dict], structure: str, description: str) -> xr.Dataset:
     """Rows as the Dataset of `checks.nc`, with a verdict each."""
     listed = pd.DataFrame(rows)
-    within = ~(listed.residual.abs() > listed.limit)
+    # a NaN residual is within no limit; a NaN limit asks for none
+    within = listed.residual.notna() & (
+        listed.limit.isna() | (listed.residual.abs() <= listed.limit)
+    )
     text = {
         "check": "what is compared",
         "quantity": "which quantity",

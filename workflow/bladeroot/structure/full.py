@@ -142,36 +142,50 @@ def full_modes(
     One factor, in the points' middle, serves them all: elsewhere it preconditions a Davidson
     iteration, started from the modes there. ValueError if a mode is not found or does not converge.
     """
-
-    def at(kn: float, kt: float, force: float) -> sp.csr_array:
-        contact = full.stiffness + kn * full.normal + kt * full.tangential
-        return sp.csr_array(contact + force * full.geometric)
-
     low, high = np.min(points, axis=0), np.max(points, axis=0)
-    middle = at(*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
+    middle = _with_springs(full, *np.sqrt(low[:2] * high[:2]))
+    middle = sp.csr_array(middle + 0.5 * (low[2] + high[2]) * full.geometric)
     solve = factor(middle)
     _, shapes = lowest_eigenpairs(middle, full.mass, _MODES, solve=solve)
     column = find_modes(full.seen, shapes[full.view], names)
     chosen = [column[name] for name in names]
-    return [_followed(at(*point), full.mass, solve, shapes, chosen) for point in points]
+    springs = {(kn, kt): _with_springs(full, kn, kt) for kn, kt, _ in points}
+    return [_followed(full, springs[kn, kt], f, solve, shapes, chosen) for kn, kt, f in points]
+
+
+def _with_springs(full: FullJoint, kn: float, kt: float) -> sp.csr_array:
+    return sp.csr_array(full.stiffness + (kn * full.normal + kt * full.tangential))
 
 
 def _followed(
-    stiffness: sp.csr_array, mass: sp.csr_array, solve, shapes: ndarray, chosen: list[int]
+    full: FullJoint, springs: sp.csr_array, force: float, solve, shapes: ndarray, chosen: list[int]
 ) -> tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]:
-    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes."""
+    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes.
+
+    springs: stiffness without force. Images of the basis are kept: a sum of the matrices would cost
+    more than all products with them.
+    """
+
+    def stiff(columns: ndarray) -> ndarray:
+        return springs @ columns + force * (full.geometric @ columns)
+
     basis, wanted = shapes, shapes[:, chosen]
+    image, heavy = stiff(basis), full.mass @ basis
+    projected = basis.T @ image
     for _ in range(_STEPS):
-        projected = basis.T @ (stiffness @ basis)
         values, combination = np.linalg.eigh(0.5 * (projected + projected.T))
-        places = np.abs(combination.T @ (basis.T @ (mass @ wanted))).argmax(axis=0)
-        wanted, values = basis @ combination[:, places], values[places]
-        residual = stiffness @ wanted - values * (mass @ wanted)
+        places = np.abs(combination.T @ (heavy.T @ wanted)).argmax(axis=0)
+        turn, values = combination[:, places], values[places]
+        wanted = basis @ turn
+        residual = image @ turn - values * (heavy @ turn)
         step = solve(residual)
         if np.all(np.einsum("dm,dm->m", residual, step) < _CONVERGED * values):
             return values, wanted
         for _ in range(2):
-            step = step - basis @ (basis.T @ (mass @ step))
-            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (mass @ step))).T
+            step = step - basis @ (heavy.T @ step)
+            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (full.mass @ step))).T
         basis = np.hstack([basis, step])
+        image = np.hstack([image, stiff(step)])
+        heavy = np.hstack([heavy, full.mass @ step])
+        projected = basis.T @ image
     raise ValueError(f"modes of the full model did not converge in {_STEPS} steps")

@@ -247,7 +247,7 @@ def build_mesh(structure: Structure, with_pad: bool | None = None) -> xr.Dataset
     ]
     nodes = np.concatenate([body.nodes for body in bodies])
     gap = abs(nodes[np.concatenate(pairs)] - nodes[np.concatenate(partners)]).max()
-    if gap > 1e-8:
+    if not gap <= 1e-8:
         raise ValueError(f"contact nodes of beam and slots must coincide, largest gap {gap:.1e} m")
     return xr.Dataset(
         {

@@ -5,6 +5,8 @@ bending in Z ("Fy": about Y), bending in Y ("Fz"), torsion ("T") and axial motio
 odd from even orders. Rigid modes are X, Y, Z, Rx, Ry, Rz, as in the thesis's Table 4.2.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
@@ -59,6 +61,14 @@ def parities(
 def _mirrors(
     nodes: Float[ndarray, "node 3"],
 ) -> tuple[list[Int[ndarray, " node"]], Int[ndarray, " whole"]]:
+    return _mirrors_of(np.ascontiguousarray(nodes, float).tobytes())
+
+
+@lru_cache(maxsize=2)  # many sets of modes of one mesh are named one after the other
+def _mirrors_of(
+    raw: bytes,
+) -> tuple[list[Int[ndarray, " node"]], Int[ndarray, " whole"]]:
+    nodes = np.frombuffer(raw).reshape(-1, 3)
     mirrors = [mirror_nodes(nodes, axis) for axis in range(3)]
     whole = np.flatnonzero(np.all([m >= 0 for m in mirrors], axis=0))
     return mirrors, whole

@@ -51,7 +51,7 @@ def solve_free(
     rigid = elasticity.rigid_modes(mesh.nodes)
     scale = np.abs(loads).sum() * np.abs(mesh.nodes).max()
     resultant = rigid.T @ loads.ravel()
-    if np.abs(resultant).max() > 1e-9 * max(scale, np.abs(loads).sum()):
+    if not np.abs(resultant).max() <= 1e-9 * max(scale, np.abs(loads).sum()):
         raise ValueError(f"loads must balance, got force and moment {resultant}")
     held = supports(mesh.nodes)
     free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), held)

@@ -10,8 +10,9 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Float
-from numba import njit
 from numpy import ndarray
+
+from bladeroot.compiled import njit
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bladeroot.hdf5_links import check_links
 from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
 from bladeroot.records.hdf5 import length_notes, try_first
 from bladeroot.records.statements import one_time, statements
@@ -40,7 +41,7 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         head = file.read(520)
     new = head.startswith(b"\x89HDF") or head[512:516] == b"\x89HDF"
     if new:
-        try_first(lambda: list(_version_73(path)), path)
+        try_first(lambda: list(_version_73(path)), path)  # links, too
     leaves = list(_version_73(path) if new else _version_5(path))
     series = [leaf for leaf in leaves if isinstance(leaf.value, np.ndarray)]
     words = {leaf.name: leaf for leaf in leaves if isinstance(leaf.value, int | float | str)}
@@ -183,6 +184,7 @@ def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterato
 def _version_73(path: str) -> Iterator[_Leaf]:
     import h5py
 
+    check_links(path)
     with h5py.File(path) as file:
         for name, item in file.items():
             if not name.startswith("#"):

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bladeroot.hdf5_links import check_links
 from bladeroot.records.channel import Channel, Entry, check_claim, pick, time_factor
 from bladeroot.records.hdf5 import length_notes, try_first
 from bladeroot.records.statements import one_time, statements
@@ -11,6 +12,8 @@ from bladeroot.records.units import quantity_of
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
 _INVALID = {"_FillValue", "missing_value", "valid_range", "valid_min", "valid_max"}
+# Attributes that the library leaves out without a word where they are no numbers.
+_NUMBERS = ("scale_factor", "add_offset", *sorted(_INVALID))
 
 
 def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
@@ -24,7 +27,13 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     if classic:
         _check_whole(path)
     else:
-        try_first(lambda: _read(path, channel, quantity), path)
+        try_first(lambda: _checked(path, channel, quantity), path)
+        return _checked(path, channel, quantity)
+    return _read(path, channel, quantity)
+
+
+def _checked(path: str, channel: str | None, quantity: str | None) -> Channel:
+    check_links(path)
     return _read(path, channel, quantity)
 
 
@@ -103,6 +112,7 @@ def _values(variable, path: str) -> np.ndarray:
     clipped sample.
     """
     check_claim(variable.size, variable.dtype.itemsize, path)
+    _check_attributes(variable, path)
     declared = not _INVALID.isdisjoint(variable.ncattrs())
     variable.set_auto_mask(declared or variable.dtype.kind == "f")
     try:
@@ -114,6 +124,27 @@ def _values(variable, path: str) -> np.ndarray:
     if np.ma.is_masked(values):
         values = np.ma.filled(values.astype(float), np.nan)
     return np.ma.getdata(values).ravel()
+
+
+def _check_attributes(variable, path: str) -> None:
+    """Refuse a scale, offset or fill value that is no number: it would not be applied.
+
+    Raises:
+        ValueError: names the attribute.
+    """
+    for name in _NUMBERS:
+        if name not in variable.ncattrs():
+            continue
+        given = variable.getncattr(name)
+        values = np.asarray(given)
+        numbers = values.dtype.kind in "iuf"
+        if numbers and name in ("scale_factor", "add_offset"):
+            numbers = values.size == 1 and bool(np.isfinite(values).all())
+        if not numbers:
+            raise ValueError(
+                f"expected {name} of {variable.name} to be a number, got {str(given)[:60]!r} "
+                f"({path})"
+            )
 
 
 def _check_whole(path: str) -> None:

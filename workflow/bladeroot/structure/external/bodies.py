@@ -109,7 +109,7 @@ def _line(
     )
     change = np.ptp(forces) * abs(slope).max()
     off = max(abs(m - zero - f * slope).max() for m, f in zip(matrices, forces, strict=True))
-    if off > _LINEAR * change:
+    if not off <= _LINEAR * change:
         raise ValueError(
             "expected a stiffness that changes linearly with force, got a deviation of "
             f"{100 * off / max(change, 1e-300):.3g} % of its change ({where})"

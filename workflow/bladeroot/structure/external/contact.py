@@ -32,8 +32,8 @@ def contact_pairs(
             )
     flank = np.array([FLANKS.index(name) for name in names])
     area = description.length**2 * floats(table, "area")
-    if (area <= 0).any():
-        raise ValueError(f"area must be positive ({table.where(int(np.argmax(area <= 0)))})")
+    if not (area > 0).all():
+        raise ValueError(f"area must be positive ({table.where(int(np.argmin(area > 0)))})")
     normal = np.column_stack([floats(table, name) for name in ("nx", "ny", "nz")])
     pairs = np.empty((len(flank), 2), dtype=np.int64)
     position = np.empty((len(flank), 2, 3))
@@ -89,7 +89,7 @@ def _check_pairs(
     tolerance = 1.0e-3 * description.data.get("contact_tolerance_mm", 1.0e-3)
     gap = np.linalg.norm(position[:, 0] - position[:, 1], axis=1)
     worst = int(np.argmax(gap))
-    if gap[worst] > tolerance:
+    if not gap[worst] <= tolerance:
         raise ValueError(
             f"expected contact nodes that coincide within {1e3 * tolerance:g} mm, got "
             f"{1e3 * gap[worst]:.4g} mm between beam_node {table.columns['beam_node'][worst]} and "
@@ -126,14 +126,14 @@ def _frame(table: Table, k: int, flank: ndarray, normals: ndarray) -> Float[ndar
     normal = unit.mean(axis=0)
     normal /= max(np.linalg.norm(normal), 1e-300)
     far = np.linalg.norm(unit - normal, axis=1)
-    if far.max() > _NORMAL:
+    if not far.max() <= _NORMAL:
         worst = int(mine[np.argmax(far)])
         raise ValueError(
             f"expected one normal for flank {FLANKS[k]}, got {normals[worst]} beside {normal} "
             f"({table.where(worst)})"
         )
     inwards, outwards = (1, -1)[k // 2], (-1, 1)[k % 2]
-    if normal[0] * inwards <= 0 or normal[2] * outwards <= 0:
+    if not (normal[0] * inwards > 0 and normal[2] * outwards > 0):
         raise ValueError(
             f"expected the normal of {FLANKS[k]} to point out of the beam, to mid-span and "
             f"{'up' if outwards > 0 else 'down'}, got {normals[mine[0]]} "

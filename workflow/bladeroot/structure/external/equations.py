@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Int
 from numpy import ndarray
 
-from bladeroot.structure.external.tables import Table, whole_numbers
+from bladeroot.structure.external.reading import check_path
+from bladeroot.structure.external.tables import DIGITS, Table, whole_numbers
 
 # Displacements along X, Y, Z, then rotations about them, as ANSYS writes them.
 LABELS = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
@@ -64,8 +65,7 @@ def _from_mapping(path: Path, place: dict[int, int], table: Path) -> Equations:
         raise ValueError(
             f"expected a mapping ending in .mapping (HBMAT) or .dof (CalculiX), got {path}"
         )
-    if not path.is_file():
-        raise ValueError(f"expected a mapping file, got none at {path}")
+    check_path(path, "a mapping file")
     read = _hbmat_row if path.suffix.lower() == ".mapping" else _calculix_row
     number, node, axis = [], [], []
     for line, text in enumerate(path.read_text(encoding="latin-1").splitlines(), 1):
@@ -85,14 +85,14 @@ def _from_mapping(path: Path, place: dict[int, int], table: Path) -> Equations:
 
 
 def _hbmat_row(text: str, _: int) -> tuple[int, int, int] | None:
-    match = re.fullmatch(r"\s*(\d+)\s+(\d+)\s+([A-Z]+)\s*", text)
+    match = re.fullmatch(rf"\s*(\d{{1,{DIGITS}}})\s+(\d{{1,{DIGITS}}})\s+([A-Z]+)\s*", text)
     if match is None or match[3] not in LABELS:
         return None
     return int(match[1]), int(match[2]), LABELS.index(match[3])
 
 
 def _calculix_row(text: str, number: int) -> tuple[int, int, int] | None:
-    match = re.fullmatch(r"\s*(\d+)\.([1-6])\s*", text)
+    match = re.fullmatch(rf"\s*(\d{{1,{DIGITS}}})\.([1-6])\s*", text)
     return None if match is None else (number, int(match[1]), int(match[2]) - 1)
 
 

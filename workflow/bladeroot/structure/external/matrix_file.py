@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladeroot.structure.external import readers
+from bladeroot.structure.external.reading import check_order, check_path
 
 # Largest difference of the triangles, relative to the largest entry.
 SYMMETRY = 1.0e-9
@@ -37,8 +38,7 @@ def check_file(path: Path) -> None:
         raise ValueError(
             f"expected a matrix file ending in {', '.join(sorted(formats()))}, got {path}"
         )
-    if not path.is_file():
-        raise ValueError(f"expected a matrix file, got none at {path}")
+    check_path(path, "a matrix file")
 
 
 def read_matrix(folder: Path, reference: str) -> sp.csr_array:
@@ -72,6 +72,7 @@ def _checked(found: sp.coo_array, where: str) -> sp.csr_array:
     rows, columns = found.shape
     if rows != columns or rows == 0:
         raise ValueError(f"expected a square matrix, got {rows} x {columns} ({where})")
+    check_order(rows, where)
     if np.iscomplexobj(found.data):
         raise ValueError(f"expected a real matrix, got a complex one ({where})")
     bad = np.flatnonzero(~np.isfinite(found.data))

@@ -9,6 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from bladeroot.structure.external.reading import check_path
+
+DIGITS = 18  # of a whole number, so that it fits 64 bits
+
 
 @dataclass(frozen=True)
 class Table:
@@ -28,8 +32,7 @@ def read_table(path: Path, required: Sequence[str], optional: Sequence[str] = ()
 
     Raises ValueError, one line, for a missing file, a missing or unknown column, a short row.
     """
-    if not path.is_file():
-        raise ValueError(f"expected a table with columns {', '.join(required)}, got none at {path}")
+    check_path(path, f"a table with columns {', '.join(required)}")
     with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
         numbered = [(k, line) for k, line in enumerate(file, 1) if line.strip(" \t,;\r\n")]
     numbered = [(k, line) for k, line in numbered if not line.startswith("#")]
@@ -80,11 +83,12 @@ def whole_numbers(table: Table, name: str, empty: int | None = None) -> Int[ndar
     for k, cell in enumerate(cells):
         if not cell and empty is not None:
             result[k] = empty
-        elif cell.isascii() and cell.isdigit() and int(cell) > 0:
+        elif cell.isascii() and cell.isdigit() and len(cell) <= DIGITS and int(cell) > 0:
             result[k] = int(cell)
         else:
             raise ValueError(
-                f"{name} must be a whole number from 1, got {cell!r} ({table.where(k)})"
+                f"{name} must be a whole number from 1, of {DIGITS} digits at most, got "
+                f"{cell[:60]!r} ({table.where(k)})"
             )
     return result
 

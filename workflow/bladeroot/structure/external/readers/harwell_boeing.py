@@ -60,7 +60,7 @@ def _numbers(
 ) -> np.ndarray:
     """`expected` numbers from the next `count` lines of a Fortran format such as (4D20.12)."""
     match = _FORMAT.match(form)
-    if match is None:
+    if match is None or int(match[3]) == 0:
         raise ValueError(f"expected a Fortran format such as (4D20.12), got {form!r} ({path})")
     width, a_line = int(match[3]), int(match[1] or 1)
     fields = []
@@ -68,7 +68,9 @@ def _numbers(
         line = next(lines, None)
         if line is None:
             break
-        fields += [line[k * width : (k + 1) * width] for k in range(a_line)]
+        # a format may claim any number
+        whole = min(a_line, len(line) // width + 1)
+        fields += [line[k * width : (k + 1) * width] for k in range(whole)]
     fields = [field for field in fields if field.strip()]
     if len(fields) != expected:
         raise ValueError(f"expected {expected} numbers in {form}, got {len(fields)} ({path})")

@@ -3,6 +3,7 @@
 import numpy as np
 import scipy.sparse as sp
 
+from bladeroot.hdf5_links import check_links
 from bladeroot.structure.external.reading import choose
 
 SUFFIXES = (".mat",)
@@ -35,6 +36,7 @@ def _is_full(item: object) -> bool:
 def _version_73(path: str, variable: str | None) -> sp.coo_array:
     import h5py
 
+    check_links(path)
     with h5py.File(path) as file:
         sparse = {n for n, item in file.items() if "MATLAB_sparse" in item.attrs}
         full = {n for n, item in file.items() if _is_full(item)}

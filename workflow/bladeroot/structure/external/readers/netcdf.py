@@ -3,6 +3,7 @@
 import numpy as np
 import scipy.sparse as sp
 
+from bladeroot.hdf5_links import check_links
 from bladeroot.structure.external.reading import choose
 
 SUFFIXES = (".nc", ".nc4", ".cdf")
@@ -16,6 +17,7 @@ def read(path: str, variable: str | None = None) -> sp.coo_array:
     """
     import netCDF4
 
+    check_links(path)
     with netCDF4.Dataset(path) as file:
         full = [name for name, item in file.variables.items() if item.ndim == 2]
         triplets = [
@@ -24,6 +26,8 @@ def read(path: str, variable: str | None = None) -> sp.coo_array:
             if name.endswith("_value") and _third(name, "row") in file.variables
         ]
         name = choose([*full, *triplets], variable, path)
+        for part in [name] if name in full else [f"{name}_value"]:
+            _check_attributes(file[part], path)
         if name in full:
             return sp.coo_array(np.ma.filled(file[name][:].astype(float), np.nan))
         values = np.ma.filled(file[f"{name}_value"][:].astype(float), np.nan)
@@ -36,6 +40,16 @@ def read(path: str, variable: str | None = None) -> sp.coo_array:
         if "size" in file[f"{name}_value"].ncattrs():
             size = int(file[f"{name}_value"].getncattr("size"))
     return sp.coo_array((values, tuple(index)), shape=(size, size))
+
+
+def _check_attributes(item, path: str) -> None:
+    """Refuse a scale or offset that is not a number: the library would leave it out."""
+    for name in ("scale_factor", "add_offset"):
+        if name in item.ncattrs() and np.asarray(item.getncattr(name)).dtype.kind not in "iuf":
+            raise ValueError(
+                f"expected {name} of {item.name} to be a number, got "
+                f"{str(item.getncattr(name))[:60]!r} ({path})"
+            )
 
 
 def _third(name: str, part: str) -> str:

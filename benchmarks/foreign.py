@@ -1,0 +1,123 @@
+"""The product on sealed campaigns of a laboratory that it has never seen.
+
+    python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
+    python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
+    python benchmarks/foreign.py score --out DIR
+    python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
+
+PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
+
+Seeds 1 to 9999 are for tuning; from 100000 on they are for scoring alone. A case whose verdict is
+there is not run again unless `--again`; `--keep` keeps raw records and artifacts. With `--analysed`
+records are analysed once, so that a changed diagnosis is tried within a second or two a case.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import sys
+import time
+from pathlib import Path
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
+from foreign_lab.score import outcome, report  # noqa: E402
+
+
+def seeds_of(text: str) -> list[int]:
+    """`3`, `1-40` or a list of both, split by commas."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        found += range(int(first), int(last or first) + 1)
+    return found
+
+
+def drawn(args: argparse.Namespace, seed: int) -> Case:
+    """The case of a seed, its specimen from the cache."""
+    cache = args.cache or args.out / "cache"
+    return draw_case(seed, cache, args.shipped, args.kind, args.effect)
+
+
+def make(args: argparse.Namespace, raw: bool = True) -> None:
+    """Campaigns with their sealed truths, no inference."""
+    for seed in seeds_of(args.seeds):
+        folder = args.out / "campaigns" / f"c{seed}"
+        shutil.rmtree(folder, ignore_errors=True)
+        case = drawn(args, seed)
+        args.out.mkdir(parents=True, exist_ok=True)
+        digest = seal(case, args.out / f"truth-{seed}.json")
+        write_campaign(case, folder, raw)
+        print(f"{folder}: {len(case.sheet.mode)} records, sealed {digest[:16]}")
+
+
+def run(args: argparse.Namespace) -> None:
+    """Make, seal, infer, open, tell."""
+    from foreign_lab.run import analysed_file, infer
+
+    for seed in seeds_of(args.seeds):
+        answer = args.out / f"verdict-{seed}.json"
+        if answer.is_file() and not args.again:
+            continue
+        begun = time.process_time()
+        folder, results = args.out / "campaigns" / f"c{seed}", args.out / "results" / f"c{seed}"
+        for old in (folder, results):
+            shutil.rmtree(old, ignore_errors=True)
+        store = (
+            analysed_file(args.analysed, f"{seed}{args.kind}{args.effect}")
+            if args.analysed
+            else None
+        )
+        fresh = store is None or not store.is_file()
+        make(argparse.Namespace(**(vars(args) | {"seeds": str(seed)})), raw=fresh)
+        cache = args.cache or args.out / "cache"
+        verdict = infer(folder, results, cache, args.shipped, args.keep, store)
+        answer.write_text(json.dumps(verdict, indent=1) + "\n")
+        truth = opened(args.out / f"truth-{seed}.json")
+        hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+        causes = ", ".join("/".join(c["credible_set"]) for c in verdict["causes"]) or "-"
+        print(
+            f"  {time.process_time() - begun:.0f} s CPU; hidden {hidden}; "
+            f"{verdict['answer']}: {causes} -> {outcome(truth, verdict)}",
+            flush=True,
+        )
+        if not args.keep:
+            shutil.rmtree(folder)
+            shutil.rmtree(results, ignore_errors=True)
+
+
+def score(args: argparse.Namespace) -> None:
+    """Tables of all verdicts of a folder."""
+    chosen = seeds_of(args.seeds) if args.seeds else None
+    cases = []
+    for path in sorted(args.out.glob("verdict-*.json")):
+        seed = int(path.stem.removeprefix("verdict-"))
+        if chosen is None or seed in chosen:
+            truth = opened(args.out / f"truth-{seed}.json")
+            cases.append((truth, json.loads(path.read_text())))
+    print(report(cases))
+
+
+def main() -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=["make", "run", "score"])
+    parser.add_argument("--seeds", default="", help="as 1-40 or 3,7")
+    parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
+    parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
+    parser.add_argument("--shipped", type=Path, help="parametric.nc of dovetail-HB")
+    parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
+    parser.add_argument("--kind", default="", choices=["", "null", "single", "pair", "outside"])
+    parser.add_argument("--effect", default="", help="the id of the one effect to hide")
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("--keep", action="store_true")
+    args = parser.parse_args()
+    {"make": make, "run": run, "score": score}[args.what](args)
+
+
+if __name__ == "__main__":
+    main()

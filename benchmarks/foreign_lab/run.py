@@ -1,0 +1,219 @@
+"""The product on one campaign in one process: the stages' own scripts' calls, in their order.
+
+This file alone of the laboratory uses the product, through the same functions as
+`workflow/scripts` call, with the settings of `config/config.yaml`.
+"""
+
+import hashlib
+import importlib.util
+import json
+import pickle
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPTS = ROOT / "workflow" / "scripts"
+RECORD_STAGES = ("ringdown", "integrity", "stick")
+
+
+def stage(name: str) -> Callable:
+    """`main` of a stage's script."""
+    return _script(name).main
+
+
+def _script(name: str) -> ModuleType:
+    for folder in (ROOT / "workflow", SCRIPTS):
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
+    spec = importlib.util.spec_from_file_location(f"_stage_{name}", SCRIPTS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def configuration() -> dict:
+    """The shipped settings."""
+    return yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+
+
+def parametric_of(structure_file: Path, cache: Path) -> Path:
+    """`parametric.nc` of a structure of kind `matrices`, from the cache if it is there."""
+    folder = cache / "structures" / structure_file.stem
+    done = folder / "parametric.nc"
+    if not done.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        mesh, reduced = folder / "mesh.nc", folder / "reduced.nc"
+        stage("matrices_mesh")(structure_file, mesh)
+        stage("matrices_reduced")(structure_file, mesh, reduced)
+        asked = configuration()["parametric"]
+        try:
+            stage("parametric")(reduced, "area", json.dumps(asked), done)
+        except ValueError:
+            # 1B and 2B are what is needed; a user leaves out a third mode that crosses another
+            fewer = {**asked, "modes": ["1B", "2B"]}
+            stage("parametric")(reduced, "area", json.dumps(fewer), done)
+    return done
+
+
+@contextmanager
+def in_memory(kept: bool) -> Iterator[dict]:
+    """Artifacts are handed from stage to stage without files, which cost more than the analysis.
+
+    With `kept` they are files as in a run by Snakemake, and the shelf that is given stays empty.
+    """
+    stage("ringdown")  # the library's path
+    from bladeroot import artifacts
+
+    shelf, load, save = {}, artifacts.load, artifacts.save
+
+    def shelve(dataset, path, *, origin=None, settings="{}"):
+        source = {"campaign": "", "simulated": 0} | (dataset if origin is None else origin).attrs
+        shelf[Path(path)] = dataset.assign_attrs(
+            campaign=source["campaign"], simulated=source["simulated"], settings=settings
+        )
+
+    def fetch(path):
+        found = shelf.get(Path(path))
+        return load(path) if found is None else found.copy(deep=True)
+
+    if kept:
+        yield shelf
+        return
+    artifacts.load, artifacts.save = fetch, shelve
+    try:
+        yield shelf
+    finally:
+        artifacts.load, artifacts.save = load, save
+
+
+def analysed_file(folder: Path, case: str) -> Path:
+    """Where the analysed records of a case are kept: another name once any code that made them is.
+
+    The diagnosis alone may change without new records.
+    """
+    stage("ringdown")  # the library's path
+    from bladeroot.provenance import code_hash
+
+    parts = [code_hash(SCRIPTS / f"{name}.py") for name in RECORD_STAGES]
+    lab = Path(__file__).parent
+    parts += [path.read_text() for path in sorted(lab.rglob("*.py")) if path.name not in _NO_MAKERS]
+    key = hashlib.sha256("".join(parts).encode()).hexdigest()
+    return folder / f"{case}-{key[:12]}.pickle"
+
+
+_NO_MAKERS = ("run.py", "score.py")
+
+
+def infer(
+    folder: Path,
+    results: Path,
+    cache: Path,
+    shipped: Path,
+    keep: bool = False,
+    analysed: Path | None = None,
+) -> dict:
+    """verdict.json of a campaign's folder; artifacts of the stages go to `results`, with `keep`.
+
+    `shipped`: `parametric.nc` of the shipped structure, for campaigns that name it. `analysed`: the
+    analysed records, taken from there if the file exists, else left there. The answer has
+    `seconds` beside the verdict: CPU time of the records and of the diagnosis.
+    """
+    own = folder / f"{yaml.safe_load((folder / 'campaign.yaml').read_text())['structure'][0]}.yaml"
+    parametric = parametric_of(own, cache) if own.is_file() else shipped
+    with in_memory(keep) as shelf:
+        clock = time.process_time()
+        if analysed is not None and analysed.is_file():
+            stored = pickle.loads(analysed.read_bytes())
+            shelf.update({results / name: one for name, one in stored.items()})
+        else:
+            _analyse(folder, results)
+        if analysed is not None and not analysed.is_file():
+            wanted = {path.relative_to(results): one for path, one in shelf.items()}
+            kept = {name: one for name, one in wanted.items() if name.parts[0] not in _DROPPED}
+            analysed.parent.mkdir(parents=True, exist_ok=True)
+            analysed.write_bytes(pickle.dumps(kept))
+        recorded = time.process_time() - clock
+        clock = time.process_time()
+        verdict = _diagnose(folder, results, parametric)
+        seconds = {"records": recorded, "diagnosis": time.process_time() - clock}
+        return {**verdict, "seconds": seconds}
+
+
+# The diagnosis reads the curves, stick.nc and integrity.nc.
+_DROPPED = ("records", "plateau")
+
+
+def _analyse(folder: Path, results: Path) -> None:
+    from bladeroot.records.campaign import load_campaign
+
+    campaign, config = load_campaign(folder), configuration()
+    modes = campaign.description["modes"]
+    facts = []
+    for row in campaign.records:
+        others = [modes[m]["expected_Hz"] for m in modes if m != row["mode"]]
+        facts.append({**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False})
+    settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
+    batch = results / BATCH
+    stage("ringdown")(
+        [folder / row["file"] for row in campaign.records],
+        json.dumps(facts),
+        campaign.name,
+        settings["record"],
+        settings["decay"],
+        results,
+        batch,
+    )
+    stage("integrity")([batch], campaign.name, results / "integrity.nc")
+    stage("stick")([batch], campaign.name, settings["stick"], results / "stick.nc")
+
+
+# All records of a campaign are one batch.
+BATCH = Path("batches/all.txt")
+
+
+def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
+    from bladeroot.records.campaign import load_campaign
+
+    campaign, config = load_campaign(folder), configuration()
+    batch = results / BATCH
+    if not batch.is_file():
+        batch.parent.mkdir(parents=True)
+        batch.write_text("".join(f"{row['record']}\n" for row in campaign.records))
+    integrity, stick = results / "integrity.nc", results / "stick.nc"
+    seen, verdict = results / "observations.nc", results / "verdict.json"
+    stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
+    stage("diagnosis")(
+        seen,
+        parametric,
+        json.dumps(
+            {
+                **config["diagnosis"],
+                **config["search"],
+                "full_contact_from_kN": campaign.description.get("full_contact_from_kN", 0),
+                "independent": campaign.description.get("independent", []),
+            }
+        ),
+        results / "diagnosis.nc",
+        verdict,
+        None,
+    )
+    return json.loads(verdict.read_text())
+
+
+def _observed_facts(campaign) -> dict:
+    """As `workflow/rules/diagnosis.smk` gives them."""
+    modes, force = campaign.description["modes"], campaign.description["force"]
+    return {
+        "full_scale": campaign.force_full_scale,
+        "scale": campaign.force_scale,
+        "accuracy": force["accuracy_percent"] / 100,
+        "primary": force["accuracy_of"],
+        "laser_x": {mode: 1e-3 * modes[mode]["laser_x_mm"] for mode in modes},
+        "time": {r["record"]: r["time_s"] for r in campaign.records if r["time_s"] is not None},
+    }

@@ -1,0 +1,139 @@
+"""The command: what a person types, and what they get."""
+
+import re
+
+import numpy as np
+import pytest
+import yaml
+from bladeroot import artifacts
+from bladeroot.command.explain import explained
+from bladeroot.command.main import COMMANDS, main
+from bladeroot.command.run import followed
+from bladeroot.records.read import channels
+from bladeroot.records.spectral_peaks import common, peaks, spectrum
+from click.testing import CliRunner
+
+RATE, MODES = 4096.0, (61.0, 173.0, 402.0)
+
+
+def ringing(seed):
+    t = np.arange(int(2.0 * RATE)) / RATE
+    parts = [
+        a * np.exp(-3.0 * t) * np.cos(2 * np.pi * f * t + seed)
+        for f, a in zip(MODES, (1.0, 0.4, 0.1), strict=True)
+    ]
+    noise = 1e-5 * np.random.default_rng(seed).standard_normal(t.size)
+    return t, 0.01 * sum(parts) + noise
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two files of two sensors whose unit nobody wrote down."""
+    for k in (1, 2):
+        t, v = ringing(k)
+        table = np.column_stack([t, v, 0.5 * v])
+        np.savetxt(
+            tmp_path / f"blow {k}.csv", table, delimiter=",", header="time_s,top,base", comments=""
+        )
+    return tmp_path
+
+
+def called(*arguments):
+    return CliRunner().invoke(main, list(map(str, arguments)))
+
+
+def test_modes_that_most_records_show_are_suggested():
+    lines = [peaks(*spectrum(ringing(k)[1], RATE)) for k in (1, 2, 3)]
+    np.testing.assert_allclose(common(lines), MODES, rtol=0.005)
+    assert common([lines[0], [], []]) == []
+
+
+def test_noise_suggests_no_mode():
+    noise = np.random.default_rng(0).standard_normal(20_000)
+    assert peaks(*spectrum(noise, RATE)) == []
+
+
+def test_a_new_campaign_says_what_files_say_and_marks_what_they_do_not(folder):
+    done = called("new", folder)
+    assert done.exit_code == 0
+    assert "FILL_IN" in done.output
+    modes = yaml.safe_load((folder / "campaign.yaml").read_text())["modes"]
+    np.testing.assert_allclose([m["expected_Hz"] for m in modes.values()], MODES, rtol=0.005)
+    header, *rows = (folder / "records.csv").read_text().splitlines()
+    assert header == "record,file,mode,channel,unit,group,note"
+    assert rows == [f"blow_{k},blow {k}.csv,all,top;base,FILL_IN,," for k in (1, 2)]
+
+
+def test_nothing_is_written_over_a_campaign(folder):
+    (folder / "records.csv").write_text("mine")
+    done = called("new", folder)
+    assert done.exit_code == 1
+    assert "records.csv is there already" in done.stderr
+    assert (folder / "records.csv").read_text() == "mine"
+    assert not (folder / "campaign.yaml").exists()
+
+
+def test_a_folder_without_raw_files_is_told(tmp_path):
+    (tmp_path / "notes.docx").write_text("x")
+    done = called("new", tmp_path)
+    assert done.exit_code == 1
+    assert "expected raw files" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_look_shows_channels_lines_and_the_curve(folder):
+    file, picture = folder / "blow 1.csv", folder / "seen.png"
+    assert [entry.name for entry in channels(file)] == ["top", "base"]
+    done = called("look", file, "--channel", "top", "--unit", "m/s", "--picture", picture)
+    assert done.exit_code == 0, done.output
+    assert "channel 1: top" in done.output or "channel 2: top" in done.output
+    told = re.search(r"line at +([\d.]+) Hz, +0.0 dB", done.output)
+    assert float(told[1]) == pytest.approx(MODES[0], rel=1e-3)
+    assert "ring-down of the mode near 61" in done.output
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_look_says_in_one_line_what_it_lacks(folder):
+    done = called("look", folder / "blow 1.csv")
+    assert done.exit_code == 1
+    assert "expected one channel" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_check_tells_every_fault_on_a_line(folder):
+    called("new", folder)
+    done = called("check", folder)
+    assert done.exit_code == 1
+    assert all(line.startswith("bladeroot: ") for line in done.stderr.strip().splitlines())
+
+
+def test_explain_reads_the_verdict(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = {
+        "campaign": "c", "structure": None, "answer": "ambiguous", "reason": "too like each other",
+        "causes": [], "probabilities": {"drift": 0.55, "force-relaxation": 0.44, "none": 0.001},
+    }  # fmt: skip
+    place = tmp_path / "results" / "c" / "diagnosis"
+    place.mkdir(parents=True)
+    artifacts.save_json(told, place / "verdict.json")
+    done = called("explain", "c")
+    assert done.exit_code == 0
+    assert "55.0%  drift" in done.output
+    assert "none" not in done.output.split("drift")[1]
+    assert called("explain", "other").exit_code == 1
+    assert list(explained(told))[-1] == "too like each other"
+
+
+def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():
+    shown = []
+    lines = ["Job 3: mean curves of c", "4 of 9 steps (44%) done", "Job 4: report of c",
+             "9 of 9 steps (100%) done", "report of c: results/c/report.html"]  # fmt: skip
+    assert followed(lines, shown.append) == ["report of c: results/c/report.html"]
+    assert "    4 of 9  report of c" in shown
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_subcommand_has_a_help_of_its_own(name):
+    done = called(name, "--help")
+    assert done.exit_code == 0
+    assert done.output.startswith("Usage:")

@@ -1,0 +1,109 @@
+"""What is in a raw file: channels, spectrum, the decay cut out, and its curve."""
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from bladeroot.records.read import channels, read
+from bladeroot.records.recording import Recording
+from bladeroot.records.spectral_peaks import peaks, spectrum
+
+SHOWN_LINES = 8
+
+
+@click.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--mode",
+    "mode_Hz",
+    type=float,
+    help="About where the mode lies, Hz; by default the strongest line.",
+)
+@click.option("--channel", help="Name or number of a channel, where the file has several.")
+@click.option(
+    "--sampling",
+    "sampling_Hz",
+    type=float,
+    help="Sampling frequency, Hz, if the file does not say.",
+)
+@click.option("--unit", help="Unit of the numbers, such as mm/s, if the file does not say.")
+@click.option("--quantity", help="velocity, displacement or acceleration.")
+@click.option("--sensitivity", help='Of the sensor, such as "100 mV/g".')
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="Where the picture goes; by default FILE.look.png.",
+)
+def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, picture) -> None:
+    """Show what is in FILE: channels, spectrum, the decay cut out and its curve."""
+    found = channels(file)
+    click.echo(f"{file}")
+    for entry in found:
+        click.echo(f"  channel {entry}")
+    named = channel or (str(found[0].number) if len(found) == 1 else None)
+    given = {"unit": unit, "quantity": quantity, "sensitivity": sensitivity}
+    record = read(file, channel=named, sampling_Hz=sampling_Hz, **given)
+    duration = record.samples.size / record.sampling_Hz
+    click.echo(f"  {record.quantity}, {record.sampling_Hz:g} Hz, {duration:.3g} s")
+    for note in record.notes:
+        click.echo(f"  note: {note}")
+    frequency, level = spectrum(record.samples, record.sampling_Hz)
+    lines = peaks(frequency, level)
+    for line_Hz, decibel in lines[:SHOWN_LINES]:
+        click.echo(f"  line at {line_Hz:9.5g} Hz, {decibel:6.1f} dB")
+    if mode_Hz is None and not lines:
+        raise ValueError(
+            f"no line stands out of the spectrum; --mode can say where to look ({file})"
+        )
+    from bladeroot.public.decay import of_recording
+
+    decay = of_recording(record, mode_Hz or lines[0][0], file.stem)
+    click.echo(repr(decay))
+    place = picture or file.with_name(f"{file.name}.look.png")
+    _draw(record, frequency, level, decay).savefig(place, dpi=110)
+    click.echo(f"picture: {place}")
+
+
+def _draw(record: Recording, frequency, level, decay):
+    """The record with its cut, its spectrum, and frequency and loss factor over amplitude."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10.0, 6.5), layout="constrained")
+    (whole, lines), (rate, loss) = figure.subplots(2, 2)
+    time = np.arange(record.samples.size) / record.sampling_Hz
+    whole.plot(time, record.samples, color="0.6", linewidth=0.5)
+    attrs = decay.free_decay.attrs
+    if decay.free_decay.sizes["time"]:
+        whole.axvspan(attrs["start_s"], attrs["end_s"], alpha=0.2)
+    whole.set(
+        xlabel="time in s", ylabel=f"{record.quantity} (SI)", title="record and the decay cut out"
+    )
+    lines.plot(frequency, level, linewidth=0.7)
+    lines.axvline(attrs["expected_Hz"], color="C3", linewidth=0.8)
+    lines.set(
+        xlabel="frequency in Hz",
+        ylabel="level in dB",
+        ylim=(-100, 5),
+        title="spectrum of its loudest half",
+    )
+    for axis, name, label in (
+        (rate, "frequency", "frequency in Hz"),
+        (loss, "loss_factor", "loss factor"),
+    ):
+        curve = decay.curves
+        axis.errorbar(
+            curve["amplitude"],
+            curve[name],
+            curve[f"{name}_std"],
+            fmt=".",
+            markersize=3,
+            elinewidth=0.7,
+        )
+        axis.set(
+            xscale="log" if curve.sizes["point"] else "linear",
+            xlabel="displacement amplitude in m",
+            ylabel=label,
+        )
+        axis.grid(alpha=0.3)
+    return figure

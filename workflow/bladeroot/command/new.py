@@ -1,0 +1,153 @@
+"""A campaign's description and sheet from the files of a folder."""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from bladeroot.records.channel import Entry
+from bladeroot.records.read import channels, formats, read
+from bladeroot.records.spectral_peaks import common, peaks, spectrum
+from bladeroot.records.units import SI, quantity_of
+
+FILL = "FILL_IN"
+# A frequency only serves to look at spectra of files that do not say theirs.
+_ANY_RATE = 1.0
+
+
+@dataclass(frozen=True)
+class Found:
+    """One raw file: its channels of motion, what it does not say, and the lines in each channel."""
+
+    path: Path
+    channels: tuple[Entry, ...]
+    alone: bool
+    unit: bool
+    sampling: bool
+    lines: tuple[tuple[tuple[float, float], ...], ...]
+
+
+@click.command()
+@click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
+def command(folder: Path) -> None:
+    """Write campaign.yaml and records.csv for the raw files in FOLDER; never over old ones."""
+    for name in ("campaign.yaml", "records.csv", "stick.csv"):
+        if (folder / name).exists():
+            raise ValueError(f"{name} is there already; nothing is written ({folder})")
+    files = sorted(p for p in folder.iterdir() if p.is_file() and p.suffix.lower() in formats())
+    found = []
+    for path in files:
+        try:
+            found.append(looked_at(path))
+        except ValueError as error:
+            click.echo(f"left out: {error}", err=True)
+    if not found:
+        known = ", ".join(sorted(formats()))
+        raise ValueError(f"expected raw files ending in {known} that can be read ({folder})")
+    modes = common([lines for one in found if one.sampling for lines in one.lines])
+    (folder / "campaign.yaml").write_text(
+        description(folder.resolve().name, modes), encoding="utf-8"
+    )
+    (folder / "records.csv").write_text(sheet(found), encoding="utf-8", newline="")
+    for line in told(found, modes, folder):
+        click.echo(line)
+
+
+def looked_at(path: Path) -> Found:
+    """What a file says of itself. ValueError, one line, if it cannot be read."""
+    every = channels(path)
+    moving = [e for e in every if (e.quantity or quantity_of(e.name, e.unit)) in SI]
+    chosen = tuple(moving or every)
+    unit = sampling = True
+    lines = []
+    for entry in chosen:
+        given: dict = {}
+        for _ in range(3):
+            try:
+                record = read(path, channel=str(entry.number), **given)
+                break
+            except ValueError as error:
+                text = str(error)
+                if "unit" not in given and re.search(r"\bunit\b", text):
+                    unit, given["unit"] = False, "m/s"
+                elif "sampling_Hz" not in given and "sampling" in text:
+                    sampling, given["sampling_Hz"] = False, _ANY_RATE
+                else:
+                    raise
+        lines.append(tuple(peaks(*spectrum(record.samples, record.sampling_Hz))))
+    return Found(path, chosen, len(every) == 1, unit, sampling, tuple(lines))
+
+
+def description(title: str, modes: Sequence[float]) -> str:
+    """The text of campaign.yaml."""
+    listed = "\n".join(f"  m{k}: {{expected_Hz: {f:.4g}}}" for k, f in enumerate(modes, 1))
+    return f"""title: {json.dumps(title)}
+# The modes that are measured, by any name. These are the lines that stand out of most spectra:
+# strike out what is no mode of the structure (suspension, mains), and name the others.
+modes:
+{listed or f"  m1: {{expected_Hz: {FILL}}}"}
+# What is varied between records, if anything; records.csv then needs a column `load`.
+# load: {{name: bolt torque, unit: Nm, accuracy: 0.2}}
+# What the measurement is judged against: a table (CSV) or structures; without it, a linear mode.
+# simulation: table.csv
+"""
+
+
+def sheet(found: Sequence[Found]) -> str:
+    """The text of records.csv: a row a file, all modes, every channel of motion."""
+    columns = ["record", "file", "mode"]
+    columns += ["channel"] if any(not one.alone for one in found) else []
+    columns += ["unit"] if any(not one.unit for one in found) else []
+    columns += ["sampling_Hz"] if any(not one.sampling for one in found) else []
+    columns += ["group", "note"]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    taken: set[str] = set()
+    for one in found:
+        row = {
+            "record": _identifier(one.path.stem, taken),
+            "file": one.path.name,
+            "mode": "all",
+            "channel": "" if one.alone else ";".join(entry.name for entry in one.channels),
+            "unit": "" if one.unit else FILL,
+            "sampling_Hz": "" if one.sampling else FILL,
+        }
+        writer.writerow({name: row.get(name, "") for name in columns})
+    return text.getvalue()
+
+
+def _identifier(stem: str, taken: set[str]) -> str:
+    """A record's id from a file's name: letters, digits, - and _, and no other's."""
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", stem).strip("_-") or "record"
+    unique, k = name, 2
+    while unique in taken:
+        unique, k = f"{name}_{k}", k + 1
+    taken.add(unique)
+    return unique
+
+
+def told(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[str]:
+    """What was written and what is left to do."""
+    count = sum(len(one.channels) for one in found)
+    lines = [f"{len(found)} files, {count} channels of motion: {folder / 'records.csv'}"]
+    if modes:
+        lines.append(f"modes suggested: {', '.join(f'{f:.4g} Hz' for f in modes)}")
+    missing = [
+        f"the {name} in column {column} ({FILL})"
+        for name, column, there in (
+            ("unit of the numbers", "unit", all(one.unit for one in found)),
+            ("sampling frequency", "sampling_Hz", all(one.sampling for one in found)),
+        )
+        if not there
+    ]
+    missing += [] if modes else [f"the modes in campaign.yaml ({FILL})"]
+    if missing:
+        lines.append(f"to be filled in: {', '.join(missing)}")
+    lines.append(f"then: bladeroot check {folder} && bladeroot run {folder}")
+    return lines

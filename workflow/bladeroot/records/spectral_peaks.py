@@ -1,0 +1,55 @@
+"""Lines that stand out of a record's spectrum: which modes a ring-down seems to hold."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy import signal
+
+# A line is one where it stands so far (dB) above the valleys beside it and above the noise.
+PROMINENCE_DB, FLOOR_DB = 18.0, 20.0
+# Frequencies so much apart (relative) are one mode seen in several records.
+ALIKE = 0.03
+# Lines weaker than this beside the strongest (dB) are left for a person to find.
+RANGE_DB = 60.0
+
+
+def spectrum(
+    samples: Float[ndarray, " sample"], sampling_Hz: float
+) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
+    """Frequencies (Hz) and level (dB of the strongest) of the loudest half of a record."""
+    size = samples.size
+    half = max(size // 2, min(size, 256))
+    first = int(np.argmax(np.abs(samples - samples.mean())))
+    piece = samples[min(first, size - half) :][:half]
+    frequency, power = signal.periodogram(
+        piece, sampling_Hz, window="blackmanharris", detrend="linear", nfft=4 * half
+    )
+    level = 10.0 * np.log10(np.maximum(power, 1e-40 * power.max()))
+    return frequency[1:], level[1:] - level[1:].max()
+
+
+def peaks(
+    frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]
+) -> list[tuple[float, float]]:
+    """Frequency (Hz) and level (dB) of the lines that stand out, strongest first."""
+    floor = float(np.median(level))
+    found, _ = signal.find_peaks(
+        level, height=max(floor + FLOOR_DB, -RANGE_DB), prominence=PROMINENCE_DB
+    )
+    order = found[np.argsort(-level[found])]
+    return [(float(frequency[k]), float(level[k])) for k in order]
+
+
+def common(lists: Sequence[Sequence[tuple[float, float]]], least: float = 0.5) -> list[float]:
+    """Frequencies that at least this part of the records show, ascending."""
+    every = sorted((frequency, k) for k, lines in enumerate(lists) for frequency, _ in lines)
+    groups: list[list[tuple[float, int]]] = []
+    for line in every:
+        if groups and line[0] < groups[-1][0][0] * (1.0 + ALIKE):
+            groups[-1].append(line)
+        else:
+            groups.append([line])
+    kept = [group for group in groups if len({k for _, k in group}) >= least * len(lists)]
+    return [float(np.median([frequency for frequency, _ in group])) for group in kept]
