@@ -275,7 +275,7 @@ def gather(
     share = std * np.exp(-guess.real)
     edges = _edges(share, guess.real, target, -(-time.size // most))
     stop = edges[-1]
-    if stop == 0:
+    if stop <= 0:  # nothing, or errors that are no numbers
         raise ValueError("expected a mode that stands out of the noise, got none from the start")
     starts = edges[:-1]
     weight = share[:stop] ** -2.0

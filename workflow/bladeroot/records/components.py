@@ -26,8 +26,9 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # start is moved so many times at most.
 STRUCK, BLOWS = 1.7, 4
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
-# if it began so many times higher; fewest cycles that are left to a decay.
-ABOVE_FLOOR, DEEP, LIFE_CYCLES = 2.0, 30.0, 16.0
+# if it began so many times higher and is not falling still (by that part in a tenth of the time);
+# fewest cycles that are left to a decay.
+ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
 # Part of what two notions of smoothness differ by that is taken as a standard error; as on drawn
 # records of close modes.
 DOUBT = 0.5
@@ -146,8 +147,9 @@ def _lasting(found: Envelopes) -> int:
     """Samples until the mode has drowned in what its envelope shows where nothing is left of it."""
     size = np.abs(found.envelope(0))
     size = np.maximum.accumulate(size[::-1])[::-1]
-    floor = float(np.median(size[-max(size.size // 5, 1) :]))
-    if size[0] < DEEP * floor:
+    part = max(size.size // 10, 1)
+    floor, before = (float(np.median(one)) for one in (size[-2 * part :], size[-3 * part : -part]))
+    if size[0] < DEEP * floor or floor < FALLING * before:
         return found.samples
     last = int(np.flatnonzero(size > ABOVE_FLOOR * floor)[-1])
     return min(int((1.1 * last + 4) * found.spacing), found.samples)
@@ -190,9 +192,9 @@ def _followed(
 def _course(found: Envelopes, line: int, reach: int = 2) -> Complex[ndarray, " knot"]:
     """The logarithm of a line's envelope at the knots, its slope averaged over some intervals."""
     z = found.envelope(line)
-    around = np.ones(2 * reach + 1)
-    step = np.convolve(z[1:] * z[:-1].conj(), around, mode="same")
-    power = np.maximum(np.convolve(np.abs(z[:-1]) ** 2, around, mode="same"), 1e-300)
+    inner, around = slice(reach, reach + z.size - 1), np.ones(2 * reach + 1)
+    step = np.convolve(z[1:] * z[:-1].conj(), around)[inner]
+    power = np.maximum(np.convolve(np.abs(z[:-1]) ** 2, around)[inner], 1e-300)
     rate = np.log(np.maximum(np.abs(step) / power, 0.05)) + 1j * np.angle(step)
     log = np.concatenate([[0.0], np.cumsum(rate)]) + np.log(max(abs(z[0]), 1e-300))
     middle, at = np.arange(log.size), np.arange(log.size + 3) - 1.5
