@@ -56,8 +56,12 @@ def estimate(
             facts["noise_velocity"],
         )
         options = {"damping": damping, "usable": usable[first:]}
+        ours = dict(options)
+        if estimator == "blocks" and "widening" in cut:
+            time = cut["widening_time"].values - begin_s
+            ours["widening"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
-            curves = _later(ESTIMATORS[estimator](*record, **options), begin_s)
+            curves = _later(ESTIMATORS[estimator](*record, **ours), begin_s)
             peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
             facts |= {"verdict": "rejected", "reason": str(error)}

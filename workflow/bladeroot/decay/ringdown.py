@@ -8,11 +8,12 @@ import xarray as xr
 
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import record_plateau
-from bladeroot.records.cut import cut, rejected
-from bladeroot.records.integrity import bridged, judge
-from bladeroot.records.overrides import kept, overruled, windowed, with_override
+from bladeroot.records.cut import rejected
+from bladeroot.records.free_decay import free_decay
+from bladeroot.records.integrity import judge
+from bladeroot.records.overrides import kept, overruled, with_override
 from bladeroot.records.read import read
-from bladeroot.records.recording import Recording, velocity
+from bladeroot.records.recording import Recording
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -47,13 +48,9 @@ def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of a recording in SI units, for which `known` need not hold SAID."""
-    expected = known["expected_Hz"]
-    motion = velocity(recording, expected)
-    clear = bridged(motion, recording.sampling_Hz, expected)
-    decay = cut(clear, recording.sampling_Hz, expected, **cutting)
-    decay = windowed(decay, clear, known.get("start_s"), known.get("end_s"))
     others = tuple(known["other_modes_Hz"])
-    decay = judge(decay, motion, expected, others, recording.notes, recording)
+    window = known.get("start_s"), known.get("end_s")
+    decay = free_decay(recording, known["expected_Hz"], others, **cutting, window=window)
     decay = kept(decay) if known.get("keep") else decay
     return _with_curves(decay, known, estimation)
 
