@@ -11,7 +11,7 @@ ROOT = Path(workflow.basedir)
 sys.path.insert(0, str(ROOT / "workflow"))
 
 from bladeroot.nonlinear.settings import check_nonlinear
-from bladeroot.provenance import canonical_json, code_hash
+from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.records.batches import batches
 from bladeroot.records.campaign import load_campaign
 from bladeroot.records.load import load_facts
@@ -213,10 +213,15 @@ def folder_of_output(wildcards, output):
     return os.path.dirname(output[0])
 
 
+ENVIRONMENT = environment_hash(config.get("keep_environment", ""))
+
+
 @cache  # every batch asks
-def code(script):
-    """Hash of a stage's code: its script and all that it imports of the library."""
-    return code_hash(SCRIPTS / f"{script}.py")
+def code(script, *files):
+    """Hash of what computes a stage: its script with all that it imports, further files of Python,
+    and the versions of the numerical libraries.
+    """
+    return f"{code_hash(SCRIPTS / f'{script}.py', *files)} {ENVIRONMENT}"
 
 
 def settings(section):

@@ -120,7 +120,7 @@ rule diagnosis:
         **needs("diagnosis"),
     params:
         settings=diagnosis_facts,
-        code=code("diagnosis"),
+        code=code("diagnosis", *MECHANISMS),
     message:
         "what the simulation of {wildcards.campaign} with {wildcards.structure} gets wrong"
     shell:
@@ -154,7 +154,8 @@ rule verdict:
     message:
         "verdict on {wildcards.campaign}"
     shell:
-        "cp {input.verdict:q} {output.verdict} > {log} 2>&1"
+        "cp {input.verdict:q} {output.verdict}.part > {log} 2>&1"
+        " && mv {output.verdict}.part {output.verdict} >> {log} 2>&1"
 
 
 # A structure could be named "verdict".

@@ -52,7 +52,7 @@ rule extended_structure:
         **needs("extended_structure"),
     params:
         settings=settings("diagnosis"),
-        code=code("extended_structure"),
+        code=code("extended_structure", *MECHANISMS),
     message:
         "{wildcards.structure} with the matrices that its model file changes, for {wildcards.campaign}"
     shell:
@@ -82,7 +82,7 @@ rule extended_joint:
         **needs("extended_joint"),
     params:
         settings=extended_facts,
-        code=code("extended_joint"),
+        code=code("extended_joint", *MECHANISMS),
     message:
         "kn, kt of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:
@@ -117,7 +117,7 @@ rule extended_nonlinear:
         **needs("extended_nonlinear"),
     params:
         settings=extended_nonlinear_facts,
-        code=code("nonlinear"),
+        code=code("nonlinear", *MECHANISMS),
     message:
         "f_n(A), eta(A) of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:

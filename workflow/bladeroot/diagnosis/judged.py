@@ -167,8 +167,10 @@ def _ranked(made: Diagnosis) -> str:
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
     """The answer where a structure cannot be the specimen: one sentence, and no cause."""
     said = {
-        "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")), "structure": structure,
-        "answer": "insufficient-data", "probabilities": {}, "causes": [], "shortfall": [], "gain": {},
+        "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")),
+        "structure": structure,
+        "answer": "insufficient-data", "probabilities": {},
+        "causes": [], "shortfall": [], "gain": {},
         "records": records_of(seen), "reason": reason,
     }  # fmt: skip
     empty = np.array([], dtype=str)
