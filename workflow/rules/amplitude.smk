@@ -4,8 +4,8 @@ import json
 
 def amplitude_facts(wildcards):
     """As for the joint inference, with the laser's places (m) and how far curves are trusted."""
-    modes = CAMPAIGNS[wildcards.campaign].description["modes"]
-    lasers = {name: mode["laser_x_mm"] / 1000 for name, mode in modes.items()}
+    campaign = CAMPAIGNS[wildcards.campaign]
+    lasers = {mode: campaign.laser_x(mode) for mode in campaign.description["modes"]}
     return canonical_json(
         {**json.loads(joint_facts(wildcards)), **config["amplitude"], "lasers": lasers}
     )

@@ -14,6 +14,7 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash
 from bladeroot.records.batches import batches
 from bladeroot.records.campaign import load_campaign
+from bladeroot.records.load import load_facts
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
 
@@ -137,7 +138,14 @@ tell_warnings()
 
 def structures_of(campaign):
     """Names of the structures to compare with; none where the measurement stands alone."""
-    return campaign.description["structure"]
+    return [] if campaign.structure_lacks else campaign.description["structure"]
+
+
+def judged_against(campaign):
+    """What the diagnosis compares with: structures, a table, or linear modes."""
+    if campaign.description["structure"]:
+        return campaign.description["structure"]
+    return ["linear" if campaign.description["simulation"] == "none" else "table"]
 
 
 def made(files, **wildcards):

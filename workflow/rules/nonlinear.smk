@@ -3,10 +3,13 @@
 
 def nonlinear_facts(wildcards):
     """What the simulation reads: where the laser stands, and section `nonlinear`."""
-    modes = CAMPAIGNS[wildcards.campaign].description["modes"]
+    campaign = CAMPAIGNS[wildcards.campaign]
     return canonical_json(
         {
-            "laser_x_mm": {name: mode["laser_x_mm"] for name, mode in modes.items()},
+            "laser_x_mm": {
+                mode: 1000 * campaign.laser_x(mode)
+                for mode in campaign.description["modes"]
+            },
             **config["nonlinear"],
         }
     )

@@ -277,6 +277,7 @@ def report_facts(wildcards):
         {
             "campaign": campaign.name,
             "description": campaign.description,
+            "structures": structures_of(campaign),
             "simulated": campaign.simulated,
             "excluded": campaign.excluded,
             "entry": "records" if campaign.records else "stick frequencies",
@@ -302,8 +303,8 @@ rule report:
         diagnoses=diagnoses,
         verdicts=verdicts,
         extended=extended_joints,
-        main_verdict=with_structure(rules.verdict.output.verdict),
-        diagnosed=with_structure(rules.figures_diagnosis.output),
+        main_verdict=rules.verdict.output.verdict,
+        diagnosed=rules.figures_diagnosis.output,
         amplitudes=amplitudes,
         amplitudes_drawn=lambda w: (
             made(rules.figures_amplitude.output, **w) if amplitudes(w) else []
@@ -343,6 +344,11 @@ rule report:
         ),
         integrity=lambda w: (
             made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
+        ),
+        curves=lambda w: (
+            made(rules.curves.output.curves, **w)
             if CAMPAIGNS[w.campaign].records
             else []
         ),

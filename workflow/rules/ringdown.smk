@@ -17,7 +17,12 @@ def record_facts(campaign, row):
     modes = campaign.description["modes"]
     others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
     facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
-    return {**row, **modes[row["mode"]], **facts}
+    return {**row, **modes[row["mode"]], **facts, **load_facts(campaign.load)}
+
+
+def as_it_stands(text):
+    """A parameter whose braces are no wildcards: channels may be called `data{3,2}`."""
+    return lambda wildcards: text
 
 
 for campaign in CAMPAIGNS.values():
@@ -44,8 +49,10 @@ for campaign in CAMPAIGNS.values():
             resources:
                 **needs("ringdown"),
             params:
-                facts=canonical_json(
-                    [record_facts(campaign, rows[name]) for name in names]
+                facts=as_it_stands(
+                    canonical_json(
+                        [record_facts(campaign, rows[name]) for name in names]
+                    )
                 ),
                 campaign=campaign.name,
                 record=settings("record"),

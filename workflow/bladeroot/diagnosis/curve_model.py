@@ -1,8 +1,8 @@
 """Frequency and damping over amplitude: what the baseline leaves, level by level.
 
-A level is a mode at a force. From each record its own plateau is taken off, what is left is
-averaged over the level's records; each level keeps a free offset. The baseline has no slip, or
-that of the simulation that it is given.
+A level is a mode at a force in one group. From each record its own plateau is taken off, what is
+left is averaged over the level's records; each level keeps a free offset. The baseline has no slip,
+or that of the simulation that it is given.
 """
 
 from collections.abc import Sequence
@@ -78,10 +78,12 @@ def curve_data(
     if not amplitude.size or not use.any():
         return None
     force = seen["force"].values
+    group = seen["group"].values.astype(str) if "group" in seen else np.full(force.size, "")
     blocks, size = [], 0
     for number, name in enumerate(modes):
-        for f in np.unique(force[use & (mode == name)]):
-            rows = np.flatnonzero(use & (mode == name) & (force == f))
+        mine = use & (mode == name)
+        for f, own in sorted(set(zip(force[mine].tolist(), group[mine].tolist(), strict=True))):
+            rows = np.flatnonzero(mine & (force == f) & (group == own))
             block = _level(seen, rows, amplitude)
             if block is not None:
                 blocks.append((number, float(f), *block))

@@ -30,7 +30,9 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
     parts = [_ranking(made)]
     for found in made.found:
         if found.channel.name == "stick":
-            parts += [_records(made, found), _stiffness(made, found)]
+            parts.append(_records(made, found))
+            if made.simulated.kind == "structure":
+                parts.append(_stiffness(made, found))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))
         else:

@@ -15,9 +15,12 @@ from bladeroot.diagnosis.channel import (
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
+from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.records import Faulty, faulty_records
-from bladeroot.diagnosis.stick_model import Simulation, StickData
+from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.parametric import parametric
+from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -66,33 +69,30 @@ class Diagnosis:
 
 def diagnose(
     seen: xr.Dataset,
-    model: xr.Dataset,
+    model: xr.Dataset | Simulation,
     settings: Settings,
     candidates: Sequence[Mechanism],
     baseline: xr.Dataset | None = None,
 ) -> Diagnosis:
     """Judge a campaign.
 
-    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`.
+    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`, or
+    any other simulation (`bladeroot.diagnosis.simulation`).
     candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
     and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
     """
-    measured = set(seen["mode"].values.astype(str))
-    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
-    simulated = stick_model.simulation(
-        model,
-        modes,
-        [settings.fe_bias[mode] for mode in modes],
-        [settings.fe_offset.get(mode, 0.0) for mode in modes],
-    )
+    seen = one_of_each_event(seen)
+    simulated = _simulation(seen, model, settings)
+    modes = simulated.modes
+    baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
-    lacks = lacking(data)
+    lacks = lacking(data, simulated.kind, simulated.knows_contact)
     barred = _barred(candidates, data, bool(lacks))
     known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
     curves = curve_model.curve_data(seen, modes, skip, baseline)
-    nothing = hopeless(data)
+    nothing = hopeless(data, simulated.kind)
     found = []
     if not nothing:
         found.append(search(stick_channel(data, simulated, candidates), known))
@@ -101,20 +101,38 @@ def diagnose(
         found.append(search(damping_channel(damping, candidates), known))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
-        tied = _tied(candidates, None if nothing else found[0], len(modes))
+        of_contact = simulated.knows_contact and not nothing
+        tied = _tied(candidates, found[0] if of_contact else None, len(modes))
         channel = curve_channel(curves, tied)
         why = f"it lacks {' and '.join(curve_lacks)}"
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
-        seen, str(model.attrs["structure"]), settings, known, data, damping, curves, simulated,
+        seen, simulated.structure, settings, known, data, damping, curves, simulated,
         tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
-        not_judged(candidates, data),
+        not_judged(candidates, data, simulated),
     )  # fmt: skip
 
 
+def _simulation(seen: xr.Dataset, model: xr.Dataset | Simulation, settings: Settings) -> Simulation:
+    """The simulation itself, or that of a parametric model for the measured modes."""
+    if not isinstance(model, xr.Dataset):
+        return model
+    measured = set(seen["mode"].values.astype(str))
+    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
+    return parametric(
+        model,
+        modes,
+        [settings.fe_bias[mode] for mode in modes],
+        [settings.fe_offset.get(mode, 0.0) for mode in modes],
+    )
+
+
 def with_lower_forces(
-    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism]
+    seen: xr.Dataset,
+    model: xr.Dataset | Simulation,
+    settings: Settings,
+    candidates: Sequence[Mechanism],
 ) -> Diagnosis | None:
     """The same with the records below the force of full contact; None where there are none."""
     below = seen["force"].values < settings.least_force

@@ -25,7 +25,7 @@ def model_file(made: Diagnosis) -> dict:
     law, mechanisms = {}, []
     for found in made.found:
         theta, first = found.final.parameters, found.channel.base
-        if found.channel.name == "stick":
+        if found.channel.name == "stick" and made.simulated.kind == "structure":
             law = {
                 "reference_force_N": REFERENCE_FORCE,
                 "kn_N_per_m": float(np.exp(theta[0])),

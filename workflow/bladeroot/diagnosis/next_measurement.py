@@ -52,8 +52,8 @@ def next_measurements(made: Diagnosis) -> xr.Dataset:
     option is the campaign as it is.
     """
     stick = next((one for one in made.found if one.channel.name == "stick"), None)
-    if stick is None:
-        return xr.Dataset()
+    if stick is None or made.simulated.kind != "structure":
+        return xr.Dataset()  # without kn and kt there is no law to be known better
     rivals = _rivals(made, stick)
     rows = []
     for name, data in _records(made).items():
@@ -153,6 +153,7 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
         std=np.concatenate([data.std, np.full(n, np.median(data.std))]),
         hold=np.concatenate([data.hold, hold]),
         row=np.concatenate([data.row, np.full(n, -1)]),
+        group=None if data.group is None else np.concatenate([data.group, np.zeros(n, int)]),
         shared=None if data.shared is None else np.concatenate([data.shared, np.zeros(n)]),
     )
 

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.extension import Extension, curves, matrices
-from bladeroot.diagnosis.stick_model import EXPONENT
+from bladeroot.diagnosis.simulation.parametric import EXPONENT
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes

@@ -1,6 +1,7 @@
 """The answer in the words of `verdict.json`."""
 
 import numpy as np
+import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
@@ -9,7 +10,7 @@ from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.stick_model import biases
+from bladeroot.diagnosis.simulation.parametric import biases
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -31,7 +32,7 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
         "causes": causes,
         "shortfall": _shortfall(made),
         "gain": gains(made),
-        "records": _records(made),
+        "records": records_of(made.seen),
         "reason": _reason(made, answer) + (_below(made, every) if every else ""),
     }
 
@@ -145,9 +146,10 @@ def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
     for found in made.found:
-        if not found.causes and not found.unexplained:
+        shows = _cannot_name(made, found) and _open(found)
+        if not found.causes and not found.unexplained and not shows:
             continue
-        explained = not found.unexplained
+        explained = not found.unexplained and not shows
         if found.channel.name == "curve":
             new = of_curves(made.curves, found.baseline)
         else:
@@ -169,7 +171,9 @@ def gains(made: Diagnosis) -> dict:
         if not found.causes:
             continue
         if found.channel.name == "stick":
-            mode, bias = made.data.records.mode, biases(len(made.data.modes))
+            mode = made.data.records.mode
+            of_structure = made.simulated.kind == "structure"
+            bias = biases(len(made.data.modes)) if of_structure else slice(0)
             for name, part, allowance in (
                 ("between_forces", "force", slice(0)),
                 ("between_forces_without_bias", "force", bias),
@@ -196,9 +200,10 @@ def gains(made: Diagnosis) -> dict:
     return result
 
 
-def _records(made: Diagnosis) -> dict[str, list[str]]:
-    findings = made.seen["findings"].values.astype(str)
-    names = made.seen["record"].values.astype(str)
+def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
+    """Findings by record."""
+    findings = seen["findings"].values.astype(str)
+    names = seen["record"].values.astype(str)
     return {n: f.split(";") for n, f in zip(names, findings, strict=True) if f}
 
 

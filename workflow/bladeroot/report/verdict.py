@@ -49,6 +49,7 @@ def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     """What is missing, why, and what to do, a line each."""
     lines = [_missing(one, said), *_because(one, said)]
     lines += odds(said) + _gain(said)
+    lines += [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else []
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
@@ -131,7 +132,7 @@ def _missing(one: xr.Dataset, said: Mapping) -> str:
         rows.setdefault((row["quantity"], _NUMBER.sub("{}", row["trend"])), []).append(text)
     texts = [
         f"the {quantity} {trend.replace('{}', listed(sizes))}"
-        if trend.startswith(("rises", "falls"))
+        if trend.startswith(("rises", "falls", "differs"))
         else f"of the {quantity}, {trend.replace('{}', listed(sizes))}"
         for (quantity, trend), sizes in rows.items()
     ]
@@ -205,7 +206,7 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
         if below >= 0:
             text = said["reason"][below:].rstrip(".").replace("+-", "±")
             texts.append(f"{said['structure']}: {plain(text.replace('_', ' '))}.")
-        if said["causes"] and lacks_of(one):
+        if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":
             lacks.setdefault("; ".join(lacks_of(one)), []).append(said["structure"])
     texts += [
         f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "
