@@ -84,11 +84,13 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
     for number, one in enumerate(chosen):
         own = slice(first, first + len(one.parameters))
         first = own.stop
-        size, std = largest(fitted, number, own)
-        if abs(size) < guards.SIGMAS * std:
+        alone = np.linalg.inv(precision[own, own])
+        effect = fitted.state.facts["effects"][number]
+        k = int(np.argmax(np.abs(effect)))
+        slope = fitted.state.slope[k, own]
+        if abs(effect[k]) < guards.SIGMAS * np.sqrt(slope @ alone @ slope):
             return False
         main = one.parameters[0]
-        alone = np.linalg.inv(precision[own, own])
         near = abs(fitted.parameters[own.start]) < guards.SIGMAS * np.sqrt(alone[0, 0])
         if near and not (main.log or main.bounded):
             return False
