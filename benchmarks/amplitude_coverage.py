@@ -3,7 +3,7 @@
     python benchmarks/amplitude_coverage.py results/structures/dovetail-HB --truths 20
 
 A truth is a virtual bench whose stiffness law, friction, pressure, waviness, gauge and deviation
-from the model are drawn; its curves are those of `rig/curves.py`, one quasi-static cycle in place
+from the model are drawn; its curves are those of `bench/curves.py`, one quasi-static cycle in place
 of records, with errors as records leave them. The inference gets stick frequencies and curves only.
 Printed by truth and in all: which law was taken, how much narrower the curves make ln kn, ln kt and
 the area of their ellipse, and the share of the region on whose edge the truth lies, for three ways
@@ -26,12 +26,13 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 import xarray as xr
 import yaml
-from bladeroot.decay.record import RECORD
-from bladeroot.decay.stick import stick_from_records
-from bladeroot.rig.conditions import baseline, reading
-from bladeroot.rig.curves import campaign_curves, few_dofs
-from bladeroot.rig.joint import parts
-from bladeroot.rig.programme import programme
+from bladeroot.bench.conditions import baseline, reading
+from bladeroot.bench.curves import campaign_curves, few_dofs
+from bladeroot.bench.joint import parts
+from bladeroot.bench.programme import programme
+from bladeroot.plateau.record import RECORD
+from bladeroot.pooling.stick import stick_from_records
+from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import fit_curves
@@ -42,7 +43,6 @@ from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.softening import softening_of
 from bladeroot.stiffness.summit import find_summit, freest
-from bladeroot.structure.joint import joint_of_reduced
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m

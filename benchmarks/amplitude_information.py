@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness import curve_errors
 from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import DISCREPANCY, covariance
@@ -34,7 +35,6 @@ from bladeroot.stiffness.simulated_curves import (
 from bladeroot.stiffness.softening import softening_of
 from bladeroot.stiffness.summit import find_summit, freest
 from bladeroot.stiffness.worth import stiffness_rows
-from bladeroot.structure.joint import joint_of_reduced
 
 BIAS, GAUGE = {"1B": 0.005, "2B": 0.005}, ForceGauge(1253.0, 0.01, "full-scale")
 LASERS = {"1B": 0.0, "2B": -0.07}  # m

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import xarray as xr
 import yaml
-from bladeroot.rig.bench import move
-from bladeroot.rig.clamping import clamp
-from bladeroot.rig.joint import parts
+from bladeroot.bench.bench import move
+from bladeroot.bench.clamping import clamp
+from bladeroot.bench.joint import parts
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 5.0  # wall seconds

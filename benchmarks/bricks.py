@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from bladeroot.structure.geometry import Material
+from bladeroot.fem.geometry import Material
 
 # The corners of a hexahedron in CalculiX's order.
 CORNERS = np.array([(i, j, k) for k in (-1, 1) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])

@@ -30,14 +30,14 @@ import bricks
 import ccx
 import numpy as np
 import scipy.sparse as sp
-from bladeroot.structure import elasticity
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.geometry import Material, MeshDensity, Structure
-from bladeroot.structure.linear import factor, lowest_eigenpairs
-from bladeroot.structure.mesh import Mesh, base_nodes, body_mesh, build_mesh
-from bladeroot.structure.modes import name_modes
-from bladeroot.structure.prestress import flank_loads, materials_of, prestress, supports
-from bladeroot.structure.reduction import beam_model
+from bladeroot.fem import elasticity
+from bladeroot.fem.geometry import Material, MeshDensity, Structure
+from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.mesh import Mesh, base_nodes, body_mesh, build_mesh
+from bladeroot.fem.modes import name_modes
+from bladeroot.fem.prestress import flank_loads, materials_of, prestress, supports
+from bladeroot.rom.file import load_structure
+from bladeroot.rom.reduction import beam_model
 
 FORCES = (0.0, 2.0e3, 24.0e3)
 TARGET = 2e-4

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from bladeroot.structure.geometry import Material
+from bladeroot.fem.geometry import Material
 
 
 @dataclass(frozen=True)

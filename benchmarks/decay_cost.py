@@ -23,10 +23,10 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from bladeroot.decay.freevib import freevib
-from bladeroot.decay.plateau import plateau
-from bladeroot.records.cut import cut
-from bladeroot.records.spectrum import white_noise
+from bladeroot.plateau.plateau import plateau
+from bladeroot.ringdown.cut import cut
+from bladeroot.ringdown.freevib import freevib
+from bladeroot.signal.spectrum import white_noise
 from scipy import signal
 from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
 
@@ -68,9 +68,9 @@ def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], o
         "freevib": lambda: keep("curve", freevib(velocity, sampling_Hz, EXPECTED_HZ, noise)),
         "plateau": lambda: plateau(made["curve"]),
     }
-    if judge := _optional("bladeroot.records.integrity", "judge"):
+    if judge := _optional("bladeroot.quality.integrity", "judge"):
         calls["integrity"] = lambda: judge(made["cut"], velocity, EXPECTED_HZ)
-    if peak_fit := _optional("bladeroot.decay.pff", "peak_fit"):
+    if peak_fit := _optional("bladeroot.ringdown.pff", "peak_fit"):
         calls["peak_fit"] = lambda: peak_fit(velocity, sampling_Hz, EXPECTED_HZ, noise)
     return calls
 

@@ -1,4 +1,4 @@
-"""False alarms and power of the findings of `records.integrity`, by simulation.
+"""False alarms and power of the findings of `quality.integrity`, by simulation.
 
     python benchmarks/integrity.py clean --seed 7 --count 2000
     python benchmarks/integrity.py power --seed 8 --count 100
@@ -14,8 +14,8 @@ import tracemalloc
 
 import numpy as np
 import xarray as xr
-from bladeroot.records.cut import cut
-from bladeroot.records.integrity import bridged, checks, examine, judge, sight
+from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
+from bladeroot.ringdown.cut import cut
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, hilbert, lfilter
 

@@ -21,6 +21,13 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 import yaml
+from bladeroot.fem.geometry import structure_from_mapping
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.chebyshev import at_force
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.parametric import parametric_model, surface_of
+from bladeroot.rom.reduction import reduce_structure
 from bladeroot.stiffness.interpolation import interpolate_to
 from bladeroot.stiffness.joint import ln_stiffness, trimmed
 from bladeroot.stiffness.laws import LAWS, REFERENCE_FORCE
@@ -32,13 +39,6 @@ from bladeroot.stiffness.roots import newton
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.search import ln_covariance
 from bladeroot.stiffness.summit import find_summit
-from bladeroot.structure.chebyshev import at_force
-from bladeroot.structure.geometry import structure_from_mapping
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.parametric import parametric_model, surface_of
-from bladeroot.structure.prestress import prestress
-from bladeroot.structure.reduction import reduce_structure
 
 ROOT = Path(__file__).resolve().parents[1]
 FORCES = {"1B": [5370, 6802, 7697, 10382, 12530, 16110, 24165],

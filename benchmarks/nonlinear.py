@@ -19,15 +19,15 @@ import xarray as xr
 import yaml
 from bladeroot.contact.laws.coulomb import coulomb
 from bladeroot.contact.laws.sliders import at_rest, history
+from bladeroot.fem.geometry import structure_from_mapping
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
 from bladeroot.nonlinear.aft import contact_forces, cycle
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.flanks import FlankContact, flank_sliders
 from bladeroot.nonlinear.system import system_of
-from bladeroot.structure.geometry import structure_from_mapping
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.prestress import prestress
-from bladeroot.structure.reduction import reduce_structure
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.reduction import reduce_structure
 
 ROOT = Path(__file__).resolve().parents[1]
 HARMONICS = (0, 1, 2, 3)

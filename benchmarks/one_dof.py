@@ -14,9 +14,9 @@ import secrets
 from dataclasses import dataclass
 
 import numpy as np
-from bladeroot.decay.freevib import freevib
-from bladeroot.decay.plateau import plateau
-from bladeroot.records.spectrum import white_noise
+from bladeroot.plateau.plateau import plateau
+from bladeroot.ringdown.freevib import freevib
+from bladeroot.signal.spectrum import white_noise
 from bound import decaying_sinusoid
 from scipy.optimize import brentq
 

@@ -21,20 +21,20 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse.linalg as spla
 import yaml
-from bladeroot.structure import elasticity
-from bladeroot.structure.chebyshev import at_force
-from bladeroot.structure.geometry import structure_from_mapping
-from bladeroot.structure.joint import exact_modes, joint_of_reduced, stiffness_at
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.parametric import (
+from bladeroot.fem import elasticity
+from bladeroot.fem.geometry import structure_from_mapping
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.chebyshev import at_force
+from bladeroot.rom.joint import exact_modes, joint_of_reduced, stiffness_at
+from bladeroot.rom.parametric import (
     frequencies,
     frequencies_hessian,
     parametric_model,
     surface_of,
 )
-from bladeroot.structure.prestress import prestress
-from bladeroot.structure.reduction import beam_basis, beam_model, contact_dofs, reduce_structure
-from bladeroot.structure.ritz import frequency
+from bladeroot.rom.reduction import beam_basis, beam_model, contact_dofs, reduce_structure
+from bladeroot.rom.ritz import frequency
 
 ROOT = Path(__file__).resolve().parents[1]
 MODES = ("1B", "2B")

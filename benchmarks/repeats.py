@@ -13,7 +13,7 @@ import sys
 
 import numpy as np
 import xarray as xr
-from bladeroot.decay.repeats import unlike_repeats
+from bladeroot.pooling.repeats import unlike_repeats
 
 WRONG = np.log(25000 / 25600)
 NO_CURVE = xr.Dataset({"frequency": ("point", np.zeros(0))})

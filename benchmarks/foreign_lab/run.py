@@ -150,7 +150,7 @@ _DROPPED = ("records", "plateau")
 
 
 def _analyse(folder: Path, results: Path) -> None:
-    from bladeroot.records.campaign import load_campaign
+    from bladeroot.io.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
     modes = campaign.description["modes"]
@@ -178,7 +178,7 @@ BATCH = Path("batches/all.txt")
 
 
 def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
-    from bladeroot.records.campaign import load_campaign
+    from bladeroot.io.campaign import load_campaign
 
     campaign, config = load_campaign(folder), configuration()
     batch = results / BATCH

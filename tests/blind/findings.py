@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bladeroot.rig.conditions import Conditions, Moment, baseline, moments
-from bladeroot.rig.tuning import effect
+from bladeroot.bench.conditions import Conditions, Moment, baseline, moments
+from bladeroot.bench.tuning import effect
 from cases import draw_bench, draw_sheet
 from rawrecords import write_campaign
 from runs import make

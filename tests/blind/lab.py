@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bladeroot.rig.curves import campaign_curves, few_dofs
-from bladeroot.rig.joint import Parts
-from bladeroot.rig.tuning import cause_of, conditions_of, effect
+from bladeroot.bench.curves import campaign_curves, few_dofs
+from bladeroot.bench.joint import Parts
+from bladeroot.bench.tuning import cause_of, conditions_of, effect
 from cases import Case, draw_bench, draw_sheet
 from fast import LADDER, observations
 from findings import seen_in

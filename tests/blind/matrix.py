@@ -21,7 +21,7 @@ from tempfile import gettempdir
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bladeroot.rig.tuning import effect
+from bladeroot.bench.tuning import effect
 from cases import Case, catalogue, draw_bench, draw_case, outsiders
 from fast import save
 from findings import build_library

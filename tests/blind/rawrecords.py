@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 import yaml
-from bladeroot.rig.bench import simulate
-from bladeroot.rig.conditions import Conditions
-from bladeroot.rig.joint import Parts, parts
+from bladeroot.bench.bench import simulate
+from bladeroot.bench.conditions import Conditions
+from bladeroot.bench.joint import Parts, parts
 
 # Every file gets this time (s since 1970): when it was written tells nothing.
 WRITTEN = 1_700_000_000

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from bladeroot.rig.tuning import effect
+from bladeroot.bench.tuning import effect
 from scipy.stats import beta
 
 # Effects whose size is defined as the diagnosis' parameter is (docs/blind.md), and how close a

@@ -1,7 +1,7 @@
 """The blind matrix as a page: confusion, what must be shown with its bounds, power curves."""
 
 import pandas as pd
-from bladeroot.rig.tuning import effect
+from bladeroot.bench.tuning import effect
 from cases import catalogue, outsiders
 from score import share
 

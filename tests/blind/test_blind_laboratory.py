@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.rig.joint import parts
-from bladeroot.rig.tuning import conditions_of, effect
+from bladeroot.bench.joint import parts
+from bladeroot.bench.tuning import conditions_of, effect
 from cases import catalogue, draw_bench, draw_case, draw_sheet, outsiders
 from fast import LADDER
 from findings import seen_in

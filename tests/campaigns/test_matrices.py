@@ -5,10 +5,10 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.structure.external.export import export_matrices
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.prestress import prestress
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.external.export import export_matrices
+from bladeroot.rom.file import load_structure
 from house import ROOT, SMALL, copy_house
 
 

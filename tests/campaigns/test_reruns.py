@@ -88,12 +88,12 @@ def test_a_new_force_redoes_the_maps_and_no_structure(restored):
 @pytest.mark.parametrize(
     ("module", "first", "never"),
     [
-        ("decay/freevib.py", "ringdown", ["bench", "reduced"]),
+        ("ringdown/freevib.py", "ringdown", ["bench", "reduced"]),
         ("stiffness/interpolation.py", "fe_forces", ["stick", "frequency_maps"]),
-        ("structure/reduction.py", "reduced", ["mesh", "prestress"]),
-        ("structure/greedy.py", "parametric", ["reduced", "ringdown"]),
-        ("records/cut.py", "ringdown", ["bench", "reduced"]),
-        ("records/readers/netcdf.py", "ringdown", ["bench", "reduced"]),
+        ("rom/reduction.py", "reduced", ["mesh", "prestress"]),
+        ("rom/greedy.py", "parametric", ["reduced", "ringdown"]),
+        ("ringdown/cut.py", "ringdown", ["bench", "reduced"]),
+        ("io/readers/netcdf.py", "ringdown", ["bench", "reduced"]),
     ],
 )
 def test_changed_library_code_redoes_its_stage(restored, module, first, never):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from answers import answer
 from bladeroot.hdf5_links import DEEPEST, MOST_OBJECTS
-from bladeroot.records.read import read
+from bladeroot.io.read import read
 from record_files import write_csv, write_matlab_73, write_netcdf
 
 RATE = 5120.0

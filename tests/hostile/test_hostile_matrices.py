@@ -10,16 +10,16 @@ import scipy.io
 import scipy.sparse as sp
 import yaml
 from answers import answer
-from bladeroot.structure.external.description import read_description
-from bladeroot.structure.external.export import export_matrices
-from bladeroot.structure.external.matrix_file import read_matrix
-from bladeroot.structure.external.mesh import external_mesh
-from bladeroot.structure.external.reading import MOST_ROWS
-from bladeroot.structure.external.reduction import reduce_matrices
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.parametric import frequencies, parametric_model, surface_of
-from bladeroot.structure.prestress import prestress
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.external.description import read_description
+from bladeroot.rom.external.export import export_matrices
+from bladeroot.rom.external.matrix_file import read_matrix
+from bladeroot.rom.external.mesh import external_mesh
+from bladeroot.rom.external.reading import MOST_ROWS
+from bladeroot.rom.external.reduction import reduce_matrices
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
 from structure_coarse import coarse_structure
 
 

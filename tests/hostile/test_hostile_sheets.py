@@ -2,8 +2,8 @@
 
 import pytest
 from answers import answer
-from bladeroot.records.campaign import load_campaign
-from bladeroot.records.names import LONGEST_NAME
+from bladeroot.io.campaign import load_campaign
+from bladeroot.io.names import LONGEST_NAME
 
 HEAD = "record,file,mode,force_N,hold,time_s,channel,sampling_Hz,unit,sensitivity\n"
 DESCRIPTION = """title: {title}

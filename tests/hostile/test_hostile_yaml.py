@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 from answers import answer
+from bladeroot.rom.file import load_structure
 from bladeroot.schema import DEEPEST, read_yaml
-from bladeroot.structure.file import load_structure
 
 NINE = ",".join(["*a{0}"] * 9)
 TEXTS = {

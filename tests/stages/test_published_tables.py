@@ -8,17 +8,17 @@ import pytest
 import xarray as xr
 import yaml
 from bladeroot.contact.published import published_stiffness
-from bladeroot.stiffness.thesis_search import table_deltas
-from bladeroot.structure.calibration import Problem, predict
-from bladeroot.structure.checks import checks
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.parameters import parameters_of, values_in
-from bladeroot.structure.parametric import parametric_model, surface_of
-from bladeroot.structure.prestress import prestress
-from bladeroot.structure.reduction import reduce_structure
-from bladeroot.structure.targets import targets_of
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.reproduction.calibration import Problem, predict
+from bladeroot.reproduction.parameters import parameters_of, values_in
+from bladeroot.reproduction.targets import targets_of
+from bladeroot.reproduction.thesis_search import table_deltas
+from bladeroot.rom.checks import checks
+from bladeroot.rom.file import load_structure
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.parametric import parametric_model, surface_of
+from bladeroot.rom.reduction import reduce_structure
 
 RESOURCES = Path(__file__).resolve().parents[2] / "resources"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from bladeroot.structure.parametric import frequencies, surface_of
+from bladeroot.rom.parametric import frequencies, surface_of
 
 FORCES = 179.0 * np.array([10, 20, 30, 43, 67, 100, 134])
 MODES = ("1B", "2B")

@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 from bladeroot.contact.laws.jenkins import jenkins
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
 from bladeroot.nonlinear.system import System
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.mesh import build_mesh
-from bladeroot.structure.prestress import prestress
-from bladeroot.structure.reduction import reduce_structure
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.reduction import reduce_structure
 from structure_coarse import coarse_structure
 
 MASS, SPRING, TANGENTIAL, LIMIT = 0.7, 4.2e6, 4e6, 400.0  # section 3.4 of the thesis

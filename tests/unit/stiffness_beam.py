@@ -9,9 +9,9 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
+from bladeroot.rom.joint import joint_of
+from bladeroot.rom.parametric import parametric_model
 from bladeroot.stiffness.map import frequency_map
-from bladeroot.structure.joint import joint_of
-from bladeroot.structure.parametric import parametric_model
 
 LENGTH, NODES = 0.30, 11
 MODULUS, DENSITY, WIDTH, DEPTH = 2.0e11, 7800.0, 26e-3, 10e-3

@@ -4,7 +4,7 @@ import copy
 from pathlib import Path
 
 import yaml
-from bladeroot.structure.geometry import Structure, structure_from_mapping
+from bladeroot.fem.geometry import Structure, structure_from_mapping
 
 ROOT = Path(__file__).parents[2]
 DOVETAIL = yaml.safe_load((ROOT / "resources/structures/dovetail-H.yaml").read_text())

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot import __version__, artifacts, checksum
+from bladeroot.io.hdf5 import length_notes
 from bladeroot.provenance import environment
-from bladeroot.records.hdf5 import length_notes
 
 SAMPLE = xr.Dataset({"x": ("n", np.arange(5.0), {"units": "m"})}, attrs={"mode": "1B"})
 

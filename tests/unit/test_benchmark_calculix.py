@@ -6,10 +6,10 @@ import bricks
 import calculix
 import numpy as np
 import pytest
-from bladeroot.structure import elasticity
-from bladeroot.structure.geometry import Material
-from bladeroot.structure.mesh import Mesh, beam_mesh, body_mesh, build_mesh
-from bladeroot.structure.prestress import flank_loads, materials_of
+from bladeroot.fem import elasticity
+from bladeroot.fem.geometry import Material
+from bladeroot.fem.mesh import Mesh, beam_mesh, body_mesh, build_mesh
+from bladeroot.fem.prestress import flank_loads, materials_of
 from structure_coarse import coarse_structure
 
 STEEL = Material(young=200e9, density=7800.0, poisson=0.3)

@@ -9,8 +9,8 @@ from bladeroot import artifacts
 from bladeroot.command.explain import explained
 from bladeroot.command.main import COMMANDS, main
 from bladeroot.command.run import followed
-from bladeroot.records.read import channels
-from bladeroot.records.spectral_peaks import common, peaks, spectrum
+from bladeroot.io.read import channels
+from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 from click.testing import CliRunner
 
 RATE, MODES = 4096.0, (61.0, 173.0, 402.0)

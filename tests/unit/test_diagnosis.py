@@ -14,8 +14,8 @@ from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points
+from bladeroot.rom.parametric import parametric_model
 from bladeroot.schema import check
-from bladeroot.structure.parametric import parametric_model
 from diagnosis_bench import FORCES, campaign, programme
 from scipy.stats import binom
 from stiffness_beam import beam_joint

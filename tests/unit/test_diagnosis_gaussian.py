@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.gaussian import Prior, Problem, State, asked_for, best_fit, fit, hold_out
+from bladeroot.inference.gaussian import Prior, Problem, State, asked_for, best_fit, fit, hold_out
 from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.gaussian import Prior, Problem, State, fit
 from bladeroot.diagnosis.naming import Known, search
 from bladeroot.diagnosis.plausibility import explained_by_law
+from bladeroot.inference.gaussian import Prior, Problem, State, fit
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter
 
 SIZE = 12

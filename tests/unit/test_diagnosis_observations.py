@@ -4,8 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.decay.record import RECORD
-from bladeroot.decay.stick import stick_from_records, stick_from_table
 from bladeroot.diagnosis.observations import (
     POINTS_A_DECADE,
     Gauge,
@@ -13,6 +11,8 @@ from bladeroot.diagnosis.observations import (
     observations,
     reading_step,
 )
+from bladeroot.plateau.record import RECORD
+from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
 GAUGE = Gauge(1253.0, 0.01, 179.0)
 

@@ -16,13 +16,13 @@ from bladeroot.diagnosis.rerun import (
 )
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Records
+from bladeroot.rom.parametric import frequencies, surface_of
 from bladeroot.schema import check, read_yaml
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import joint, ln_stiffness
 from bladeroot.stiffness.levels import levels_of
 from bladeroot.stiffness.posterior import problem_of
 from bladeroot.stiffness.summit import find_summit
-from bladeroot.structure.parametric import frequencies, surface_of
 from diagnosis_bench import campaign, programme
 from stiffness_beam import _model
 from test_stiffness_joint import levels, surface

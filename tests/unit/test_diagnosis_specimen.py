@@ -18,8 +18,8 @@ from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.plain_words import plainly
+from bladeroot.rom.parametric import parametric_model, surface_of
 from bladeroot.schema import check
-from bladeroot.structure.parametric import parametric_model, surface_of
 from diagnosis_bench import FORCES, MODES, campaign, programme
 from stiffness_beam import beam_joint
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from bladeroot.structure.clamped_beam import stiffening_factor, wave_number
+from bladeroot.fem.clamped_beam import stiffening_factor, wave_number
 
 THESIS = Path(__file__).resolve().parents[2] / "resources" / "thesis"
 

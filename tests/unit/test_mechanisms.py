@@ -282,7 +282,7 @@ def test_a_users_bad_law_is_told_before_any_fit(tmp_path, law, message):
 def test_every_hook_is_tried(tmp_path, hook, law, message):
     (tmp_path / "own.py").write_text(
         "from bladeroot.mechanisms.mechanism import Mechanism, Parameter\n"
-        "from bladeroot.structure.sensitivity import Change\n"
+        "from bladeroot.rom.sensitivity import Change\n"
         "SIZE = Parameter('p', '1', 0.1, 1.0, 0.0, 9.0, 'guess')\n"
         "MECHANISM = Mechanism('own', 'level', 'a law', (SIZE,), 'none',\n"
         f"                      {hook}=lambda r, v: {law})\n"

@@ -19,7 +19,7 @@ from bladeroot.nonlinear.flanks import (
 )
 from bladeroot.nonlinear.harmonic_balance import fall, nonlinear_mode
 from bladeroot.nonlinear.system import system_of
-from bladeroot.structure.joint import exact_modes
+from bladeroot.rom.joint import exact_modes
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof
 
 POINT = np.array([np.log(2e9), np.log(2e9), 12e3])

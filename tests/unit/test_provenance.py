@@ -128,8 +128,8 @@ REGISTRIES = [
     ("mechanisms", "drift.py", "diagnosis", "theory"),
     ("records/readers", "wav.py", "ringdown", "theory"),
     ("records/findings", "spike.py", "ringdown", "theory"),
-    ("rig/effects", "drift.py", "../bladeroot/rig/tuning", "diagnosis"),
-    ("structure/external/readers", "calculix.py", "matrices_reduced", "theory"),
+    ("rig/effects", "drift.py", "../bladeroot/bench/tuning", "diagnosis"),
+    ("rom/external/readers", "calculix.py", "matrices_reduced", "theory"),
 ]
 
 

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.decay.stick import stick_from_table
 from bladeroot.figures.decay import backbones
 from bladeroot.figures.stick import over_force
 from bladeroot.figures.style import panels, plain_log_scale, svg
+from bladeroot.pooling.stick import stick_from_table
 from bladeroot.report.bad_records import told
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import measurement_section, stick_section

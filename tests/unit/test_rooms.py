@@ -8,20 +8,26 @@ import pytest
 LIBRARY = Path(__file__).resolve().parents[2] / "workflow" / "bladeroot"
 # What each room may import besides itself and the plain files at the library's top.
 ALLOWED = {
-    "records": set(),
-    "decay": {"records"},
-    "structure": set(),
+    "signal": set(),
+    "io": {"signal"},
+    "quality": {"signal", "io"},
+    "plateau": {"signal"},
+    "ringdown": {"signal", "io", "quality", "plateau"},
+    "pooling": {"plateau"},
+    "fem": set(),
+    "rom": {"fem"},
     "contact": set(),
-    "stiffness": {"decay", "structure", "nonlinear"},
-    "nonlinear": {"contact", "structure"},
-    "mechanisms": {"contact", "structure"},
-    "diagnosis": {"decay", "structure", "contact", "stiffness", "mechanisms"},
-    "rig": set(),
-    "ledger": {"decay", "structure", "contact"},
+    "nonlinear": {"contact", "rom"},
+    "inference": set(),
+    "stiffness": {"rom", "nonlinear"},
+    "mechanisms": {"contact", "rom"},
+    "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
+    "bench": set(),
+    "reproduction": {"ringdown", "plateau", "fem", "rom", "contact", "stiffness"},
     "figures": set(),
     "report": set(),
-    "command": {"artifacts", "__version__", "records", "public"},
-    "public": {"artifacts", "records", "decay", "structure", "diagnosis"},
+    "command": {"artifacts", "__version__", "io", "signal", "public"},
+    "public": {"artifacts", "io", "ringdown", "fem", "rom", "inference"},
 }
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share
 # what checks files, what artifacts say of the load, and words.
@@ -59,15 +65,15 @@ def test_every_room_is_listed():
 
 @pytest.mark.parametrize("room", ALLOWED)
 def test_a_room_imports_only_what_it_may(room):
-    shared = set() if room == "rig" else SHARED
+    shared = set() if room == "bench" else SHARED
     assert imported_rooms(room) <= ALLOWED[room] | shared | COMPILER
 
 
 def test_nothing_but_its_own_script_uses_the_bench():
-    users = {room for room in ALLOWED if "rig" in imported_rooms(room)}
+    users = {room for room in ALLOWED if "bench" in imported_rooms(room)}
     assert users == set()
     scripts = LIBRARY.parents[0] / "scripts"
-    using = {path.name for path in scripts.glob("*.py") if "bladeroot.rig" in path.read_text()}
+    using = {path.name for path in scripts.glob("*.py") if "bladeroot.bench" in path.read_text()}
     assert using == {"bench.py"}
 
 
@@ -80,13 +86,13 @@ def test_no_inference_reads_the_truth():
 def test_the_blind_laboratory_uses_the_bench_alone():
     """What makes and seals a case shares no code with what diagnoses it, a script in between."""
     used = rooms_used((LIBRARY.parents[1] / "tests" / "blind").glob("*.py"))
-    assert used == {"rig"}
+    assert used == {"bench"}
 
 
 def test_bench_and_inference_share_no_function():
     """No two functions of a dozen lines or more are the same code under other names."""
-    own = long_functions((LIBRARY / "rig").rglob("*.py"))
-    others = [path for path in LIBRARY.rglob("*.py") if "rig" not in path.parts]
+    own = long_functions((LIBRARY / "bench").rglob("*.py"))
+    others = [path for path in LIBRARY.rglob("*.py") if "bench" not in path.parts]
     assert not own & long_functions(others)
 
 

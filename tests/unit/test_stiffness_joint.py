@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
+from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import (
     combinations,
@@ -32,7 +33,6 @@ from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.summit import climb, find_summit
 from bladeroot.stiffness.worth import worth
-from bladeroot.structure.chebyshev import Surface
 
 LOW, HIGH = np.array([np.log(1e8)] * 2 + [0.0]), np.array([np.log(1e12)] * 2 + [30e3])
 FORCE = np.array([4e3, 7e3, 12e3, 18e3, 24e3])

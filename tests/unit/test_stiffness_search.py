@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.rom.chebyshev import fit
 from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 from bladeroot.stiffness.search import ln_covariance, search
-from bladeroot.structure.chebyshev import fit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiffness_beam import beam_map

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.reproduction.thesis_search import NODES, thesis_search
+from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
-from bladeroot.stiffness.thesis_search import NODES, thesis_search
-from bladeroot.structure.parametric import frequencies, parametric_model, surface_of
 from stiffness_beam import beam_joint
 
 FORCES = np.array([12e3, 16e3])

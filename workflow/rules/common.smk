@@ -12,11 +12,11 @@ sys.path.insert(0, str(ROOT / "workflow"))
 
 from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
-from bladeroot.records.batches import batches
-from bladeroot.records.campaign import load_campaign
-from bladeroot.records.load import load_facts
+from bladeroot.io.batches import batches
+from bladeroot.io.campaign import load_campaign
+from bladeroot.io.load import load_facts
 from bladeroot.schema import check, read_yaml
-from bladeroot.structure.file import check_structure
+from bladeroot.rom.file import check_structure
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PYTHON = sys.executable

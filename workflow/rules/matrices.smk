@@ -1,6 +1,6 @@
 # Bring your own model: structures of kind `matrices` take these rules instead of mesh, prestress and
 # reduced; from reduced.nc on all structures are alike. And the own matrices, for other programs.
-from bladeroot.structure.file import is_matrices
+from bladeroot.rom.file import is_matrices
 
 MATRICES = sorted(name for name, path in STRUCTURES.items() if is_matrices(path))
 
@@ -12,7 +12,7 @@ def names_of(structures):
 
 def described_by(files):
     """Input function: what the structure's file names, its tables or its matrices."""
-    from bladeroot.structure.external import description
+    from bladeroot.rom.external import description
 
     return lambda wildcards: local(
         getattr(description, files)(

@@ -4,9 +4,9 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.accuracy import accuracy
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.full import full_joint
+from bladeroot.rom.accuracy import accuracy
+from bladeroot.rom.file import load_structure
+from bladeroot.rom.full import full_joint
 
 
 def main(structure, mesh, prestress, parametric, forces, output):

@@ -4,9 +4,9 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness.amplitude import amplitude
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.structure.joint import joint_of_reduced
 
 
 def main(reduced, parametric, stick, batches, settings, output):

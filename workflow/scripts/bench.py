@@ -4,8 +4,8 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.rig.bench import simulate
-from bladeroot.rig.joint import parts
+from bladeroot.bench.bench import simulate
+from bladeroot.bench.joint import parts
 from bladeroot.schema import read_yaml
 
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.reproduction.calibration import Problem
+from bladeroot.reproduction.calibration_result import calibration
+from bladeroot.reproduction.parameters import parameters_of
+from bladeroot.reproduction.targets import targets_of
 from bladeroot.schema import read_yaml
-from bladeroot.structure.calibration import Problem
-from bladeroot.structure.calibration_result import calibration
-from bladeroot.structure.parameters import parameters_of
-from bladeroot.structure.targets import targets_of
 
 
 def main(calibration_file, structure, tables, output):

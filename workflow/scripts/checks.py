@@ -5,8 +5,8 @@ from pathlib import Path
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.checks import checks
-from bladeroot.structure.file import load_structure
+from bladeroot.rom.checks import checks
+from bladeroot.rom.file import load_structure
 
 
 def main(structure, tables, output):

@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.decay.curves import mean_curves
-from bladeroot.decay.groups import group_differences
+from bladeroot.pooling.curves import mean_curves
+from bladeroot.pooling.groups import group_differences
 
 
 def main(batches, campaign, output):

@@ -9,9 +9,9 @@ from bladeroot import artifacts
 from bladeroot.diagnosis import judged
 from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.simulation.table import table_of
+from bladeroot.io.load import Load
+from bladeroot.io.table import read_table
 from bladeroot.mechanisms.catalogue import usable_catalogue
-from bladeroot.records.load import Load
-from bladeroot.records.table import read_table
 
 BIAS_PERCENT = {"1B": 0.5, "2B": 0.5}
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.external.export import export_matrices
-from bladeroot.structure.file import load_structure
+from bladeroot.rom.external.export import export_matrices
+from bladeroot.rom.file import load_structure
 
 
 def main(structure, mesh, prestress, form, output):

@@ -4,7 +4,7 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.figures.slider import slider
 from bladeroot.figures.style import svg
-from bladeroot.ledger.slider_curves import slider_curves
+from bladeroot.reproduction.slider_curves import slider_curves
 
 
 def main(output):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.rom.assembly import assemble
 from bladeroot.stiffness.map import frequency_map
-from bladeroot.structure.assembly import assemble
 
 
 def main(reduced, parametric, assemblies, maps):

@@ -2,7 +2,7 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.decay.judgement import judgement
+from bladeroot.pooling.judgement import judgement
 
 
 def main(batches, campaign, output):

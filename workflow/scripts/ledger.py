@@ -6,8 +6,8 @@ import pandas as pd
 import yaml
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.ledger.build import ledger
-from bladeroot.ledger.evidence import Evidence
+from bladeroot.reproduction.build import ledger
+from bladeroot.reproduction.evidence import Evidence
 
 
 def main(stages, checks, reduced, maps, thesis, output):

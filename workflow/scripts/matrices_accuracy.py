@@ -4,10 +4,10 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.accuracy import accuracy
-from bladeroot.structure.external.bodies import load_bodies
-from bladeroot.structure.external.description import read_description
-from bladeroot.structure.external.full import full_joint_of
+from bladeroot.rom.accuracy import accuracy
+from bladeroot.rom.external.bodies import load_bodies
+from bladeroot.rom.external.description import read_description
+from bladeroot.rom.external.full import full_joint_of
 
 
 def main(structure, mesh, parametric, forces, output):

@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.external.checks import external_checks
-from bladeroot.structure.external.description import read_description
+from bladeroot.rom.external.checks import external_checks
+from bladeroot.rom.external.description import read_description
 
 
 def main(structure, mesh, output):

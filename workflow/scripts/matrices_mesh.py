@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.external.description import read_description
-from bladeroot.structure.external.mesh import external_mesh
+from bladeroot.rom.external.description import read_description
+from bladeroot.rom.external.mesh import external_mesh
 
 
 def main(structure, output):

@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.external.description import read_description
-from bladeroot.structure.external.reduction import reduce_matrices
+from bladeroot.rom.external.description import read_description
+from bladeroot.rom.external.reduction import reduce_matrices
 
 
 def main(structure, mesh, output):

@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.mesh import build_mesh
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.rom.file import load_structure
 
 
 def main(structure, output):

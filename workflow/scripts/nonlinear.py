@@ -13,8 +13,8 @@ from bladeroot.diagnosis.rerun import amplitude_causes, curves_of
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.nonlinear.backbone import amplitude_ladder, backbone
 from bladeroot.nonlinear.flanks import FlankContact
+from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.schema import read_yaml
-from bladeroot.structure.joint import joint_of_reduced
 
 
 def main(reduced, joint, parameters, settings, output, model=None):

@@ -5,8 +5,8 @@ import json
 import numpy as np
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.decay.groups import group_differences
 from bladeroot.diagnosis.observations import Gauge, observations, reading_step
+from bladeroot.pooling.groups import group_differences
 
 
 def main(stick, batches, integrity, settings, output):

@@ -4,8 +4,8 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.joint import joint_of_reduced
-from bladeroot.structure.parametric import parametric_model
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.parametric import parametric_model
 
 
 def main(reduced, springs, settings, output):

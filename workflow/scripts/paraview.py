@@ -2,12 +2,12 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.external.bodies import load_bodies
-from bladeroot.structure.external.description import read_description
-from bladeroot.structure.external.full import full_joint_of
-from bladeroot.structure.file import is_matrices, load_structure
-from bladeroot.structure.full import full_joint
-from bladeroot.structure.paraview import mode_shapes, points_and_cells
+from bladeroot.rom.external.bodies import load_bodies
+from bladeroot.rom.external.description import read_description
+from bladeroot.rom.external.full import full_joint_of
+from bladeroot.rom.file import is_matrices, load_structure
+from bladeroot.rom.full import full_joint
+from bladeroot.rom.paraview import mode_shapes, points_and_cells
 
 
 def main(structure, mesh, prestress, force, stiffness, output):

@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.prestress import prestress
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.file import load_structure
 
 
 def main(structure, mesh, output):

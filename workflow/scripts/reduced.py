@@ -2,8 +2,8 @@
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.reduction import reduce_structure
+from bladeroot.rom.file import load_structure
+from bladeroot.rom.reduction import reduce_structure
 
 
 def main(structure, mesh, prestress, output):

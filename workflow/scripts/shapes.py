@@ -2,10 +2,10 @@
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.fem.shapes import beam_shapes
 from bladeroot.figures.shapes import mode_shapes
 from bladeroot.figures.style import svg
-from bladeroot.structure.file import load_structure
-from bladeroot.structure.shapes import beam_shapes
+from bladeroot.rom.file import load_structure
 
 
 def main(structure, mesh, output, drawing):

@@ -3,7 +3,7 @@
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.nonlinear.shortfall import POINT, onset_table
-from bladeroot.structure.joint import joint_of_reduced
+from bladeroot.rom.joint import joint_of_reduced
 
 
 def main(reduced, output):

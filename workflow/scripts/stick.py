@@ -5,8 +5,8 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.decay.stick import stick_from_records, stick_from_table
-from bladeroot.records.campaign import stick_table
+from bladeroot.io.campaign import stick_table
+from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
 
 def main(sources, campaign, settings, output):

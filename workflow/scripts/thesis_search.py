@@ -7,7 +7,7 @@ import pandas as pd
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.contact.published import published_stiffness
-from bladeroot.stiffness.thesis_search import thesis_search
+from bladeroot.reproduction.thesis_search import thesis_search
 
 
 def main(parametric, fe_forces, tables, settings, output):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from bladeroot.records.campaign import load_campaign
+from bladeroot.io.campaign import load_campaign
 
 
 @click.command()

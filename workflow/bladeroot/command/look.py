@@ -5,9 +5,9 @@ from pathlib import Path
 import click
 import numpy as np
 
-from bladeroot.records.read import channels, read
-from bladeroot.records.recording import Recording
-from bladeroot.records.spectral_peaks import peaks, spectrum
+from bladeroot.io.read import channels, read
+from bladeroot.io.recording import Recording
+from bladeroot.signal.spectral_peaks import peaks, spectrum
 
 SHOWN_LINES = 8
 

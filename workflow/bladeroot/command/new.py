@@ -10,10 +10,10 @@ from pathlib import Path
 
 import click
 
-from bladeroot.records.channel import Entry
-from bladeroot.records.read import channels, formats, read
-from bladeroot.records.spectral_peaks import common, peaks, spectrum
-from bladeroot.records.units import SI, quantity_of
+from bladeroot.io.channel import Entry
+from bladeroot.io.read import channels, formats, read
+from bladeroot.io.units import SI, quantity_of
+from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
 # A frequency only serves to look at spectra of files that do not say theirs.

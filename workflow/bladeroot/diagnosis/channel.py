@@ -10,9 +10,9 @@ from numpy import ndarray
 from bladeroot.diagnosis import curve_model, damping_model, stick_model
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
-from bladeroot.diagnosis.gaussian import Fit, Problem
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.stick_model import StickData
+from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]

@@ -13,9 +13,9 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import near
+from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 
 SPACING = 5  # ladder's points between those that are used

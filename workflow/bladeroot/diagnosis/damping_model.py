@@ -8,9 +8,9 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.stick_model import StickData, trust_kernel
+from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
 LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints

@@ -8,9 +8,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.gaussian import Fit
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.verdict import insufficient, verdict
+from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 

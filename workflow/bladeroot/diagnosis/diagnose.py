@@ -76,7 +76,7 @@ def diagnose(
 ) -> Diagnosis:
     """Judge a campaign.
 
-    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`, or
+    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.rom.parametric`, or
     any other simulation (`bladeroot.diagnosis.simulation`).
     candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
     and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.

@@ -13,9 +13,9 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points
+from bladeroot.rom.parametric import ritz_of
+from bladeroot.rom.sensitivity import Change
 from bladeroot.stiffness.laws import REFERENCE_FORCE
-from bladeroot.structure.parametric import ritz_of
-from bladeroot.structure.sensitivity import Change
 
 SCHEMA = "bladeroot-extension-1"
 

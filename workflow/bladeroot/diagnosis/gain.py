@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Fit, hold_out
 from bladeroot.diagnosis.naming import Found
+from bladeroot.inference.gaussian import Fit, hold_out
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from bladeroot.decay.groups import told
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
@@ -26,6 +25,7 @@ from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import AXIAL_FORCE
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.plain_words import plainly, plainly_but_ids
+from bladeroot.pooling.groups import told
 
 BASELINE = "linear baseline"
 SILENT = (

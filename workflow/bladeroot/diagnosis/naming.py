@@ -16,9 +16,9 @@ from bladeroot.diagnosis.families import (
     with_one_more,
     without,
 )
-from bladeroot.diagnosis.gaussian import Fit, fit
 from bladeroot.diagnosis.plausibility import explained_by_law, possible, surely_there
 from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, Weighed, inclusion, probabilities
+from bladeroot.inference.gaussian import Fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
 __all__ = ["Cause", "Found", "Known", "Step", "prepared", "search"]

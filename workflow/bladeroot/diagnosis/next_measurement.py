@@ -17,9 +17,9 @@ from bladeroot.diagnosis import stick_model
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.families import starts_of
-from bladeroot.diagnosis.gaussian import Fit, best_fit
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.stick_model import StickData
+from bladeroot.inference.gaussian import Fit, best_fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 

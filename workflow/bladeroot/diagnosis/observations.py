@@ -8,8 +8,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.curves import ladder_of, on_ladder
 from bladeroot.loads import load_attrs
+from bladeroot.pooling.curves import ladder_of, on_ladder
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
@@ -76,9 +76,9 @@ def observations(
 ) -> xr.Dataset:
     """The records of a campaign as the diagnosis takes them.
 
-    stick: from `bladeroot.decay.stick`; decays: curves of the same records, empty where the
+    stick: from `bladeroot.pooling.stick`; decays: curves of the same records, empty where the
     campaign begins at a table, whose rows are then the records. integrity: from
-    `bladeroot.decay.judgement`. laser_x: m, by mode. time: s since the campaign began, by record.
+    `bladeroot.pooling.judgement`. laser_x: m, by mode. time: s since the campaign began, by record.
 
     Returns:
         dims record and amplitude (m, `POINTS_A_DECADE` a decade, common to all, 0 long for a

@@ -8,7 +8,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.gaussian import Fit
+from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
 

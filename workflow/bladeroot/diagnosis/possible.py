@@ -8,8 +8,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.structure import chebyshev
-from bladeroot.structure.parametric import surface_of
+from bladeroot.rom import chebyshev
+from bladeroot.rom.parametric import surface_of
 
 # A structure is the specimen's if some point of its box lies within so many of the model's stated
 # errors (0.5 % unless told otherwise, so 5 %). It guards against another machine's structure. The
@@ -22,7 +22,7 @@ _GRID = (17, 17, 7)  # of ln kn, ln kt and the load
 def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[str, float]) -> str:
     """Why a structure cannot be the specimen, one sentence with the numbers, or "".
 
-    model: from `bladeroot.structure.parametric`. measured: frequency (Hz) of each mode; where the
+    model: from `bladeroot.rom.parametric`. measured: frequency (Hz) of each mode; where the
     structure has no mode of a name, modes are taken in the order of their frequencies, in the way
     that suits it best. error: the model's stated relative error by mode.
     """

@@ -15,9 +15,9 @@ from numpy import ndarray
 from bladeroot.diagnosis.extension import Extension, curves, matrices
 from bladeroot.diagnosis.simulation.parametric import EXPONENT
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
+from bladeroot.rom.changed import changed_model
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
-from bladeroot.structure.changed import changed_model
 
 GAUGE = ("force-gain", "force-offset")
 _STIFFNESS = ("ln_kn", "ln_kt")

@@ -5,8 +5,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.curve_model import CurveData
-from bladeroot.diagnosis.gaussian import Fit
 from bladeroot.diagnosis.stick_model import StickData
+from bladeroot.inference.gaussian import Fit
 
 _NAMES = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
 

@@ -14,10 +14,10 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.clampings import clampings, hold_names
-from bladeroot.diagnosis.gaussian import Prior, Problem, Slopes, State
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 # ln of the scatter of frequency between records of one clamping.

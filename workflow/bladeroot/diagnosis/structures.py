@@ -7,9 +7,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.structure.chebyshev import Surface
-from bladeroot.structure.ritz import Ritz, solve
-from bladeroot.structure.sensitivity import Change
+from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.ritz import Ritz, solve
+from bladeroot.rom.sensitivity import Change
 
 _GRID = 0.2  # of ln kn and ln kt
 LEAST = 0.05  # of stiffness and mass, that a change may leave

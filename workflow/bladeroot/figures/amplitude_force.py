@@ -24,7 +24,7 @@ AMPLITUDE = "displacement amplitude at the sensor / µm"
 def waterfall(curves: xr.Dataset) -> Figure:
     """Mean curves, each on the base line of its axial force: softening above, loss factor below.
 
-    curves: dims level, amplitude, as from `bladeroot.decay.curves.mean_curves`.
+    curves: dims level, amplitude, as from `bladeroot.pooling.curves.mean_curves`.
     """
     modes = _modes(curves)
     if not modes:
@@ -46,7 +46,7 @@ def waterfall(curves: xr.Dataset) -> Figure:
 def maps(curves: xr.Dataset) -> Figure:
     """f_n(A, F) and eta(A, F) of each mode with several forces, linear between them.
 
-    curves: dims level, amplitude, as from `bladeroot.decay.curves.mean_curves`.
+    curves: dims level, amplitude, as from `bladeroot.pooling.curves.mean_curves`.
     """
     factor, load = load_axis(curves.attrs)
     kinds = {mode: _most_loads(_of_mode(curves, mode)) for mode in _modes(curves)}

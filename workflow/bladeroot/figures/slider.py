@@ -10,7 +10,7 @@ _SHOWN = 0.08  # s of the decay: to the last slip and somewhat further
 
 
 def slider(curves: xr.Dataset) -> Figure:
-    """`curves` is `bladeroot.ledger.slider_curves.slider_curves`."""
+    """`curves` is `bladeroot.reproduction.slider_curves.slider_curves`."""
     drawn, axes = panels(3, 2, 8.4, 8.0)
     here = curves.isel(sample=slice(0, int(_SHOWN * curves.attrs["sampling_Hz"])))
     time = 1e3 * np.arange(here.sizes["sample"]) / curves.attrs["sampling_Hz"]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter
-from bladeroot.structure.ritz import Ritz
-from bladeroot.structure.sensitivity import Change, motion
+from bladeroot.rom.ritz import Ritz
+from bladeroot.rom.sensitivity import Change, motion
 
 _STEP = 1e-3  # m
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-from bladeroot.structure.ritz import Ritz
-from bladeroot.structure.sensitivity import Change, scaled
+from bladeroot.rom.ritz import Ritz
+from bladeroot.rom.sensitivity import Change, scaled
 
 _EDGE = 0.01  # of the campaign, over which a step is smeared, so that a fit finds its time
 

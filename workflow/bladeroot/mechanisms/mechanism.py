@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.structure.ritz import Ritz
-from bladeroot.structure.sensitivity import Change
+from bladeroot.rom.ritz import Ritz
+from bladeroot.rom.sensitivity import Change
 
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change

@@ -7,8 +7,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Points, Records, StickEffect
-from bladeroot.structure.ritz import Ritz
-from bladeroot.structure.sensitivity import Change
+from bladeroot.rom.ritz import Ritz
+from bladeroot.rom.sensitivity import Change
 
 _RECORDS = Records(
     mode=np.array([0, 1, 0, 1]),

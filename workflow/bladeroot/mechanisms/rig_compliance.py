@@ -3,8 +3,8 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter
-from bladeroot.structure.ritz import Ritz
-from bladeroot.structure.sensitivity import Change, scaled
+from bladeroot.rom.ritz import Ritz
+from bladeroot.rom.sensitivity import Change, scaled
 
 
 def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:

@@ -10,7 +10,7 @@ from numpy import ndarray
 from bladeroot.nonlinear.curves import first_slip, mode_curve
 from bladeroot.nonlinear.flanks import FlankContact, flank_sliders
 from bladeroot.nonlinear.system import system_of
-from bladeroot.structure.joint import Joint
+from bladeroot.rom.joint import Joint
 
 
 def backbone(

@@ -21,7 +21,7 @@ from bladeroot.contact.laws.profiles import power_profile, punch_profile
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.contact.punch import Punch
 from bladeroot.nonlinear.system import System, joint_weight
-from bladeroot.structure.joint import Joint, described, stable_factor, stiffness_at
+from bladeroot.rom.joint import Joint, described, stable_factor, stiffness_at
 
 LAWS = ("linear", "jenkins", "coulomb", "iwan")
 PRELOADS = ("even", "elastic")

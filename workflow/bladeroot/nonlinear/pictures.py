@@ -11,7 +11,7 @@ from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.fast_loading import states
 from bladeroot.nonlinear.system import System
-from bladeroot.structure.joint import Joint
+from bladeroot.rom.joint import Joint
 
 _STATES = 80
 

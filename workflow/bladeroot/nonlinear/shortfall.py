@@ -17,7 +17,7 @@ from bladeroot.nonlinear.curves import first_slip
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.flanks import even_preload, width_places
 from bladeroot.nonlinear.system import system_of
-from bladeroot.structure.joint import Joint
+from bladeroot.rom.joint import Joint
 
 FALL = 2e-4  # of the frequency: the source reads its onset off a curve
 EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)

@@ -13,7 +13,7 @@ import scipy.linalg
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.structure.joint import Joint, described, exact_modes, stable_factor, stiffness_at
+from bladeroot.rom.joint import Joint, described, exact_modes, stable_factor, stiffness_at
 
 _SAME = 1e-5  # of the largest motion: how well a mirror image must agree
 _LOOSE = 1e3  # tangential stiffness over that of the sliding joint whose modes are kept, too

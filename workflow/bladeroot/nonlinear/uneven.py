@@ -16,7 +16,7 @@ from bladeroot.contact.laws.jenkins import jenkins
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.flanks import even_preload
 from bladeroot.nonlinear.system import System
-from bladeroot.structure.joint import Joint
+from bladeroot.rom.joint import Joint
 
 PARTS = 6  # of a contact, each with its own share of the unevenness
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from bladeroot.diagnosis.gaussian import Prior, Problem, State, best_fit
+from bladeroot.inference.gaussian import Prior, Problem, State, best_fit
 from bladeroot.public.joint import Joint
 
 FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known

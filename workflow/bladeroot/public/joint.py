@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.structure.linear import lowest_eigenpairs
+from bladeroot.fem.linear import lowest_eigenpairs
 
 # Of the largest entry, by which a matrix may differ from its transpose.
 _SYMMETRIC = 1e-6
@@ -110,11 +110,11 @@ class Joint:
         geometry: a YAML file, as those of resources/structures/. Takes some ten seconds. modes: by
         the names that parity gives them. Raises ValueError for what is wrong in the file.
         """
-        from bladeroot.structure.file import load_structure
-        from bladeroot.structure.joint import joint_of_reduced
-        from bladeroot.structure.mesh import build_mesh
-        from bladeroot.structure.prestress import prestress
-        from bladeroot.structure.reduction import reduce_structure
+        from bladeroot.fem.mesh import build_mesh
+        from bladeroot.fem.prestress import prestress
+        from bladeroot.rom.file import load_structure
+        from bladeroot.rom.joint import joint_of_reduced
+        from bladeroot.rom.reduction import reduce_structure
 
         described = load_structure(geometry)
         nodes = build_mesh(described)
@@ -283,7 +283,7 @@ def _rows(
 
 def _of_operator(operator, names: Sequence[str]) -> Joint:
     """A Joint of a reduced dovetail, whose modes are known by their shapes at one point."""
-    from bladeroot.structure.joint import exact_modes
+    from bladeroot.rom.joint import exact_modes
 
     middle = np.array([*np.log([_MIDDLE_STIFFNESS] * 2), _MIDDLE_FORCE])
     shapes = exact_modes(operator, middle, names).shapes

@@ -12,7 +12,7 @@ MORE = (
 
 
 def rejected(stick: xr.Dataset) -> list[tuple[str, str]]:
-    """Name of each rejected record (dim record as from `bladeroot.decay.stick`) and why."""
+    """Name of each rejected record (dim record as from `bladeroot.pooling.stick`) and why."""
     return [
         (str(name), str(verdict).removeprefix(_PREFIX))
         for name, verdict in zip(stick["record"].values, stick["verdict"].values, strict=True)
@@ -21,7 +21,7 @@ def rejected(stick: xr.Dataset) -> list[tuple[str, str]]:
 
 
 def unlike_repeats(judged: xr.Dataset) -> list[tuple[str, str]]:
-    """Name of each record that is unlike its repeats (`bladeroot.decay.judgement`), and how."""
+    """Name of each record that is unlike its repeats (`bladeroot.pooling.judgement`), and how."""
     rows = np.flatnonzero(judged["finding_id"].values == "unlike-repeats")
     return [
         (str(judged["finding_record"].values[k]), str(judged["finding_text"].values[k]))

@@ -10,7 +10,7 @@ from bladeroot.report.page import Section, Table
 def groups_section(curves: xr.Dataset) -> Section | None:
     """How the groups of a campaign differ at the same amplitude; None where it has none.
 
-    curves: with what `bladeroot.decay.groups` adds.
+    curves: with what `bladeroot.pooling.groups` adds.
     """
     if "compared_mode" not in curves:
         return None

@@ -13,7 +13,7 @@ from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
 from bladeroot.report.words import gauge_sentence, pictures, words_of
 
-FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
+FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.plateau.plateau`
 VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
     "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "

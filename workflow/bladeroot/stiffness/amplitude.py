@@ -17,6 +17,7 @@ from numpy import ndarray
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.uneven import uneven_sliders
+from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
@@ -26,7 +27,6 @@ from bladeroot.stiffness.sampler import STEPS
 from bladeroot.stiffness.simulated_curves import FRICTION, friction_of, level_system
 from bladeroot.stiffness.softening import Softening, of_modes, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
-from bladeroot.structure.joint import Joint
 
 _MAP = np.geomspace(2e-7, 2e-5, 41)  # m
 _PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
@@ -49,7 +49,7 @@ def amplitude(
     """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
 
     joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force,
-    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
+    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.ringdown.estimate`, by
     record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
     largest effect.
 

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_term import CurveTerm, curve_term
 from bladeroot.stiffness.posterior import coordinates, predict
@@ -26,7 +27,6 @@ from bladeroot.stiffness.simulated_curves import (
 )
 from bladeroot.stiffness.softening import Softening
 from bladeroot.stiffness.summit import Summit, climb
-from bladeroot.structure.joint import Joint
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
 _UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little

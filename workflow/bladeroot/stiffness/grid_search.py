@@ -10,8 +10,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.map import all_frequencies
-from bladeroot.structure.chebyshev import Surface
 
 NODES = 33
 NODAL_RANGE = (1e7, 1.5e8)  # N/m: 1e4 to 1.5e5 N/mm

@@ -12,6 +12,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.parametric import surface_of
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import LAWS, REFERENCE_FORCE, Law
 from bladeroot.stiffness.levels import Levels, levels_of
@@ -20,8 +22,6 @@ from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import STEPS, sample, walkers
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 from bladeroot.stiffness.worth import stiffness_rows, worth
-from bladeroot.structure.chebyshev import Surface
-from bladeroot.structure.parametric import surface_of
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 COMBINATIONS = ("stiff", "sloppy")
@@ -44,7 +44,7 @@ def joint(
 ) -> xr.Dataset:
     """Posterior of (ln kn, ln kt) under every law, and in full under `freest` of them.
 
-    model: from `bladeroot.structure.parametric`. stick: from `bladeroot.decay.stick`. forces: N,
+    model: from `bladeroot.rom.parametric`. stick: from `bladeroot.pooling.stick`. forces: N,
     where kn and kt are wanted. fe_bias, fe_offset: standard deviation and known part of the model's
     relative error in frequency, by mode; modes without one are not used. least_force: N, below
     which contact is not full and frequencies are left out. steps: of the sampler. extension: a law

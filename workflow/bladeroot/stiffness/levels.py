@@ -37,7 +37,7 @@ class Levels:
 
 
 def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
-    """The levels of `bladeroot.decay.stick` that belong to the given modes.
+    """The levels of `bladeroot.pooling.stick` that belong to the given modes.
 
     A level's own noise is that within records and between records of a clamping, `LEAST_STD` at
     least; of a table without records it is `frequency_std`. Two modes at one force share their

@@ -9,10 +9,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.structure.chebyshev import Surface, at_force
-from bladeroot.structure.joint import bonded_modes, exact_modes, joint_of
-from bladeroot.structure.parametric import frequencies_gradient, surface_of
-from bladeroot.structure.ritz import frequency
+from bladeroot.rom.chebyshev import Surface, at_force
+from bladeroot.rom.joint import bonded_modes, exact_modes, joint_of
+from bladeroot.rom.parametric import frequencies_gradient, surface_of
+from bladeroot.rom.ritz import frequency
 
 MODES = ("1B", "2B")
 GRID = 60
@@ -22,7 +22,7 @@ _CHECKS = 3
 def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> xr.Dataset:
     """Frequencies of 1B and 2B over the box of flank stiffness at the assembly's force.
 
-    model: from `bladeroot.structure.parametric`. assembly: from `bladeroot.structure.assembly`,
+    model: from `bladeroot.rom.parametric`. assembly: from `bladeroot.rom.assembly`,
     of the same structure. grid: points of the drawn map along each axis.
 
     The result holds the model at that force (`ln_frequency`), the map on a grid, the frequencies of

@@ -17,11 +17,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from bladeroot.rom import chebyshev
+from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.curve_term import CurveTerm, log_likelihood
 from bladeroot.stiffness.laws import REFERENCE_FORCE, Law
 from bladeroot.stiffness.levels import Levels
-from bladeroot.structure import chebyshev
-from bladeroot.structure.chebyshev import Surface
 
 LEAST_FORCE = 100.0  # N; a law in ln F ends before zero force
 # A model that is wrong by so much at 12 kN is wrong by this part of it more a unit of ln F: 1 % of

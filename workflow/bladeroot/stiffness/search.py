@@ -13,10 +13,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
-from bladeroot.structure.chebyshev import Surface
 
 FE_BIAS = 0.005  # of the frequency, one standard deviation, unless known better
 SOURCES = ("measurement", "finite elements")

@@ -14,8 +14,8 @@ from numpy import ndarray
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.system import System, system_of
 from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
+from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
-from bladeroot.structure.joint import Joint
 
 # ln of each parameter of friction: mean, standard deviation and origin.
 FRICTION = {

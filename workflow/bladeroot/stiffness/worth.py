@@ -11,10 +11,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.laws import Law
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.posterior import Problem, local
-from bladeroot.structure.chebyshev import Surface
 
 
 def stiffness_rows(

@@ -14,10 +14,10 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Slopes
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.one_mode import one_mode
 from bladeroot.diagnosis.structures import shift
+from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 LEVEL = 0.3  # of ln f about the expected frequency: another mode lies further

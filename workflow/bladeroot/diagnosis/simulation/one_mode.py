@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bladeroot.structure.ritz import Ritz
+from bladeroot.rom.ritz import Ritz
 
 
 def one_mode() -> Ritz:

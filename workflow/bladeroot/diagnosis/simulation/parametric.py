@@ -12,17 +12,17 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Slopes
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.structures import Structures
+from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.rom import chebyshev
+from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.parametric import ritz_of, surface_of
+from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.joint import trimmed
 from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
 from bladeroot.stiffness.posterior import BIAS_TILT
-from bladeroot.structure import chebyshev
-from bladeroot.structure.chebyshev import Surface
-from bladeroot.structure.parametric import ritz_of, surface_of
-from bladeroot.structure.ritz import Ritz
 
 # Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
 EXPONENT = (0.0, 0.005)
@@ -73,7 +73,7 @@ class Parametric:
 def parametric(
     model: xr.Dataset, modes: Sequence[str], bias: Sequence[float], offset: Sequence[float]
 ) -> Parametric:
-    """From `bladeroot.structure.parametric`; bias and offset relative, by mode."""
+    """From `bladeroot.rom.parametric`; bias and offset relative, by mode."""
     here = model.sel(mode=list(modes))
     ritz = tuple(ritz_of(model, mode) for mode in modes)
     surface = trimmed(surface_of(here), TRIM)

@@ -13,12 +13,12 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.gaussian import Prior, Slopes
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import one_mode
 from bladeroot.diagnosis.simulation.parametric import CORRELATION, SCATTER
 from bladeroot.diagnosis.structures import shift
+from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.posterior import BIAS_TILT
 
@@ -165,7 +165,7 @@ def along(
 def table_of(
     rows: pd.DataFrame, name: str, bias: dict[str, float], offset: dict[str, float]
 ) -> Table:
-    """From the rows of a checked table (`bladeroot.records.table`): mode, load, frequency_Hz and
+    """From the rows of a checked table (`bladeroot.io.table`): mode, load, frequency_Hz and
     optionally loss_factor, amplitude_m and sensitivities; loads in the campaign's unit.
     """
     modes = tuple(dict.fromkeys(rows["mode"]))

@@ -1,0 +1,159 @@
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from bladeroot.fem import elasticity
+from bladeroot.fem.geometry import Material
+from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.mesh import Mesh, beam_mesh, block, extrude
+from bladeroot.fem.outline import Edge
+from structure_coarse import coarse_structure
+
+STEEL = Material(young=200e9, density=7800.0, poisson=0.3)
+LENGTH, HEIGHT, WIDTH = 0.1, 0.01, 0.02
+
+
+def bar(elements, part=0, height=HEIGHT):
+    low, high = ((0.0, 0.0), (LENGTH, 0.0)), ((0.0, height), (LENGTH, height))
+    return extrude([block(Edge(*low), Edge(*high), (elements, 1), part)], WIDTH, 1)
+
+
+def skewed():
+    """Two tapered blocks, so that no element is a rectangle."""
+    low = Edge((0.0, 0.0), (0.04, 0.004)), Edge((0.04, 0.004), (0.1, 0.0))
+    high = Edge((0.0, 0.02), (0.05, 0.03)), Edge((0.05, 0.03), (0.09, 0.02))
+    first, second = block(low[0], high[0], (2, 2)), block(low[1], high[1], (1, 2))
+    return extrude([first, second], WIDTH, 2)
+
+
+def matrices(mesh):
+    rule = elasticity.quadrature(mesh)
+    return rule, elasticity.stiffness(mesh, rule, [STEEL]), elasticity.mass(mesh, rule, [STEEL])
+
+
+def test_patch_of_constant_strain():
+    mesh = skewed()
+    rule, stiffness, _ = matrices(mesh)
+    slope = np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.1, 0.2, 0.6]]) * 1e-3
+    exact = mesh.nodes @ slope.T
+    lam = STEEL.young * 0.3 / (1.3 * 0.4)
+    strain = (slope + slope.T) / 2
+    expected = lam * np.trace(strain) * np.eye(3) + STEEL.young / 1.3 * strain
+    stresses = elasticity.stress(mesh, rule, [STEEL], exact)
+    np.testing.assert_allclose(stresses, np.broadcast_to(expected, stresses.shape), rtol=1e-8)
+    # Inner nodes, loaded by nothing, must find the linear field between prescribed outer nodes.
+    low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
+    inner = np.flatnonzero((mesh.nodes[:, 1] > low[1] + 1e-9) & (mesh.nodes[:, 1] < high[1] - 1e-9))
+    free = (3 * inner[:, None] + np.arange(3)).ravel()
+    force = stiffness @ exact.ravel()
+    internal = np.setdiff1d(free, boundary_dofs(mesh))
+    scale = np.abs(force).max()
+    np.testing.assert_allclose(force[internal], 0.0, atol=1e-10 * scale)
+    assert len(internal) > 30
+
+
+def boundary_dofs(mesh):
+    """Dofs of nodes on the outside: nodes whose element faces are not all shared."""
+    local = np.arange(27).reshape(3, 3, 3)
+    faces = [local[0], local[2], local[:, 0], local[:, 2], local[:, :, 0], local[:, :, 2]]
+    seen: dict[tuple, list] = {}
+    for element in mesh.elements:
+        for face in faces:
+            nodes = element[face.ravel()]
+            seen.setdefault(tuple(sorted(nodes)), []).append(nodes)
+    outside = np.unique(np.concatenate([v[0] for v in seen.values() if len(v) == 1]))
+    return (3 * outside[:, None] + np.arange(3)).ravel()
+
+
+def test_stiffness_is_symmetric_with_exactly_six_rigid_modes():
+    mesh = skewed()
+    _, stiffness, mass = matrices(mesh)
+    assert abs(stiffness - stiffness.T).max() == 0.0
+    rigid = elasticity.rigid_modes(mesh.nodes)
+    assert abs(stiffness @ rigid).max() < 1e-11 * abs(stiffness).max()
+    values, _ = lowest_eigenpairs(
+        stiffness, elasticity.per_axis(mass), 8, shift=-((2 * np.pi * 1000) ** 2)
+    )
+    assert (abs(values[:6]) < 1e-6 * values[6]).all()
+    assert values[6] > (2 * np.pi * 1000) ** 2
+
+
+def test_mass_of_rigid_motion_is_mass_and_inertia():
+    mesh = bar(3)
+    _, _, mass = matrices(mesh)
+    total = STEEL.density * LENGTH * WIDTH * HEIGHT
+    assert mass.sum() == pytest.approx(total)
+    rigid = elasticity.rigid_modes(mesh.nodes - mesh.nodes.mean(axis=0))
+    inertia = rigid[:, 5] @ elasticity.per_axis(mass) @ rigid[:, 5]
+    assert inertia == pytest.approx(total * (LENGTH**2 + WIDTH**2) / 12)
+
+
+def test_parts_take_their_own_material():
+    light = Material(young=70e9, density=2700.0, poisson=0.33)
+    mesh = bar(2, part=1)
+    mass = elasticity.mass(mesh, elasticity.quadrature(mesh), [STEEL, light])
+    assert mass.sum() == pytest.approx(2700.0 * LENGTH * WIDTH * HEIGHT)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_geometric_stiffness_turns_rigidly_with_the_stress(axis):
+    """R^T Kg R for a rotation is the volume integral of trace(stress) minus the axis's own part."""
+    mesh = skewed()
+    rule, _, _ = matrices(mesh)
+    random = np.random.default_rng(3).standard_normal((3, 3)) * 1e6
+    stresses = np.broadcast_to(random + random.T, (*rule.volumes.shape, 3, 3))
+    geometric = elasticity.geometric_stiffness(mesh, rule, stresses.copy())
+    rotation = elasticity.rigid_modes(mesh.nodes)[:, 3 + axis]
+    found = rotation @ (elasticity.per_axis(geometric) @ rotation)
+    stress = stresses[0, 0]
+    expected = rule.volumes.sum() * (np.trace(stress) - stress[axis, axis])
+    assert found == pytest.approx(expected, rel=1e-10)
+    assert abs(geometric @ np.ones(len(mesh.nodes))).max() < 1e-9 * abs(geometric).max()
+
+
+def test_free_bar_frequency_converges_with_fourth_order():
+    """First axial frequency of a slender bar without Poisson effect is sqrt(E/rho)/(2L)."""
+    thin = Material(young=200e9, density=7800.0, poisson=0.0)
+    exact = np.sqrt(thin.young / thin.density) / (2 * LENGTH)
+    errors = []
+    for elements in (2, 4, 8):
+        mesh = bar(elements)
+        rule = elasticity.quadrature(mesh)
+        # Motion along X alone, so that no other family of modes interferes.
+        stiffness = elasticity.stiffness(mesh, rule, [thin])[::3][:, ::3]
+        mass = elasticity.mass(mesh, rule, [thin])
+        values, _ = lowest_eigenpairs(sp.csr_array(stiffness), mass, 2, shift=-1e8)
+        errors.append(np.sqrt(values[1]) / (2 * np.pi * exact) - 1)
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (np.array(errors) > 0).all()
+    np.testing.assert_allclose(rates, 4.0, atol=0.2)
+
+
+def test_bending_does_not_lock():
+    """Tip deflection of a cantilever 10 high and 100 long, against Timoshenko's, within 1 %."""
+    slim = Material(young=200e9, density=7800.0, poisson=0.0)
+    mesh = bar(4)
+    rule = elasticity.quadrature(mesh)
+    stiffness = elasticity.stiffness(mesh, rule, [slim])
+    free = (3 * np.flatnonzero(mesh.nodes[:, 0] > 1e-9)[:, None] + np.arange(3)).ravel()
+    tip = np.flatnonzero(mesh.nodes[:, 0] > LENGTH - 1e-9)
+    load = np.zeros(stiffness.shape[0])
+    # Simpson's weights spread a unit shear evenly over the tip face of one element.
+    order = np.lexsort((mesh.nodes[tip, 2], mesh.nodes[tip, 1]))
+    load[3 * tip[order] + 2] = np.outer([1, 4, 1], [1, 4, 1]).ravel() / 36.0
+    moved = np.zeros_like(load)
+    moved[free] = factor(sp.csr_array(stiffness[free][:, free]))(load[free])
+    second = WIDTH * HEIGHT**3 / 12
+    shear = 1.2 * LENGTH / (slim.young / 2 * WIDTH * HEIGHT)
+    expected = LENGTH**3 / (3 * slim.young * second) + shear
+    assert load @ moved == pytest.approx(expected, rel=0.01)
+
+
+def test_element_turned_inside_out_is_refused():
+    mesh = bar(1)
+    turned = Mesh(mesh.nodes * [-1, 1, 1], mesh.elements, mesh.part)
+    with pytest.raises(ValueError, match="inside out"):
+        elasticity.quadrature(turned)
+
+
+def test_shipped_profile_gives_sound_elements():
+    assert elasticity.quadrature(beam_mesh(coarse_structure(), True)).volumes.min() > 0

@@ -1,0 +1,71 @@
+"""The findings of a campaign in one table, with the second opinion of every record."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.pooling.judgement import OPINION, judgement
+
+
+def record(name, findings=(), usable=(1, 1, 1, 1)):
+    columns = {
+        "id": [f for f, _ in findings], "statistic": [2.0] * len(findings),
+        "threshold": [1.0] * len(findings), "consequence": [c for _, c in findings],
+        "text": [f"{f} seen" for f, _ in findings], "from_s": [0.0] * len(findings),
+        "to_s": [0.5] * len(findings),
+    }  # fmt: skip
+    texts = ("id", "consequence", "text")
+    made = {
+        f"finding_{key}": ("finding", np.array(values, dtype=str if key in texts else float))
+        for key, values in columns.items()
+    }
+    made["usable"] = ("time", np.array(usable, np.int8))
+    attrs = {"record": name, "mode": "1B", "force_N": 4e3, "simulated": 1}
+    return xr.Dataset(made, attrs=attrs)
+
+
+def decay(difference, agrees, verdict="usable"):
+    values = {name: difference for name in OPINION[:4]}
+    values |= {"pff_agrees": np.int8(agrees), "pff_finding": "" if agrees else "they differ"}
+    made = {"frequency": ("point", np.zeros(0))} | {k: ((), v) for k, v in values.items()}
+    return xr.Dataset(made, attrs={"verdict": verdict})
+
+
+def plateau(frequency=500.0, hold="h"):
+    made = {"stick_frequency": ((), frequency), "verdict": ((), "plateau")}
+    return xr.Dataset(made, attrs={"mode": "1B", "force_N": 4e3, "hold": hold})
+
+
+def test_findings_keep_their_record_and_nothing_is_lost():
+    records = [
+        record("a", [("clipping", "mask"), ("mains-hum", "subtract")], (0, 1, 1, 1)),
+        record("b"),
+        record("c", [("wrong-mode", "drop")]),
+    ]
+    decays = [decay(1e-6, 1), decay(2e-3, 0), decay(np.nan, -1, "rejected")]
+    found = judgement(records, decays, [plateau()] * 3)
+    assert list(found["finding_record"].values) == ["a", "a", "c"]
+    assert list(found["finding_id"].values) == ["clipping", "mains-hum", "wrong-mode"]
+    assert list(found["verdict"].values) == ["usable", "usable", "rejected"]
+    assert found["masked"].values == pytest.approx([0.25, 0.0, 0.0])
+    assert list(found["pff_agrees"].values) == [1, 0, -1]
+    assert found["pff_finding"].sel(record="b").item() == "they differ"
+
+
+def test_a_campaign_without_findings_survives_netcdf(tmp_path):
+    found = judgement([record("a")], [decay(0.0, 1)], [plateau()])
+    assert found.sizes["finding"] == 0
+    found.to_netcdf(tmp_path / "integrity.nc")
+    with xr.open_dataset(tmp_path / "integrity.nc") as again:
+        assert again.sizes["record"] == 1
+
+
+def test_a_record_unlike_its_repeats_warns_after_its_own_findings():
+    records = [record("a", [("mains-hum", "subtract")]), *(record(name) for name in "bcd")]
+    plateaus = [plateau(500.01), plateau(500.0), plateau(500.02), plateau(488.3)]
+    found = judgement(records, [decay(0.0, 1)] * 4, plateaus)
+    assert list(found["finding_record"].values) == ["a", "d"]
+    assert list(found["finding_consequence"].values) == ["subtract", "warn"]
+    text = found["finding_text"].values[1]
+    assert text.startswith("lies -2.34 % from the other records of mode 1B at 4 kN (in hold h)")
+    assert "column exclude of records.csv" in text
+    assert list(found["verdict"].values) == ["usable"] * 4

@@ -1,0 +1,518 @@
+"""Each fault is found where it is and by its name; a clean decay raises nothing."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.io.recording import Recording, velocity
+from bladeroot.quality.finding import CONSEQUENCES
+from bladeroot.quality.findings import coloured_noise
+from bladeroot.quality.findings.sampling_rate import RATIOS
+from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
+from bladeroot.quality.sight import Sight
+from bladeroot.ringdown.cut import cut, rejected
+from bladeroot.signal.spectrum import white_noise
+from decay_bench import START, ring_down, shaken
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+RATE = 25600.0
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "findings.md"
+
+
+def judged(velocity, expected_Hz=250.0, sampling_Hz=RATE, **more):
+    decay = cut(bridged(velocity, sampling_Hz, expected_Hz), sampling_Hz, expected_Hz)
+    return judge(decay, velocity, expected_Hz, **more)
+
+
+def uncut(velocity, end_reason="end of the record", **more):
+    """Judgement of a record that is a decay from end to end."""
+    attrs = {
+        "sampling_Hz": RATE, "start_s": 0.0, "end_s": velocity.size / RATE,
+        "end_reason": end_reason, "noise_velocity": white_noise(velocity), "findings": "",
+    }  # fmt: skip
+    return judge(xr.Dataset({"velocity": ("time", velocity)}, attrs=attrs), velocity, 250.0, **more)
+
+
+def ids(found):
+    return set(found["finding_id"].values.tolist())
+
+
+def text(found, name):
+    return str(found["finding_text"].values[found["finding_id"].values == name][0])
+
+
+def decay(**more):
+    """A lively decay: softening, second mode, 50 dB noise."""
+    return ring_down(**({"second": 0.1, "noise_db": 50, "bits": 16} | more))[0]
+
+
+def time_of(velocity):
+    return np.arange(velocity.size) / RATE
+
+
+@pytest.mark.parametrize("noise_db", [60, 20])
+@pytest.mark.parametrize("softening", [0.002, 0.03])
+def test_a_clean_decay_raises_nothing(noise_db, softening):
+    for seed in range(2):
+        velocity = decay(seed=seed, noise_db=noise_db, softening=softening, second=0.3)
+        found = judged(velocity)
+        assert ids(found) <= {"ends-early"}
+        assert found["usable"].values.all()
+        assert found.attrs["verdict"] == "usable"
+
+
+def test_a_whole_record_with_release_and_return_raises_nothing():
+    for seed in range(2):
+        velocity, _, _, _ = shaken(seed)
+        assert ids(judged(velocity, 245.0)) <= {"ends-early"}
+
+
+@pytest.mark.parametrize("noise_after", [0.0, 0.002])
+def test_clipped_tops_are_masked_and_the_rest_kept(noise_after):
+    clean = decay(second=0.0, noise_db=70)
+    top = 0.85 * START
+    rng = np.random.default_rng(0)
+    velocity = np.clip(clean, -top, top) + noise_after * START * rng.standard_normal(clean.size)
+    found = judged(velocity)
+    assert ids(found) == {"clipping"}
+    assert found.attrs["verdict"] == "usable"
+    usable = found["usable"].values == 1
+    cut_off = np.abs(clean[: usable.size]) > 1.01 * top
+    assert not usable[cut_off].any()
+    assert usable.mean() > 0.97
+    last = np.flatnonzero(cut_off)[-1] / RATE
+    assert found["finding_to_s"].item() == pytest.approx(last, abs=0.1)
+
+
+def test_clipping_before_the_release_alone_is_told_and_masks_nothing():
+    quiet = np.random.default_rng(1).standard_normal(int(0.2 * RATE)) * 1e-3 * START
+    drive = 1.5 * START * np.sin(2 * np.pi * 250.0 * np.arange(int(0.6 * RATE)) / RATE)
+    velocity = np.concatenate([quiet, np.clip(drive, -1.2 * START, 1.2 * START), decay()])
+    found = judged(velocity)
+    assert "before the release" in text(found, "clipping")
+    assert found["usable"].values.all()
+    assert found.attrs["verdict"] == "usable"
+
+
+def test_tilted_tops_are_masked_up_to_the_last():
+    from scipy.signal import butter, lfilter
+
+    clean = ring_down(second=0.0, noise_db=120, bits=24, eta=(0.002, 0.003))[0]
+    section = butter(1, 25.0 / (0.5 * RATE), "high")
+    velocity = lfilter(*section, np.clip(clean, -0.7 * START, 0.7 * START))
+    velocity += 5e-4 * START * np.random.default_rng(0).standard_normal(clean.size)
+    found = judged(velocity)
+    assert "soft-clipping" in ids(found)
+    last = np.flatnonzero(np.abs(clean) > 0.7 * START)[-1] / RATE
+    masked = np.flatnonzero(found["usable"].values == 0)[-1] / RATE
+    assert masked == pytest.approx(last, rel=0.3)
+
+
+def test_wrong_samples_are_masked_and_do_not_end_the_decay():
+    clean = decay()
+    velocity = clean.copy()
+    wrong = [3000, 9000, 9001, 20000]
+    velocity[wrong] += np.array([0.3, -0.8, 0.5, 2.0]) * START
+    found = judged(velocity)
+    assert ids(found) == {"spike"}
+    assert np.flatnonzero(found["usable"].values == 0).tolist() == wrong
+    plain = judged(clean)
+    assert abs(found.sizes["time"] - plain.sizes["time"]) < 0.02 * plain.sizes["time"]
+
+
+@pytest.mark.parametrize("length", [12, 700])
+@pytest.mark.parametrize("value", [0.0, None])
+def test_dropouts_are_masked(length, value):
+    """A gap of seven cycles too: the phase is carried across it, not through its frames."""
+    velocity = decay()
+    start = 8010
+    velocity[start : start + length] = velocity[start] if value is None else value
+    found = judged(velocity)
+    assert "dropout" in ids(found)
+    masked = np.flatnonzero(found["usable"].values == 0)
+    assert set(range(start + 1, start + length - 1)) <= set(masked.tolist())
+    assert masked.size < length + 30
+
+
+def stepped(factor, at, noise=1e-3):
+    """A decay whose mode changes by a complex factor at a sample."""
+    from scipy.signal import hilbert
+
+    analytic = hilbert(ring_down(second=0.0, noise_db=120, bits=24)[0])
+    after = np.arange(analytic.size) >= at
+    velocity = np.where(after, analytic * factor, analytic).real
+    return velocity + noise * START * np.random.default_rng(0).standard_normal(after.size)
+
+
+@pytest.mark.parametrize("factor", [1.1, np.exp(-0.1j)])
+def test_shaker_recontact(factor):
+    found = judged(stepped(factor, 12000))
+    assert "shaker-recontact" in ids(found)
+    usable = found["usable"].values == 1
+    assert usable.mean() > 0.2
+    # nothing on one side of the step is used, and three cycles around it neither
+    kept = np.flatnonzero(usable)
+    assert kept[0] > 12000 or kept[-1] < 12000
+
+
+def test_missing_samples():
+    velocity = np.delete(decay(second=0.0, bits=24), slice(12000, 12040))
+    found = judged(velocity)
+    kept = found.attrs["start_s"], found.attrs["end_s"]
+    assert "gap" in ids(found) or not kept[0] < 12000 / RATE < kept[1]
+
+
+@pytest.mark.parametrize("factor", [1.01, np.exp(0.01j)])
+def test_the_cycles_beside_a_small_step_are_masked(factor):
+    found = judged(stepped(factor, 15000, 5e-5))
+    assert ids(found) == {"shaker-recontact"}
+    masked = np.flatnonzero(found["usable"].values == 0) + round(found.attrs["start_s"] * RATE)
+    assert 28 < masked.size * 250.0 / RATE < 45
+    assert masked.mean() == pytest.approx(15000, abs=5 * RATE / 250.0)
+
+
+def without(lost, at=14000):
+    """A decay without some samples, or with some twice."""
+    velocity = slider(0.2, 0.003)
+    return np.concatenate([velocity[:at], velocity[at + lost :]])
+
+
+@pytest.mark.parametrize("lost", [1, 2, -1])
+def test_a_step_in_phase_by_whole_samples_is_a_gap(lost):
+    found = judged(without(lost))
+    assert "gap" in ids(found)
+    assert "shaker-recontact" not in ids(found)
+
+
+@pytest.mark.parametrize(("lost", "what"), [(512, "missing (512"), (-1024, "repeated (1024")])
+def test_a_step_that_a_longer_gap_would_make_is_told_as_either(lost, what):
+    told = text(judged(without(lost)), "shaker-recontact")
+    assert f"or samples are {what} would fit)" in told
+
+
+def test_a_step_that_no_gap_makes_is_a_touch():
+    told = text(judged(stepped(1.04 * np.exp(0.1j), 12000)), "shaker-recontact")
+    assert told.startswith("a disturbance, as if the shaker touched again: ")
+
+
+def test_a_close_mode_beats():
+    clean = decay()
+    time = time_of(clean)
+    other = 262.0
+    beat = np.exp(-np.pi * other * 0.004 * time) * np.cos(2 * np.pi * other * time)
+    found = judged(clean + 0.05 * START * beat)
+    assert ids(found) - {"ends-early"} == {"mode-beating"}
+    assert found.attrs["verdict"] == "usable"
+    distance = float(re.search(r"a mode ([-+][\d.]+) Hz", text(found, "mode-beating"))[1])
+    assert distance == pytest.approx(12.0, abs=2.5)
+    assert uncut(clean + 0.6 * START * beat).attrs["verdict"] == "rejected"
+
+
+def slider(onset, softening, loss=0.002, nepers=7.0, noise_db=60):
+    """A decay with a Coulomb slider: harmonic balance, sticking below `onset` (of the start)."""
+    level = np.linspace(0.0, -nepers, 20001)
+    x = np.maximum(np.exp(level) / onset, 1.0)
+    angle = np.arccos(1.0 - 2.0 / x)
+    slip = 1.0 - (angle - 0.5 * np.sin(2.0 * angle)) / np.pi
+    turn = 2.0 * np.pi * 250.0 * np.sqrt(1.0 - 2.0 * softening * slip)
+    fall = np.pi * 250.0 * (loss + 8.0 / np.pi * softening * (1.0 - 1.0 / x) / x)
+
+    def along(rate):
+        return np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * nepers / 20000))
+
+    clock = along(1.0 / fall)
+    time = np.arange(int(clock[-1] * RATE)) / RATE
+    phase = np.interp(time, clock, along(turn / fall))
+    wave = np.exp(np.interp(time, clock, level)) * np.cos(phase)
+    noise = 10.0 ** (-noise_db / 20) * np.random.default_rng(0).standard_normal(time.size)
+    return START * (wave + noise / np.sqrt(2.0))
+
+
+@pytest.mark.parametrize(("onset", "softening"), [(0.03, 0.003), (0.06, 0.006), (0.1, 0.01)])
+def test_the_bend_where_slip_ends_is_no_beat(onset, softening):
+    found = judged(slider(onset, softening))
+    assert ids(found) == set()
+    assert found.attrs["verdict"] == "usable"
+
+
+@pytest.mark.parametrize("mains", [50.0, 59.97])
+def test_hum_is_taken_off(mains):
+    clean = decay(noise_db=60)
+    size, time = 2e-3 * START, time_of(clean)
+    hum = size * np.cos(2 * np.pi * mains * time + 0.4)
+    hum += 0.5 * size * np.cos(2 * np.pi * 3 * mains * time - 1.0)
+    found = judged(clean + hum)
+    assert ids(found) == {"mains-hum"}
+    left = found["velocity"].values - clean[: found.sizes["time"]]
+    assert np.std(left) < 0.2 * np.std(hum)
+    assert f"{size:.2g}" in text(found, "mains-hum") or "0.00" in text(found, "mains-hum")
+
+
+@pytest.mark.parametrize("line", [300.0, 350.0, 480.0])
+def test_hum_near_the_mode_is_taken_off(line):
+    clean = decay(noise_db=60)
+    hum = 1e-3 * START * np.cos(2 * np.pi * line * time_of(clean) + 0.4)
+    found = judged(clean + hum)
+    assert "mains-hum" in ids(found)
+    left = found["velocity"].values - clean[: found.sizes["time"]]
+    assert np.std(left) < 0.2 * np.std(hum)
+
+
+def test_no_hum_where_the_mode_itself_lies_on_a_line():
+    for frequency in (100.0, 250.0):
+        velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))
+        assert "mains-hum" not in ids(judged(velocity, frequency))
+
+
+def test_an_accelerometer_is_clipped_in_its_own_unit():
+    """Integrated, flat tops are flat no more."""
+    clean = decay(noise_db=60)
+    acceleration = np.gradient(clean) * 25600.0
+    top = 0.7 * np.abs(acceleration).max()
+    for samples in (acceleration, np.clip(acceleration, -top, top)):
+        recording = Recording(samples, 25600.0, "acceleration")
+        motion = velocity(recording, 250.0)
+        found = judge(cut(motion, 25600.0, 250.0), motion, 250.0, recording=recording)
+        assert ("clipping" in ids(found)) == (samples is not acceleration)
+    assert "m/s^2, the last" in text(found, "clipping")
+    masked = 25600.0 * found["finding_to_s"].values[found["finding_id"].values == "clipping"]
+    assert not found["usable"].values[: int(masked.item())].any()
+
+
+def test_driven_residue():
+    clean = decay(noise_db=70, eta=(0.01, 0.012))
+    tail = 0.02 * START * np.cos(2 * np.pi * 250.0 * time_of(clean))
+    found = uncut(clean + tail)
+    assert "driven-residue" in ids(found)
+    usable = found["usable"].values == 1
+    assert usable[: int(0.05 * RATE)].all()
+    assert not usable[-int(0.05 * RATE) :].any()
+
+
+@pytest.mark.parametrize("nepers", [2.5, 2.7])
+def test_a_record_that_ends_soon_after_slip_is_no_driven_residue(nepers):
+    found = judged(slider(0.12, 0.02, nepers=nepers))
+    assert ids(found) <= {"ends-early", "too-short"}
+    assert found["usable"].values.all()
+
+
+def ringing(own, second, eta):
+    """A decay with another mode of twice its frequency, and the other mode's amplitude."""
+    time = time_of(own)
+    envelope = second * START * np.exp(-np.pi * eta * 500.0 * time)
+    return own + envelope * np.cos(2 * np.pi * 500.0 * time), envelope
+
+
+@pytest.mark.parametrize("eta", [0.01, 0.02])
+def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
+    own = decay(second=0.0, noise_db=60)
+    velocity, envelope = ringing(own, 3.0, eta)
+    found = judged(velocity)
+    assert "louder-mode" in ids(found)
+    assert found.attrs["verdict"] == "usable"
+    loudest = own[: own.size // 1024 * 1024].reshape(-1, 1024).max(axis=1)
+    equal_s = (np.argmax(envelope[512::1024] < loudest) + 0.5) * 1024 / RATE
+    usable = found["usable"].values == 1
+    begin = int(np.argmax(usable))
+    assert begin / RATE + found.attrs["start_s"] == pytest.approx(equal_s, abs=10 / 250.0)
+    assert usable[begin:].all()
+
+
+@pytest.mark.parametrize(("second", "eta"), [(0.9, 0.01), (2.0, 0.0008), (4.0, 0.005)])
+def test_a_mode_that_is_less_loud_or_stays_louder_masks_nothing(second, eta):
+    found = judged(ringing(decay(second=0.0), second, eta)[0])
+    assert ("louder-mode" in ids(found)) == (second > 1.0)
+    assert found["usable"].values.all()
+
+
+def test_a_mode_that_becomes_louder_is_told():
+    own = decay(second=0.0, eta=(0.02, 0.025), noise_db=70)
+    found = judged(ringing(own, 0.5, 0.001)[0])
+    assert "louder-mode" in ids(found)
+    assert found["usable"].values.all()
+
+
+def test_two_close_modes_that_are_louder_are_not_told_apart_by_their_beat():
+    own = decay(second=0.0, noise_db=60)
+    time = time_of(own)
+    pair = np.cos(2 * np.pi * 500.0 * time) + np.cos(2 * np.pi * 525.0 * time)
+    found = judged(own + 1.5 * START * np.exp(-np.pi * 0.01 * 500.0 * time) * pair)
+    equal_s = np.log(3.0) / (np.pi * (5.0 - 250.0 * 0.005))
+    begin = np.argmax(found["usable"].values) / RATE + found.attrs["start_s"]
+    assert begin == pytest.approx(equal_s, abs=12 / 250.0)
+
+
+def test_a_wandering_baseline_is_taken_off():
+    clean = decay(noise_db=70)
+    time = np.arange(clean.size) / RATE
+    drift = 0.1 * START * np.sin(2 * np.pi * time / time[-1]) * time / time[-1]
+    before, after = judged(clean), judged(clean + drift)
+    assert "wandering-baseline" not in ids(before)
+    assert "wandering-baseline" in ids(after)
+    left = after["velocity"].values - before["velocity"].values
+    assert np.abs(left).max() < 0.02 * np.abs(drift).max()
+
+
+def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
+    rate = 102_400.0
+    time = np.arange(150_000) / rate
+    own = 0.05 * np.exp(-np.pi * 6e-4 * 8000.0 * time) * np.cos(2 * np.pi * 8000.0 * time)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(time.size)
+    for size in (0.005, 0.1):
+        hum = size * np.cos(2 * np.pi * 50.0 * time)
+        found = judged(own + noise + hum, 8000.0, rate)
+        first = round(found.attrs["start_s"] * rate)
+        left = found["velocity"].values - (own + noise)[first : first + found.sizes["time"]]
+        assert "mains-hum" in ids(found)
+        assert not ids(found) & {"wandering-baseline", "louder-mode"}
+        assert np.abs(left).max() < 0.01 * size
+
+
+def test_offset_and_coloured_noise():
+    clean = decay()
+    assert "baseline" in ids(judged(clean + 0.05 * START))
+    rng = np.random.default_rng(2)
+    white = np.fft.rfft(rng.standard_normal(clean.size))
+    white[np.fft.rfftfreq(clean.size, 1 / RATE) > 600.0] = 0.0
+    before = judged(clean).attrs["noise_velocity"]
+    found = judged(clean + 10 * before * np.fft.irfft(white, clean.size))
+    assert "coloured-noise" in ids(found)
+    assert found.attrs["noise_velocity"] == pytest.approx(10 * before, rel=0.25)
+
+
+def test_noise_of_a_hundred_decibels_is_said_in_plain_digits():
+    frequency = np.arange(0.0, 1000.0)
+    seen = object.__new__(Sight)
+    vars(seen).update(
+        halves=(frequency, np.full((2, 1000), 1e5), 1000),
+        own_Hz=250.0,
+        floor=1.0,
+        few=1,
+    )
+    assert re.search(r"noise: 1\d\d\.\d dB stronger", coloured_noise.find(seen).text)
+
+
+@pytest.mark.parametrize("ratio", [1.28, 1.0 / 1.28])
+def test_wrong_sampling_rate_shifts_all_modes(ratio):
+    velocity = decay(second=0.3)
+    modes = (250.0 / ratio, 6.27 * 250.0 / ratio)
+    found = judged(velocity, modes[0], modes_Hz=modes[1:])
+    assert "sampling-rate" in ids(found)
+    assert found.attrs["verdict"] == "rejected"
+    assert "sampling-rate" not in ids(judged(velocity, 250.0, modes_Hz=(6.27 * 250.0,)))
+    # one mode at another frequency is not the clock's fault
+    assert "sampling-rate" not in ids(judged(velocity, modes[0], modes_Hz=(6.27 * 250.0,)))
+
+
+def test_a_force_that_moves_all_modes_alike_is_not_the_clocks_fault():
+    velocity = decay(second=0.3)
+    expected = 250.0 / (48.0 / 44.1)
+    assert "sampling-rate" not in ids(judged(velocity, expected, modes_Hz=(6.27 * expected,)))
+
+
+def test_a_mode_out_of_the_band_names_the_ratio():
+    found = judged(decay(second=0.0), 250.0 * 2.56)
+    assert found.attrs["verdict"] == "rejected"
+    assert "0.3906 times the expected frequency" in found.attrs["findings"]
+    assert any(abs(1 / 2.56 - ratio) < 1e-12 for ratio in RATIOS)
+
+
+def test_another_mode_dominates():
+    clean = decay(second=0.0)
+    loud = START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 700 * time_of(clean))
+    hum = 2e-3 * np.sin(2 * np.pi * 50 * time_of(clean))
+    found = judged(0.1 * clean + loud + hum)
+    assert found.attrs["verdict"] == "rejected"
+    reason, all_of_them = found.attrs["reason"], found.attrs["findings"]
+    assert reason.startswith("another mode dominates: the strongest line is at 700")
+    assert "mains hum" in all_of_them  # what warns is told, and is no reason
+    assert "mains hum" not in reason
+    assert np.isnan(found["finding_from_s"].values).all()  # the whole decay is concerned
+
+
+def test_two_modes_in_the_band():
+    clean = decay(second=0.0)
+    rival = 0.8 * START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 300 * time_of(clean))
+    told = uncut(clean + rival).attrs["findings"]
+    assert re.search(
+        r"two modes in the band: 248.9 and 300 Hz, the second 0\.97 times as loud", told
+    )
+    louder = uncut(0.3 * clean + rival).attrs["findings"]
+    assert re.search(
+        r"two modes in the band: 248.9 and 300 Hz, the second 3\.\d times as loud", louder
+    )
+
+
+@pytest.mark.parametrize(("others", "verdict"), [((), "usable"), ((420.0,), "rejected")])
+@pytest.mark.parametrize("louder", [3.0, 6.0])
+def test_a_louder_mode_beside_one_at_the_expected_frequency(louder, others, verdict):
+    time = np.arange(32000) / 20000.0
+    clean = np.exp(-4.7 * time) * np.cos(2.0 * np.pi * 500.0 * time)
+    rival = louder * np.exp(-2.6 * time) * np.cos(2.0 * np.pi * 420.0 * time + 1.0)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
+    velocity = np.concatenate([np.zeros(1000), clean + rival + noise])
+    found = judged(velocity, 500.0, 20000.0, modes_Hz=others)
+    assert "but nearer to the expected 500 Hz" in found.attrs["findings"]
+    assert found.attrs["verdict"] == verdict
+
+
+def test_short_and_broken_off_records_are_told():
+    found = uncut(decay(second=0.0, eta=(0.01, 0.01))[: int(0.16 * RATE)])
+    assert {"too-short", "ends-early"} <= ids(found)
+    assert found.attrs["verdict"] == "usable"
+
+
+def test_low_dynamic_range_is_told():
+    assert "noise-floor" in ids(uncut(decay(noise_db=-8, second=0.0)))
+
+
+@settings(max_examples=8, deadline=None)
+@given(exponent=st.floats(-5.0, 3.0), seed=st.integers(0, 3))
+def test_the_unit_of_the_velocity_does_not_matter(exponent, seed):
+    velocity = decay(seed=seed, count=12800, bits=24)
+    first = cut(velocity, RATE, 250.0)
+    scaled = 10.0**exponent * velocity
+    second = cut(scaled, RATE, 250.0)
+    one = dict(examine(sight(first, velocity, 250.0)))
+    two = dict(examine(sight(second, scaled, 250.0)))
+    assert one.keys() == two.keys()
+    for name in one:
+        assert two[name].statistic == pytest.approx(one[name].statistic, rel=1e-3, abs=1e-3), name
+
+
+def test_notes_warn_and_findings_survive_a_file(tmp_path):
+    found = judged(decay(), notes=("the file's clock differs from the sheet's",))
+    assert found["finding_id"].values.tolist() == ["reader"]
+    assert found.attrs["findings"] == "the file's clock differs from the sheet's"
+    assert found.attrs["verdict"] == "usable"
+    empty = judged(decay())
+    unreadable = judge(rejected("expected a NetCDF file"), np.zeros(0), 250.0)
+    assert unreadable["finding_consequence"].values.tolist() == ["drop"]
+    assert unreadable.attrs["verdict"] == "rejected"
+    for name, made in (("one", found), ("none", empty), ("unreadable", unreadable)):
+        made.to_netcdf(tmp_path / f"{name}.nc")
+        with xr.open_dataset(tmp_path / f"{name}.nc") as read:
+            assert read["finding_text"].values.tolist() == made["finding_text"].values.tolist()
+            assert read["usable"].dtype == np.int8
+            assert set(read.variables) == set(found.variables)
+    assert found["finding_consequence"].isin(CONSEQUENCES).all()
+
+
+def test_a_record_masked_away_is_dropped():
+    velocity = decay(second=0.0, count=12800)
+    for start in range(0, velocity.size, 300):
+        velocity[start : start + 290] = velocity[start]
+    found = uncut(velocity)
+    assert found.attrs["verdict"] == "rejected"
+
+
+def test_every_finding_is_documented_with_its_threshold():
+    rows = re.findall(r"^\| `([a-z-]+)` \|", DOCUMENT.read_text(), flags=re.MULTILINE)
+    assert set(rows) == set(checks())
+    for name, module in checks().items():
+        row = re.search(rf"^\| `{name}` \|.*$", DOCUMENT.read_text(), flags=re.MULTILINE)[0]
+        assert f"| {module.THRESHOLD:g} |" in row, name
+        assert module.STATISTIC in row, name

@@ -1,0 +1,108 @@
+import numpy as np
+import pandas as pd
+import pytest
+from bladeroot.rom.checks import checks
+from bladeroot.rom.comparison import checks_dataset, row
+from structure_coarse import ROOT, coarse_structure
+
+TABLES = ("table_2_2", "table_4_1", "table_4_2", "table_4_4")
+
+
+@pytest.fixture(scope="module")
+def tables():
+    return {name: pd.read_csv(ROOT / f"resources/thesis/{name}.csv") for name in TABLES}
+
+
+@pytest.fixture(scope="module")
+def result(tables):
+    data = {name: table for name, table in tables.items() if name != "table_4_4"}
+    keep = tables["table_4_4"].force_kN.isin([0, 10.8])
+    return checks(coarse_structure(), data | {"table_4_4": tables["table_4_4"][keep]})
+
+
+def test_tables_are_as_printed(tables):
+    assert [len(tables[name]) for name in TABLES] == [9, 12, 70, 18]
+    wide = tables["table_4_2"].pivot_table(index="mode", columns="force_N", values="frequency_Hz")
+    assert wide.loc["1Fy", 30000] == 596.6
+    assert wide.loc["Rz", 5000] == 76.4
+    assert (
+        tables["table_4_4"].query("mode == '2B' and force_kN == 86.6").frequency_Hz.item() == 1688
+    )
+
+
+def test_every_comparison_is_there(result):
+    found = pd.Series(result.check.values).value_counts()
+    assert found["Table 4.1"] == 6
+    assert found["Table 4.2"] == 6
+    assert found["Table 4.4"] == 4
+    assert found["reduced against full"] == 12
+    assert found["rigid rotation"] == 3
+    assert sum(found[found.index.str.startswith("Table 2.2")]) == 9
+
+
+def test_identities_hold_on_any_mesh(result):
+    chosen = result.check.values == "rigid rotation"
+    assert abs(result.residual.values[chosen]).max() < 1e-9
+    chosen = np.isin(result.check.values, ["rotation mode at 1 kN", "reduced against full"])
+    assert result.within.values[chosen].all()
+
+
+def test_verdict_compares_residual_and_limit(result):
+    residual, limit = result.residual.values, result.limit.values
+    required = np.isfinite(limit)
+    np.testing.assert_array_equal(
+        result.within.values[required], (abs(residual) <= limit)[required]
+    )
+    assert result.within.values[~required].all()
+    np.testing.assert_allclose(residual, result.computed / result.reference - 1)
+
+
+def test_structure_is_named(result):
+    assert result.attrs["structure"] == "dovetail-H"
+    assert result.attrs["description"] == coarse_structure().description
+
+
+def test_missing_table_is_named(tables):
+    with pytest.raises(ValueError, match="table_4_1"):
+        checks(coarse_structure(), {k: v for k, v in tables.items() if k != "table_4_1"})
+
+
+def test_follower_load_is_shown_beside_the_dead_one(result):
+    def rows(title):
+        chosen = result.check.values == title
+        return dict(zip(result.mode.values[chosen], result.residual.values[chosen], strict=True))
+
+    against = rows("follower against dead load")
+    assert list(against) == ["1Fy", "1Fz", "2Fy", "3Fy"]
+    assert all(-0.2 < residual < -0.001 for residual in against.values())
+    slopes = rows("Table 4.2, follower load")
+    np.testing.assert_allclose([slopes["Ry"], slopes["Rz"]], -1.0, atol=1e-9)
+    assert slopes["1Fy"] < -0.5
+    left = rows("follower load, its symmetric part against all of it")
+    assert 0 < max(left.values()) < 0.005
+    shown = np.char.find(result.check.values.astype(str), "follower") >= 0
+    assert np.isnan(result.limit.values[shown]).all()
+
+
+def test_a_follower_structure_fails_the_dead_load_s_identities(tables):
+    result = checks(coarse_structure(load="follower"), tables)
+    chosen = np.isin(result.check.values, ["rigid rotation", "Table 4.2"])
+    missed = set(result.check.values[chosen & (result.within.values == 0)])
+    assert missed == {"rigid rotation", "Table 4.2"}
+
+
+@pytest.mark.parametrize(
+    ("computed", "limit", "within"),
+    [
+        (1.01, 0.02, 1),
+        (1.03, 0.02, 0),
+        (0.97, 0.02, 0),
+        (np.nan, 0.02, 0),
+        (np.inf, 0.02, 0),
+        (1.5, np.nan, 1),
+        (np.nan, np.nan, 0),
+    ],
+)
+def test_what_is_no_number_is_within_no_limit(computed, limit, within):
+    made = checks_dataset([row("c", "1B", 0.0, 1.0, computed, limit)], "s", "d")
+    assert made["within"].item() == within

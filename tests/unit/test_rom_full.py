@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from bladeroot.fem.linear import lowest_eigenpairs
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.accuracy import accuracy
+from bladeroot.rom.full import full_frequencies, full_joint
+from bladeroot.rom.joint import joint_of_reduced
+from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
+from bladeroot.rom.reduction import reduce_structure
+from structure_coarse import coarse_structure
+
+
+@pytest.fixture(scope="module")
+def built():
+    structure = coarse_structure()
+    mesh = build_mesh(structure)
+    loaded = prestress(structure, mesh)
+    model = parametric_model(joint_of_reduced(reduce_structure(structure, mesh, loaded)))
+    return structure, mesh, loaded, model
+
+
+@pytest.fixture(scope="module")
+def full(built):
+    return full_joint(*built[:3])
+
+
+def test_followed_modes_are_those_of_a_factor_of_their_own(full):
+    kn, kt = 1.4e9, 2.1e9
+    found = full_frequencies(full, kn, kt, [0.0, 9e3, 30e3], ["1B", "2B"])
+    for force, pair in zip((0.0, 9e3, 30e3), found, strict=True):
+        matrix = full.stiffness + force * full.geometric + kn * full.normal + kt * full.tangential
+        values, _ = lowest_eigenpairs(sp.csr_array(matrix), full.mass, 8)
+        exact = np.sqrt(values) / (2 * np.pi)
+        assert np.abs(exact[:, None] / pair - 1.0).min(axis=0).max() < 1e-9
+    assert np.all(np.diff(found, axis=0) > 0.0)
+
+
+def test_contact_of_one_flank_carries_its_whole_stiffness(full):
+    """Beam moved by 1 m against the slots: 45 degree flanks share kn and kt alike in Z."""
+    n = full.geometric.nnz and np.flatnonzero(full.geometric.diagonal())[-1] + 1
+    lift = np.zeros(full.mass.shape[0])
+    lift[2:n:3] = 1.0
+    assert lift @ full.normal @ lift == pytest.approx(2.0)
+    assert lift @ full.tangential @ lift == pytest.approx(2.0)
+
+
+def test_reduction_costs_little_at_any_force_and_contact(built, full):
+    model = built[3]
+    result = accuracy(full, model, [0.0, 12e3, 30e3])
+    assert result["residual"].dims == ("contact", "force", "mode")
+    assert np.abs(result["residual"]).max() < 1e-4
+    assert result["residual"].min() > -1e-7  # a reduced model is too stiff, never too soft
+    point = np.array([*np.log([1.4e9, 2.1e9]), 12e3])
+    middle = full_frequencies(full, *np.exp(point[:2]), [12e3], ["1B", "2B"])
+    assert np.abs(frequencies(surface_of(model), point[None]) / middle - 1.0).max() < 1e-4
+    for name in ("stiffness", "full_frequency", "frequency", "residual"):
+        assert {"units", "long_name"} <= set(result[name].attrs)
+
+
+def test_force_outside_the_model_is_refused(built, full):
+    with pytest.raises(ValueError, match="axial force must lie between 0 and 30000"):
+        accuracy(full, built[3], [12e3, 31e3])

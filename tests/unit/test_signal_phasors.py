@@ -1,0 +1,113 @@
+"""Frames against exact waves, their errors against scatter, and what else a record holds."""
+
+import numpy as np
+import pytest
+from bladeroot.ringdown.other_lines import find_lines, remainder
+from bladeroot.signal.phasors import Stretch, corrected, fit_frames, gather, refined
+from bladeroot.signal.scatter import noise_ratio, without_knocks
+
+RATE = 25600.0
+STRETCHES = [Stretch(0, 104, 40, 2 * np.pi / 104.0), Stretch(4160, 102, 60, 2 * np.pi / 102.0)]
+COUNT = 104 * 40 + 102 * 60
+TIME = np.arange(COUNT) / RATE
+ALL = slice(0, 100)
+
+
+def log_phasor(time):
+    """ln of the analytic signal of a chirp that dies away, and its two derivatives."""
+    return (
+        -6.0 * time + 5.0 * time**2 + 1j * (2 * np.pi * (246.0 * time + 12.0 * time**2) + 0.7),
+        -6.0 + 10.0 * time + 2j * np.pi * (246.0 + 24.0 * time),
+        np.full(time.shape, 10.0 + 48.0j * np.pi),
+    )
+
+
+def test_growth_and_chirp_within_frames_are_allowed_for():
+    frames = fit_frames(np.exp(log_phasor(TIME)[0]).real, RATE, 1e-3, STRETCHES)
+    log, rate, change = log_phasor(frames.time)
+    raw = np.abs(frames.phasor * np.exp(-log) - 1.0).max()
+    better = np.abs(corrected(frames, ALL, rate, change) * np.exp(-log) - 1.0).max()
+    assert better < 3e-6 < 1e-4 < raw
+
+
+def test_standard_errors_of_frames():
+    noise = np.random.default_rng(0).standard_normal(COUNT)
+    frames = fit_frames(noise, RATE, 1.0, STRETCHES)
+    z = frames.phasor / frames.std
+    assert np.mean(np.abs(z) ** 2) == pytest.approx(2.0, rel=0.25)
+
+
+def test_masked_samples_have_no_weight():
+    rng = np.random.default_rng(1)
+    wave = np.exp(log_phasor(TIME)[0]).real
+    usable = rng.uniform(size=COUNT) > 0.2
+    usable[3000:3200] = False
+    frames = fit_frames(np.where(usable, wave, 9.0), RATE, 1e-3, STRETCHES, (), usable)
+    log, rate, change = log_phasor(frames.time)
+    every = slice(0, frames.time.size)
+    assert frames.time.size in (98, 99)
+    error = corrected(frames, every, rate, change) * np.exp(-log) - 1.0
+    assert np.abs(error).max() < 1e-5
+    assert not np.isclose(frames.std, frames.std[0]).all()
+
+
+def test_another_mode_does_not_leak_once_its_decay_is_known():
+    other = -18.0 + 2j * np.pi * 655.0
+    wave = np.exp(log_phasor(TIME)[0]).real + 0.3 * np.exp(other * TIME + 0.4j).real
+    guess = 2j * np.pi * 654.5
+    frames = fit_frames(wave, RATE, 1e-5, STRETCHES, [guess])
+    (found,) = refined([guess], frames)
+    assert found == pytest.approx(other, abs=3.0)
+    frames = fit_frames(wave, RATE, 1e-5, STRETCHES, [found])
+    log, rate, change = log_phasor(frames.time)
+    assert np.abs(corrected(frames, ALL, rate, change) * np.exp(-log) - 1.0).max() < 2e-4
+
+
+def test_blocks_gather_weak_frames_and_end_where_the_mode_is_lost():
+    rng = np.random.default_rng(2)
+    time = np.arange(1500) * 4e-3
+    log = -1.5 * time + 2j * np.pi * 250.0 * time
+    phasor = np.exp(log) + 0.02 * (rng.standard_normal(1500) + 1j * rng.standard_normal(1500))
+    blocks, miss = gather(time, phasor, np.full(1500, 0.02), log)
+    assert blocks.std.max() < 0.3
+    assert 2.5 < blocks.time[-1] < 5.0
+    off = blocks.log - (-1.5 + 500j * np.pi) * blocks.time
+    off -= 2j * np.pi * np.round(off.imag.mean() / (2 * np.pi))
+    assert np.abs(off - miss).max() < 0.05
+    assert np.mean(np.abs(off) ** 2 / blocks.std**2) == pytest.approx(2.0, rel=0.25)
+    # no more blocks than asked for, however many frames
+    assert gather(time, np.exp(log), np.full(1500, 1e-9), log, most=500)[0].time.size <= 500
+
+
+def test_scatter_is_measured_whatever_smooth_curve_it_rides():
+    rng = np.random.default_rng(3)
+    std = np.geomspace(1.0, 5.0, 800)
+    miss = 2.5 * std * rng.standard_normal((2, 800)) + 20.0 * np.sin(np.linspace(0, 6, 800))
+    assert noise_ratio(miss, std) == pytest.approx(2.5, rel=0.2)
+    assert (noise_ratio(miss[:, :8], std[:8]) == 1.0).all()
+
+
+@pytest.mark.parametrize("place", [0, 100, 199])
+def test_a_knock_is_doubted_wherever_it_is(place):
+    rng = np.random.default_rng(4)
+    std = np.ones(200)
+    miss = rng.standard_normal((2, 200)) + 0.5 * np.arange(200)
+    assert (without_knocks(miss, std) == std).all()
+    miss[1, place] += 40.0
+    doubt = without_knocks(miss, std)
+    assert doubt[place] > 20.0
+    assert (np.delete(doubt, place) == 1.0).all()
+
+
+def test_lines_are_found_in_what_the_mode_leaves_and_in_noise_there_are_none():
+    rng = np.random.default_rng(5)
+    middle = fit_frames(TIME, RATE, 1.0, STRETCHES).time
+    wave = np.exp(log_phasor(TIME)[0]).real
+    rest = remainder(wave, RATE, STRETCHES, np.stack(log_phasor(middle)))
+    assert np.abs(rest).max() < 1e-4
+    rest += 1e-3 * rng.standard_normal(COUNT)
+    assert find_lines(rest, RATE, (246.0, 256.0), 1.0) == []
+    rest += 0.1 * np.exp(-20.0 * TIME) * np.cos(2 * np.pi * 1570.0 * TIME)
+    rest += 0.004 * np.cos(2 * np.pi * 100.0 * TIME)
+    found = find_lines(rest, RATE, (246.0, 256.0), 1.0)
+    assert found == pytest.approx([1570.0, 100.0], abs=3.0)

@@ -1,0 +1,146 @@
+"""B-splines against closed forms, the penalised fit against dense algebra and against scatter."""
+
+import numpy as np
+import pytest
+from bladeroot.signal.banded import factored, inverse_band, solved
+from bladeroot.signal.bsplines import alive_splines, derivative_rows
+from bladeroot.signal.penalty import normal_sums, penalised, penalty_rows
+from bladeroot.signal.smooth import coarse, fine
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def padded(inner, degree):
+    return np.concatenate([np.full(degree, inner[0]), inner, np.full(degree, inner[-1])])
+
+
+def dense(shape, first, count):
+    matrix = np.zeros((shape.shape[0], count))
+    matrix[np.arange(shape.shape[0])[:, None], first[:, None] + np.arange(shape.shape[1])] = shape
+    return matrix
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_splines_reproduce_polynomials_and_their_derivatives(degree):
+    rng = np.random.default_rng(degree)
+    knots = padded(np.linspace(0, 2, 12) ** 1.5 + rng.uniform(0, 0.03, 12), degree)
+    x = np.linspace(knots[0], knots[-1], 60)
+    count = knots.size - degree - 1
+    matrix = dense(*alive_splines(x, knots, degree), count)
+    np.testing.assert_allclose(matrix.sum(axis=1), 1.0, atol=1e-13)
+    power = rng.standard_normal(degree + 1)
+    coefficient = np.linalg.lstsq(matrix, np.polyval(power, x), rcond=None)[0]
+    np.testing.assert_allclose(matrix @ coefficient, np.polyval(power, x), atol=1e-9)
+    rows = derivative_rows(knots, degree, 1)
+    derived = rows[:, 0] * coefficient[:-1] + rows[:, 1] * coefficient[1:]
+    lower = dense(*alive_splines(x, knots[1:-1], degree - 1), count - 1)
+    np.testing.assert_allclose(lower @ derived, np.polyval(np.polyder(power), x), atol=1e-7)
+
+
+def test_sums_and_penalty_match_dense_algebra():
+    rng = np.random.default_rng(0)
+    x, std = np.sort(rng.uniform(0, 1, 80)), rng.uniform(0.5, 2.0, 80)
+    y = rng.standard_normal((2, 80))
+    knots = padded(np.linspace(x[0], x[-1], 9), 5)
+    shape, first = alive_splines(x, knots, 5)
+    matrix = dense(shape, first, 13)
+    gram, right, trend = normal_sums(x, y, std, shape, first, 13)
+    about = y - trend[:, :1] * x - trend[:, 1:]
+    np.testing.assert_allclose(right, about @ (matrix / std[:, None] ** 2), atol=1e-12)
+    rows, centre = penalty_rows(knots)
+    whole = np.zeros((centre.size, 13))
+    for j, row in enumerate(rows):
+        whole[j, j : j + row.size] = row
+    precision = rng.uniform(0.1, 10.0, centre.size)
+    expected = matrix.T @ (matrix / std[:, None] ** 2) + whole.T @ (precision[:, None] * whole)
+    band = penalised(gram, rows, precision)
+    np.testing.assert_allclose(band, in_band(expected, 6), rtol=1e-10)
+
+
+def in_band(matrix, width):
+    """The lower band of a dense matrix, as the banded kernels store it."""
+    padded = np.pad(np.tril(matrix), ((0, width), (0, 0)))
+    return np.stack([padded[j : j + width, j] for j in range(matrix.shape[0])])
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 30), st.integers(1, 7), st.integers(0, 2**32 - 1))
+def test_banded_algebra_matches_dense(count, width, seed):
+    rng = np.random.default_rng(seed)
+    root = np.tril(np.triu(rng.standard_normal((count, count)), 1 - width))
+    matrix = root @ root.T + 0.1 * np.eye(count)
+    units = 10.0 ** rng.uniform(-4, 4, count)
+    matrix *= np.outer(units, units)
+    scale, factor, good = factored(in_band(matrix, width))
+    assert good
+    inverse = np.linalg.inv(matrix / np.outer(units, units)) / np.outer(units, units)
+    found = inverse_band(scale, factor)
+    beside = in_band(np.outer(units, units), width)
+    known = in_band(inverse, width)
+    np.testing.assert_allclose(found * beside, known * beside, rtol=1e-8, atol=1e-10)
+    right = units * rng.standard_normal(count)
+    here = solved(scale, factor, right) * units
+    np.testing.assert_allclose(here, inverse @ right * units, rtol=1e-8, atol=1e-10)
+
+
+def test_a_matrix_that_is_not_positive_is_refused():
+    assert not factored(np.array([[1.0, 2.0], [1.0, 0.0]]))[2]
+
+
+def test_rows_of_the_penalty_have_unit_variance_where_the_third_derivative_is_white():
+    """A cubic t^3/6 has third derivative one: its rows square and add up to the length."""
+    knots = padded(np.linspace(0.0, 2.0, 21), 5)
+    x = np.linspace(0.0, 2.0, 400)
+    matrix = dense(*alive_splines(x, knots, 5), knots.size - 6)
+    coefficient = np.linalg.lstsq(matrix, x**3 / 6.0, rcond=None)[0]
+    rows, centre = penalty_rows(knots)
+    bend = sum(row * coefficient[a : a + centre.size] for a, row in enumerate(rows.T))
+    assert (bend**2).sum() == pytest.approx(2.0, rel=1e-6)
+
+
+def kinked(seed, count=400, noise=1e-3):
+    rng = np.random.default_rng(seed)
+    time = np.linspace(0.0, 4.0, count)
+    kink = rng.uniform(1.0, 2.5)
+    bend = np.minimum(time - kink, 0.0)
+    truth = np.stack([-time - 0.05 * bend**2, 3.0 * time + 0.1 * bend**2 - 0.02 * bend**3])
+    slope = np.stack([-1.0 - 0.1 * bend, 3.0 + 0.2 * bend - 0.06 * bend**2])
+    std = noise * np.exp(0.5 * time)
+    y = truth + std * rng.standard_normal((2, count))
+    return time, y, std, truth, slope
+
+
+def test_derivatives_are_those_of_the_value():
+    time, y, std, *_ = kinked(0)
+    fit = fine(time, y, std, coarse(time, y, std, 4.0))
+    at = np.linspace(0.1, 3.9, 57)
+    step = 1e-4
+    ahead, behind, here = fit.value(at + step), fit.value(at - step), fit.value(at)
+    np.testing.assert_allclose((ahead[0] - behind[0]) / (2 * step), here[1], rtol=1e-5)
+    np.testing.assert_allclose((ahead[1] - behind[1]) / (2 * step), here[2], atol=1e-4)
+
+
+def test_standard_errors_are_those_of_simulation():
+    """Pooled over kinked curves: 68 and 95 % within one and two standard errors."""
+    z = [[], []]
+    at = np.linspace(0.05, 3.95, 60)
+    for seed in range(60):
+        time, y, std, truth, slope = kinked(seed)
+        fit = fine(time, y, std, coarse(time, y, std, 4.0))
+        value, error = fit.value(at), fit.std(at)
+        for order, known in enumerate((truth, slope)):
+            for part in range(2):
+                true = np.interp(at, time, known[part])
+                z[order].append((value[order, part] - true) / error[order, part])
+    for found in map(np.concatenate, z):
+        assert 0.62 < np.mean(np.abs(found) < 1.0) < 0.80
+        assert 0.92 < np.mean(np.abs(found) < 2.0) < 0.99
+
+
+def test_scale_and_origin_of_time_do_not_matter():
+    time, y, std, *_ = kinked(3)
+    fit = fine(time, y, std, coarse(time, y, std, 4.0))
+    moved = fine(1e3 * time + 7.0, y, std, coarse(1e3 * time + 7.0, y, std, 4e3))
+    at = np.linspace(0.0, 4.0, 33)
+    np.testing.assert_allclose(moved.value(1e3 * at + 7.0)[0], fit.value(at)[0], atol=1e-6)
+    np.testing.assert_allclose(moved.std(1e3 * at + 7.0)[1] * 1e3, fit.std(at)[1], rtol=1e-3)

@@ -1,0 +1,76 @@
+"""The form of a campaign's sheet: encoding, separator, header and cells, all as text."""
+
+import csv
+import re
+from pathlib import Path
+
+from bladeroot.io.text import decode, separator_of
+
+# Bytes of a sheet; one of ten thousand records has two million.
+LARGEST = 50_000_000
+# Columns beginning so are the owner's own.
+REMARK = "note"
+
+
+def read_sheet(
+    path: Path, columns: tuple[str, ...], numbers: tuple[str, ...]
+) -> tuple[list[tuple[int, dict]], list[str]]:
+    """Rows of a sheet as text with their line numbers, and the faults of its form.
+
+    Commas, semicolons or tabs split its cells; the `numbers` among the columns may have decimal
+    commas where semicolons do.
+
+    Raises:
+        ValueError: not a sheet, or columns other than `columns` and remarks; a line a fault.
+    """
+    try:
+        size = path.stat().st_size
+        content = path.read_bytes() if size <= LARGEST else b""
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror} ({path})") from error
+    if size > LARGEST:
+        raise ValueError(f"expected a sheet of {LARGEST} bytes at most, got {size} ({path})")
+    lines = decode(content, str(path)).splitlines()
+    separator = separator_of(lines[0] if lines else "") or ","
+    reader = csv.reader(lines, delimiter=separator)
+    try:
+        header = [name.strip() for name in next(reader, [])]
+        table = [(reader.line_num, cells) for cells in reader]
+    except csv.Error as error:
+        raise ValueError(f"not a CSV sheet: {error} ({path}, row {reader.line_num})") from error
+    while header and not header[-1]:  # spreadsheets leave empty columns at the right
+        header.pop()
+    if not header:
+        raise ValueError(f"the sheet is empty; expected a header row ({path})")
+    faults = [
+        f"unknown column {name!r}; expected some of {', '.join(columns)}, or {REMARK}... for "
+        f"remarks ({path}, row 1)"
+        for name in header
+        if name not in columns and not name.lower().startswith(REMARK)
+    ]
+    faults += [
+        f"column {name!r} stands twice ({path}, row 1)"
+        for name in sorted(set(header))
+        if header.count(name) > 1
+    ]
+    if faults:
+        raise ValueError("\n".join(faults))
+    rows = []
+    for row, cells in table:
+        if not any(cell.strip() for cell in cells):
+            continue
+        while len(cells) > len(header) and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != len(header):
+            faults.append(f"expected {len(header)} cells, got {len(cells)} ({path}, row {row})")
+            continue
+        values = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
+        if separator == ";":
+            values |= {name: _decimal(values[name]) for name in values if name in numbers}
+        rows.append((row, values))
+    return rows, faults
+
+
+def _decimal(text: str) -> str:
+    """A number with its decimal comma as a point."""
+    return text.replace(",", ".") if re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text) else text

@@ -1,0 +1,188 @@
+"""The evidence of laws on a stretch of a decay, and the rates that they give.
+
+All unknowns of a law but its shape are linear (`bladeroot.plateau.laws`), so its marginal
+likelihood is closed, and hundreds of laws cost milliseconds.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.plateau.laws import DOUBT, HINGES, NODES, Laws, hats
+from bladeroot.plateau.likelihood import marginal, projections
+from bladeroot.plateau.stretch import (
+    FEWEST,
+    Stretch,
+    integral,
+    lengths,
+    line_of,
+    lines_below,
+)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A stretch made ready: the data in standard errors, less a straight line in time.
+
+    line, slope: the basis of such lines, and the row that gives their slope, as of `line_of`.
+    rate and variance: the slopes of the data's own lines.
+    """
+
+    stretch: Stretch
+    line: Float[ndarray, "group 2"]
+    slope: Float[ndarray, " 2"]
+    y: Float[ndarray, "2 group"]
+    rate: Float[ndarray, " 2"]
+    variance: float
+
+    def seen(self, cells: Float[ndarray, "column cell"]) -> tuple[ndarray, ndarray]:
+        """What rates, as means over the cells, make of the data, and of their lines' slopes."""
+        x = integral(self.stretch, cells) / self.stretch.std
+        on_line = x @ self.line
+        return x - on_line @ self.line.T, on_line @ self.slope
+
+
+def framed(stretch: Stretch) -> Frame:
+    """A stretch with its data apart from a straight line."""
+    line, slope = line_of(stretch)
+    y = (stretch.y - stretch.y.mean(axis=1, keepdims=True)) / stretch.std
+    on_line = y @ line
+    rate = on_line @ slope
+    return Frame(stretch, line, slope, y - on_line @ line.T, rate, float(slope @ slope))
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What the evidence of laws needs of the groups; all for unit excess.
+
+    part: the nodes of the factor, and ln(e).
+    `tilt`: what a law's size takes off the rate, at zero shape and at the smallest amplitude.
+    """
+
+    gram: Float[ndarray, "law part part"]
+    right: Float[ndarray, "2 law part"]
+    tilt: Float[ndarray, "2 law part"]
+    rate: Float[ndarray, " 2"]
+    variance: float
+    groups: int
+
+    def joined(self, other: "Sums") -> "Sums":
+        """Both sets of laws, on the same groups."""
+        return replace(
+            self,
+            gram=np.concatenate([self.gram, other.gram]),
+            right=np.concatenate([self.right, other.right], axis=1),
+            tilt=np.concatenate([self.tilt, other.tilt], axis=1),
+        )
+
+    def chosen(self, laws: Int[ndarray, " law"]) -> "Sums":
+        """Some of the laws, in the order given."""
+        return replace(
+            self, gram=self.gram[laws], right=self.right[:, laws], tilt=self.tilt[:, laws]
+        )
+
+
+@dataclass(frozen=True)
+class Fits:
+    """Each law with each of the doubts on one channel.
+
+    `evidence`: ln of the marginal likelihood over that of a constant rate. `rate`: where the shape
+    is zero, and at the smallest amplitude, with `variance`, its square error. `size`: the
+    coefficients of the factor's nodes and of ln(e).
+    """
+
+    evidence: Float[ndarray, "law doubt"]
+    rate: Float[ndarray, "2 law doubt"]
+    variance: Float[ndarray, "2 law doubt"]
+    size: Float[ndarray, "law doubt part"]
+
+
+def sums(frame: Frame, laws: Laws) -> Sums:
+    """Projections of each law's columns on one another and on the data."""
+    stretch = frame.stretch
+    gram, right, on_line = projections(
+        laws.shape, laws.between, laws.first, _middle(stretch), *lengths(stretch),
+        1.0 / stretch.std, np.ascontiguousarray(frame.line.T), frame.y,
+    )  # fmt: skip
+    tilt = on_line @ frame.slope
+    smallest = stretch.path[np.argmin(stretch.path)]
+    lowest = np.zeros_like(tilt)
+    lowest[:, :NODES] = laws.lowest[:, None] * hats(np.array([smallest]), laws.first)[..., 0]
+    tilt = np.stack([tilt, tilt - lowest])
+    return Sums(gram, right, tilt, frame.rate, frame.variance, stretch.time.size)
+
+
+def fits(found: Sums, channel: int, excess: float) -> Fits:
+    """Evidence and rates of all laws on a channel; all variances are `excess` times the stated.
+
+    The size c has a prior as wide as its estimate, or as what one group could tell about it.
+    """
+    right = np.ascontiguousarray(found.right[channel])
+    evidence, size, tilted, spread = marginal(
+        found.gram / excess, right / excess, found.tilt, found.groups, np.array(DOUBT)
+    )
+    variance = excess * found.variance + spread
+    return Fits(evidence, found.rate[channel] - tilted, variance, size)
+
+
+def misfit(
+    frame: Frame, law: Laws, size: Float[ndarray, " part"], channel: int
+) -> Float[ndarray, " group"]:
+    """What one law leaves over of a channel, in stated standard errors."""
+    factor = size[:NODES] @ hats(_middle(frame.stretch), law.first)[0]
+    cells = factor * law.shape + size[NODES] * law.between
+    return frame.y[channel] - frame.seen(cells)[0][0]
+
+
+def excess_variance(rest: Float[ndarray, " group"]) -> float:
+    """By how much a misfit exceeds the stated variances; what is alike in neighbouring groups
+    counts as the fewer independent ones that it is.
+    """
+    square = (rest**2).sum()
+    alike = (rest[1:] * rest[:-1]).sum() / square - 2.0 / np.sqrt(rest.size)
+    alike = float(np.clip(alike, 0.0, 0.98))
+    return max(1.0, float(square) / max(rest.size - 4, 1)) * (1.0 + alike) / (1.0 - alike)
+
+
+def creep(stretch: Stretch) -> tuple[float, float]:
+    """By how much the rate of phase (rad/s) changes along a stretch, and that over its error.
+
+    A parabola of time in the phase; zero where the groups are too few to tell.
+    """
+    if stretch.time.size < FEWEST:
+        return 0.0, 0.0
+    frame = framed(stretch)
+    about = stretch.time - stretch.time.mean()
+    bow = about**2 / stretch.std
+    bow = bow - (bow @ frame.line) @ frame.line.T
+    size = bow @ frame.y[1] / (bow @ bow)
+    error = np.sqrt(excess_variance(frame.y[1] - size * bow) / (bow @ bow))
+    return float(2.0 * size * np.ptp(about)), float(abs(size) / error)
+
+
+def with_lines_below(
+    found: Fits, stretch: Stretch, onsets: Float[ndarray, " onset"], channel: int
+) -> Fits:
+    """The same, but for laws with an onset: their rates by a straight line below it.
+
+    What happens above tells where the constant ends. For the rate itself no law is exact enough,
+    as there it may stand out of the noise a million times.
+    """
+    slope, variance = lines_below(stretch, onsets)
+    hinges = slice(found.evidence.shape[0] - HINGES * onsets.size, None)
+    best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGES]
+    under = stretch.below(best)
+    if under.time.size >= FEWEST:
+        variance = variance * excess_variance(framed(under).y[channel])
+    known = np.repeat(np.isfinite(variance), HINGES)[:, None]
+    rate, spread = found.rate.copy(), found.variance.copy()
+    for values, line in ((rate, slope[channel]), (spread, variance)):
+        values[:, hinges] = np.where(known, np.repeat(line, HINGES)[:, None], values[:, hinges])
+    return replace(found, rate=rate, variance=spread)
+
+
+def _middle(stretch: Stretch) -> Float[ndarray, " cell"]:
+    """Ln A in the cells."""
+    return 0.5 * (stretch.log[1:] + stretch.log[:-1])

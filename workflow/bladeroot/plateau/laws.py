@@ -1,0 +1,143 @@
+"""Laws by which a decay's rates may depend on amplitude.
+
+A rate (of phase or of log-amplitude) is rate0 + c h(A) m(A): a shape h with a size c, and a factor
+m, which is one within some per cent because no law of slip is known better than that. m is straight
+in ln A between nodes; its values there are independent about one with a standard deviation
+(`DOUBT`) that is itself weighed by the evidence. Above an onset d ln(e) is added, with d as much in
+doubt about zero, as no exponent is known exactly either.
+
+Shapes, with e = max(0, A/A0 - 1): hinges at an onset A0, which are e^p, 1 - A0/A, and stiffness
+and damping of a Coulomb slider (3.19; near its critical amplitude it softens like e^(3/2) and damps
+like e); flat laws A^p with p >= 2, whose limit is a plateau for all purposes; and laws that bend
+all the way down, A^p with smaller p and ln A.
+"""
+
+from dataclasses import dataclass
+from typing import no_type_check
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.compiled import njit
+from bladeroot.plateau.stretch import CELLS, Stretch, over_cells
+
+DOUBT = (0.01, 0.1, 0.4)
+NODES, NODE_STEP = 4, 0.7  # nodes of the factor, and their distance in ln A: half to double
+BENDING = (0.0, 0.25, 0.5, 0.75, 1.0, 1.3, 1.6)  # 0: logarithmic
+FLAT = (2.0, 2.5, 3.0)
+HINGES = 7  # shapes at one onset
+
+
+@dataclass(frozen=True)
+class Laws:
+    """Laws on a stretch: means over its cells of the shapes, and of the same times ln(e).
+
+    first: ln A of the factor's lowest node. lowest: the shape at the smallest amplitude.
+    """
+
+    shape: Float[ndarray, "law cell"]
+    between: Float[ndarray, "law cell"]
+    first: Float[ndarray, " law"]
+    lowest: Float[ndarray, " law"]
+
+    def joined(self, other: "Laws") -> "Laws":
+        """Both sets of laws, on the same stretch."""
+        return Laws(
+            np.concatenate([self.shape, other.shape]),
+            np.concatenate([self.between, other.between]),
+            np.concatenate([self.first, other.first]),
+            np.concatenate([self.lowest, other.lowest]),
+        )
+
+    def one(self, law: int) -> "Laws":
+        """A single law."""
+        here = slice(law, law + 1)
+        return Laws(self.shape[here], self.between[here], self.first[here], self.lowest[here])
+
+
+def smooth_laws(stretch: Stretch) -> Laws:
+    """Laws without an onset, `BENDING` then `FLAT`.
+
+    The logarithm is zero at the smallest amplitude, as it has no limit; the others at A = 0.
+    """
+    high = stretch.path.max()
+    power = np.array(BENDING + FLAT)[:, None]
+    log = stretch.path - stretch.path.min()
+    shape = np.where(power > 0.0, np.exp(power * (stretch.path - high)), log)
+    cells = over_cells(stretch, shape)
+    first = np.full(power.size, high - (NODES - 1) * NODE_STEP)
+    return Laws(cells, np.zeros_like(cells), first, shape[:, np.argmin(stretch.path)])
+
+
+def hinge_laws(stretch: Stretch, onsets: Float[ndarray, " onset"]) -> Laws:
+    """`HINGES` laws at each onset (ln A0), which are also their lowest nodes.
+
+    Every onset lies above the smallest amplitude.
+    """
+    shape, between = (hinges(stretch, onsets, logs) for logs in (False, True))
+    return Laws(shape, between, np.repeat(onsets, HINGES), np.zeros(HINGES * onsets.size))
+
+
+def hinges(
+    stretch: Stretch, onsets: Float[ndarray, " onset"], logs: bool = False
+) -> Float[ndarray, "law cell"]:
+    """Means over the cells of the hinges at each onset (ln A0); of the same times ln(e) if `logs`.
+
+    Every onset has its `HINGES` shapes in turn.
+    """
+    return _hinges(np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0, logs)
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def _hinges(e: Float[ndarray, "onset step"], logs: bool) -> Float[ndarray, "law cell"]:
+    """What `hinges` says, by Simpson's rule."""
+    onsets, steps = e.shape
+    cells = steps // CELLS
+    mean = np.zeros((onsets * HINGES, cells))
+    h = np.empty(HINGES)
+    for onset in range(onsets):
+        for step in range(steps):
+            x = e[onset, step]
+            if not x > 0.0:
+                continue
+            root = np.sqrt(x)
+            s = x / (1.0 + x)
+            h[0], h[1], h[2], h[3] = np.sqrt(x * root), x, x * root, x * x
+            h[4], h[5] = s, s * (1.0 - s)
+            # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
+            # (theta - sin(2 theta) / 2) / pi
+            h[6] = 2.0 * (np.arctan(root) - root * (1.0 - x) / (1.0 + x) ** 2)
+            # an end of a cell belongs to the one after it and to the one before it
+            place = step % CELLS
+            weight = (1.0 if place == 0 else 4.0 if place % 2 else 2.0) / (3.0 * CELLS)
+            if logs:
+                weight *= np.log(x)
+            for cell in range(step // CELLS - (place == 0), step // CELLS + 1):
+                if 0 <= cell < cells:
+                    for k in range(HINGES):
+                        mean[onset * HINGES + k, cell] += weight * h[k]
+    return mean
+
+
+@njit(cache=True)
+@no_type_check
+def hat(log: float, first: float, node: int) -> float:
+    """The factor's part that belongs to one of its nodes, at some ln A."""
+    place = min(max((log - first) / NODE_STEP, 0.0), NODES - 1.0)
+    return max(0.0, 1.0 - abs(place - node))
+
+
+@njit(cache=True)
+@no_type_check
+def hats(
+    log: Float[ndarray, " value"], first: Float[ndarray, " law"]
+) -> Float[ndarray, "law node value"]:
+    """The same for all nodes of some laws."""
+    found = np.empty((first.size, NODES, log.size))
+    for law in range(first.size):
+        for node in range(NODES):
+            for k in range(log.size):
+                found[law, node, k] = hat(log[k], first[law], node)
+    return found

@@ -1,0 +1,177 @@
+"""The stick plateau: where a decay's frequency and damping are constant, and how well.
+
+On the plateau the log-phasor of the displacement is a straight line in time: its phase rises by
+omega, its log-amplitude by A'/A. What the rates do above is not known, so a catalogue of laws is
+weighed by evidence on the independent blocks of cycles (`bladeroot.plateau.laws`, `.weigh`), where
+least squares is efficient and its errors hold; the rates of laws with an onset come from below it.
+A record has a plateau when at least four fifths of the weight is on laws with a constant stretch of
+a factor of two or more in amplitude, or without any slope at small amplitude (A^2 and flatter), and
+the rest of the laws' spread is in the standard error; and when its onset, if it has one, lies that
+factor above the smallest amplitude. Otherwise the plateau is not reached: the
+record gives a bound, and nothing is extrapolated.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.plateau.capture import sudden_onset
+from bladeroot.plateau.evidence import creep
+from bladeroot.plateau.mixture import NORMAL, Mixture
+from bladeroot.plateau.posterior import SHORTEST, Weighed
+from bladeroot.plateau.stretch import Stretch, cubic, grouped
+from bladeroot.plateau.weigh import SHOWN, weigh
+
+NUMBERS = (
+    "stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std",
+    "onset_amplitude", "onset_amplitude_std", "onset_low", "onset_high", "onset_bound",
+    "onset_time", "creep", "frequency_bound", "frequency_bound_std", "limit_low", "limit_high",
+    "plateau_low_amplitude", "plateau_high_amplitude", "plateau_weight",
+)  # fmt: skip
+
+# Standard errors from which on a frequency that changes in time on the plateau counts.
+CREEPS = 5.0
+
+
+def plateau(decay: xr.Dataset) -> dict[str, float | str]:
+    """Stick frequency, loss factor and onset amplitude of one decay (dims as from `freevib`).
+
+    The attribute `damping` says what the frequency and the loss factor belong to: "hysteretic"
+    (the default) or "viscous".
+
+    Returns:
+        stick_frequency, loss_factor and their standard errors, the spread over the laws included;
+        onset_amplitude with its standard error, half of its 68 % interval, and its 95 % interval,
+        onset_low to onset_high (NaN when the record never leaves the plateau, or never reaches
+        it); onset_time, when the amplitude falls to it; and onset_bound, the largest amplitude
+        seen, when it never leaves;
+        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant stretch; creep,
+        by how much the frequency changes in time on it, NaN where nothing shows, which is then in
+        the standard error;
+        plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
+        curve may still bend at the smallest usable amplitude, stick_frequency is NaN,
+        frequency_bound (with frequency_bound_std) is the frequency there, and the limit lies
+        between limit_low and limit_high by every power of the amplitude from 1/2 upwards that is
+        tenable; by a law that saturates it may lie outside.
+    """
+    result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
+    result["plateau_reached"] = 0
+    rejected = decay.attrs.get("verdict", "usable") == "rejected"
+    if rejected or decay.sizes["point"] < 12:
+        reason = decay.attrs.get("reason", "") if rejected else ""
+        return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
+    time, amplitude = decay["time"].values, decay["amplitude"].values
+    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
+    if within.sum() < 12:
+        return result | {"verdict": "rejected: too few cycles are sharp enough"}
+    blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
+    both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
+    smooth = cubic(blocks["time"], time, np.log(amplitude))
+    # the curve is sharper than a block, but for where it rounds off a sudden end of slip
+    rounded = np.abs(both[0] - smooth) > np.maximum(5.0 * blocks["std"], 0.003)
+    log = np.where(rounded | (blocks["std"] < 1e-3), both[0], smooth)
+    stretch = grouped(blocks["time"], both, blocks["std"], log)
+    if stretch.time.size < 12:
+        return result | {"verdict": "rejected: too few cycles of falling amplitude"}
+    found = weigh(stretch)
+    sudden = sudden_onset(blocks["time"], both[0], blocks["std"], found.decline.mean()[0])
+    if sudden and stretch.below(sudden[2]).time.size >= 12:
+        # what follows a capture needs no law of the slip before it
+        after = weigh(stretch.below(sudden[2]))
+        onset = Mixture(*(np.array([one]) for one in (1.0, sudden[0], sudden[1] ** 2)))
+        found = replace(after, onset=onset, departs=1.0)
+    omega, omega_std = found.phase.mean()
+    alpha, alpha_std = found.decline.mean()
+    result["plateau_weight"] = found.phase.plateau
+    damping = decay.attrs.get("damping", "hysteretic")
+    frequency, loss = _natural(omega, alpha, damping)
+    if found.decline.plateau >= SHOWN:
+        result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
+    ends = _ends(found, float(amplitude.max()))
+    constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
+    reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
+    lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
+    bound = _natural(lowest, alpha, damping)[0]
+    if not (_seen(stretch, lowest) and _in_band(bound, decay)):
+        return dict.fromkeys(NUMBERS, np.nan) | {
+            "plateau_reached": 0,
+            "verdict": "rejected: too few cycles are sharp enough",
+        }
+    if not reached:
+        low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
+        if not all(_in_band(limit, decay) for limit in (low, high)):
+            low, high = np.nan, np.nan  # an extrapolation that leaves the band tells no limit
+        return result | {
+            "frequency_bound": bound,
+            "frequency_bound_std": lowest_std / (2.0 * np.pi),
+            "limit_low": low,
+            "limit_high": high,
+            "verdict": "plateau not reached",
+        }
+    result |= ends
+    verdict, high = "plateau", result["plateau_high_amplitude"]
+    change, clear = creep(stretch.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
+    if clear > CREEPS:
+        omega_std = float(np.hypot(omega_std, change / np.sqrt(12.0)))
+        result["creep"] = change / (2.0 * np.pi)
+        verdict = "plateau, but the frequency creeps on it"
+    fallen = np.minimum.accumulate(np.log(amplitude))
+    return result | {
+        "stick_frequency": frequency,
+        "stick_frequency_std": omega_std / (2.0 * np.pi),
+        "onset_time": float(np.interp(-np.log(result["onset_amplitude"]), -fallen, time)),
+        "plateau_reached": 1,
+        "verdict": verdict,
+    }
+
+
+def _seen(stretch: Stretch, omega: float, parts: int = 8) -> bool:
+    """Whether the phase shows a rate (rad/s) that a law has at its end.
+
+    A law may go on from what parts of the record advance by, but not beyond all that they span.
+    """
+    edge = np.linspace(0, stretch.time.size - 1, parts + 1).astype(int)
+    length = np.diff(stretch.time[edge])
+    advance = np.diff(stretch.y[1, edge]) / length
+    error = np.hypot(stretch.std[edge[1:]], stretch.std[edge[:-1]]) / length
+    span = np.ptp(advance) + 3.0 * error.max()
+    return bool(advance.min() - span <= omega <= advance.max() + span)
+
+
+def _in_band(frequency: float, decay: xr.Dataset) -> bool:
+    """Whether a frequency (Hz) lies in the band in which the mode was looked for."""
+    low, high = decay.attrs.get("band_low_Hz", 0.0), decay.attrs.get("band_high_Hz", np.inf)
+    return bool(low < frequency < high)
+
+
+def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:
+    """Undamped natural frequency (Hz) and loss factor where both rates are constant.
+
+    There A''/A is alpha^2: hysteretic damping by (3.11); viscous damping as alpha = -zeta omega_n
+    and omega^2 = (1 - zeta^2) omega_n^2, with a loss factor of 2 zeta.
+    """
+    if damping == "viscous":
+        omega_n = float(np.hypot(omega, alpha))
+        return omega_n / (2.0 * np.pi), -2.0 * alpha / omega_n
+    square = max(omega**2 - alpha**2, 1e-12)  # a limit may be extrapolated below zero
+    return float(np.sqrt(square)) / (2.0 * np.pi), -2.0 * omega * alpha / square
+
+
+def _ends(found: Weighed, largest: float) -> dict[str, float]:
+    """Onset amplitude, and where the constant stretch begins and ends."""
+    lowest = float(np.exp(found.lowest))
+    if found.onset is None or found.departs < 0.5:
+        ends = {"plateau_low_amplitude": lowest, "plateau_high_amplitude": largest}
+        never = min(found.phase.constant, found.decline.constant) >= 0.5
+        return ends | {"onset_bound": largest} if never else {}
+    median, *ends = found.onset.quantiles((0.5, *NORMAL[68], *NORMAL[95]))
+    onset, low, high, lower, upper = np.exp([median, *ends])
+    return {
+        "onset_amplitude": float(onset),
+        "onset_amplitude_std": float(0.5 * (high - low)),
+        "onset_low": float(lower),
+        "onset_high": float(upper),
+        "plateau_low_amplitude": lowest,
+        "plateau_high_amplitude": float(low),
+    }

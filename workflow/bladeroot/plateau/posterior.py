@@ -1,0 +1,198 @@
+"""From the evidence of laws to what a record says: weights, verdict, rates, and the onset.
+
+Four kinds of law have the same prior weight: a constant, laws that bend all the way down, flat
+ones, and hinges (ln A0 and shape uniform); a constant has more where no departure shows. Phase and
+log-amplitude have shapes of their own; in half of the prior their onset is one.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from bladeroot.plateau.evidence import Fits
+from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES
+from bladeroot.plateau.mixture import Mixture
+
+SHORTEST = np.log(2.0)  # a constant stretch that is no shorter, in ln A, counts as shown
+# error of ln A0, over the doubt about a law, by a slip between its shapes, as in simulation
+BETWEEN = 0.005
+EXACT = 1e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
+NEGLIGIBLE = 8.0  # in ln of the evidence
+STEEPEST = 0.5  # least power of A that is believed down to A = 0
+SMOOTH = len(BENDING) + len(FLAT)
+DOUBTS = len(DOUBT)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What one channel says, with what the other one knows of the onset.
+
+    `weight` sums to one over all laws: the constant, the smooth ones and the hinges, in all their
+    doubts. `rate` and `variance` belong to them, at zero shape and at the smallest amplitude.
+    `tenable` marks those from sqrt(A) upwards that fit no worse than the best of those that bend
+    all the way down, as far as the misfit of that one excuses. `plateau` is the weight of laws
+    with a plateau long enough to be shown, `doubtful` that of the greatest doubt. `bent`: by how
+    much the misfit of the best of those that bend, taken at its word, exceeds the variances.
+    """
+
+    weight: Float[ndarray, " law"]
+    rate: Float[ndarray, "2 law"]
+    variance: Float[ndarray, "2 law"]
+    tenable: Bool[ndarray, " law"]
+    plateau: float
+    constant: float
+    doubtful: float
+    bent: float
+
+    def mean(self, lowest: bool = False) -> tuple[float, float]:
+        """Rate of the plateau, or at the smallest amplitude; the laws' spread in its error."""
+        return Mixture(self.weight, self.rate[int(lowest)], self.variance[int(lowest)]).middle()
+
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest limit at zero amplitude of any tenable law, 1.96 errors included."""
+        if not self.tenable.any():
+            return np.nan, np.nan
+        rate, std = self.rate[0, self.tenable], np.sqrt(self.bent * self.variance[0, self.tenable])
+        return float((rate - 1.96 * std).min()), float((rate + 1.96 * std).max())
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """Both channels, the onset's posterior in ln A0, and the stretch that was looked at (ln A).
+
+    `departs` is the weight of a constant that ends at an onset, in either channel; without any,
+    `onset` is None.
+    """
+
+    decline: Channel
+    phase: Channel
+    onset: Mixture | None
+    departs: float
+    lowest: float
+    highest: float
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """The laws that were fitted: `SMOOTH` ones, then `HINGES` at each onset (ln A0, rising).
+
+    low, high: ends of the stretch in ln A.
+    """
+
+    onsets: Float[ndarray, " onset"]
+    low: float
+    high: float
+
+    @property
+    def prior(self) -> Float[ndarray, " onset"]:
+        """Of each onset: the share of the stretch that is nearest to it."""
+        middle = 0.5 * (self.onsets[1:] + self.onsets[:-1])
+        edge = np.concatenate([[self.low], middle, [self.high]])
+        return np.maximum(np.diff(edge) / (self.high - self.low), 1e-12)
+
+
+def combined(
+    catalogue: Catalogue,
+    both: list[Fits],
+    constant: list[tuple[float, float]],
+    still: list[float],
+    bent: list[float],
+) -> Weighed:
+    """Posterior over the laws of both channels, their onsets tied in half of the prior.
+
+    By channel, constant: its rate and variance; still: its prior weight over another kind's;
+    bent: misfit's variance of the law that bends all the way down best, taken at its word, over
+    that of the best of all.
+    """
+    alone = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
+    by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in alone]
+    channels = []
+    for one, (smooth, hinge) in enumerate(alone):
+        # an onset of the other channel speaks for the same one here
+        other = by_onset[1 - one]
+        tie = 1.0 - 0.5 * other.sum() + 0.5 * other / catalogue.prior
+        weight = np.concatenate([smooth, (hinge * tie[:, None, None]).ravel()])
+        channels.append(
+            _channel(catalogue, both[one], weight / weight.sum(), constant[one], bent[one])
+        )
+    onset, departs = _onset(catalogue, by_onset)
+    return Weighed(*channels, onset, departs, catalogue.low, catalogue.high)
+
+
+def _blurred(
+    catalogue: Catalogue, weight: Float[ndarray, "onset doubt"]
+) -> Float[ndarray, " onset"]:
+    """Weight of each onset, known no better than its laws are believed."""
+    apart = catalogue.onsets[:, None] - catalogue.onsets
+    total = np.zeros(catalogue.onsets.size)
+    for part, doubt in zip(weight.T, DOUBT, strict=True):
+        blur = catalogue.prior[:, None] * np.exp(-0.5 * (apart / (BETWEEN * doubt)) ** 2)
+        total += (blur / blur.sum(axis=0)) @ part
+    return total
+
+
+def _weights(
+    catalogue: Catalogue, found: Fits, still: float
+) -> tuple[Float[ndarray, " law"], Float[ndarray, "onset hinge doubt"]]:
+    """Weights by one channel alone: the constant and the smooth laws, and the hinges."""
+    peak = max(float(found.evidence.max()), 0.0)
+    likely = np.exp(found.evidence - peak) / DOUBTS
+    kinds = [len(BENDING), len(FLAT)]
+    smooth = likely[:SMOOTH] / np.repeat(kinds, kinds)[:, None]
+    smooth = np.concatenate([[still * np.exp(-peak)], smooth.ravel()])
+    hinge = likely[SMOOTH:].reshape(-1, HINGES, DOUBTS)
+    hinge = hinge * catalogue.prior[:, None, None] / HINGES
+    whole = smooth.sum() + hinge.sum()
+    return smooth / whole, hinge / whole
+
+
+def _channel(
+    catalogue: Catalogue,
+    found: Fits,
+    weight: Float[ndarray, " law"],
+    constant: tuple[float, float],
+    bent: float,
+) -> Channel:
+    """What the weights make of one channel."""
+    rate, variance = (
+        np.column_stack([np.full(2, base), values.reshape(2, -1)])
+        for base, values in zip(constant, (found.rate, found.variance), strict=True)
+    )
+    evidence = np.concatenate([[0.0], found.evidence.ravel()])
+    tenable = np.ones(evidence.size, dtype=bool)
+    tenable[1 : 1 + DOUBTS * int(np.sum(np.array(BENDING) < STEEPEST))] = False
+    tenable[DOUBTS::DOUBTS] = False  # the greatest doubt extrapolates to anywhere
+    bending = np.arange(evidence.size) <= DOUBTS * len(BENDING)
+    tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE * bent
+    doubtful = float(weight[DOUBTS::DOUBTS].sum())
+    one = Channel(weight, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
+    # a flat law is a plateau when its rest at the smallest amplitude is within the error
+    flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
+    shown = 0.0
+    if weight[flat].sum() > 1e-6:
+        shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
+    hinge = weight[1 + DOUBTS * SMOOTH :].reshape(-1, HINGES * DOUBTS).sum(axis=1)
+    shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST].sum()
+    if catalogue.high - catalogue.low >= SHORTEST:
+        shown += weight[0]
+    return replace(one, plateau=float(shown))
+
+
+def _onset(
+    catalogue: Catalogue, by_onset: list[Float[ndarray, " onset"]]
+) -> tuple[Mixture | None, float]:
+    """Posterior of ln A0, where the first of both channels leaves, and its weight."""
+    one, two = by_onset
+    not_one, not_two = 1.0 - one.sum(), 1.0 - two.sum()
+    # the tail beyond an onset, half of its own cell included
+    after = [part[::-1].cumsum()[::-1] - 0.5 * part for part in by_onset]
+    weight = 0.5 * one * two / catalogue.prior + 0.5 * (one * after[1] + two * after[0])
+    weight += one * not_two + two * not_one
+    whole = weight.sum()
+    if not whole > 1e-300:
+        return None, 0.0
+    width = catalogue.prior * (catalogue.high - catalogue.low)
+    onset = Mixture(weight, catalogue.onsets, width**2 / 12.0 + EXACT**2)
+    return onset, float(whole / (whole + not_one * not_two))

@@ -1,0 +1,278 @@
+"""Frequency and damping over amplitude at each force: the curves of all its records as one."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+from scipy.special import stdtrit
+
+from bladeroot.loads import load_attrs, load_facts_of, value_of
+from bladeroot.pooling.components import QUANTILE_95
+from bladeroot.pooling.settling import unsettled
+
+CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
+KINDS = {
+    "": "mean over records of",
+    "_std": "standard error of the mean",
+    "_change_std": "standard error, without that of the records' levels, of the mean",
+    "_scatter": "standard deviation between records of different holds of",
+}
+
+
+def mean_curves(
+    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset], points_a_decade: int = 40
+) -> xr.Dataset:
+    """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
+
+    decays: as from `bladeroot.ringdown.freevib.freevib`, with mode, force_N and simulated in the
+    attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
+    is its own level plus a change with amplitude that all share: levels are taken off before the
+    mean and their mean is put back, so that a record that begins or ends makes no step. The levels
+    of a hold (one clamping) are averaged, then the holds, each weighted by its own variance and the
+    scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
+    standard error a normal 95 % interval is right for few repeats, too (Student). Where no hold
+    repeats it is a lower bound, and says so. First cycles that decay unlike all records which pass
+    them later (`settling`) are left out.
+
+    Returns:
+        dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
+        with their standard errors, with and without that of the levels (`_std`, `_change_std`), and
+        the scatter between records, levels included (NaN for one record alone); `records`,
+        how many reach the amplitude, and `unsettled`, how many more do but are left out there.
+    """
+    facts = load_facts_of(decays)
+    decays = [
+        decay
+        for decay, plateau in zip(decays, plateaus, strict=True)
+        if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
+    ]
+    level_of = [_level_of(decay.attrs) for decay in decays]
+    levels = sorted(set(level_of))
+    ladder = ladder_of(decays, points_a_decade)
+    values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
+    count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
+    unknown = []
+    for kind in dict.fromkeys(_kind(own) for own in levels):
+        rows = [k for k, own in enumerate(levels) if _kind(own) == kind]
+        here = [d for d, own in zip(decays, level_of, strict=True) if _kind(own) == kind]
+        level = np.unique([value_of(decay.attrs) for decay in here], return_inverse=True)[1]
+        start = np.array([float(decay["amplitude"].max()) for decay in here])
+        read = {
+            name: np.array([on_ladder(decay, name, ladder) for decay in here])
+            for name in (*CURVES, *(f"{name}_std" for name in CURVES))
+        }
+        for k, row in enumerate(rows):
+            own = level == k
+            doubted = np.logical_or.reduce(
+                [
+                    unsettled(ladder, start[own], read[name][own], read[f"{name}_std"][own])
+                    for name in CURVES
+                ]
+            )
+            left_out[row] = doubted.sum(axis=0)
+            for name in CURVES:
+                read[name][own] = np.where(doubted, np.nan, read[name][own])
+            count[row] = np.isfinite(read["loss_factor"][own]).sum(axis=0)
+        for name in CURVES:
+            *found, repeated = _means(read[name], read[f"{name}_std"], _holds(here, level), level)
+            for part, made in zip(KINDS, found, strict=True):
+                values[f"{name}{part}"][rows] = made
+        unknown += [] if repeated else [kind[0]]
+    curves = xr.Dataset(
+        {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
+        coords={
+            "amplitude": (
+                "amplitude", ladder,
+                {"units": "m", "long_name": "displacement amplitude at the sensor"},
+            ),
+            "mode": ("level", _strings(levels, 0), {"units": "", "long_name": "mode"}),
+            "force": ("level", [own[1] for own in levels], load_attrs(facts)),
+            "group": ("level", _strings(levels, 2), {"units": "", "long_name": "group"}),
+            "sensor": ("level", _strings(levels, 3), {"units": "", "long_name": "sensor"}),
+        },
+        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0),
+               **facts},
+    )  # fmt: skip
+    for name in CURVES if unknown else ():
+        text = f"; clamping scatter of {', '.join(dict.fromkeys(unknown))} unknown: a lower bound"
+        curves[f"{name}_std"].attrs["long_name"] += text
+    return curves.assign(
+        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
+        unsettled=(
+            ("level", "amplitude"),
+            left_out,
+            {"units": "1", "long_name": "records whose first cycles are left out"},
+        ),
+    )
+
+
+def _level_of(attrs: Mapping) -> tuple[str, float, str, str]:
+    """Mode, load, group and sensor: an amplitude is one at a sensor, and groups are no repeats."""
+    own = (str(attrs.get(name, "")) for name in ("group", "sensor"))
+    return str(attrs["mode"]), value_of(attrs), *own
+
+
+def _kind(level: tuple[str, float, str, str]) -> tuple[str, str, str]:
+    """What levels that share their scatter have in common: all but the load."""
+    return level[0], level[2], level[3]
+
+
+def _strings(levels: Sequence[tuple], k: int) -> ndarray:
+    return np.array([own[k] for own in levels], dtype=str)
+
+
+def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
+    """Numbers of the holds; records that name none are holds of their own."""
+    names = [
+        f"{own} {decay.attrs.get('hold', '') or f'record {k}'}"
+        for k, (own, decay) in enumerate(zip(level, decays, strict=True))
+    ]
+    return np.unique(names, return_inverse=True)[1]
+
+
+def _names() -> list[str]:
+    return [f"{name}{part}" for name in CURVES for part in KINDS]
+
+
+def _attrs(name: str) -> dict[str, str]:
+    base = next(known for known in CURVES if name.startswith(known))
+    units, text = CURVES[base]
+    kind = KINDS[name.removeprefix(base)]
+    return {"units": units, "long_name": f"{kind} {text}", "source": "eq. 3.11"}
+
+
+def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
+    """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
+    if not decays:
+        return np.zeros(0)
+    low = min(float(decay["amplitude"].min()) for decay in decays)
+    high = max(float(decay["amplitude"].max()) for decay in decays)
+    first = np.ceil(points_a_decade * np.log10(low))
+    last = np.floor(points_a_decade * np.log10(high))
+    return 10.0 ** (np.arange(first, last + 1) / points_a_decade)
+
+
+def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
+    """A record's curve at the ladder's amplitudes, NaN beyond what it reaches."""
+    value, amplitude = decay[name].values, decay["amplitude"].values
+    known = np.isfinite(value) & np.isfinite(amplitude)
+    if known.sum() < 2:
+        return np.full(ladder.size, np.nan)
+    order = np.argsort(amplitude[known])
+    x, y = np.log(amplitude[known][order]), value[known][order]
+    return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
+
+
+def _means(
+    value: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
+    hold: Int[ndarray, " record"],
+    force: Int[ndarray, " record"],
+) -> tuple[ndarray, ndarray, ndarray, ndarray, bool]:
+    """What `KINDS` names, for each force, and whether holds repeat.
+
+    hold, force: numbers from 0; a hold belongs to one force.
+    """
+    known = np.isfinite(value) & (std > 0.0)
+    variance = np.where(known, std, np.inf) ** 2
+    weight = 1.0 / (variance + _grouped(value, variance, force).scatter)
+    level = np.empty(force.size)
+    for one in range(force.max() + 1):
+        level[force == one] = levels_of(value[force == one], weight[force == one])
+    with np.errstate(divide="ignore"):
+        level_std = (1.0 / variance).sum(axis=1) ** -0.5
+    middle, middle_std, apart, repeated = _middle(level[:, None], level_std[:, None], hold, force)
+    change = _grouped(value - level[:, None], variance, force)
+    reached = np.isfinite(change.variance)
+    mean, change_std = (
+        np.where(reached, part, np.nan) for part in (change.mean, np.sqrt(change.variance))
+    )
+    several = _member(force) @ known > 1
+    scatter = np.where(several, np.hypot(np.sqrt(change.scatter), apart), np.nan)
+    return mean + middle, np.hypot(change_std, middle_std), change_std, scatter, repeated
+
+
+def levels_of(
+    value: Float[ndarray, "record amplitude"], weight: Float[ndarray, "record amplitude"]
+) -> Float[ndarray, " record"]:
+    """How far each record lies above the others: least squares of record + amplitude.
+
+    They sum to zero over records that are linked by common amplitudes; others are not compared.
+    """
+    value = np.where(weight > 0.0, value, 0.0)
+    total = weight.sum(axis=0)
+    share = weight / np.where(total > 0.0, total, 1.0)
+    normal = np.diag(weight.sum(axis=1)) - share @ weight.T
+    right = (weight * (value - (share * value).sum(axis=0))).sum(axis=1)
+    return np.linalg.pinv(normal, rcond=1e-12, hermitian=True) @ right
+
+
+def _middle(
+    value: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
+    hold: Int[ndarray, " record"],
+    force: Int[ndarray, " record"],
+) -> tuple[ndarray, ndarray, ndarray, bool]:
+    """Mean of each force, its standard error, the scatter between records, and if holds repeat."""
+    first = np.unique(hold, return_index=True)[1]
+    known = np.isfinite(value) & (std > 0.0)
+    records = _grouped(value, np.where(known, std, np.inf) ** 2, hold)
+    holds = _grouped(records.mean, records.variance, force[first])
+    by_records = records.scatter * (_member(force[first]) @ (holds.share**2 * records.squares))
+    by_holds = holds.scatter * holds.squares
+    with np.errstate(invalid="ignore", divide="ignore"):
+        doubt = np.nan_to_num(by_records**2 / records.freedom)
+        doubt = doubt + np.nan_to_num(by_holds**2 / holds.freedom)
+        freedom = holds.variance**2 / doubt  # Satterthwaite's
+        error = np.sqrt(holds.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
+    scatter = np.sqrt(records.scatter + holds.scatter)
+    scatter = np.where(records.freedom + holds.freedom > 0, scatter, np.nan)
+    reached = np.isfinite(holds.variance)
+    found = (np.where(reached, part, np.nan) for part in (holds.mean, error, scatter))
+    return *found, bool(holds.freedom.any())
+
+
+@dataclass(frozen=True)
+class _Grouped:
+    """Weighted means of groups of rows, with the scatter of rows (a variance) all groups share.
+
+    freedom: degrees of freedom of scatter. share: of a row in its group's mean; squares: the sum of
+    their squares.
+    """
+
+    mean: Float[ndarray, "group amplitude"]
+    variance: Float[ndarray, "group amplitude"]
+    scatter: Float[ndarray, " amplitude"]
+    freedom: Int[ndarray, " amplitude"]
+    share: Float[ndarray, "row amplitude"]
+    squares: Float[ndarray, "group amplitude"]
+
+
+def _grouped(
+    value: Float[ndarray, "row amplitude"],
+    variance: Float[ndarray, "row amplitude"],
+    group: Int[ndarray, " row"],
+) -> _Grouped:
+    """DerSimonian-Laird's moments over all groups; rows of infinite variance have no part."""
+    member = _member(group)
+    known = np.isfinite(variance)
+    value, weight = np.where(known, value, 0.0), 1.0 / variance
+    with np.errstate(invalid="ignore", divide="ignore"):
+        total = member @ weight
+        rest = np.where(known, value - (member @ (weight * value) / total)[group], 0.0)
+        freedom = known.sum(axis=0) - (total > 0.0).sum(axis=0)
+        excess = np.maximum((weight * rest**2).sum(axis=0) - freedom, 0.0)
+        scatter = excess / np.nansum(total - member @ weight**2 / total, axis=0)
+        scatter = np.where(freedom > 0, scatter, 0.0)
+        weight = 1.0 / (variance + scatter)
+        total = member @ weight
+        share = np.where(known, weight / total[group], 0.0)
+        mean, squares = member @ (share * value), member @ share**2
+        return _Grouped(mean, 1.0 / total, scatter, freedom, share, squares)
+
+
+def _member(group: Int[ndarray, " row"]) -> Float[ndarray, "group row"]:
+    return (np.arange(group.max() + 1)[:, None] == group).astype(float)

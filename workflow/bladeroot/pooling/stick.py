@@ -1,0 +1,289 @@
+"""Stick frequencies of a campaign: per record, and pooled per mode and axial force (3.20, 3.21)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy import ndarray
+
+from bladeroot.loads import load_attrs, load_facts_of, value_of
+from bladeroot.plateau.record import RECORD
+from bladeroot.pooling.components import Pooled, pool
+from bladeroot.pooling.events import by_event
+from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
+
+LEVEL = {
+    "frequency": (
+        "Hz",
+        "stick frequency of a mode at a force, mean of both directions",
+        "eq. 3.21",
+    ),
+    "frequency_std": ("Hz", "standard error of frequency: within, records and clampings", ""),
+    "within_std": ("Hz", "within-record standard error, propagated", "eq. 3.21"),
+    "between_std": ("Hz", "standard deviation of the records at this force", ""),
+    "between_record_std": ("Hz", "standard deviation of records in a hold, of the mode", ""),
+    "between_hold_std": ("Hz", "standard deviation between holds, of the mode", ""),
+    "record_freedom": ("1", "degrees of freedom of between_record_std", ""),
+    "hold_freedom": ("1", "degrees of freedom of between_hold_std", ""),
+    "direction_difference": ("Hz", "frequency loading up less down at this force", ""),
+    "mode_direction_difference": ("Hz", "frequency loading up less down, over the mode", ""),
+    "mode_direction_difference_std": ("Hz", "standard error of mode_direction_difference", ""),
+    "loss_factor": ("1", "loss factor of a mode at a force", "eq. 3.21"),
+    "loss_factor_std": ("1", "standard error of loss_factor: within, records and clampings", ""),
+    "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
+    "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
+    "records": ("1", "number of records used", ""),
+    "holds": ("1", "number of holds (clampings) among them", ""),
+}
+TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
+COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
+TABLE_ERRORS = ("stated", "scatter")
+TABLE_COLUMNS = (
+    "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
+)  # fmt: skip
+
+
+def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Stick frequency and damping of every record, and of every mode at every force.
+
+    Each plateau (`bladeroot.plateau.record`) carries `mode`, its load and optionally `record`,
+    `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
+    records of one event are one motion (`bladeroot.pooling.events`). Records at one force are
+    pooled (`bladeroot.pooling.components`): the unit of replication is the hold (one clamping),
+    records without one are holds of their own, and what a mode's records and holds scatter is told
+    from all its forces. Where loading up and down both occur, the frequency is that between them
+    and their difference is reported; it does not count as scatter. `frequency_std` makes a normal
+    95 % interval right whatever the degrees of freedom. Where no force is clamped twice, what the
+    forces scatter about a smooth law stands for the clampings; of fewer than `FEWEST` forces that
+    is not known either, and the errors are lower bounds: attribute `lower_bound` names these modes.
+    Records whose plateau is not reached, and rejected ones, are listed and not pooled.
+    """
+    rows = []
+    for found in plateaus:
+        attrs = found.attrs
+        rows.append(
+            {
+                "record": str(attrs.get("record", len(rows) + 1)),
+                "mode": str(attrs["mode"]),
+                "force": value_of(attrs),
+                **{name: _text(attrs.get(name, "")) for name in TEXTS},
+                "verdict": str(found["verdict"].item()),
+                **{name: float(found[name]) for name in RECORD},
+            }
+        )
+    frame = pd.DataFrame(rows, columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
+    used = frame[frame["plateau_reached"] == 1]
+    kinds = used.groupby(["mode", "group"], sort=True)
+    rows = [row for _, of_kind in kinds for row in _levels(by_event(of_kind))]
+    levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL])
+    result = _dataset(frame, levels, load_facts_of(plateaus))
+    forces = levels[levels["hold_freedom"] == 0].groupby("mode").size()
+    unknown = ", ".join(forces.index[forces < FEWEST])
+    for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
+        text = f"; clamping scatter of {unknown} unknown: a lower bound"
+        result[name].attrs["long_name"] += text
+        result[name].attrs["lower_bound"] = unknown
+    return result
+
+
+def stick_from_table(
+    table: pd.DataFrame, error: str = "stated", load: Mapping[str, str] | None = None
+) -> xr.Dataset:
+    """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
+
+    A table tells nothing of the scatter between records or holds at one force, but its rows scatter
+    about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
+    which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode how many times
+    the scatter exceeds the printed errors; `error`, one of `TABLE_ERRORS`, is the one that
+    `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is none.
+    Onset amplitudes are unknown (NaN).
+
+    Raises:
+        ValueError: a column is missing, a number is not positive, or a mode has a force twice.
+    """
+    missing = [name for name in TABLE_COLUMNS if name not in table.columns]
+    if missing:
+        raise ValueError(
+            f"expected columns {', '.join(TABLE_COLUMNS)}, {', '.join(missing)} missing, got "
+            f"{', '.join(map(str, table.columns))}"
+        )
+    frame = pd.DataFrame({"mode": table["mode"].astype(str)})
+    for name in TABLE_COLUMNS[1:]:
+        frame[name] = pd.to_numeric(table[name], errors="coerce")
+        bad = np.flatnonzero(~((frame[name] > 0.0) & (frame[name] < np.inf)))
+        if bad.size:
+            raise ValueError(
+                f"{name} must be a positive number, got {table[name].iloc[bad[0]]} "
+                f"(row {bad[0] + 2})"
+            )
+    twice = frame[frame.duplicated(["mode", "force_N"])]
+    if len(twice):
+        raise ValueError(
+            f"each force must appear once a mode, got {twice['mode'].iloc[0]} at "
+            f"{twice['force_N'].iloc[0]:g} N again (row {twice.index[0] + 2})"
+        )
+    if error not in TABLE_ERRORS:
+        raise ValueError(f"a table's error must be one of {TABLE_ERRORS}, got {error!r}")
+    frame = frame.sort_values(["mode", "force_N"]).reset_index(drop=True)
+    made, ratios = _scatter(frame)
+    chosen = {name: made[f"{name}{error}_std"] for name in ("", "loss_factor_")}
+    levels = pd.DataFrame(
+        {
+            "mode": frame["mode"], "force": frame["force_N"], "frequency": frame["frequency_Hz"],
+            "frequency_std": chosen[""], "within_std": frame["frequency_std_Hz"],
+            "loss_factor": frame["loss_factor"], "loss_factor_std": chosen["loss_factor_"],
+            "records": 1, "holds": 1, "record_freedom": 0, "hold_freedom": 0,
+        }
+    )  # fmt: skip
+    empty = pd.DataFrame(columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
+    levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL])
+    result = _dataset(empty, levels, load or {})
+    result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
+    result["frequency_std"].attrs["note"] = f"the table's {error} error"
+    result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
+    for name, values in made.items():
+        quantity, units = ("loss factor", "1") if "loss" in name else ("frequency", "Hz")
+        text = "as printed" if "stated" in name else "printed, and scatter about a smooth law"
+        attrs = {"units": units, "long_name": f"standard error of {quantity}: {text}"}
+        result[name] = ("level", values, attrs)
+    result = result.assign_coords(table_mode=list(ratios), quantile=[0.025, 0.5, 0.975])
+    for k, name in enumerate(("scatter_ratio", "loss_factor_scatter_ratio")):
+        text = "scatter about a smooth law over the printed error, median of the mode's rows"
+        values = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
+        attrs = {"units": "1", "long_name": text}
+        result[name] = (("table_mode", "quantile"), values, attrs)
+    return result
+
+
+def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[ndarray]]]:
+    """Stated and scattered errors of every row, and each mode's ratio, by quantity."""
+    made, ratios = {}, {mode: [] for mode in dict.fromkeys(frame["mode"])}
+    for prefix, column, unit in (("", "frequency", "_Hz"), ("loss_factor_", "loss_factor", "")):
+        stated = frame[f"{column}_std{unit}"].to_numpy(float)
+        whole = np.full(stated.size, np.nan)
+        for mode in ratios:
+            rows = np.flatnonzero(frame["mode"] == mode)
+            found = scatter_about_law(
+                frame["force_N"].to_numpy(float)[rows],
+                frame[column + unit].to_numpy(float)[rows],
+                stated[rows],
+            )
+            whole[rows] = np.hypot(stated[rows], np.nan_to_num(found.std))
+            ratios[mode].append(found.ratio)
+        made |= {f"{prefix}stated_std": stated, f"{prefix}scatter_std": whole}
+    return made, ratios
+
+
+def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
+    """The levels of one mode: each force with what all of the mode's records say of it."""
+    frequency = _pooled(records, "stick_frequency")
+    damped = records[records["loss_factor"].notna()]
+    loss = _pooled(damped, "loss_factor") if len(damped) else None
+    loss_forces = np.unique(damped["force"])
+    onsets = _onsets(records)
+    levels = []
+    for number, (force, here) in enumerate(records.groupby("force", sort=True)):
+        found = np.flatnonzero(loss_forces == force)
+        onset, onset_std = onsets.get(force, (np.nan, np.nan))
+        value, std = (here[f"stick_frequency{end}"].to_numpy(float) for end in ("", "_std"))
+        levels.append(
+            {
+                "mode": here["mode"].iloc[0], "force": force, "group": here["group"].iloc[0],
+                "frequency": frequency.mean[number], "frequency_std": frequency.std[number],
+                "within_std": float(np.sqrt((std**2).sum()) / std.size),
+                "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
+                "between_record_std": frequency.record_std,
+                "between_hold_std": frequency.hold_std,
+                "record_freedom": frequency.record_freedom,
+                "hold_freedom": frequency.hold_freedom,
+                "direction_difference": _difference(here),
+                "mode_direction_difference": frequency.difference,
+                "mode_direction_difference_std": frequency.difference_std,
+                "loss_factor": loss.mean[found[0]] if found.size else np.nan,
+                "loss_factor_std": loss.std[found[0]] if found.size else np.nan,
+                "onset_amplitude": onset, "onset_amplitude_std": onset_std,
+                "records": int(here["seen_by"].sum()), "holds": _units(here).nunique(),
+            }
+        )  # fmt: skip
+    return levels
+
+
+def _pooled(records: pd.DataFrame, name: str) -> Pooled:
+    """Means of the forces, in rising order; a hold is told apart at each force."""
+    unit = records["force"].astype(str) + " " + _units(records)
+    sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
+    forces, force = np.unique(records["force"], return_inverse=True)
+    found = pool(
+        records[name].to_numpy(float),
+        records[f"{name}_std"].to_numpy(float),
+        force,
+        np.unique(unit, return_inverse=True)[1],
+        sign.to_numpy(float),
+    )
+    if found.hold_freedom:
+        return found
+    clampings = scatter_about_law(forces, found.mean, found.std).rms
+    return replace(found, std=np.hypot(found.std, np.nan_to_num(clampings)))
+
+
+def _difference(records: pd.DataFrame) -> float:
+    """Mean of the holds loaded up less that of those loaded down; NaN without both."""
+    means = records.groupby(["direction", _units(records)])["stick_frequency"].mean()
+    sides = [means[side].mean() for side in ("up", "down") if side in means.index]
+    return float(sides[0] - sides[1]) if len(sides) == 2 else np.nan
+
+
+def _onsets(records: pd.DataFrame) -> dict[float, tuple[float, float]]:
+    """Onset and its error at the forces where at least half of the records have one, pooled as ln.
+
+    Where slip begins is known to a part of itself, alike at all forces.
+    """
+    seen = records[records["onset_amplitude"].notna()]
+    share = seen.groupby("force").size() / records.groupby("force").size()
+    seen = seen[seen["force"].map(share) >= 0.5]
+    if not len(seen):
+        return {}
+    relative = seen["onset_amplitude_std"] / seen["onset_amplitude"]
+    log = seen.assign(onset=np.log(seen["onset_amplitude"]), onset_std=relative)
+    found = _pooled(log, "onset")
+    value = np.exp(found.mean)
+    forces = np.unique(seen["force"])
+    return dict(zip(forces, zip(value, value * found.std, strict=True), strict=True))
+
+
+def _units(records: pd.DataFrame) -> pd.Series:
+    """The hold of each record; one of its own where none is named."""
+    return records["hold"].where(records["hold"] != "", "record " + records["record"])
+
+
+def _text(value: object) -> str:
+    text = "" if value is None else str(value).strip()
+    return "" if text.lower() == "nan" else text
+
+
+def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str]) -> xr.Dataset:
+    """Levels under plain names; a record's variables of the same name under record_<name>."""
+    result = xr.Dataset(coords={"record": _strings(records["record"])}, attrs=load)
+    for name in ("hold", "direction", "event", "sensor", "verdict"):
+        result[name] = ("record", _strings(records[name]), {"units": "", "long_name": name})
+    for name, dim, frame in (("record_group", "record", records), ("group", "level", levels)):
+        result[name] = (dim, _strings(frame["group"]), {"units": "", "long_name": "group"})
+    for dim, frame, table in (("record", records, RECORD), ("level", levels, LEVEL)):
+        names = {name: f"record_{name}" if dim == "record" else name for name in ("mode", "force")}
+        result[names["mode"]] = (
+            dim, _strings(frame["mode"]), {"units": "", "long_name": "name of the mode"}
+        )  # fmt: skip
+        result[names["force"]] = (dim, frame["force"].to_numpy(float), load_attrs(load))
+        for name, (units, long_name, source) in table.items():
+            key = f"record_{name}" if dim == "record" and name in LEVEL else name
+            kind = int if name in COUNTS else float
+            attrs = {"units": units, "long_name": long_name}
+            values = frame[name].to_numpy(kind)
+            result[key] = (dim, values, attrs | {"source": source} if source else attrs)
+    return result
+
+
+def _strings(column: pd.Series) -> ndarray:
+    return column.astype(str).to_numpy(dtype=str)

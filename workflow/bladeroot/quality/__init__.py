@@ -1,0 +1,5 @@
+"""Whether a record can be trusted: one check a file in `findings`, judged together in `integrity`.
+
+In: a recording and the decay cut from it. Out: the decay with its findings and the mask of usable
+samples. Read `integrity` first; `sight` is what every check looks at.
+"""

@@ -1,0 +1,56 @@
+"""Something still drives the mode: its amplitude stops falling well above the noise."""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.sight import Sight
+
+STATISTIC = (
+    "decay rate from a half to 80 % of the fall (of ln A) over that of the last tenth; "
+    "0.3 of it where the decay no longer slows"
+)
+THRESHOLD = 3.0
+# A joint that sticks falls on at one rate, a driven mode ever slower: the last tenth is slower than
+# SLOWS of the tenth two before. Where it is not, only a ratio counts that no joint has.
+SLOWS, STEADY = 0.6, 0.3
+
+
+def find(sight: Sight) -> Finding | None:
+    """Slopes of ln A; the tail below five times the last amplitude is masked."""
+    frames = sight.frames
+    level = frames.log.real[: frames.clear]
+    if level.size < 80:
+        return None
+    part = level.size // 10
+    tail = slice(level.size - part, level.size)
+    std = frames.std[: level.size]
+    slope, earlier = (_steepest(level, std, level.size - k * part, part) for k in (1, 3))
+    fall = level[0] - level
+    half, most = (int(np.argmax(fall > share * fall.max())) for share in (0.5, 0.8))
+    usual = float(level[most] - level[half]) / max(most - half, 1)
+    if usual >= 0.0 or not frames.whole[tail].all():
+        return None
+    last = float(np.median(level[tail]))
+    statistic = usual / min(slope, -1e-3 * abs(usual))
+    if slope < SLOWS * earlier:
+        statistic *= STEADY
+    begin = int(np.argmax(level < last + np.log(5.0)))
+    start = int(frames.centre[begin])
+    text = (
+        f"driven residue: from {sight.seconds(frames.centre[tail.start]):.4g} s on the amplitude "
+        f"stays at {np.exp(last):.2g} m/s; masked from {sight.seconds(start):.4g} s"
+    )
+    return Finding(statistic, THRESHOLD, "mask", text, ((start, sight.velocity.size),))
+
+
+def _steepest(
+    level: Float[ndarray, " frame"], std: Float[ndarray, " frame"], first: int, count: int
+) -> float:
+    """Slope of ln A over some frames, less three of its standard errors."""
+    part = slice(first, first + count)
+    x = np.arange(count, dtype=float)
+    x -= x.mean()
+    square = float(x @ x)
+    return float(x @ level[part]) / square - 6.0 * float(std[part].mean()) / np.sqrt(square)

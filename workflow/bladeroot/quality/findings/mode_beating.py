@@ -1,0 +1,133 @@
+"""A close mode: amplitude and phase are modulated at the difference of two frequencies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy import fft
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.sight import Sight
+from bladeroot.signal.runs import medians
+
+STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
+THRESHOLD = 10.0
+# A modulation below this does no harm, one above SEVERE leaves no curve to use.
+LEAST, SEVERE = 0.01, 0.25
+# With fewer beats than this while ln A falls by one, two modes are not told apart; then this swing
+# is too much already.
+TOLD_APART, ALIKE = 3.0, 0.03
+# With fewer beats than SLOW while ln A falls by one, a line may be a bend of the laws, where slip
+# ends; a beat goes on: the later half must show it too, this many times over its median line.
+SLOW, AGAIN = 2.0, 3.0
+# The later half has fewer lines: their median, and what leaks from other modes, is less sure.
+SHORTER = 1.5
+# Periods that must fit into the decay, and the degree of the trend taken off.
+FEWEST, DEGREE = 4.0, 9
+# The first frames alone show a mode that dies sooner than this one; fewer periods and a plainer
+# trend do there.
+EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
+
+
+@dataclass(frozen=True)
+class _Line:
+    """The strongest line over `count` frames: its turns a frame, and whether a bend may make it."""
+
+    turns: float
+    count: int
+    slow: bool
+    finding: Finding
+
+    def agrees(self, other: "_Line") -> bool:
+        """Whether another stretch shows the same line."""
+        shortest = min(self.count, other.count)
+        clear = min(self.finding.statistic, other.finding.statistic) > AGAIN
+        return clear and abs(self.turns - other.turns) * shortest < 1.5
+
+
+def find(sight: Sight) -> Finding | None:
+    """The strongest line within a sixth of the mode's frequency, in all or in a part.
+
+    Where the mode's frequency changes much with amplitude, only the later half shows a line.
+
+    A second mode of relative amplitude r adds ln(1 + r exp(i d t)) to the log-phasor, which has
+    lines on one side of zero only; laws of frequency and damping change it smoothly, and bend it
+    but once.
+    """
+    count = min(sight.frames.clear, 4096)
+    if count < 40:
+        return None
+    later = _line(sight, slice(count // 2, count), SHORTER)
+    early = [
+        _line(sight, slice(2, 2 + length), SHORTER, EARLY_FEWEST, EARLY_DEGREE)
+        for length in EARLY
+        if length < count // 2
+    ]
+    lines = [line for line in (_line(sight, slice(2, count)), later, *early) if line is not None]
+    found = [
+        line.finding
+        for line in lines
+        if not line.slow
+        or any(line.agrees(one) for one in lines if (one is later) != (line is later))
+    ]
+    return max(found, key=lambda finding: finding.statistic, default=None)
+
+
+def _line(
+    sight: Sight,
+    used: slice,
+    shorter: float = 1.0,
+    fewest: float = FEWEST,
+    degree: int = DEGREE,
+) -> _Line | None:
+    """The strongest line over some frames, its statistic divided by `shorter`."""
+    frames = sight.frames
+    log = frames.log[used].copy()
+    whole = frames.whole[used]
+    if np.count_nonzero(whole) < 38:
+        return None
+    x = np.linspace(-1.0, 1.0, log.size)
+    trend = np.polynomial.chebyshev.chebvander(x, degree)
+    weight = whole / np.maximum(frames.std[used], 3e-4)
+    weighted = trend * weight[:, None]
+    fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
+    taper = np.hanning(log.size) * whole
+    rest = (log - trend @ fit) * taper
+    line = fft.fft(rest, 2 * log.size) / taper.sum()
+    turns = fft.fftfreq(line.size)  # per hop
+    cycle = sight.sampling_Hz / sight.own_Hz / frames.hop
+    # the frames' own taper weakens a line at this distance from the mode
+    local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
+    span = np.abs(turns) * cycle
+    inside = (np.abs(turns) * log.size >= fewest) & (span <= 0.16)
+    if not inside.any():
+        return None
+    level = np.where(inside, np.abs(line), 0.0)
+    k = int(np.argmax(level))
+    other = float(np.abs(line[-k]))
+    usual = float(medians(np.abs(line[inside])))
+    carrier = (
+        2.0 * np.pi / sight.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * sight.own_Hz)
+    )
+    gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
+    size = float(level[k] / max(gain, 0.2))
+    one_sided = level[k] > 2.5 * other
+    statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) / shorter if one_sided else 0.0
+    distance = turns[k] * sight.sampling_Hz / frames.hop
+    text = (
+        f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
+        f"{100 * size:.2g} %"
+    )
+    beats = abs(turns[k]) / max(_decline(log.real, weight), 1e-300)
+    alike = size > ALIKE and beats < TOLD_APART
+    if alike:
+        text += "; they are too close to be told apart"
+    consequence = "drop" if alike or size > SEVERE else "warn"
+    finding = Finding(float(statistic), THRESHOLD, consequence, text)
+    return _Line(float(turns[k]), log.size, bool(beats < SLOW), finding)
+
+
+def _decline(level: Float[ndarray, " frame"], weight: Float[ndarray, " frame"]) -> float:
+    """What ln A falls by in a frame."""
+    return float(-np.polyfit(np.arange(level.size), level, 1, w=weight)[0])

@@ -1,0 +1,79 @@
+"""A sampling rate that is not what the file says: all modes are off by one usual ratio."""
+
+import numpy as np
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.sight import Sight
+from bladeroot.signal.lines import TOLERANCE, magnitudes
+
+MIXED = True
+STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
+THRESHOLD = 1.0
+RATIOS = tuple(
+    ratio
+    for factor in (1.28, 2.0, 2.5, 2.56, 4.0, 5.12, 10.0, 48.0 / 44.1, 51.2 / 50.0)
+    for ratio in (factor, 1.0 / factor)
+)
+CLOSE = 0.01
+# An axial force moves all bending modes by as much as this: a smaller ratio tells nothing.
+TELLING = 1.2
+
+
+def find(sight: Sight) -> Finding | None:
+    """The strongest lines of the record against the modes that the campaign knows.
+
+    One mode alone cannot tell a wrong clock from a wrong expectation; two can.
+    """
+    modes = np.array([sight.expected_Hz, *sight.modes_Hz])
+    if modes.size < 2:
+        return None
+    lines = _lines(sight)
+    at_one = _matches(lines, modes, 1.0)
+    telling = [ratio for ratio in RATIOS if abs(np.log(ratio)) > np.log(TELLING)]
+    scored = [(_matches(lines, modes, ratio), ratio) for ratio in telling]
+    most, ratio = max(scored, key=lambda pair: (pair[0], -abs(np.log(pair[1]))))
+    text = (
+        f"sampling rate: {most} modes lie at {ratio:.4g} times their expected frequencies; "
+        f"{sight.sampling_Hz:.6g} Hz may be wrong by that"
+    )
+    return Finding(float(most - at_one), THRESHOLD, "drop", text)
+
+
+def outside(sight: Sight) -> str:
+    """For a record without its mode: what the strongest line would be at another sampling rate."""
+    frequency, level = magnitudes(sight.whole, sight.sampling_Hz)
+    line = float(frequency[np.argmax(level)])
+    expected, rate = sight.expected_Hz, sight.sampling_Hz
+    if abs(line / expected - 1.0) < TOLERANCE:
+        return ""
+    alias = abs(expected - rate * round(expected / rate))
+    if expected > 0.5 * rate and abs(line / max(alias, 1e-9) - 1.0) < 3.0 * CLOSE:
+        return f"the strongest line, {line:.5g} Hz, is where {expected:.5g} Hz is aliased to"
+    ratio = min(RATIOS, key=lambda ratio: abs(np.log(line / (expected * ratio))))
+    if abs(line / (expected * ratio) - 1.0) < 3.0 * CLOSE:
+        return (
+            f"the strongest line, {line:.5g} Hz, is near {ratio:.4g} times the expected "
+            "frequency: is the sampling rate right?"
+        )
+    return f"the strongest line is at {line:.5g} Hz"
+
+
+def _lines(sight: Sight, most: int = 12) -> np.ndarray:
+    """Frequencies of the strongest distinct lines of the decay's first part."""
+    frequency, level = sight.early
+    peaks = np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])) + 1
+    peaks = peaks[level[peaks] > max(0.003 * level.max(), 8.0 * np.median(level))]
+    chosen: list[float] = []
+    for k in peaks[np.argsort(level[peaks])[::-1]]:
+        if all(abs(frequency[k] - f) > 0.03 * f for f in chosen):
+            chosen.append(float(frequency[k]))
+        if len(chosen) == most:
+            break
+    return np.array(chosen)
+
+
+def _matches(lines: np.ndarray, modes: np.ndarray, ratio: float) -> int:
+    if not lines.size:
+        return 0
+    off = np.abs(lines[:, None] / (ratio * modes) - 1.0).min(axis=0)
+    return int((off < (CLOSE if ratio != 1.0 else 3.0 * CLOSE)).sum())

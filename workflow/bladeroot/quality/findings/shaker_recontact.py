@@ -1,0 +1,212 @@
+"""The shaker's tip touches again: amplitude and phase make a step within the decay."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.findings import louder_mode, wrong_mode
+from bladeroot.quality.sight import JUMP_APART, JUMP_REACH, Sight
+from bladeroot.signal.runs import joined, runs
+
+STATISTIC = "largest step of ln A + i phase beyond its smooth course, in its usual size"
+THRESHOLD = 7.0
+# A step from LEAST on (3 % of the amplitude, or 0.03 rad) leaves one side of it to use, one from
+# SLIGHT on all but some cycles on either side: a curve's windows reach as far.
+LEAST, SLIGHT, BESIDE = 0.03, 0.005, 16
+# More steps than this of a like size are none.
+MOST = 4
+# A step in phase alone is larger than this only where samples are missing.
+TOUCH = 0.3
+# Longest gap, in samples, that is looked for.
+LONGEST = 4096
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of ln A + i phase: its frame and size, and the missing samples that would make it.
+
+    `lost` is negative for repeated samples, zero where no whole number makes such a step.
+    """
+
+    at: int
+    size: complex
+    statistic: float
+    lost: int
+
+    @property
+    def gap(self) -> bool:
+        """Whether the step is in phase alone, and as large as only missing samples make it."""
+        size = abs(self.size.imag)
+        alone = abs(self.size.real) < 0.1 * size
+        return alone and (size > TOUCH or (size > LEAST and self.lost != 0))
+
+    @property
+    def told(self) -> str:
+        """The step in words."""
+        what = "missing" if self.lost > 0 else "repeated"
+        lost = f", or samples are {what} ({abs(self.lost)} would fit)" if self.lost else ""
+        return (
+            f"a disturbance, as if the shaker touched again{lost}: the amplitude steps by "
+            f"{100 * np.expm1(self.size.real):+.2g} % and the phase by {self.size.imag:+.2g} rad"
+        )
+
+
+def find(sight: Sight) -> Finding | None:
+    """The largest step; the decay is used on that side of the steps where it falls furthest."""
+    step = largest(sight)
+    if step is not None and step.statistic > THRESHOLD and not step.gap:
+        return step_finding(sight, step, step.told)
+    beside = at_ends(sight)
+    if beside is not None and not beside[0].gap:
+        step, moment, span = beside
+        text = f"{step.told} at {moment:.4g} s, where the decay was cut"
+        return Finding(step.statistic, THRESHOLD, "mask", text, (span,))
+    if step is not None and step.gap:
+        return Finding(0.0, THRESHOLD, "mask", "")
+    return _slight(sight)
+
+
+def _slight(sight: Sight) -> Finding:
+    """Steps too small to give up what lies beyond them: the cycles beside them are masked.
+
+    Not beside a louder mode: as that one slips, this one's damping and frequency step as much.
+    """
+    step = largest(sight, SLIGHT)
+    louder = louder_mode.find(sight)
+    if step is None or (louder is not None and louder.counts):
+        return Finding(0.0, THRESHOLD, "mask", "")
+    if step.statistic <= THRESHOLD:
+        return Finding(step.statistic, THRESHOLD, "mask", "")
+    frames, reach = sight.frames, BESIDE * sight.frames.hop
+    places = joined(runs(_ratio(sight, SLIGHT) > THRESHOLD), 10)
+    spans = tuple(
+        (
+            max(int(frames.centre[first]) - reach, 0),
+            min(int(frames.centre[last - 1]) + reach, sight.velocity.size),
+        )
+        for first, last in places
+    )
+    moments = ", ".join(f"{sight.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
+    text = f"{step.told} at {moments} s; {BESIDE} cycles on either side are masked"
+    return Finding(step.statistic, THRESHOLD, "mask", text, spans)
+
+
+def _ratio(sight: Sight, least: float = LEAST) -> Float[ndarray, " frame"]:
+    """Steps in their usual size, or in what makes one of `least` significant."""
+    step, scale = sight.jumps
+    return np.abs(step) / np.maximum(scale, least / THRESHOLD)
+
+
+def at_ends(sight: Sight) -> tuple[Step, float, tuple[int, int]] | None:
+    """A step for which the decay was cut, its time, and the samples at the cut.
+
+    Looked for at the end and at the start; the decay's own side goes no further than the cut.
+    """
+    count, margin = sight.velocity.size, 3 * sight.frames.hop
+    reach = int(35 * sight.sampling_Hz / sight.own_Hz)
+    start, stop = sight.first, sight.first + count
+    ends = (
+        (max(stop - reach, start), stop + reach, (count - margin, count)),
+        (start - reach, min(start + reach, stop), (0, margin)),
+    )
+    for low, high, span in ends:
+        if low >= 0 and high <= sight.whole.size:
+            beside = _beside(sight, low, high)
+            if beside is not None and beside[0].statistic > THRESHOLD:
+                return *beside, span
+    return None
+
+
+def _beside(sight: Sight, low: int, high: int) -> tuple[Step, float] | None:
+    """A step between two samples, with free decay on both sides, and its time.
+
+    The cut begins and ends where something strikes. If that is the release, the mode did not fall
+    before; if it is the tip's return for good, the mode dies at once.
+    """
+    near = replace(sight, velocity=sight.whole[low:high], blind=())
+    frames = near.frames
+    if frames.clear < frames.log.size:
+        return None
+    step, ratio = near.jumps[0], _ratio(near)
+    at = int(np.argmax(ratio))
+    size = complex(step[at])
+    sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
+    if abs(size.real) > 0.5 or min(side.size for side in sides) < 8:
+        return None
+    slopes = []
+    for side in sides:
+        x = np.arange(side.size)
+        for part in (side.real, side.imag):
+            fit = np.polyfit(x, part, 2)
+            if np.abs(part - np.polyval(fit, x)).max() > 0.3 * abs(size):
+                return None
+        slopes.append(float(side.real[-1] - side.real[0]) / side.size)
+    free = slopes[1] < 0.0 and 0.4 < slopes[0] / slopes[1] < 2.5
+    if not free:
+        return None
+    moment = sight.seconds(low - sight.first + frames.centre[at])
+    return Step(at, size, float(ratio[at]), _lost(near, at, size)), moment
+
+
+def _lost(sight: Sight, at: int, size: complex) -> int:
+    """Fewest missing samples that make a step: the decay goes on as it would so much later."""
+    frames, log = sight.frames, sight.frames.log
+    before, after = log[at - JUMP_REACH : at - JUMP_APART + 1], log[at + JUMP_APART :][:JUMP_REACH]
+    slope = 0.5 * sum((side[-1] - side[0]) / (side.size - 1) for side in (before, after))
+    count = np.arange(-LONGEST, LONGEST + 1)
+    made = count * (slope / frames.hop + 2j * np.pi * frames.frequency_Hz / sight.sampling_Hz)
+    level = made.real - size.real
+    phase = np.mod(made.imag - size.imag + np.pi, 2.0 * np.pi) - np.pi
+    scale = sight.jumps[1][at]
+    # twice the step's usual error, and what the slopes on both sides do not tell of the gap
+    fits = np.abs(level) < 2.0 * scale + 0.06 * abs(size.real)
+    fits &= (np.abs(phase) < 2.0 * scale + 0.02 * abs(size.imag)) & (count != 0)
+    found = count[fits]
+    return int(found[np.argmin(np.abs(found))]) if found.size else 0
+
+
+def largest(sight: Sight, least: float = LEAST) -> Step | None:
+    """The largest step; one below `least` is not significant."""
+    other = wrong_mode.find(sight)
+    step, ratio = sight.jumps[0], _ratio(sight, least)
+    if not ratio.any() or (other is not None and other.counts):
+        return None
+    at = int(np.argmax(ratio))
+    # of neighbours with the same step, the one where the step is largest
+    near = slice(max(at - 2, 0), at + 3)
+    at = near.start + int(np.argmax(np.abs(step[near])))
+    # many places nearly as bad are a beat and not a touch
+    like = np.abs(step) > 0.35 * np.abs(step[at])
+    like = joined(runs(like & (ratio > 0.35 * ratio.max())), 6)
+    if len(like) > MOST:
+        return None
+    size = complex(step[at])
+    return Step(at, size, float(ratio.max()), _lost(sight, at, size))
+
+
+def step_finding(sight: Sight, found: Step, what: str) -> Finding:
+    """A step: the lesser side of it is masked, with three cycles around it."""
+    frames = sight.frames
+    over = np.flatnonzero(_ratio(sight) > THRESHOLD)
+    edges = [0]
+    for k in over:  # steps more than ten cycles apart are different ones
+        if k - edges[-1] > 10:
+            edges.append(int(k))
+    edges = edges[1:] or [found.at]
+    bounds = [0, *edges, frames.clear - 1]
+    level = np.maximum(frames.log.real, np.log(frames.std * frames.amplitude * 8.0))
+    fall = [level[min(a + 3, b)] - level[max(b - 3, a)] for a, b in pairwise(bounds)]
+    best = int(np.argmax(fall))
+    margin = 3 * frames.hop
+    first = 0 if best == 0 else int(frames.centre[bounds[best]]) + margin
+    final = best == len(fall) - 1
+    last = sight.velocity.size if final else int(frames.centre[bounds[best + 1]]) - margin
+    spans = tuple(s for s in ((0, first), (last, sight.velocity.size)) if s[1] > s[0])
+    moment = sight.seconds(frames.centre[found.at])
+    kept = f"from {sight.seconds(first):.4g} to {sight.seconds(last):.4g} s"
+    text = f"{what} at {moment:.4g} s; only the decay {kept} is used"
+    return Finding(found.statistic, THRESHOLD, "mask", text, spans)

@@ -1,0 +1,71 @@
+"""Single wrong samples: outliers, flipped bytes, up to four samples in a row."""
+
+import numpy as np
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.sight import Sight
+from bladeroot.signal.runs import joined, runs
+
+FIRST = True
+MIXED = True
+STATISTIC = "largest isolated miss of a sample by its 32 neighbours, in local rms of the miss"
+THRESHOLD = 8.0
+# More than this many in one place are a rough waveform, not single samples.
+CROWD = 6
+MOST = 400
+
+
+def find(sight: Sight) -> Finding | None:
+    """Samples that their neighbours contradict."""
+    left = sight.residual
+    ratio = np.abs(left.miss) / left.scale
+    reach = left.response.size // 2
+    over = joined(runs(ratio > THRESHOLD), 2 * reach)
+    cycle = sight.sampling_Hz / sight.own_Hz
+    spans, largest = [], 0.0
+    for first, last in _lonely(over, 10.0 * cycle)[:MOST]:
+        at = _single(left.miss, left.scale, left.response, int(first), int(last))
+        if at:
+            largest = max(largest, max(float(ratio[k]) for k in at))
+            spans += [(k, k + 1) for k in sorted(at)]
+    if not spans:
+        # what the largest lonely miss is, below the threshold or of another kind
+        return Finding(min(float(ratio.max()), THRESHOLD), THRESHOLD, "mask", "")
+    where = ", ".join(f"{sight.seconds(first):.6g}" for first, _ in spans[:3])
+    text = (
+        f"{len(spans)} wrong samples at {where}{' ...' if len(spans) > 3 else ''} s: up to "
+        f"{largest:.3g} times the local noise off their neighbours; masked"
+    )
+    return Finding(largest, THRESHOLD, "mask", text, tuple(spans))
+
+
+def _lonely(spans: np.ndarray, reach: float) -> np.ndarray:
+    """Spans with fewer than CROWD others within a distance."""
+    if not len(spans):
+        return spans
+    middle = spans.mean(axis=1)
+    near = np.searchsorted(middle, middle + reach) - np.searchsorted(middle, middle - reach)
+    return spans[near <= CROWD]
+
+
+def _single(
+    miss: np.ndarray, scale: np.ndarray, response: np.ndarray, first: int, last: int
+) -> set[int]:
+    """Up to four samples whose errors explain all of the miss around, or none."""
+    reach = response.size // 2
+    low, high = max(first - reach, 0), min(last + reach, miss.size)
+    rest = miss[low:high].copy()
+    limit = 0.5 * THRESHOLD * scale[low:high]
+    allowed = np.maximum(limit, 0.02 * np.abs(rest).max())
+    found: list[int] = []
+    for _ in range(4):
+        found.append(int(np.argmax(np.abs(rest / scale[low:high]))))
+        columns = np.zeros((high - low, len(found)))
+        for j, k in enumerate(found):
+            a, b = max(k - reach, 0), min(k + reach + 1, high - low)
+            columns[a:b, j] = response[a - k + reach : b - k + reach]
+        size = np.linalg.lstsq(columns, miss[low:high], rcond=None)[0]
+        rest = miss[low:high] - columns @ size
+        if (np.abs(rest) <= allowed).all():
+            return {low + k for k in found}
+    return set()

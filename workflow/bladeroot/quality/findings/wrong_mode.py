@@ -1,0 +1,63 @@
+"""Another mode dominates the record, or two modes share the band."""
+
+import numpy as np
+
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.findings.sampling_rate import outside
+from bladeroot.quality.sight import Sight
+from bladeroot.signal.lines import TOLERANCE, peak_Hz
+
+STATISTIC = (
+    "strongest line over the strongest in the band; or, within the band, second over first, or one "
+    "less than half as far from the expected frequency with 10 % of the first"
+)
+THRESHOLD = 5.0
+# A second line in the band with more than this part of the first leaves open which is the mode; if
+# it lies less than half as far from the expected frequency, with more than the other part.
+SECOND, NEARER = 0.5, 0.1
+
+
+def find(sight: Sight) -> Finding | None:
+    """Lines of the loud first part of the decay, in and out of the band."""
+    frequency, level = sight.early
+    inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    if not inside.any():
+        return None
+    strongest = float(level[inside].max())
+    own = float(level[np.argmin(np.abs(frequency - sight.own_Hz))])
+    low, high = ((1.0 + sign * TOLERANCE) * sight.expected_Hz for sign in (-1, 1))
+    ratio = float(level.max()) / max(strongest, 1e-300)
+    if sight.mixed is not None and ratio <= THRESHOLD:
+        frequency, level = sight.mixed.early
+        inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    within = np.where(inside, level, 0.0)
+    apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
+        0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
+    )
+    peaks = np.zeros(level.size, bool)
+    peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    second = np.where(apart & peaks, within, 0.0)
+    rival = float(second.max()) / max(own, 1e-300)
+    off = abs(sight.own_Hz - sight.expected_Hz)
+    close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
+    nearer = float(close.max()) / max(own, 1e-300)
+    if ratio <= THRESHOLD and (rival > SECOND or nearer > NEARER):
+        statistic = THRESHOLD * max(rival / SECOND, nearer / NEARER)
+        shown, part = (close, nearer) if nearer > NEARER else (second, rival)
+        text = (
+            f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
+            f"the second {part:.2g} times as loud"
+        )
+        if nearer <= NEARER:
+            return Finding(statistic, THRESHOLD, "warn", text)
+        text += f", but nearer to the expected {sight.expected_Hz:.5g} Hz"
+        # the strongest may be the mode all the same, unless the sheet has another one there
+        known = any(abs(sight.own_Hz - mode) < off for mode in sight.modes_Hz)
+        return Finding(statistic, THRESHOLD, "drop" if known else "warn", text)
+    text = (
+        f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
+        f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"
+    )
+    if ratio > THRESHOLD:
+        text += f"; {outside(sight)}"
+    return Finding(ratio, THRESHOLD, "drop", text)

@@ -1,0 +1,236 @@
+"""Judge a cut decay: every finding with its statistic, and the samples that may be used."""
+
+import importlib
+import pkgutil
+from dataclasses import replace
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.io.recording import Recording
+from bladeroot.quality import findings
+from bladeroot.quality.finding import Finding
+from bladeroot.quality.findings import clipping
+from bladeroot.quality.findings.sampling_rate import outside
+from bladeroot.quality.sight import Sight
+
+# FREEVIB needs eight cycles of a decay.
+FEWEST_CYCLES = 8
+
+# What these find in a mode's course may also be what others left there: beside others they warn.
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
+HARD = ("mask", "drop")
+
+
+@cache
+def checks() -> dict[str, ModuleType]:
+    """Module of every finding by its id, those that look at single samples first."""
+    known = {}
+    for found in pkgutil.iter_modules(findings.__path__):
+        module = importlib.import_module(f"{findings.__name__}.{found.name}")
+        known[found.name.replace("_", "-")] = module
+    return dict(sorted(known.items(), key=lambda entry: not hasattr(entry[1], "FIRST")))
+
+
+def judge(
+    decay: xr.Dataset,
+    whole: Float[ndarray, " whole"],
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+    notes: tuple[str, ...] = (),
+    recording: Recording | None = None,
+    alone: Float[ndarray, " whole"] | None = None,
+) -> xr.Dataset:
+    """A cut decay with its findings and its mask.
+
+    Added to what `ringdown.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
+    `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
+    hum and a wandering baseline are taken off `velocity`, and `noise_velocity` becomes what
+    coloured noise amounts to around the mode. A record is rejected where a finding drops it or
+    masks leave fewer than eight cycles.
+
+    Args:
+        decay: the cut decay; one that was rejected stays so, with finding `cut`.
+        whole: the raw record in m/s.
+        expected_Hz: the mode's expected frequency.
+        modes_Hz: expected frequencies of the structure's other modes, to check the clock.
+        notes: what the reader remarked, a line each; they become findings that warn.
+        recording: the sensor's own samples, from which `whole` was made.
+        alone: `whole` with the mode by itself (`ringdown.components`), if others were taken off.
+    """
+    found = [("reader", _fact(note, "warn")) for note in notes]
+    velocity = decay["velocity"].values
+    usable = np.ones(velocity.size, np.int8)
+    noise = decay.attrs["noise_velocity"]
+    if decay.attrs["findings"]:
+        kind = "cut" if whole.size else "unreadable"
+        found.append((kind, _fact(decay.attrs["findings"], "drop")))
+        if whole.size and np.isfinite(decay.attrs["sampling_Hz"]):
+            rate = decay.attrs["sampling_Hz"]
+            told = outside(Sight(velocity, rate, expected_Hz, 0.0, whole))
+            if told:
+                found.append(("sampling-rate", _fact(told, "warn")))
+    else:
+        seen = sight(decay, whole, expected_Hz, modes_Hz)
+        examined = examine(seen, seen if alone is None else sight(decay, alone, expected_Hz))
+        if recording is not None and recording.quantity != "velocity":
+            examined.append(("clipping", clipping.find_in(recording, seen)))
+        for name, finding in examined:
+            if not finding.counts:
+                continue
+            if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
+                # what separation leaves of other modes looks alike; the errors know of it
+                text = (
+                    finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
+                )
+                finding = replace(finding, consequence="warn", text=text)
+            found.append((name, finding))
+            if finding.consequence == "mask":
+                for first, last in finding.spans:
+                    usable[first:last] = 0
+            if finding.excess is not None:
+                velocity = velocity - finding.excess
+            noise = finding.noise or noise
+        cycles = usable.sum() / seen.sampling_Hz * seen.own_Hz
+        if cycles < FEWEST_CYCLES:
+            text = f"what is masked leaves {cycles:.3g} cycles, at least {FEWEST_CYCLES} are needed"
+            found.append(("masked", _fact(text, "drop")))
+    return _dataset(decay, velocity, usable, found).assign_attrs(noise_velocity=noise)
+
+
+def bridged(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> Float[ndarray, " sample"]:
+    """A raw record with single wrong samples and dropouts bridged, so that it can be cut.
+
+    Short spans are bridged by straight lines, longer ones by the mode's own course; padding at
+    either end is left.
+    """
+    if expected_Hz >= 0.45 * sampling_Hz or velocity.size * expected_Hz < 40 * sampling_Hz:
+        return velocity
+    seen = Sight(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
+    found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]
+    spans = tuple(
+        (first, stop)
+        for f in found
+        if f is not None and f.counts
+        for first, stop in f.spans
+        if first > 0 and stop < velocity.size
+    )
+    return mended(seen, spans).velocity if spans else velocity
+
+
+def sight(
+    decay: xr.Dataset,
+    whole: Float[ndarray, " whole"],
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+) -> Sight:
+    """What the checks look at: the samples of the cut as they were recorded."""
+    rate = float(decay.attrs["sampling_Hz"])
+    first = round(decay.attrs["start_s"] * rate)
+    return Sight(
+        velocity=whole[first : first + decay.sizes["time"]],
+        sampling_Hz=rate,
+        expected_Hz=float(expected_Hz),
+        noise=float(decay.attrs["noise_velocity"]),
+        whole=whole,
+        first=first,
+        end_reason=decay.attrs["end_reason"],
+        modes_Hz=tuple(modes_Hz),
+    )
+
+
+def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]]:
+    """Every check's candidate, whether it counts or not.
+
+    alone: the same decay without what else rings; then only the checks that say so (`MIXED`) look
+    at the decay as it was recorded.
+    """
+    found = []
+    alone = seen if alone is None else replace(alone, mixed=seen)
+    first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
+    for name, module in checks().items():
+        if name not in first and first:
+            spans = tuple(s for _, f in found if f.counts for s in f.spans)
+            alone, first = mended(alone, spans), []
+            seen = alone if alone.mixed is None else mended(seen, spans)
+        finding = module.find(seen if hasattr(module, "MIXED") else alone)
+        if finding is not None:
+            found.append((name, finding))
+    return found
+
+
+def mended(seen: Sight, spans: tuple[tuple[int, int], ...]) -> Sight:
+    """The record with spans bridged: by straight lines, or by the mode over long ones."""
+    if not spans:
+        return seen
+    keep = np.ones(seen.velocity.size, bool)
+    for first, last in spans:
+        keep[first:last] = False
+    at = np.flatnonzero(keep)
+    velocity = seen.velocity.copy()
+    velocity[~keep] = np.interp(np.flatnonzero(~keep), at, velocity[at])
+    made = replace(seen, velocity=velocity, blind=spans)
+    frames = made.frames
+    whole = frames.whole
+    if whole.all() or not whole.any():
+        return made
+    velocity = velocity.copy()
+    # through the frames of a gap the phase may have slipped by turns
+    course = np.unwrap(frames.log.imag[whole])
+    for first, last in spans:
+        if last - first > 0.1 * seen.sampling_Hz / seen.own_Hz:
+            inside = np.arange(first, last)
+            log = np.interp(inside, frames.centre[whole], frames.log.real[whole])
+            phase = np.interp(inside, frames.centre[whole], course)
+            turn = np.mod(frames.frequency_Hz / seen.sampling_Hz * inside, 1.0) * 2.0 * np.pi
+            velocity[inside] = np.exp(log) * np.cos(turn + phase)
+    return replace(seen, velocity=velocity, blind=spans)
+
+
+def _fact(text: str, consequence: str) -> Finding:
+    """A finding that needs no statistic."""
+    return Finding(1.0, 0.0, consequence, text)
+
+
+def _dataset(
+    decay: xr.Dataset, velocity: ndarray, usable: ndarray, found: list[tuple[str, Finding]]
+) -> xr.Dataset:
+    rate = decay.attrs["sampling_Hz"]
+    columns = {
+        "id": ([name for name, _ in found], "", "id of the finding"),
+        "statistic": ([f.statistic for _, f in found], "", "what was measured"),
+        "threshold": ([f.threshold for _, f in found], "", "above it the finding counts"),
+        "consequence": ([f.consequence for _, f in found], "", "warn, subtract, mask or drop"),
+        "text": ([f.text for _, f in found], "", "the finding in a line"),
+        "from_s": ([_end(f, 0, rate) for _, f in found], "s", "first sample"),
+        "to_s": ([_end(f, 1, rate) for _, f in found], "s", "last sample"),
+    }
+    made = {}
+    for name, (values, units, text) in columns.items():
+        kind = str if name in ("id", "consequence", "text") else float
+        attrs = {"units": units, "long_name": text}
+        if name.endswith("_s"):
+            attrs["long_name"] += " concerned, since the start of the cut; NaN: the whole decay"
+        made[f"finding_{name}"] = xr.Variable("finding", np.array(values, dtype=kind), attrs)
+    made["velocity"] = xr.Variable("time", velocity, decay["velocity"].attrs)
+    about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
+    made["usable"] = xr.Variable("time", usable, about)
+    judged = xr.Dataset({**decay.variables, **made}, attrs=decay.attrs)
+    judged.attrs["findings"] = "; ".join(f.text for _, f in found)
+    judged.attrs["reason"] = "; ".join(f.text for _, f in found if f.consequence == "drop")
+    judged.attrs["verdict"] = "rejected" if judged.attrs["reason"] else "usable"
+    return judged
+
+
+def _end(finding: Finding, side: int, rate: float) -> float:
+    """First or last time of the samples concerned; NaN where no span is named."""
+    if not finding.spans:
+        return np.nan
+    first, stop = zip(*finding.spans, strict=True)
+    return (min(first) if side == 0 else max(stop) - 1) / rate

@@ -1,0 +1,257 @@
+"""What the checks of a decay look at: frames of its mode, its residual, its spectra."""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+from numpy import ndarray
+from scipy import fft
+
+from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz
+from bladeroot.signal.runs import block_scale, in_frames, medians, missed
+from bladeroot.signal.spectrum import quantum
+
+FRAME_CYCLES = 4
+# What is smaller than this part of the largest sample harms no curve.
+SMALL = 1e-5
+# Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
+MISSED_BEND = 0.15
+# Frames on either side of a step, of which the nearest are left out.
+JUMP_REACH, JUMP_APART = 7, 2
+# Cycles over which the baseline is averaged, twice: slow modes below the mode are none of it.
+BASELINE_CYCLES = 16
+# Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
+BAND, BAND_HZ = 16.0, 4000.0
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Log-phasor of the mode in frames of `FRAME_CYCLES` cycles, a cycle apart.
+
+    `centre` is in samples; `log` is ln(velocity amplitude) + i (phase against `frequency_Hz`),
+    `std` its standard error from white noise, `baseline` the local mean. `row` makes a frame's
+    phasor from its samples; frames that reach into blind samples are not `whole`.
+    """
+
+    frequency_Hz: float
+    hop: int
+    centre: Float[ndarray, " frame"]
+    log: Complex[ndarray, " frame"]
+    std: Float[ndarray, " frame"]
+    baseline: Float[ndarray, " frame"]
+    row: Complex[ndarray, " width"]
+    whole: Bool[ndarray, " frame"]
+
+    @cached_property
+    def clear(self) -> int:
+        """Number of frames before the mode first sinks to eight times its standard error."""
+        lost = np.flatnonzero((self.std > 0.125) & self.whole)
+        return int(lost[0]) if lost.size else self.std.size
+
+    @cached_property
+    def amplitude(self) -> Float[ndarray, " frame"]:
+        """Velocity amplitude."""
+        return np.exp(self.log.real)
+
+
+@dataclass(frozen=True)
+class Residual:
+    """What a symmetric interpolation from 2 x 16 neighbours misses, and its local rms.
+
+    All steady or slowly changing oscillations are interpolated, at any frequency; noise is left
+    as it is, and a defect of single samples in full. `response` is what a unit defect leaves.
+    """
+
+    miss: Float[ndarray, " sample"]
+    scale: Float[ndarray, " sample"]
+    response: Float[ndarray, " tap"]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A cut decay and views of it, each made once when first asked for.
+
+    `velocity` is the cut decay, `whole` the raw record, `first` where
+    the cut begins in it, `noise` the rms of the sensor's
+    noise, `end_reason` why the cut ends there, `modes_Hz` expected frequencies of the structure's
+    other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
+    but where the sensor's own channel is looked at. `mixed` is the decay with all that rings, where
+    this one has been freed of the rest.
+    """
+
+    velocity: Float[ndarray, " sample"]
+    sampling_Hz: float
+    expected_Hz: float
+    noise: float
+    whole: Float[ndarray, " whole"]
+    first: int = 0
+    end_reason: str = ""
+    modes_Hz: tuple[float, ...] = ()
+    blind: tuple[tuple[int, int], ...] = ()
+    unit: str = "m/s"
+    mixed: "Sight | None" = None
+
+    @cached_property
+    def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
+        """Frequencies and magnitudes (Hann) of the loudest 80 cycles, a decay's first."""
+        return loudest(self.velocity, self.sampling_Hz, self.expected_Hz)
+
+    @cached_property
+    def own_Hz(self) -> float:
+        """The mode's frequency in its loudest cycles; the expected one stands in for none."""
+        return mode_Hz(*self.early, self.expected_Hz)
+
+    @cached_property
+    def quantum(self) -> float:
+        """The digitiser's step."""
+        return quantum(self.velocity)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
+        x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
+        hop = max(1, round(rate / f))
+        width = min(max(FRAME_CYCLES, -(-16 // hop)), x.size // hop) * hop
+        local = (np.arange(width) - 0.5 * (width - 1)) / rate
+        turn, ramp = 2.0 * np.pi * f * local, local / local[-1]
+        columns = [np.cos(turn), np.sin(turn), np.ones(width), ramp]
+        columns += [ramp * np.cos(turn), ramp * np.sin(turn)]
+        for order in (2, 3):
+            if order * f < 0.42 * rate and width >= 24:
+                columns += [np.cos(order * turn), np.sin(order * turn)]
+        for other in self.modes_Hz:
+            # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
+            if width >= 24 and (0.3 < other / f < 0.65 or 1.35 < other / f < 1.7):
+                columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
+        root = np.sqrt(np.hanning(width + 2)[1:-1])
+        solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
+        parts = in_frames(x, solver[:3].T, hop)
+        phasor = parts[:, 0] - 1j * parts[:, 1]
+        centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
+        carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi
+        size = np.maximum(np.abs(phasor), 1e-300)
+        row = solver[0] - 1j * solver[1]
+        return Frames(
+            frequency_Hz=f,
+            hop=hop,
+            centre=centre,
+            log=np.log(size) + 1j * np.unwrap(np.angle(phasor) - carrier),
+            std=self.floor * np.linalg.norm(solver[0]) / size,
+            baseline=parts[:, 2],
+            row=row,
+            whole=self.seen(centre - 0.5 * width, centre + 0.5 * width),
+        )
+
+    @cached_property
+    def baseline(self) -> tuple[Float[ndarray, " mean"], Float[ndarray, " mean"]] | None:
+        """Local mean over some thirty cycles and its sample; None for fewer than 48 cycles."""
+        centre, mean, reach = self.frames.centre, self.frames.baseline, BASELINE_CYCLES
+        if mean.size < 3 * reach:
+            return None
+        for _ in range(2):
+            total = np.concatenate([[0.0], np.cumsum(mean)])
+            mean = (total[reach:] - total[:-reach]) / reach
+        return centre[reach - 1 : reach - 1 + mean.size], mean
+
+    def seen(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
+        """Whether stretches of samples are free of long blind spans."""
+        clear = np.ones(first.size, bool)
+        for start, stop in self.blind:
+            if stop - start > 0.1 * self.sampling_Hz / self.expected_Hz:
+                clear &= (last <= start) | (first >= stop)
+        return clear
+
+    @cached_property
+    def jumps(self) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
+        """Step of the log-phasor at each frame beyond a smooth course, and its usual size.
+
+        A quadratic and a step are fitted to six frames on each side, two left out between.
+        Zero where there are too few frames, or the mode is near the noise.
+        """
+        frames, reach = self.frames, JUMP_REACH
+        step, scale = np.zeros(frames.log.size, complex), np.ones(frames.log.size)
+        if frames.clear < 2 * reach + 2:
+            return step, scale
+        kernels = _step_and_bend()
+        inner = slice(reach, frames.clear - reach)
+        pieces = np.lib.stride_tricks.sliding_window_view(
+            np.where(frames.whole, frames.log, np.nan)[: frames.clear], len(kernels)
+        )
+        step[inner], curve = np.nan_to_num(pieces @ kernels).T
+        summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
+        for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
+            summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
+        gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
+        late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
+        bent = np.zeros(frames.log.size)
+        # where laws bend sharply a quadratic misses some of the bend
+        bent[inner] = MISSED_BEND * np.abs(curve)
+        scale = gain * frames.std[late] + bent
+        # what is rough throughout (1.18: median of a Rayleigh variable) hides a step
+        rough = block_scale(np.abs(step[inner]) / scale[inner], 96) / 1.18
+        scale[inner] *= np.maximum(rough, 1.0)
+        return step, scale
+
+    @cached_property
+    def floor(self) -> float:
+        """Rms of the noise, at least what the digitiser makes."""
+        return max(self.noise, self.quantum / np.sqrt(12.0), 1e-9 * np.abs(self.velocity).max())
+
+    @cached_property
+    def residual(self) -> Residual:
+        """The record less what its neighbours tell of each sample."""
+        x = self.velocity
+        reach = min(16, (x.size - 1) // 6)
+        view = np.lib.stride_tricks.sliding_window_view(x, 2 * reach + 1)
+        rows = view[np.linspace(0, len(view) - 1, 1500).astype(int)]
+        pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
+        middle = rows[:, reach]
+        keep = np.ones(middle.size, bool)
+        for _ in range(2):  # rows with a defect in them must not shape the interpolation
+            a = pairs[keep]
+            gram = a.T @ a
+            gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
+            weights = np.linalg.solve(gram, a.T @ middle[keep])
+            left = np.abs(middle - pairs @ weights)
+            keep = left <= 5.0 * medians(left) + 1e-300
+        response = np.concatenate([-weights[::-1], [1.0], -weights])
+        miss = missed(x, weights)
+        least = max(0.5 * self.quantum, SMALL * float(np.abs(x).max()))
+        scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
+        return Residual(miss, scale, response)
+
+    @cached_property
+    def few(self) -> int:
+        """Samples whose mean is as good as each of them, for what is no faster than the mode."""
+        return max(1, int(self.sampling_Hz / max(BAND * self.own_Hz, BAND_HZ)))
+
+    @cached_property
+    def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
+        """Frequencies and spectra of both halves of the means over `few` samples; means in each.
+
+        Scaled so that a steady line A cos(w t + p), t from the first mean, shows A exp(i p) in
+        both (Blackman-Harris). White noise stays white, with a variance that is `few` times less.
+        """
+        count = self.velocity.size // (2 * self.few)
+        samples = self.velocity[: 2 * count * self.few].reshape(-1, self.few)
+        means = samples @ np.full(self.few, 1.0 / self.few)
+        taper = blackman_harris(count)
+        padded = fft.next_fast_len(count, real=True)
+        spectra = 2.0 / taper.sum() * fft.rfft(means.reshape(2, count) * taper, padded, axis=1)
+        return fft.rfftfreq(padded, self.few / self.sampling_Hz), spectra, count
+
+    def seconds(self, sample: float | np.number | int) -> float:
+        """Time of a sample since the start of the cut."""
+        return float(sample / self.sampling_Hz)
+
+
+@cache
+def _step_and_bend() -> Float[ndarray, "frame 2"]:
+    """Weights of frames that give a step beyond a quadratic, and the quadratic's own bend."""
+    x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
+    used = np.abs(x) >= JUMP_APART
+    design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
+    weights = np.zeros((x.size, 2))
+    weights[used] = np.linalg.pinv(design)[[3, 2]].T * [1.0, JUMP_REACH**2]
+    return weights

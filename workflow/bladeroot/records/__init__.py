@@ -1,1 +1,0 @@
-"""Raw records: reading them in any format, and finding the free decay in them."""

@@ -1,0 +1,299 @@
+"""Find the free decay in a record by itself (thesis 2.1.3, 3.1.1, figs 2.5, 3.1, 3.2).
+
+A record is quiet (the tip preloaded), then driven near the mode, then released, then decays
+freely, and later the tip returns; or the decay follows a hammer's blow (or several) or a step
+release, or the record begins in it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.ringdown.beating import beat, without_beat
+from bladeroot.ringdown.ending import RISE, find_end, running_power, strikes
+from bladeroot.ringdown.release import Release, find_release
+from bladeroot.signal.envelope import Envelope, envelope
+from bladeroot.signal.spectrum import quantum, white_noise
+from bladeroot.signal.turning import clean_falls
+
+# FREEVIB needs eight cycles of a decay.
+FEWEST_CYCLES = 8
+# A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
+LEAST_FALL = 2.0
+# Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
+# followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
+SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
+# One decay under a beat falls by more than this many times what it falls by within a beat.
+DEEPER = 1.5
+# A release so many frames after the loudest one may be a beat's.
+LATE = 16
+# Cycles from which the mode's own frequency is taken.
+LOUD_CYCLES = 200
+# With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
+# many steps high then follows them, not the mode.
+BLURRED, STEPS = 0.45, 4.0
+
+
+def cut(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    end: float | str = "noise",
+    bins: int = 1000,
+    release: Release | None = None,
+    least: float | None = None,
+) -> xr.Dataset:
+    """The free decay of one mode, from the release to its end.
+
+    Of several decays in a record, the one with the largest clean fall is taken. It ends where the
+    mode is lost in the noise, or where something disturbs it (the tip's return, another blow), or,
+    with hardly any noise, where it is but some steps of the digitiser high.
+    Attributes: `release_s` and `release_std_s` (the release and its standard error),
+    `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `decays` (decays in the
+    record at least half as deep as this one), `start_s` and `end_s` (first and last sample kept, in
+    the raw record's time), `end_reason`, `noise_velocity` (m/s, rms), `verdict` and `findings`. A
+    record that cannot be used is returned with verdict "rejected" and one line in findings; its
+    `time` may be empty.
+
+    Args:
+        velocity: the raw record in m/s.
+        sampling_Hz: sampling frequency.
+        expected_Hz: the mode's expected frequency.
+        end: "noise", or the part of its first value at which the envelope shall end, if it gets
+            there before (the thesis's 1/1000, 3.1.1).
+        bins: bins of the overview kept for figures.
+        release: when and how the decay was let go, where that is known.
+        least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
+    """
+    # Of a decay without other noise than its rounding, the last digits stand still.
+    white, step = white_noise(velocity), quantum(velocity)
+    noise = max(white, step / np.sqrt(12.0))
+    least = coarse(velocity) if least is None else least
+    attrs: dict[str, float | str | int] = _nothing() | {
+        "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
+    }  # fmt: skip
+    span, finding = (0, 0), ""
+    duration = velocity.size / sampling_Hz
+    begin = 0 if release is None else int(release.time_s * sampling_Hz)
+    if expected_Hz >= 0.45 * sampling_Hz:
+        finding = (
+            f"expected_Hz {expected_Hz:.6g} lies above 0.45 of the sampling frequency "
+            f"{sampling_Hz:.6g} Hz"
+        )
+    elif duration * expected_Hz < 2 * FEWEST_CYCLES:
+        finding = (
+            f"too short: {duration:.4g} s hold {duration * expected_Hz:.3g} cycles at "
+            f"{expected_Hz:.6g} Hz, at least {2 * FEWEST_CYCLES} are needed"
+        )
+    else:
+        own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
+        seen = envelope(velocity, sampling_Hz, own_Hz)
+        span, finding = _span(
+            velocity, sampling_Hz, expected_Hz, seen, noise, least, end, attrs, release
+        )
+    attrs["verdict"] = "rejected" if finding else "usable"
+    attrs["findings"] = finding
+    return _dataset(velocity, sampling_Hz, span, attrs, bins)
+
+
+def coarse(samples: Float[ndarray, " sample"]) -> float:
+    """Amplitude below which a digitiser's steps show, zero where noise blurs them."""
+    white, step = white_noise(samples), quantum(samples)
+    return STEPS * step if white < BLURRED * step else 0.0
+
+
+def rejected(finding: str) -> xr.Dataset:
+    """The record of a file that could not be read: no samples, and one line that says why."""
+    attrs = _nothing() | {"verdict": "rejected", "findings": finding}
+    return _dataset(np.zeros(0), float("nan"), (0, 0), attrs, 0)
+
+
+def _nothing() -> dict[str, float | str | int]:
+    """The attributes of a record in which no decay has been found yet."""
+    numbers = ("sampling_Hz", "release_s", "release_std_s", "start_s", "end_s", "noise_velocity")
+    return dict.fromkeys(numbers, float("nan")) | {"excitation": "", "decays": 0, "end_reason": ""}
+
+
+def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) -> float:
+    """The mode's frequency as the loudest frames show it: the expected one may be off."""
+    loudest = int(np.argmax(np.abs(velocity)))
+    count = int(LOUD_CYCLES * sampling_Hz / expected_Hz)
+    first = max(0, min(loudest - count // 2, velocity.size - count))
+    seen = envelope(velocity[first : first + count], sampling_Hz, expected_Hz)
+    loud = seen.level[:-1] > seen.level.max() - np.log(2.0)
+    if not loud.any():
+        return expected_Hz
+    turn = np.median(np.diff(seen.log.imag)[loud]) / seen.step_s
+    return float(np.clip(expected_Hz + turn / (2.0 * np.pi), 0.5 * expected_Hz, 1.5 * expected_Hz))
+
+
+def _span(
+    velocity: ndarray,
+    sampling_Hz: float,
+    expected_Hz: float,
+    seen: Envelope,
+    noise: float,
+    least: float,
+    end: float | str,
+    attrs: dict[str, float | str | int],
+    known: Release | None,
+) -> tuple[tuple[int, int], str]:
+    """First sample and one past the last of the decay, or what is amiss."""
+    floor = seen.noise(noise, sampling_Hz)
+    broken = strikes(seen, noise)
+    ratio = 0.0 if end == "noise" else float(end)
+    one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio, known)
+    loudest = int(np.argmax(one.level))
+    if one.reason == "disturbed" or one.begin > loudest + LATE:
+        # a deep beat looks like many decays, or like a release
+        period = beat(seen, floor, loudest)
+        if period is not None:
+            calm = without_beat(seen, loudest, period)
+            whole = _decay(velocity, sampling_Hz, calm, floor, least, broken, ratio, known)
+            if whole.fall > DEEPER * one.fall or _free_before(whole, one.begin, period):
+                one = whole
+    fall, found, release = one.fall, one.found, one.release
+    if release is None:
+        return (0, 0), (
+            f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
+            f"factor of {np.exp(fall):.3g}, at least {LEAST_FALL:g} is needed"
+        )
+    level, end_s, reason = one.level, one.end_s, one.reason
+    start_s = release.time_s + 2.0 * release.std_s
+    period = beat(seen, floor, one.begin) if reason == "disturbed" else None
+    if period is not None:
+        # a beat rises and bends as a disturbance does; under its mean a real one still shows
+        calm = without_beat(seen, one.begin, period)
+        _, course, later = _falls(calm, floor, broken, one.begin)
+        end_s, reason = find_end(calm, floor, least, course, broken, one.begin, later[0][1], ratio)
+    end_s = min(end_s, velocity.size / sampling_Hz)
+    first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
+    attrs |= {
+        "release_s": release.time_s, "release_std_s": release.std_s,
+        "excitation": release.excitation,
+        "decays": sum(level[p] - level[t] > 0.5 * fall for p, t in found),
+        "start_s": first / sampling_Hz, "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
+    }  # fmt: skip
+    if not velocity[first:stop].any():
+        return (first, first), f"nothing but zeros from {start_s:.4g} s to {end_s:.4g} s"
+    cycles = (stop - first) / sampling_Hz * expected_Hz
+    if cycles < FEWEST_CYCLES:
+        return (first, max(stop, first)), (
+            f"too short: the free decay holds {max(cycles, 0.0):.3g} cycles from {start_s:.4g} s "
+            f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
+        )
+    return (first, stop), ""
+
+
+@dataclass(frozen=True)
+class _Decay:
+    """Smoothed level, its falls (the largest by `fall`), release, first frame, end and why."""
+
+    fall: float
+    level: Float[ndarray, " frame"]
+    found: list[tuple[int, int]]
+    release: Release | None = None
+    begin: int = 0
+    end_s: float = 0.0
+    reason: str = ""
+
+
+def _decay(
+    velocity: ndarray,
+    sampling_Hz: float,
+    seen: Envelope,
+    noise: float,
+    least: float,
+    broken: ndarray,
+    ratio: float,
+    known: Release | None,
+) -> _Decay:
+    """The deepest decay in an envelope; without a release if none is deep enough."""
+    first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
+    first = min(first, seen.time.size - 2)
+    fall, level, found = _falls(seen, noise, broken, first)
+    if fall < np.log(LEAST_FALL):
+        return _Decay(fall, level, found)
+    peak, trough = found[0]
+    release = known or find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
+    start_s = release.time_s + 2.0 * release.std_s
+    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
+    end_s, reason = find_end(seen, noise, least, level, broken, begin, trough, ratio)
+    return _Decay(fall, level, found, release, begin, end_s, reason)
+
+
+def _free_before(calm: _Decay, begin: int, period: float) -> bool:
+    """Whether a decay without its beat falls before a frame as it does after it."""
+    before = begin - calm.begin
+    if calm.release is None or before < period:
+        return False
+    after = min(begin + before, calm.level.size - 1)
+    fallen, falls = (
+        calm.level[calm.begin] - calm.level[begin],
+        calm.level[begin] - calm.level[after],
+    )
+    return bool(fallen > 0.5 * falls > 0.0)
+
+
+def _falls(
+    seen: Envelope, noise: float, broken: ndarray, first: int = 0
+) -> tuple[float, Float[ndarray, " frame"], list[tuple[int, int]]]:
+    """Largest fall of ln A from frame `first` on, the smoothed level that shows it, all falls."""
+    best = None
+    for frames, above in SMOOTHING:
+        least = max(above * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
+        level = 0.5 * np.log(np.maximum(running_power(seen, frames), least**2))
+        found = clean_falls(level[first:], RISE, broken[first:])
+        found = [(first + p, first + t) for p, t in found]
+        fall = level[found[0][0]] - level[found[0][1]]
+        if best is None or fall > best[0]:
+            best = fall, level, found
+        if fall > np.log(4.0) or 16 * frames > level.size:
+            break
+    return best
+
+
+def _dataset(
+    velocity: ndarray,
+    sampling_Hz: float,
+    span: tuple[int, int],
+    attrs: dict[str, float | str | int],
+    bins: int,
+) -> xr.Dataset:
+    piece = velocity[span[0] : span[1]]
+    count = max(min(bins, velocity.size), 1)
+    edges = np.arange(count + 1 if velocity.size else 1) * velocity.size // count
+    at = edges[:-1]
+    low, high = (
+        (extreme.reduceat(velocity, at) if at.size else np.zeros(0))
+        for extreme in (np.minimum, np.maximum)
+    )
+    return xr.Dataset(
+        {
+            "velocity": (
+                "time", piece, {"units": "m/s", "long_name": "velocity of the free decay"}
+            ),
+            "overview_time": (
+                "bin", 0.5 * (at + edges[1:]) / sampling_Hz,
+                {"units": "s", "long_name": "time in the raw record"},
+            ),
+            "overview_min": (
+                "bin", low,
+                {"units": "m/s", "long_name": "smallest velocity in the bin"},
+            ),
+            "overview_max": (
+                "bin", high,
+                {"units": "m/s", "long_name": "largest velocity in the bin"},
+            ),
+        },
+        coords={
+            "time": (
+                "time", np.arange(float(piece.size)) / sampling_Hz,
+                {"units": "s", "long_name": "time since the start of the cut"},
+            )
+        },
+        attrs=attrs,
+    )  # fmt: skip

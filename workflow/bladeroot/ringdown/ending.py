@@ -1,0 +1,129 @@
+"""Where a free decay ends: in the noise, or where something disturbs it."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from bladeroot.ringdown.release import FEWEST, OVERLAP, REACH, log_points
+from bladeroot.signal.envelope import FRAME_STEPS, Envelope
+from bladeroot.signal.turning import kinks
+
+# What strikes exceeds what was there over the last eight cycles by this factor (noise in a frame
+# of ten samples does so once in a million), and is this part of the mode: less does no harm.
+STRIKE, HARMFUL = 5.0, 0.005
+# The tip's return as a kink: gain over noise (see `release.GAIN`; here every place of a record is
+# tested), gain over noise and the ripple that it leaves, or the first alone where it is abrupt.
+GAIN, BARE, ALONE = 30.0, 10.0, 60.0
+# Step and bend (over the reach) of the log-phasor. A joint that begins to stick has neither; the
+# beat of a close mode of 8 % bends by as much, a frequency that changes at once by 0.7 % does so
+# over two dozen cycles, one that changes by 0.17 % over a hundred.
+MOVED = 1.0
+# Frames a point (half cycles), and the fall of ln A before a place up to which a bend is a kink, or
+# an abrupt one: over more, a joint's damping rises to a hump and falls again by itself.
+SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
+# No noise makes the smoothed envelope rise by half, nor a decaying mode by itself.
+RISE = float(np.log(1.5))
+
+
+def running_power(seen: Envelope, size: int) -> Float[ndarray, " frame"]:
+    """Mean square amplitude over `size` frames about each frame (fewer at the ends)."""
+    total = np.concatenate([[0.0], np.cumsum(np.exp(2.0 * seen.level))])
+    at = np.arange(seen.level.size)
+    low, high = np.maximum(at - size // 2, 0), np.minimum(at + (size + 1) // 2, at.size)
+    return np.maximum(total[high] - total[low], 0.0) / (high - low)
+
+
+def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
+    """Frames in which something strikes: what is not the mode, or the mean, jumps."""
+    lag = FRAME_STEPS // 2
+    moved = np.zeros_like(seen.mean)
+    moved[FRAME_STEPS:] = np.abs(seen.mean[FRAME_STEPS:] - seen.mean[:-FRAME_STEPS])
+    struck = np.zeros(seen.level.size, bool)
+    for size in (seen.rest, moved):
+        before = size
+        for shift in (1, 2, 4, 8):
+            before = np.maximum(before[shift:], before[:-shift])
+        now = size[15 + lag :]
+        usual = np.maximum(before[: now.size], white)
+        own = np.exp(seen.level[15 + lag :])
+        struck[15 + lag :] |= (now > STRIKE * usual) & (now > HARMFUL * own)
+    return struck & ~np.concatenate([[False], struck[:-1]])
+
+
+def find_end(
+    seen: Envelope,
+    noise: float,
+    least: float,
+    level: Float[ndarray, " frame"],
+    broken: Bool[ndarray, " frame"],
+    begin: int,
+    trough: int,
+    ratio: float,
+) -> tuple[float, str]:
+    """Time at which the decay from frame `begin` on ends, and why.
+
+    `noise` is a frame's rms amplitude, `least` the amplitude below which a digitiser's steps show,
+    `level` the smoothed ln of the amplitude, not below what noise may show, `broken` where
+    something strikes, `trough` the end of its fall, `ratio` the part of its first value at which
+    the envelope shall end (0: go on to the noise).
+    """
+    last = seen.level.size - 1
+    ends = []
+    over = trough + np.flatnonzero(broken[trough:] | (level[trough:] > level[trough] + RISE))
+    if over.size:
+        # a rise has begun before it is as high; from the noise there is nothing to go back to
+        creeps = not broken[over[0]] and level[trough] > level.min()
+        at = trough if creeps else over[0]
+        ends.append((seen.time[at] - 0.5 * seen.frame_s, "disturbed"))
+    pace = (trough - begin) / max(seen.level[begin] - seen.level[trough], 0.1)
+    size = int(np.clip(0.5 * pace, FRAME_STEPS, 4096))
+    power = running_power(seen, size)[begin:]
+    # above the mean square of noise by three of its standard errors
+    limit = noise**2 * (1.0 + 3.0 * np.sqrt(OVERLAP / size))
+    lost = np.flatnonzero(power <= limit)
+    if lost.size:
+        last = begin + int(lost[0])
+        ends.append((seen.time[last], "the noise"))
+    coarse = np.flatnonzero(power <= least**2)
+    if coarse.size:
+        ends.append((seen.time[begin + coarse[0]], "the digitiser's steps"))
+    if ratio:
+        calm = running_power(seen, FRAME_STEPS)[begin : last + 1]
+        below = np.flatnonzero(calm < ratio**2 * calm[0])
+        if below.size:
+            ends.append((seen.time[begin + below[0]], f"{ratio:g} of the first envelope"))
+    back = tip_return(seen, noise, begin, last)
+    if back is not None:
+        ends.append((back, "disturbed"))
+    if not ends:
+        return float(seen.time[-1] + 0.5 * seen.frame_s), "end of the record"
+    time, reason = min(ends)
+    return float(time), reason
+
+
+def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | None:
+    """Time of the first kink in an otherwise smooth decay, found at several scales."""
+    # a phase is only known where the mode stands out of the noise
+    weak = np.flatnonzero(seen.level[begin : last + 1] < np.log(max(5.0 * noise, 1e-300)))
+    stop = begin + int(weak[0]) if weak.size else last + 1
+    found: int | None = None
+    for size in SIZES:
+        log, std, start = log_points(seen, noise, begin, stop, size)
+        reach = min(REACH, log.size // 2)
+        if reach < FEWEST:
+            continue
+        tested = kinks(log, std, reach, -1, max(1.0, OVERLAP / size))
+        moved = np.maximum(np.abs(tested.step), np.abs(tested.bend) * reach)
+        fall = log.real[tested.place - reach] - log.real[tested.place - 1]
+        kinked = (tested.gain > GAIN) & (tested.bare > BARE) & (fall < STEEPEST)
+        kinked |= (tested.gain > ALONE) & (fall < ABRUPT)
+        real = np.flatnonzero(kinked & (moved > MOVED))
+        if real.size:
+            near = slice(real[0], real[0] + 2 * reach)
+            place = tested.place[near][np.argmax(tested.gain[near])]
+            early = min(place, tested.place[real[0]] + reach)
+            at = max(int(start + (early - 1) * size), 0)
+            # a finer scale sees the same kink more sharply, up to three coarser points later
+            if found is None or at < found + 6 * size:
+                found = at
+    return None if found is None else float(seen.time[found] - 0.5 * seen.frame_s)

@@ -1,0 +1,207 @@
+"""FREEVIB: amplitude-dependent frequency and damping of a free decay (3.1 to 3.13, App. F)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+from numpy import ndarray
+
+from bladeroot.ringdown.alone import alone
+from bladeroot.ringdown.track import Taken, follow
+from bladeroot.signal.smooth import Spline
+
+POINT = (
+    ("time", "s", "time since the start of the cut", ""),
+    ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
+    ("frequency", "Hz", "undamped natural frequency", "eq. 3.11"),
+    ("loss_factor", "1", "hysteretic loss factor", "eq. 3.11"),
+    ("amplitude_std", "m", "standard error of amplitude", "App. F"),
+    ("frequency_std", "Hz", "standard error of frequency", "App. F"),
+    ("loss_factor_std", "1", "standard error of loss factor", "App. F"),
+)
+BLOCK = (
+    ("block_time", "s", "centre of a block of whole cycles", ""),
+    ("block_log_amplitude", "1", "ln of the displacement amplitude in m", "eq. 3.1"),
+    ("block_phase", "rad", "unwrapped phase of the displacement", "eq. 3.1"),
+    ("block_std", "1", "standard error of log-amplitude and of phase", "App. F"),
+)
+
+
+def freevib(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    noise: float,
+    tolerance: float = 0.3,
+    points: int = 500,
+    usable: Bool[ndarray, " sample"] | None = None,
+    damping: str = "hysteretic",
+    widening: Taken | None = None,
+) -> xr.Dataset:
+    """Frequency and loss factor as functions of displacement amplitude from a free decay.
+
+    The analytic displacement Y = A exp(i phi) obeys Y'' + omega_n^2 (1 + i eta) Y = 0 (3.7), so
+    omega_n^2 = omega^2 - A''/A and eta = -(2 omega A'/A + omega') / omega_n^2 (3.11), with
+    omega = phi'. With viscous damping it obeys Y'' + 2 zeta omega_n Y' + omega_n^2 Y = 0, so
+    zeta omega_n = -A'/A - omega'/(2 omega) and omega_n^2 = omega^2 - A''/A + 2 (A'/A)^2 +
+    A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
+    lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
+    lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
+    thesis. Other modes that are loud beside this one late in the decay are taken off first.
+
+    Args:
+        velocity: free decay in m/s, the release or blow left out.
+        sampling_Hz: sampling frequency.
+        expected_Hz: the mode is looked for within `tolerance` (relative) of it.
+        noise: rms of the sensor's noise in m/s; corrected by what the blocks themselves show.
+        tolerance: relative half-width of the search band.
+        points: largest number of points of the curves.
+        usable: False where a sample has no weight (a gap is bridged, with larger errors).
+        damping: "hysteretic" or "viscous".
+        widening: for what was taken off before: times (s), factors by which a cycle's standard
+            error is larger there than noise makes it, and an error to add.
+
+    Returns:
+        Dataset with dim `point` (the curves, in time order, with standard errors) and dim `block`
+        (independent log-phasors of the displacement, from which the plateau is fitted).
+
+    Raises:
+        ValueError: no line in the band, fewer than eight cycles of it, unknown damping.
+    """
+    if damping not in ("hysteretic", "viscous"):
+        raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
+    band = search_band(sampling_Hz, expected_Hz, tolerance)
+    if usable is not None:
+        usable = None if usable.all() else usable
+        velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
+    # no digitiser is better than this, and errors without a floor mean nothing
+    noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
+    velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
+    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable, widening)
+    others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
+    first, last = _trusted(blocks.std)
+    count = min(points, last - first + 1)
+    own = np.arange(blocks.time.size)
+    centre = np.interp(np.linspace(first, last, count), own, blocks.time)
+    value, std = fit.value(centre), _std(fit, centre)
+    omega_n, loss = natural(value[1], value[2], damping)
+    omega, amplitude = value[1, 1], np.exp(value[0, 0])
+    amplitude_std = amplitude * std[0, 0]
+    frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
+    loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
+    curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
+    errors = (amplitude_std, frequency_std, loss_std)
+    keep = (std[0, 0] < 0.3) & np.isfinite(omega_n)
+    middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi) if keep.any() else expected_Hz
+    if not band[0] <= middle_Hz <= band[1]:
+        raise ValueError(
+            f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
+            f"{band[1]:.6g} Hz: another one dominates the record"
+        )
+    part = within_band(omega_n[keep] / (2.0 * np.pi), band)
+    whole = part == slice(0, np.count_nonzero(keep))
+    own = slice(None) if whole else _between(blocks.time, centre[keep][part])
+    result = decay_dataset(
+        [values[keep][part] for values in (*curves, *errors)],
+        [blocks.time[own], blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
+    )
+    result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
+    result.attrs["other_modes_Hz"] = others
+    result.attrs["damping"] = damping
+    if damping == "viscous":
+        result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
+    return result
+
+
+def natural(
+    rate: Float[ndarray, "2 point"], change: Float[ndarray, "2 point"], damping: str
+) -> tuple[Float[ndarray, " point"], Float[ndarray, " point"]]:
+    """omega_n (rad/s) and loss factor from the displacement's A'/A and omega and their changes.
+
+    omega_n is NaN where its square is negative: the mode is lost there.
+    """
+    alpha, omega = rate
+    decline, chirp = change
+    square = omega**2 - decline - alpha**2  # A''/A = decline + alpha^2
+    if damping == "viscous":
+        square = square + 2.0 * alpha**2 + alpha * chirp / omega
+    omega_n = np.sqrt(np.where(square > 0.0, square, np.nan))
+    if damping == "viscous":
+        return omega_n, -(2.0 * alpha + chirp / omega) / omega_n
+    return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
+
+
+def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:
+    """The longest run of points within the band: beyond its ends it is not the mode that is seen.
+
+    Raises ValueError where more of the points lie out of that run than in it.
+    """
+    outside = (frequency_Hz < band_Hz[0]) | (frequency_Hz > band_Hz[1])
+    edges = np.concatenate([[-1], np.flatnonzero(outside), [frequency_Hz.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    first, stop = int(edges[longest]) + 1, int(edges[longest + 1])
+    if 2 * (stop - first) < frequency_Hz.size:
+        raise ValueError(
+            f"the frequency wanders from {frequency_Hz.min():.6g} to {frequency_Hz.max():.6g} Hz, "
+            f"out of {band_Hz[0]:.6g} to {band_Hz[1]:.6g} Hz: no mode can be followed"
+        )
+    return slice(first, stop)
+
+
+def _between(times: Float[ndarray, " block"], points: Float[ndarray, " point"]) -> slice:
+    """The blocks from the first point to the last."""
+    return slice(
+        int(np.searchsorted(times, points[0])), int(np.searchsorted(times, points[-1])) + 1
+    )
+
+
+def no_decay() -> xr.Dataset:
+    """The empty result of a rejected record: the variables of `freevib`, no points."""
+    return decay_dataset([np.empty(0)] * len(POINT), [np.empty(0)] * len(BLOCK))
+
+
+def search_band(
+    sampling_Hz: float, expected_Hz: float, tolerance: float = 0.3
+) -> tuple[float, float]:
+    """The band in Hz in which the mode is looked for."""
+    if not 0.0 < expected_Hz < 0.48 * sampling_Hz:
+        raise ValueError(
+            f"expected_Hz must lie between 0 and {0.48 * sampling_Hz:.6g} Hz (sampling at "
+            f"{sampling_Hz:.6g} Hz), got {expected_Hz:.6g}"
+        )
+    low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
+    return low, min(high, 0.49 * sampling_Hz)
+
+
+def _std(fit: Spline, time: Float[ndarray, " point"], most: int = 120) -> ndarray:
+    """Standard errors of the curves at some of the points, and between them in proportion."""
+    if time.size <= most:
+        return fit.std(time)
+    some = np.linspace(time[0], time[-1], most)
+    known = np.log(fit.std(some))
+    place = (time - time[0]) * ((most - 1) / (time[-1] - time[0]))
+    left = np.minimum(place.astype(int), most - 2)
+    share = place - left
+    return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
+
+
+def _trusted(std: Float[ndarray, " block"], reach: int = 9, limit: float = 5.0) -> tuple[int, int]:
+    """First and last block that is not doubted far more than those beside it."""
+    first, last = 0, std.size - 1
+    while first < std.size // 4 and std[first] > limit * np.median(std[first + 1 : first + reach]):
+        first += 1
+    while last > 3 * std.size // 4 and std[last] > limit * np.median(std[last - reach + 1 : last]):
+        last -= 1
+    return first, last
+
+
+def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
+    """Curves and blocks as a Dataset, from columns in the order of `POINT` and `BLOCK`."""
+    made = {}
+    for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
+        for (name, units, long_name, source), values in zip(table, columns, strict=True):
+            attrs = {"units": units, "long_name": long_name}
+            attrs |= {"source": source} if source else {}
+            made[name] = xr.Variable(dim, values, attrs)
+    return xr.Dataset(made)

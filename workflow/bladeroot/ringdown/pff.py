@@ -1,0 +1,233 @@
+"""Peak finding and fitting (PFF): a second opinion on frequency and damping of a free decay.
+
+The peaks of the filtered displacement are located one by one, the frequency follows from their
+spacing and the damping from their decline (Jin, Chen, Brake, Song, J. Vib. Acoust. 142(5), 2020:
+051111). Nothing here is shared with `freevib`, so that a fault of either shows as a difference.
+
+Known systematic effects. A curve is averaged over the stretch in which it was fitted: where slip
+sets in, frequency and damping are rounded over about half of `pff_window`. A mode closer than
+about a third of the frequency passes the filter and beats.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+from bladeroot.ringdown.peaks import (
+    BRIDGE,
+    DELAY,
+    REACH,
+    band_displacement,
+    bridged,
+    correlation,
+    extrema,
+    noise_bandwidth,
+    undisturbed,
+    uneven_gain,
+)
+
+DEGREE = 3  # of the polynomials in time and log-amplitude
+FALL = 0.5  # of ln A in the stretch that one polynomial describes
+FEWEST, MOST = 24, 400  # peaks in a stretch
+CLEAR = 8.0  # a peak's height over the noise in the band
+PEAK = {
+    "pff_time": ("s", "time since the start of the cut"),
+    "pff_amplitude": ("m", "displacement amplitude at the sensor"),
+    "pff_frequency": ("Hz", "undamped natural frequency from the spacing of peaks"),
+    "pff_loss_factor": ("1", "loss factor from the decline of peaks"),
+    "pff_frequency_std": ("Hz", "standard error of pff_frequency"),
+    "pff_loss_factor_std": ("1", "standard error of pff_loss_factor"),
+    "pff_window": ("s", "length of the stretch in which the peaks were fitted"),
+}
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Value, slope and the slope's standard error of polynomials in the peak's number."""
+
+    value: Float[ndarray, "part point"]
+    slope: Float[ndarray, "part point"]
+    slope_std: Float[ndarray, "part point"]
+
+
+def peak_fit(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None = None,
+    damping: str = "hysteretic",
+    tolerance: float = 0.3,
+    points: int = 300,
+) -> xr.Dataset:
+    """Frequency and loss factor against displacement amplitude from the peaks of a free decay.
+
+    Standard errors are from the scatter of the peaks about the fit, with the correlation that
+    the filter gives to white noise, and from what a polynomial of a
+    higher degree changes.
+
+    Args:
+        velocity: free decay in m/s.
+        sampling_Hz: sampling frequency.
+        expected_Hz: the mode is looked for within `tolerance` (relative) of it.
+        noise: rms of the sensor's noise in m/s: what it leaves in the band ends the curve.
+        usable: False for samples that must not count; peaks they reach are left out.
+        damping: "hysteretic" (3.11) or "viscous" (the loss factor is then 2 zeta).
+        tolerance: relative half-width of the search band.
+        points: largest number of points.
+
+    Returns:
+        Dataset with dim `peak` (0 long where no stretch has enough peaks), variables as in `PEAK`.
+    """
+    if damping not in ("hysteretic", "viscous"):
+        raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
+    if velocity.size * expected_Hz < FEWEST * sampling_Hz:
+        return no_peaks()
+    bad = np.zeros(0, dtype=int)
+    if usable is not None and not usable.all():
+        if usable.sum() < 2:
+            return no_peaks()
+        velocity, good = bridged(velocity, usable, BRIDGE * sampling_Hz / expected_Hz)
+        bad = np.flatnonzero(~good)
+    centre_Hz, start, step, wave = band_displacement(velocity, sampling_Hz, expected_Hz, tolerance)
+    time, size = extrema(wave, step, start)
+    keep = undisturbed(time, REACH / centre_Hz, bad, velocity.size, sampling_Hz)
+    in_band = noise * np.sqrt(2.0 * noise_bandwidth() * centre_Hz / sampling_Hz)
+    drowned = np.flatnonzero((size < CLEAR * in_band / (2.0 * np.pi * centre_Hz)) & keep)
+    keep[drowned[0] if drowned.size else keep.size :] = False
+    pieces = _stretches(np.flatnonzero(keep), time, centre_Hz)
+    total = sum(piece.size for piece in pieces)
+    rows = [
+        _curve(time[piece], size[piece], centre_Hz, max(2, points * piece.size // total), damping)
+        for piece in pieces
+    ]
+    if not rows:
+        return no_peaks()
+    columns = np.concatenate(rows, axis=1)
+    columns[0] += DELAY / centre_Hz
+    return _dataset(columns)
+
+
+def no_peaks() -> xr.Dataset:
+    """The empty result of a record without peaks."""
+    return _dataset(np.empty((len(PEAK), 0)))
+
+
+def _stretches(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> list[ndarray]:
+    """Runs of neighbouring peaks half a cycle apart, long enough to be fitted."""
+    if keep.size < FEWEST:
+        return []
+    apart = np.diff(time[keep]) * 2.0 * centre_Hz
+    breaks = 1 + np.flatnonzero((np.diff(keep) > 1) | (np.abs(apart - 1.0) > 0.3))
+    return [run for run in np.split(keep, breaks) if run.size >= FEWEST]
+
+
+def _curve(
+    time: ndarray, size: ndarray, centre_Hz: float, points: int, damping: str
+) -> Float[ndarray, "column point"]:
+    """Rows of `PEAK` for one stretch of peaks."""
+    level = np.log(size)
+    at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
+    length = _lengths(level)[at]
+    fit = _fitted(np.stack([time, level]), at, length)
+    (clock, decline), (period, fall), (period_std, fall_std) = fit.value, fit.slope, fit.slope_std
+    turn, rate = np.pi / period, fall / period
+    turn_std, rate_std = turn * period_std / period, fall_std / period
+    # a peak lies where the phase is atan(rate / turn), which moves where damping changes
+    turn = turn + np.gradient(rate / turn, clock)
+    # where the frequency moves, so does the filter's gain; what is left is of the next order
+    passed, ahead = uneven_gain(rate + 1j * turn, centre_Hz)
+    faded, turned = np.gradient(passed, clock), np.gradient(ahead, clock)
+    rate, rate_std = rate - faded, np.hypot(rate_std, faded)
+    turn, turn_std = turn - turned, np.hypot(turn_std, turned)
+    chirp, bend = (np.gradient(x, clock) for x in (turn, rate))
+    # Y''/Y = rate^2 - turn^2 + bend + i (2 rate turn + chirp) with Y' = (rate + i turn) Y
+    square = turn**2 - rate**2 - bend
+    if damping == "hysteretic":
+        loss = -(2.0 * rate * turn + chirp) / square
+    else:
+        twice = -(2.0 * rate + chirp / turn)  # 2 zeta omega_n
+        square = square - twice * rate
+        loss = twice / np.sqrt(square)
+    natural = np.sqrt(square)
+    amplitude = np.exp(decline - passed) * np.hypot(1.0, rate / turn)
+    window = length * period
+    frequency = natural / (2.0 * np.pi)
+    errors = (turn_std / (2.0 * np.pi), 2.0 * rate_std / turn)
+    return np.stack([clock, amplitude, frequency, loss, *errors, window])
+
+
+def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
+    """Number of peaks in which ln A falls by FALL, around each peak."""
+    edges = np.linspace(0, level.size, min(16, level.size // 8) + 1).astype(int)
+    mean = np.add.reduceat(level, edges[:-1]) / np.diff(edges)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    rate = np.abs(np.diff(mean)) / np.diff(middle) if middle.size > 1 else np.zeros(1)
+    between = 0.5 * (middle[1:] + middle[:-1]) if middle.size > 1 else middle
+    wanted = FALL / np.maximum(np.interp(np.arange(level.size), between, rate), 1e-6)
+    # a ladder of lengths, so that few matrices serve all points
+    rung = np.round(np.log(np.clip(wanted, FEWEST, MOST)) / np.log(1.25))
+    return np.clip(1.25**rung, FEWEST, min(MOST, level.size)).astype(int)
+
+
+def _fitted(
+    y: Float[ndarray, "part peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
+) -> _Fit:
+    """Polynomials in the peak's number through `length` peaks around each of `at`.
+
+    Maxima and minima may differ by a constant (an offset, a second harmonic). What a polynomial of
+    two degrees more makes of the slope is in its standard error.
+    """
+    value = np.empty((y.shape[0], at.size))
+    slope, variance = np.empty((2, 2, y.shape[0], at.size))  # of both degrees
+    lags = correlation()
+    for count in np.unique(length):
+        which = length == count
+        start = np.clip(at[which] - count // 2, 0, y.shape[1] - count)
+        half = 0.5 * (count - 1)
+        powers = np.arange(DEGREE + 3)
+        x = (np.arange(count) - half) / half
+        alternating = np.where(np.arange(count) % 2, 1.0, -1.0)
+        basis, triangle = np.linalg.qr(np.column_stack([alternating, x[:, None] ** powers]))
+        coloured = [np.convolve(column, lags)[lags.size // 2 :][:count] for column in basis.T]
+        covariance = np.stack(coloured) @ basis
+        piece = np.lib.stride_tricks.sliding_window_view(y, count, axis=1)[:, start]
+        origin = piece[..., :1]
+        piece = piece - origin
+        told = piece @ basis
+        piece -= told @ basis.T
+        left = np.einsum("ypw,ypw->yp", piece, piece)
+        place = (at[which] - start - half) / half
+        curve = place[:, None] ** powers
+        tangent = np.zeros_like(curve)
+        tangent[:, 1:] = curve[:, :-1] * powers[1:] / half
+        for k, terms in enumerate((DEGREE + 2, DEGREE + 4)):
+            inverse = np.linalg.inv(triangle[:terms, :terms])[1:]
+            row = tangent[:, : terms - 1] @ inverse
+            own = covariance[:terms, :terms]
+            slope[k][:, which] = (told[..., :terms] * row).sum(axis=-1)
+            misfit = left + (told[..., terms:] ** 2).sum(axis=-1)
+            spread = ((row @ own) * row).sum(axis=1)
+            variance[k][:, which] = misfit / max(count - np.trace(own), 1.0) * spread
+            if k == 0:
+                row = curve[:, : terms - 1] @ inverse
+                value[:, which] = origin[..., 0] + (told[..., :terms] * row).sum(axis=-1)
+    by_noise = np.maximum(variance[1] - variance[0], 0.0)
+    bias = np.maximum((slope[1] - slope[0]) ** 2 - by_noise, 0.0)
+    return _Fit(value, slope[0], np.sqrt(variance[0] + bias))
+
+
+def _dataset(columns: Float[ndarray, "column peak"]) -> xr.Dataset:
+    return xr.Dataset(
+        {
+            name: (
+                "peak",
+                values,
+                {"units": units, "long_name": long_name, "source": "Jin et al. 2020"},
+            )
+            for (name, (units, long_name)), values in zip(PEAK.items(), columns, strict=True)
+        }
+    )

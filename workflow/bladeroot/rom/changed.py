@@ -1,0 +1,50 @@
+"""The parametric model of a structure with changed stiffness and mass."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.rom import chebyshev
+from bladeroot.rom.parametric import frequencies, ritz_of, surface_of
+from bladeroot.rom.sensitivity import Change, changed_frequencies
+
+_POINTS = 200  # of the check
+
+
+def changed_model(
+    model: xr.Dataset, changes: Mapping[str, Change], tolerance: float = 1e-7
+) -> xr.Dataset:
+    """Frequencies over (ln kn, ln kt, F) when each mode's matrices are changed.
+
+    model: from `bladeroot.rom.parametric`. changes: by mode, in that mode's basis. Inside the
+    basis the changed problem is solved exactly, with the vectors for perturbations; nothing else of
+    the model (projections, bounds of its bases) holds for the changed structure, so it is left out.
+    `surface_error`: of the new sums, relative, at random points. tolerance: of ln f.
+    """
+    modes = [str(mode) for mode in model["mode"].values]
+    ritzes = [ritz_of(model, mode) for mode in modes]
+    low, high = model["box"].values
+
+    def ln_frequency(points: Float[ndarray, "point 3"]) -> Float[ndarray, "mode point"]:
+        amounts = np.ones((len(points), 1))
+        return np.log([
+            changed_frequencies(ritz, points, [changes[mode]], amounts)
+            for mode, ritz in zip(modes, ritzes, strict=True)
+        ])  # fmt: skip
+
+    surface = chebyshev.fit(ln_frequency, low, high, tolerance)
+    unseen = np.random.default_rng(5).uniform(low, high, (_POINTS, 3))
+    error = np.abs(np.log(frequencies(surface, unseen)).T - ln_frequency(unseen)).max(axis=1)
+    kept = model[["box", "error_bound"]].copy()
+    attrs = model["ln_frequency"].attrs
+    dims = ("mode", "order_kn", "order_kt", "order_force")
+    kept["ln_frequency"] = (dims, surface.coefficients, attrs)
+    text = "largest relative error of the sums at random points, changed matrices"
+    kept["surface_error"] = ("mode", error, {"units": "1", "long_name": text})
+    moved = frequencies(surface, unseen) / frequencies(surface_of(model), unseen) - 1.0
+    text = "mean relative change of the frequency over the box"
+    kept["frequency_change"] = ("mode", moved.mean(axis=0), {"units": "1", "long_name": text})
+    return kept.assign_attrs(model.attrs)

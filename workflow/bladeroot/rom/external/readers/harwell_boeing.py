@@ -1,0 +1,82 @@
+"""Harwell-Boeing and Rutherford-Boeing text, as ANSYS's HBMAT writes it (ASCII form)."""
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladeroot.rom.external.reading import both_triangles, refuse_variable
+
+SUFFIXES = (".hb", ".rb", ".rsa", ".rua", ".matrix", ".txt")
+_FORMAT = re.compile(r"\(?\s*(?:\d+P,?)?\s*(\d*)\s*([IEDFG])\s*(\d+)", re.IGNORECASE)
+
+
+def read(path: str, variable: str | None = None) -> sp.coo_array:
+    """The file's one matrix: real, assembled, symmetric (one triangle stored) or not.
+
+    A right-hand side at the end is left alone.
+    """
+    refuse_variable(variable, path)
+    with open(path, encoding="latin-1") as file:
+        lines = iter(file.read().splitlines())
+    next(lines, None)  # the title
+    counts = _whole_numbers(next(lines, ""), "line 2, the numbers of lines", 4, path)
+    kind, *rest = next(lines, "").split() or [""]
+    if not re.fullmatch(r"[Rr][SsUu][Aa]", kind):
+        raise ValueError(
+            f"expected a real assembled matrix (RSA or RUA) in line 3, got {kind!r} ({path})"
+        )
+    rows, columns, entries = _whole_numbers(" ".join(rest), "line 3, the sizes", 3, path)[:3]
+    formats = next(lines, "")
+    forms = [formats[:16], formats[16:32], formats[32:52]]
+    if len(counts) > 4 and counts[4] > 0:
+        next(lines, None)  # what the right-hand side is
+    starts = _numbers(lines, counts[1], forms[0], columns + 1, int, path) - 1
+    index = _numbers(lines, counts[2], forms[1], entries, int, path) - 1
+    values = _numbers(lines, counts[3], forms[2], entries, float, path)
+    if starts[0] != 0 or starts[-1] != entries or (np.diff(starts) < 0).any():
+        raise ValueError(
+            f"expected column pointers from 1 to {entries + 1}, got {starts[0] + 1} to "
+            f"{starts[-1] + 1} ({path})"
+        )
+    column = np.repeat(np.arange(columns), np.diff(starts))
+    stored = sp.coo_array((values, (index, column)), shape=(rows, columns))
+    return both_triangles(stored, path) if kind[1] in "Ss" else stored
+
+
+def _whole_numbers(line: str, what: str, least: int, path: str) -> list[int]:
+    try:
+        numbers = [int(word) for word in line.split()]
+    except ValueError:
+        numbers = []
+    if len(numbers) < least:
+        raise ValueError(f"expected {least} whole numbers in {what}, got {line.strip()!r} ({path})")
+    return numbers
+
+
+def _numbers(
+    lines: Iterator[str], count: int, form: str, expected: int, kind: type, path: str
+) -> np.ndarray:
+    """`expected` numbers from the next `count` lines of a Fortran format such as (4D20.12)."""
+    match = _FORMAT.match(form)
+    if match is None or int(match[3]) == 0:
+        raise ValueError(f"expected a Fortran format such as (4D20.12), got {form!r} ({path})")
+    width, a_line = int(match[3]), int(match[1] or 1)
+    fields = []
+    for _ in range(count):
+        line = next(lines, None)
+        if line is None:
+            break
+        # a format may claim any number
+        whole = min(a_line, len(line) // width + 1)
+        fields += [line[k * width : (k + 1) * width] for k in range(whole)]
+    fields = [field for field in fields if field.strip()]
+    if len(fields) != expected:
+        raise ValueError(f"expected {expected} numbers in {form}, got {len(fields)} ({path})")
+    if kind is float:
+        fields = [field.replace("D", "E").replace("d", "e") for field in fields]
+    try:
+        return np.array([kind(field) for field in fields])
+    except ValueError as error:
+        raise ValueError(f"{error} ({path})") from error

@@ -1,0 +1,191 @@
+"""The joint without any reduction: beam and slots with springs between them, all dofs.
+
+It says what reduction and parametric model together cost in accuracy, at any force.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.fem import elasticity
+from bladeroot.fem.geometry import Structure
+from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.mesh import base_nodes, body_mesh
+from bladeroot.fem.prestress import materials_of
+from bladeroot.rom.assembly import find_modes
+from bladeroot.rom.reduction import beam_model, contact_dofs, force_stiffness
+
+_MODES = 12
+_CONVERGED = 1e-10  # of omega^2
+_STEPS = 30
+
+
+@dataclass(frozen=True)
+class FullJoint:
+    """Mass, stiffness and geometric stiffness (per newton) of all free dofs; Kn, Kt of 1 N/m.
+
+    number: dof of each node's axis (3 * node + axis), -1 where it is fixed; view: dofs of display
+    nodes and of the beam's contact nodes; seen: those as an assembly, by which modes are named.
+    """
+
+    mass: sp.csr_array
+    stiffness: sp.csr_array
+    geometric: sp.csr_array
+    normal: sp.csr_array
+    tangential: sp.csr_array
+    number: ndarray
+    view: ndarray
+    seen: xr.Dataset
+
+
+def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> FullJoint:
+    """Matrices of the beam and both slots, far faces fixed, before contact springs."""
+    beam = beam_model(structure, mesh, prestress)
+    masses, stiffnesses = [beam.mass], [beam.stiffness]
+    held = []
+    for body in (1, 2):
+        slot, start = body_mesh(mesh, body)
+        rule, materials = elasticity.quadrature(slot), materials_of(structure, mesh, body)
+        masses.append(elasticity.mass(slot, rule, materials))
+        stiffnesses.append(elasticity.stiffness(slot, rule, materials))
+        held.append(start + base_nodes(slot))
+    nodes = mesh.sizes["node"]
+    free = contact_dofs(np.setdiff1d(np.arange(nodes), np.concatenate(held)))
+    per_newton = force_stiffness(beam)
+    empty = sp.csr_array((3 * nodes - per_newton.shape[0],) * 2)
+    whole = (
+        elasticity.per_axis(sp.csr_array(sp.block_diag(masses, format="csr"))),
+        sp.csr_array(sp.block_diag(stiffnesses, format="csr")),
+        sp.csr_array(sp.block_diag([per_newton, empty], format="csr")),
+    )
+    number = np.full(3 * nodes, -1)
+    number[free] = np.arange(len(free))
+    return with_contact(mesh, number, *(sp.csr_array(part[free][:, free]) for part in whole))
+
+
+def with_contact(
+    mesh: xr.Dataset,
+    number: ndarray,
+    mass: sp.csr_array,
+    stiffness: sp.csr_array,
+    geometric: sp.csr_array,
+) -> FullJoint:
+    """Contact springs and display of bodies whose free dofs are numbered by node and axis."""
+    flank, area = mesh.pair_flank.values, mesh.pair_weight.values
+    share = area / np.bincount(flank, area)[flank]
+    frame = mesh.flank_frame.values[flank]
+    size = mass.shape[0]
+    contact = [_springs(mesh, number, size, share, frame[:, local]) for local in ([0], [1, 2])]
+    shown = contact_dofs(mesh.display_node.values)
+    touched = contact_dofs(mesh.pair_node.values[:, 0])
+    count = len(shown) // 3
+    shape = np.zeros((count, 3, len(shown) + len(touched)))
+    shape.reshape(len(shown), -1)[:, : len(shown)] = np.eye(len(shown))
+    seen = xr.Dataset(
+        {
+            "display_position": (
+                ("display", "axis"),
+                mesh.node_position.values[mesh.display_node.values],
+            ),
+            "display_shape": (("display", "axis", "dof"), shape),
+            "beam_dof": (
+                ("pair", "axis"),
+                len(shown) + np.arange(len(touched)).reshape(-1, 3),
+            ),
+            "frame": (("pair", "local", "axis"), frame),
+            "weight": ("pair", share),
+        }
+    )
+    view = number[np.concatenate([shown, touched])]
+    return FullJoint(mass, stiffness, geometric, *contact, number, view, seen)
+
+
+def _springs(
+    mesh: xr.Dataset,
+    number: ndarray,
+    size: int,
+    share: ndarray,
+    axes: Float[ndarray, "pair k 3"],
+) -> sp.csr_array:
+    """Contact matrix of 1 N/m of flank stiffness along the given local axes."""
+    pairs, count = axes.shape[:2]
+    dofs = number[3 * mesh.pair_node.values[:, :, None] + np.arange(3)]  # pair, side, axis
+    values = np.sqrt(share)[:, None, None, None] * np.stack([axes, -axes], axis=2)
+    columns = np.broadcast_to(dofs[:, None], values.shape)
+    rows = np.broadcast_to(np.arange(pairs * count).reshape(pairs, count, 1, 1), values.shape)
+    shape = (pairs * count, size)
+    gaps = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    return sp.csr_array(gaps.T @ gaps)
+
+
+def full_frequencies(
+    full: FullJoint, kn: float, kt: float, forces: Sequence[float], names: Sequence[str]
+) -> Float[ndarray, "force name"]:
+    """Frequencies (Hz) of named modes of the whole model at several axial forces (N).
+
+    ValueError if a mode is not found or does not converge.
+    """
+    found = full_modes(full, [(kn, kt, force) for force in forces], names)
+    return np.sqrt(np.array([values for values, _ in found])) / (2.0 * np.pi)
+
+
+def full_modes(
+    full: FullJoint, points: Sequence[tuple[float, float, float]], names: Sequence[str]
+) -> list[tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]]:
+    """Eigenvalues (rad^2/s^2) and shapes of named modes at points (kn, kt in N/m, force in N).
+
+    One factor, in the points' middle, serves them all: elsewhere it preconditions a Davidson
+    iteration, started from the modes there. ValueError if a mode is not found or does not converge.
+    """
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    middle = _with_springs(full, *np.sqrt(low[:2] * high[:2]))
+    middle = sp.csr_array(middle + 0.5 * (low[2] + high[2]) * full.geometric)
+    solve = factor(middle)
+    _, shapes = lowest_eigenpairs(middle, full.mass, _MODES, solve=solve)
+    column = find_modes(full.seen, shapes[full.view], names)
+    chosen = [column[name] for name in names]
+    springs = {(kn, kt): _with_springs(full, kn, kt) for kn, kt, _ in points}
+    return [_followed(full, springs[kn, kt], f, solve, shapes, chosen) for kn, kt, f in points]
+
+
+def _with_springs(full: FullJoint, kn: float, kt: float) -> sp.csr_array:
+    return sp.csr_array(full.stiffness + (kn * full.normal + kt * full.tangential))
+
+
+def _followed(
+    full: FullJoint, springs: sp.csr_array, force: float, solve, shapes: ndarray, chosen: list[int]
+) -> tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]:
+    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes.
+
+    springs: stiffness without force. Images of the basis are kept: a sum of the matrices would cost
+    more than all products with them.
+    """
+
+    def stiff(columns: ndarray) -> ndarray:
+        return springs @ columns + force * (full.geometric @ columns)
+
+    basis, wanted = shapes, shapes[:, chosen]
+    image, heavy = stiff(basis), full.mass @ basis
+    projected = basis.T @ image
+    for _ in range(_STEPS):
+        values, combination = np.linalg.eigh(0.5 * (projected + projected.T))
+        places = np.abs(combination.T @ (heavy.T @ wanted)).argmax(axis=0)
+        turn, values = combination[:, places], values[places]
+        wanted = basis @ turn
+        residual = image @ turn - values * (heavy @ turn)
+        step = solve(residual)
+        if np.all(np.einsum("dm,dm->m", residual, step) < _CONVERGED * values):
+            return values, wanted
+        for _ in range(2):
+            step = step - basis @ (heavy.T @ step)
+            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (full.mass @ step))).T
+        basis = np.hstack([basis, step])
+        image = np.hstack([image, stiff(step)])
+        heavy = np.hstack([heavy, full.mass @ step])
+        projected = basis.T @ image
+    raise ValueError(f"modes of the full model did not converge in {_STEPS} steps")

@@ -1,0 +1,171 @@
+"""The joint as an operator that is affine in kn, kt and axial force, and its exact modes.
+
+K(kn, kt, F) = K0 + F Kg + kn Kn + kt Kt, with a constant mass (eqs 4.1, 5.3). A point is
+(ln kn, ln kt, F), with flank totals in N/m and the axial force in N. Contact is kept as rows of
+gaps and slips, too: a stiff contact multiplies what a matrix's rounding leaves of a small gap.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.fem.linear import lowest_eigenpairs
+from bladeroot.rom.assembly import assemble, find_modes, gap_rows
+
+COORDINATES = ("ln_kn", "ln_kt", "force")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Beam and slots; the beam's dofs come first.
+
+    mass kg, stiffness N/m, geometric 1/m (stiffness per newton of force). normal, tangential: Kn
+    and Kt of 1 N/m of flank stiffness; gap, slip: the rows whose squares they are. springs: how a
+    flank's stiffness is shared. assembly: by which modes are named.
+    """
+
+    mass: Float[ndarray, "dof dof"]
+    stiffness: Float[ndarray, "dof dof"]
+    geometric: Float[ndarray, "dof dof"]
+    normal: Float[ndarray, "dof dof"]
+    tangential: Float[ndarray, "dof dof"]
+    gap: Float[ndarray, "pair dof"]
+    slip: Float[ndarray, "slip dof"]
+    beam_dofs: int
+    springs: str
+    assembly: xr.Dataset
+
+
+def joint_of(
+    assembly: xr.Dataset,
+    geometric: Float[ndarray, "beam beam"] | None = None,
+    equal_nodes: bool = False,
+) -> Joint:
+    """The operator of an assembly; without `geometric` it knows the assembly's own force alone.
+
+    geometric: the beam's geometric stiffness per newton. equal_nodes: the same spring at every
+    node, as in the thesis, instead of by area.
+    """
+    whole = np.zeros_like(assembly["mass"].values)
+    if geometric is not None:
+        whole[: len(geometric), : len(geometric)] = geometric
+    gap, slip = gap_rows(assembly, equal_nodes)
+    return Joint(
+        assembly["mass"].values,
+        assembly["stiffness"].values,
+        whole,
+        gap.T @ gap,
+        slip.T @ slip,
+        gap,
+        slip,
+        int(assembly["slot_dof"].values.min()),
+        "equal at every node" if equal_nodes else "by area",
+        assembly,
+    )
+
+
+def joint_of_reduced(reduced: xr.Dataset, equal_nodes: bool = False) -> Joint:
+    """The operator of a reduced beam and its slots (`reduced.nc`), at any force."""
+    return joint_of(assemble(reduced, 0.0), reduced["beam_geometric_stiffness"].values, equal_nodes)
+
+
+def stiffness_at(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, "dof dof"]:
+    """Stiffness at (ln kn, ln kt, F), N/m."""
+    kn, kt = np.exp(point[:2])
+    contact = kn * joint.normal + kt * joint.tangential
+    return joint.stiffness + point[2] * joint.geometric + contact
+
+
+def energy(
+    joint: Joint, point: Float[ndarray, "3"], shapes: Float[ndarray, "dof mode"]
+) -> Float[ndarray, " mode"]:
+    """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
+    kn, kt = np.exp(point[:2])
+    body = joint.stiffness + point[2] * joint.geometric
+    return (
+        np.einsum("dm,dm->m", shapes, body @ shapes)
+        + kn * ((joint.gap @ shapes) ** 2).sum(axis=0)
+        + kt * ((joint.slip @ shapes) ** 2).sum(axis=0)
+    )
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The named modes in order of the names, and the lowest modes that they were found among.
+
+    values: omega^2, 1/s^2. shapes: of unit modal mass.
+    """
+
+    values: Float[ndarray, " name"]
+    shapes: Float[ndarray, "dof name"]
+    all_values: Float[ndarray, " mode"]
+    all_shapes: Float[ndarray, "dof mode"]
+
+
+def stable_factor(stiffness: Float[ndarray, "dof dof"], where: str) -> Float[ndarray, "dof dof"]:
+    """Lower Cholesky factor. ValueError, saying `where`, if there is none."""
+    try:
+        return scipy.linalg.cholesky(stiffness, lower=True, check_finite=False)
+    except np.linalg.LinAlgError:
+        raise ValueError(f"the joint must be stable, but is not {where}") from None
+
+
+def described(point: Float[ndarray, "3"]) -> str:
+    """A point in words."""
+    kn, kt = np.exp(point[:2])
+    return f"at kn {kn:.3g}, kt {kt:.3g} N/m and {point[2]:g} N"
+
+
+def exact_modes(joint: Joint, point: Float[ndarray, "3"], names: Sequence[str]) -> Modes:
+    """Modes of the whole operator at a point, by inverse iteration.
+
+    Raises ValueError if the joint is not stable there or a mode is not found.
+    """
+    stiffness, where = stiffness_at(joint, point), described(point)
+    _, shapes = _lowest(joint, stiffness, joint.mass, names, where)
+    return _chosen(joint, energy(joint, point, shapes), shapes, names)
+
+
+def bonded_modes(joint: Joint, force: float, names: Sequence[str]) -> Modes:
+    """Modes with both stiffnesses infinite: each slot node moves with the beam's."""
+    size = len(joint.mass)
+    master = np.arange(size)
+    master[joint.assembly["slot_dof"].values] = joint.assembly["beam_dof"].values
+    kept, column = np.unique(master, return_inverse=True)
+    join = np.zeros((size, len(kept)))
+    join[np.arange(size), column] = 1.0
+    stiffness = join.T @ (joint.stiffness + force * joint.geometric) @ join
+    mass = join.T @ joint.mass @ join
+    values, shapes = _lowest(joint, stiffness, mass, names, "with bonded contact", join)
+    return _chosen(joint, values, shapes, names)
+
+
+def _chosen(joint: Joint, values: ndarray, shapes: ndarray, names: Sequence[str]) -> Modes:
+    column = find_modes(joint.assembly, shapes, names)
+    chosen = [column[name] for name in names]
+    return Modes(values[chosen], shapes[:, chosen], values, shapes)
+
+
+def _lowest(joint, stiffness, mass, names, where, lift=None) -> tuple[ndarray, ndarray]:
+    """As many of the lowest modes as hold the named ones; `lift` spreads them to all dofs."""
+    factor = (stable_factor(stiffness, where), True)
+
+    def solve(right: ndarray) -> ndarray:
+        return scipy.linalg.cho_solve(factor, right, check_finite=False)
+
+    for count in (12, 40):
+        count = min(count, len(mass))
+        values, shapes = lowest_eigenpairs(stiffness, mass, count, solve=solve)
+        shapes = shapes if lift is None else lift @ shapes
+        try:
+            find_modes(joint.assembly, shapes, names)
+            break
+        except ValueError:
+            if count in (40, len(mass)):
+                raise
+    return values, shapes

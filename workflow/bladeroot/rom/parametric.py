@@ -1,0 +1,222 @@
+"""The parametric reduced model: frequencies over (ln kn, ln kt, F), once for each structure.
+
+For each named mode it holds a small basis with an error bound (`ritz`), and on top of it ln f as a
+sum of Chebyshev polynomials (`chebyshev`), which is the fast way to values, gradients and Hessians.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.rom import chebyshev
+from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.greedy import find_bases
+from bladeroot.rom.joint import COORDINATES, Joint, exact_modes
+from bladeroot.rom.ritz import Ritz, error_bound, frequency, solve
+
+MODES = ("1B", "2B")
+STIFFNESS = (1e8, 1e12)  # N/m, flank totals; the thesis searched 3.3e8 to 5e9
+FORCE = (0.0, 30e3)  # N
+TOLERANCE = 1e-7  # of the frequency, against the whole joint
+_BOUNDS, _EXACT = 500, 6  # points of the final check, and how many of them are solved exactly
+
+# Projections in the artifact: dims besides mode, unit, what it is.
+_SQUARE = ("vector", "vector_")
+_PROJECTIONS = {
+    "beam": (_SQUARE, "s-2", "projected stiffness of the beam without force"),
+    "slots": (_SQUARE, "s-2", "projected stiffness of the slots"),
+    "geometric": (_SQUARE, "s-2 N-1", "projected geometric stiffness per newton of axial force"),
+    "gap": (_SQUARE, "kg-1/2", "factor of the projected Kn of unit flank stiffness"),
+    "slip": (_SQUARE, "kg-1/2", "factor of the projected Kt of unit flank stiffness"),
+    "beam_mass": (_SQUARE, "1", "the beam's share of the projected mass, which is the identity"),
+    "contact": (
+        ("pair", "local", "vector"),
+        "kg-1/2",
+        "motion of the beam against the slot at each contact pair per basis vector",
+    ),
+    "display": (
+        ("display", "axis", "vector"),
+        "kg-1/2",
+        "motion of the display nodes per basis vector",
+    ),
+    "residual": (("part", "part_"), "s-1", "factor of the residual's dual norm"),
+}
+
+
+def parametric_model(
+    joint: Joint,
+    modes: Sequence[str] = MODES,
+    stiffness: tuple[float, float] = STIFFNESS,
+    force: tuple[float, float] = FORCE,
+    tolerance: float = TOLERANCE,
+) -> xr.Dataset:
+    """Build the model of the named modes over a box of flank stiffness (N/m) and force (N).
+
+    tolerance: largest relative error of a frequency against the whole joint that the bound of the
+    bases may leave at their training points. `error_bound` of the result adds what the Chebyshev
+    sums leave out, at random points that neither has seen; `check_error` is the error against exact
+    solutions at some of them. Raises ValueError if the box is empty, a mode is not found or not
+    followed through it, or the tolerance cannot be reached.
+    """
+    if not 0.0 < stiffness[0] < stiffness[1]:
+        raise ValueError(f"the box of stiffness must be 0 < low < high N/m, got {stiffness}")
+    if not force[0] < force[1]:
+        raise ValueError(f"the box of axial force must be low < high N, got {force}")
+    low = np.array([*np.log([stiffness[0]] * 2), force[0]])
+    high = np.array([*np.log([stiffness[1]] * 2), force[1]])
+    ritzes, solutions = find_bases(joint, modes, low, high, tolerance)
+    surface = chebyshev.fit(
+        lambda points: np.stack([np.log(frequency(solve(one, points).value)) for one in ritzes]),
+        low,
+        high,
+        tolerance / 10.0,
+    )
+    return _dataset(joint, list(modes), ritzes, surface).assign_attrs(
+        tolerance=tolerance, exact_solutions=solutions
+    )
+
+
+def surface_of(model: xr.Dataset) -> Surface:
+    """ln f (Hz) of each mode, in the order of `mode`, as Chebyshev sums."""
+    return Surface(model["ln_frequency"].values, *model["box"].values)
+
+
+def ritz_of(model: xr.Dataset, mode: str) -> Ritz:
+    """The projected problem of one mode: error bound, shapes, perturbations."""
+    if mode not in model["mode"].values:
+        raise ValueError(f"the parametric model has modes {list(model['mode'].values)}, not {mode}")
+    one = model.sel(mode=mode)
+    counts = {name: int(one[name]) for name in ("vectors", "own", "rank")}
+    parts = {}
+    for name, (dims, _, _) in _PROJECTIONS.items():
+        size = 5 * counts["own"] if name == "residual" else counts["vectors"]
+        kept = {dim: slice(0, size) for dim in dims if dim in (*_SQUARE, "part", "part_")}
+        parts[name] = one[name].transpose(*dims).isel(kept).values
+    return Ritz(
+        **parts,
+        display_x=model["display_x"].values,
+        own=counts["own"],
+        rank=counts["rank"],
+        amplification=float(one["amplification"]),
+    )
+
+
+def frequencies(
+    surface: Surface, points: Float[ndarray, "point 3"]
+) -> Float[ndarray, "point mode"]:
+    """Frequencies (Hz) at points (ln kn, ln kt, F). ValueError outside the box."""
+    return np.exp(chebyshev.evaluate(surface, points)[0])
+
+
+def frequencies_gradient(
+    surface: Surface, points: Float[ndarray, "point 3"]
+) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode 3"]]:
+    """Frequencies (Hz) and their gradient by (ln kn, ln kt, F) (eq. 5.16, in log k)."""
+    value, slope = chebyshev.evaluate(surface, points, order=1)
+    f = np.exp(value)
+    return f, f[..., None] * slope
+
+
+def frequencies_hessian(
+    surface: Surface, points: Float[ndarray, "point 3"]
+) -> tuple[
+    Float[ndarray, "point mode"],
+    Float[ndarray, "point mode 3"],
+    Float[ndarray, "point mode 3 3"],
+]:
+    """Frequencies (Hz), gradient and Hessian by (ln kn, ln kt, F)."""
+    value, slope, curve = chebyshev.evaluate(surface, points, order=2)
+    f = np.exp(value)
+    curve = curve + slope[..., :, None] * slope[..., None, :]
+    return f, f[..., None] * slope, f[..., None, None] * curve
+
+
+def _checks(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surface) -> dict:
+    """Bound and errors at random points; the first of them are corners of the stiffness."""
+    low, high = surface.low, surface.high
+    unseen = np.random.default_rng(4).uniform(low, high, (_BOUNDS, 3))
+    unseen[:4, :2] = [(a, b) for a in (low[0], high[0]) for b in (low[1], high[1])]
+    fast = frequencies(surface, unseen).T
+    projected = np.stack([frequency(solve(one, unseen).value) for one in ritzes])
+    bound = np.stack([error_bound(one, unseen) for one in ritzes])
+    exact = [frequency(exact_modes(joint, point, modes).values) for point in unseen[:_EXACT]]
+    exact = np.stack(exact, axis=1)
+    return {
+        "error_bound": (bound + np.abs(fast / projected - 1.0)).max(axis=1),
+        "basis_bound": bound.max(axis=1),
+        "check_point": unseen[:_EXACT],
+        "check_frequency": exact,
+        "check_error": fast[:, :_EXACT] / exact - 1.0,
+    }
+
+
+def _dataset(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surface) -> xr.Dataset:
+    def var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
+        attrs = {"units": units, "long_name": long_name}
+        return (dims, values, attrs | ({"source": source} if source else {}))
+
+    entries = {
+        name: var(("mode", *dims), _padded([getattr(one, name) for one in ritzes]), unit, text)
+        for name, (dims, unit, text) in _PROJECTIONS.items()
+    }
+    checks = _checks(joint, modes, ritzes, surface)
+    orders = ("order_kn", "order_kt", "order_force")
+    mixed = "N/m in logarithm, N"
+    entries |= {
+        "ln_frequency": var(
+            ("mode", *orders),
+            surface.coefficients,
+            "1",
+            "Chebyshev coefficients of ln(f / Hz) over the box",
+            "eq. 5.4",
+        ),
+        "box": var(
+            ("end", "coordinate"), np.stack([surface.low, surface.high]), mixed, "ends of the box"
+        ),
+        "vectors": var("mode", [len(one.beam) for one in ritzes], "1", "vectors of the basis"),
+        "own": var("mode", [one.own for one in ritzes], "1", "of these, not for perturbations"),
+        "rank": var("mode", [one.rank for one in ritzes], "1", "lower modes in the same basis"),
+        "amplification": var(
+            "mode", [one.amplification for one in ritzes], "1", "error's growth by the next mode"
+        ),
+        "display_x": var("display", ritzes[0].display_x, "m", "position on the display line"),
+        "error_bound": var(
+            "mode",
+            checks["error_bound"],
+            "1",
+            f"largest bound of the relative error of frequency at {_BOUNDS} random points",
+        ),
+        "basis_bound": var("mode", checks["basis_bound"], "1", "the same of the basis alone"),
+        "check_point": var(("check", "coordinate"), checks["check_point"], mixed, "checked points"),
+        "check_frequency": var(
+            ("mode", "check"), checks["check_frequency"], "Hz", "exact frequency of the joint there"
+        ),
+        "check_error": var(
+            ("mode", "check"), checks["check_error"], "1", "relative error of the model there"
+        ),
+    }
+    return xr.Dataset(
+        entries,
+        coords={
+            "mode": modes,
+            "coordinate": list(COORDINATES),
+            "axis": list("XYZ"),
+            "local": ["normal", "along Y", "along slope"],
+        },
+        attrs={
+            "structure": joint.assembly.attrs["structure"],
+            "springs": joint.springs,
+        },
+    )
+
+
+def _padded(blocks: list[ndarray]) -> ndarray:
+    """Blocks of several sizes in one array, filled up with zeros; `ritz_of` cuts them off again."""
+    shape = np.max([block.shape for block in blocks], axis=0)
+    whole = np.zeros((len(blocks), *shape))
+    for place, block in zip(whole, blocks, strict=True):
+        place[tuple(slice(0, n) for n in block.shape)] = block
+    return whole

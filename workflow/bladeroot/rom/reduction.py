@@ -1,0 +1,262 @@
+"""Craig-Bampton reduction of beam and slots: once, at zero force (thesis 4.4).
+
+The basis found at F = 0 reduces the geometric stiffness too, so one reduction serves every force.
+Because the basis spans the whole space of contact displacements exactly, only the fixed-interface
+modes are an approximation.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.fem import elasticity
+from bladeroot.fem.follower import load_stiffness, symmetric
+from bladeroot.fem.geometry import Structure
+from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.mesh import SLOTS, Mesh, base_nodes, body_mesh
+from bladeroot.fem.prestress import materials_of
+from bladeroot.fem.symmetry import Reflection, reflections, solve_columns
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Columns of the reduction (dof, master + mode) and the fixed-interface frequencies squared."""
+
+    columns: Float[ndarray, "dof reduced"]
+    eigenvalues: Float[ndarray, " mode"]
+    masters: Int[ndarray, " master"]
+
+
+def craig_bampton(
+    stiffness: sp.csr_array,
+    mass: sp.csr_array,
+    masters: Int[ndarray, " master"],
+    modes: int,
+    mirrors: Sequence[Reflection] = (),
+) -> Basis:
+    """Static modes of the master dofs and the lowest `modes` fixed-interface modes, eqs 4.5-4.10.
+
+    `mass` is (dof, dof). `mirrors`, reflections that keep the stiffness, spare solutions. Raises
+    ValueError if there are not more slave dofs than modes.
+    """
+    size = stiffness.shape[0]
+    slaves = np.setdiff1d(np.arange(size), masters)
+    if modes >= len(slaves):
+        raise ValueError(f"cannot keep {modes} fixed-interface modes of {len(slaves)} slave dofs")
+    rows = stiffness[slaves]
+    inner = sp.csr_array(rows[:, slaves])
+    solve = factor(inner)
+    columns = np.zeros((size, len(masters) + modes))
+
+    def static(chosen: Int[ndarray, " load"]) -> Float[ndarray, "dof load"]:
+        moved = np.zeros((size, len(chosen)))
+        moved[chosen, np.arange(len(chosen))] = 1.0
+        moved[slaves] = -solve(rows[:, chosen].toarray())
+        return moved
+
+    columns[:, : len(masters)] = solve_columns(static, masters, mirrors)
+    eigenvalues, shapes = lowest_eigenpairs(
+        inner, sp.csr_array(mass[slaves][:, slaves]), modes, solve=solve
+    )
+    columns[slaves, len(masters) :] = shapes
+    return Basis(columns, eigenvalues, masters)
+
+
+def project(matrix: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """alpha^T A alpha for a node-by-node matrix that acts alike on each axis (M, Kg), eq. 4.12."""
+    nodes, reduced = matrix.shape[0], basis.columns.shape[1]
+    moved = (matrix @ basis.columns.reshape(nodes, 3 * reduced)).reshape(-1, reduced)
+    result = basis.columns.T @ moved
+    return (result + result.T) / 2
+
+
+def project_stiffness(stiffness: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """alpha^T K alpha at F = 0: no coupling between static modes and fixed-interface modes."""
+    masters = basis.masters
+    count = len(masters)
+    result = np.zeros((basis.columns.shape[1],) * 2)
+    block = stiffness[masters] @ basis.columns[:, :count]
+    result[:count, :count] = (block + block.T) / 2
+    result[count:, count:] = np.diag(basis.eigenvalues)
+    return result
+
+
+def contact_dofs(nodes: Int[ndarray, " pair"]) -> Int[ndarray, " dof"]:
+    """Dofs of contact nodes, pair-major: 3*pair + axis."""
+    return (3 * nodes[:, None] + np.arange(3)).ravel()
+
+
+@dataclass(frozen=True)
+class BeamModel:
+    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node.
+
+    `follower`: symmetric load stiffness (per newton) by dof, None for a dead load.
+    """
+
+    mesh: Mesh
+    stiffness: sp.csr_array
+    mass: sp.csr_array
+    geometric: sp.csr_array
+    follower: sp.csr_array | None = None
+
+
+def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> BeamModel:
+    """Matrices of the prestressed beam; ValueError if mesh and prestress differ about the pad."""
+    if mesh.attrs["with_pad"] != prestress.attrs["with_pad"]:
+        raise ValueError("mesh and prestress must agree on the pad")
+    beam, _ = body_mesh(mesh, 0)
+    materials = materials_of(structure, mesh, 0)
+    rule = elasticity.quadrature(beam)
+    return BeamModel(
+        beam,
+        elasticity.stiffness(beam, rule, materials),
+        elasticity.mass(beam, rule, materials),
+        elasticity.geometric_stiffness(beam, rule, prestress.stress.values),
+        symmetric(load_stiffness(mesh)) if structure.load == "follower" else None,
+    )
+
+
+def force_stiffness(model: BeamModel) -> sp.csr_array:
+    """Stiffness per newton of axial force (1/m) by dof: of the stress, and of a follower load."""
+    geometric = elasticity.per_axis(model.geometric)
+    return geometric if model.follower is None else sp.csr_array(geometric + model.follower)
+
+
+def project_force(model: BeamModel, basis: Basis) -> Float[ndarray, "reduced reduced"]:
+    """The reduced stiffness per newton of axial force (1/m), eqs 4.2, 4.12."""
+    geometric = project(model.geometric, basis)
+    if model.follower is None:
+        return geometric
+    return geometric + basis.columns.T @ (model.follower @ basis.columns)
+
+
+def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
+    """Craig-Bampton basis of the beam with its contact nodes as masters."""
+    masters = contact_dofs(mesh.pair_node.values[:, 0])
+    mirrors = reflections(model.mesh.nodes, model.stiffness)
+    return craig_bampton(model.stiffness, elasticity.per_axis(model.mass), masters, modes, mirrors)
+
+
+def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> xr.Dataset:
+    """Reduced beam (mass, stiffness, geometric stiffness per newton) and slots: `reduced.nc`.
+
+    The contact nodes are the masters; the slots' far faces are fixed before the reduction, which
+    equals removing them afterwards (eqs 5.1, 5.2). Display rows are recovered, not kept as masters.
+    """
+    model = beam_model(structure, mesh, prestress)
+    basis = beam_basis(model, mesh, structure.beam_modes)
+    return reduced_dataset(
+        mesh,
+        (
+            project(model.mass, basis),
+            project_stiffness(model.stiffness, basis),
+            project_force(model, basis),
+        ),
+        basis.columns.reshape(-1, 3, basis.columns.shape[1])[mesh.display_node.values],
+        _reduce_slots(structure, mesh),
+        {"beam_modes": structure.beam_modes, "slot_modes": structure.slot_modes},
+    )
+
+
+def reduced_dataset(
+    mesh: xr.Dataset,
+    beam: tuple[ndarray, ndarray, ndarray],
+    display_shape: Float[ndarray, "display axis beam_dof"],
+    slots: Sequence[tuple[ndarray, ndarray]],
+    modes: Mapping[str, int],
+) -> xr.Dataset:
+    """`reduced.nc` from the reduced matrices, whoever made them.
+
+    beam: mass (kg), stiffness at zero force (N/m) and stiffness per newton of axial force (1/m).
+    display_shape: displacement of the display nodes per reduced dof. slots: mass and stiffness of
+    each. modes: how many fixed-interface modes were kept, `beam_modes` and `slot_modes`.
+    """
+    pairs = mesh.pair_node.values
+    matrices, slot_matrices = ("beam_dof", "beam_dof_"), ("slot", "slot_dof", "slot_dof_")
+
+    def var(dims, values, units, text, source=""):
+        attrs = {"units": units, "long_name": text}
+        return dims, values, attrs | ({"source": source} if source else {})
+
+    return xr.Dataset(
+        {
+            "pair_position": var(
+                ("pair", "axis"), mesh.node_position.values[pairs[:, 0]], "m",
+                "position of each contact pair",
+            ),
+            "pair_flank": mesh.pair_flank,
+            "pair_weight": mesh.pair_weight,
+            "flank_frame": mesh.flank_frame,
+            "beam_mass": var(matrices, beam[0], "kg", "reduced mass of the beam", "eq. 4.12"),
+            "beam_stiffness": var(
+                matrices, beam[1], "N/m", "reduced stiffness of the beam at zero force",
+                "eqs 4.5, 4.12",
+            ),
+            "beam_geometric_stiffness": var(
+                matrices, beam[2], "1/m", "reduced stiffness per newton of axial force",
+                "eqs 4.2, 4.12",
+            ),
+            "display_position": var(
+                ("display", "axis"), mesh.node_position.values[mesh.display_node.values], "m",
+                "nodes along the beam that show its modes",
+            ),
+            "display_shape": var(
+                ("display", "axis", "beam_dof"), display_shape, "1",
+                "displacement of display nodes per reduced dof",
+            ),
+            "slot_mass": var(
+                slot_matrices, np.stack([mass for mass, _ in slots]), "kg",
+                "reduced mass of each slot", "eq. 4.12",
+            ),
+            "slot_stiffness": var(
+                slot_matrices, np.stack([stiffness for _, stiffness in slots]), "N/m",
+                "reduced stiffness of each slot", "eqs 4.12, 5.2",
+            ),
+            "slot_pairs": var(
+                ("slot", "slot_pair"), np.arange(len(pairs)).reshape(2, -1), "1",
+                "pair index of each slot's contact nodes",
+            ),
+        },
+        coords={
+            "axis": list("XYZ"),
+            "flank": mesh.flank.values,
+            "local": ["normal", "along Y", "along slope"],
+            "slot": list(SLOTS),
+        },
+        attrs={
+            **{key: mesh.attrs[key] for key in ("structure", "description", "with_pad")},
+            **modes,
+        },
+    )  # fmt: skip
+
+
+def _reduce_slots(
+    structure: Structure, mesh: xr.Dataset
+) -> list[tuple[Float[ndarray, "dof dof"], Float[ndarray, "dof dof"]]]:
+    """Mass and stiffness of slots Xn and Xp; Xp's are found, Xn's are their mirror image."""
+    body, start = body_mesh(mesh, 2)
+    materials = materials_of(structure, mesh, 2)
+    rule = elasticity.quadrature(body)
+    free = np.setdiff1d(np.arange(len(body.nodes)), base_nodes(body))
+    number = np.full(len(body.nodes), -1)
+    number[free] = np.arange(len(free))
+    dofs = contact_dofs(free)
+    stiffness = sp.csr_array(elasticity.stiffness(body, rule, materials)[dofs][:, dofs])
+    mass = sp.csr_array(elasticity.mass(body, rule, materials)[free][:, free])
+    pairs = len(mesh.pair) // 2
+    masters = contact_dofs(number[mesh.pair_node.values[pairs:, 1] - start])
+    mirrors = reflections(body.nodes[free], stiffness)
+    basis = craig_bampton(
+        stiffness, elasticity.per_axis(mass), masters, structure.slot_modes, mirrors
+    )
+    found = project(mass, basis), project_stiffness(stiffness, basis)
+    # Pairs of both ends are numbered alike, so the mirror only turns the contact nodes' X.
+    sign = np.ones(len(found[0]))
+    sign[: len(masters) : 3] = -1.0
+    mirror = np.outer(sign, sign)
+    return [tuple(matrix * mirror for matrix in found), found]

@@ -1,0 +1,6 @@
+"""Arrays only: frames and log-phasors of one mode, spectral lines, envelopes, smoothing splines.
+
+In: samples and a sampling frequency. Out: arrays. Nothing here knows a file, a sheet or a finding.
+Read `phasors` first (from samples to independent log-phasors), then `smooth` (a curve and its
+derivatives from noisy values).
+"""

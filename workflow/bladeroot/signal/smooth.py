@@ -1,0 +1,227 @@
+"""A smooth curve and its derivatives from noisy values: an adaptive penalised spline.
+
+The curve is a B-spline; the prior on it is that its third derivative is white, with an intensity
+that may vary along the record (much at large amplitude, where the joint slips, little on the
+stick plateau, a spike where one turns into the other). The intensities are those of highest
+restricted likelihood, found by the Fellner-Schall iteration (Wood & Fasiolo 2017). The posterior
+gives standard errors which include the smoothing bias on average over the curve (Nychka 1988).
+
+Two passes: one on few knots finds the intensities, a second puts the knots where the curve
+bends. The cost does not grow with the number of values but for the sums over them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import no_type_check
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.compiled import njit
+from bladeroot.signal.bsplines import alive_splines, derivative_rows, polynomials
+from bladeroot.signal.penalty import DEGREE, normal_sums, penalty_rows, posterior
+
+# The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
+# For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
+# 80 dB (benchmarks/decays.py).
+CALIBRATION = np.array([1.0, 0.88, 0.88])
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Log-precision of each part's third derivative at node times (in record lengths)."""
+
+    node: Float[ndarray, " node"]
+    log_precision: Float[ndarray, "part node"]
+    softest: Float[ndarray, "part node"]
+
+
+@dataclass(frozen=True)
+class Spline:
+    """Posterior of the curves of all parts: coefficients and their covariance.
+
+    The covariance is kept of coefficients that share a piece only: row j holds those of the
+    coefficient j with j, j + 1, ... j + DEGREE.
+    """
+
+    origin: float
+    scale: float
+    knots: Float[ndarray, " knot"]
+    trend: Float[ndarray, "part 2"]
+    coefficient: Float[ndarray, "part coefficient"]
+    covariance: Float[ndarray, "part coefficient alive"]
+    prior: Prior
+
+    def value(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
+        """The curves and their first two derivatives."""
+        start, power = self._polynomials
+        x = (time - self.origin) / self.scale
+        cell = np.clip(np.searchsorted(start, x, side="right") - 1, 0, start.size - 1)
+        value = _horner(x - start[cell], cell, power)
+        value[0] += self.trend[:, :1] * x + self.trend[:, 1:]
+        value[1] += self.trend[:, :1]
+        value[1] /= self.scale
+        value[2] /= self.scale**2
+        return value
+
+    @cached_property
+    def _polynomials(self) -> tuple[ndarray, ndarray]:
+        return polynomials(self.knots, self.coefficient, DEGREE)
+
+    def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
+        """Standard errors of `value`."""
+        x = (time - self.origin) / self.scale
+        error = np.zeros((3, self.covariance.shape[0], time.size))
+        for d in range(3):
+            value, first = alive_splines(x, self.knots[d : self.knots.size - d], DEGREE - d)
+            rows = derivative_rows(self.knots, DEGREE, d) / self.scale**d
+            error[d] = _errors(value, first, rows, self.covariance)
+        return CALIBRATION[:, None, None] * error
+
+
+@njit(cache=True)
+@no_type_check
+def _errors(value, first, rows, covariance):
+    """Standard errors (part, point) of a derivative: splines alive, and what makes it of ours."""
+    parts, _, width = covariance.shape
+    error, shape = np.empty((parts, first.size)), np.empty(width)
+    for p in range(first.size):
+        shape[:] = 0.0
+        for a in range(value.shape[1]):
+            for b in range(rows.shape[1]):
+                shape[a + b] += value[p, a] * rows[first[p] + a, b]
+        for part in range(parts):
+            total = 0.0
+            for a in range(width):
+                own = covariance[part, first[p] + a]
+                total += shape[a] ** 2 * own[0]
+                for b in range(a + 1, width):
+                    total += 2.0 * shape[a] * shape[b] * own[b - a]
+            error[part, p] = np.sqrt(max(total, 0.0))
+    return error
+
+
+@njit(cache=True)
+@no_type_check
+def _horner(s, cell, power):
+    """Polynomials and their first two derivatives, (order, part, point)."""
+    terms, parts, _ = power.shape
+    value = np.empty((3, parts, s.size))
+    for part in range(parts):
+        for p in range(s.size):
+            level = slope = bend = 0.0
+            for k in range(terms - 1, -1, -1):
+                bend = bend * s[p] + 2.0 * slope
+                slope = slope * s[p] + level
+                level = level * s[p] + power[k, part, cell[p]]
+            value[0, part, p], value[1, part, p], value[2, part, p] = level, slope, bend
+    return value
+
+
+def coarse(
+    time: Float[ndarray, " value"],
+    y: Float[ndarray, "part value"],
+    std: Float[ndarray, " value"],
+    duration: float,
+    prior: Prior | None = None,
+    knots: int = 50,
+    iterations: int = 3,
+) -> Spline:
+    """Penalised splines on few knots through independent values that share their errors.
+
+    prior: one to start from, as of an earlier call on the same record, `duration` s long.
+    """
+    clock = sites(time, y[0], knots)
+    prior = prior or _even(time, std, clock, duration, y.shape[0])
+    return _fit(time, y, std, duration, clock, prior, iterations)
+
+
+def fine(
+    time: Float[ndarray, " value"],
+    y: Float[ndarray, "part value"],
+    std: Float[ndarray, " value"],
+    before: Spline,
+    knots: int = 90,
+    iterations: int = 2,
+) -> Spline:
+    """Penalised splines with knots where an earlier, coarse fit bends."""
+    where = _bending(time, std, sites(time, y[0], 50), before, knots)
+    return _fit(time, y, std, before.scale, where, before.prior, iterations)
+
+
+def sites(
+    time: Float[ndarray, " value"], level: Float[ndarray, " value"], most: int
+) -> Float[ndarray, " site"]:
+    """Places for a spline's knots: even in log-amplitude as much as in number of values."""
+    lowest = np.minimum.accumulate(level)
+    fall = (lowest[0] - lowest) / max(lowest[0] - lowest[-1], 1e-9)
+    clock = 0.5 * fall + 0.5 * np.linspace(0.0, 1.0, time.size)
+    count = max(min(most, time.size // 2), 4)
+    # a stretch that grows has no fall, and its clock would end early
+    return np.interp(np.linspace(0.0, clock[-1], count), clock, time)
+
+
+def _even(
+    time: ndarray, std: ndarray, clock: ndarray, duration: float, parts: int, regions: int = 18
+) -> Prior:
+    """A prior that weighs about as much as the data on the spacing of the clock."""
+    regions = min(regions, clock.size)
+    node = np.interp(np.linspace(0.0, 1.0, regions), np.linspace(0.0, 1.0, clock.size), clock)
+    width = np.gradient(clock / duration)
+    at = np.interp(node, clock, width)
+    own = 2.0 * np.log(np.interp(node, time, std)) - 5.0 * np.log(at)
+    start = np.tile(-own - np.log(0.1), (parts, 1))
+    return Prior((node - time[0]) / duration, start, start - 40.0)
+
+
+def _fit(
+    time: ndarray,
+    y: ndarray,
+    std: ndarray,
+    duration: float,
+    where: ndarray,
+    prior: Prior,
+    iterations: int,
+) -> Spline:
+    """The splines on given knots, after some steps of the intensities' iteration."""
+    origin, scale = float(time[0]), duration
+    x, inner = (time - origin) / scale, (where - origin) / scale
+    knots = np.concatenate([np.full(DEGREE, inner[0]), inner, np.full(DEGREE, inner[-1])])
+    count = knots.size - DEGREE - 1
+    shape, first = alive_splines(x, knots, DEGREE)
+    gram, right, trend = normal_sums(x, y, std, shape, first, count)
+    penalty, centre = penalty_rows(knots)
+    place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
+    found = [
+        posterior(gram, own, penalty, place, before, softest, iterations)
+        for own, before, softest in zip(right, prior.log_precision, prior.softest, strict=True)
+    ]
+    if not all(good for *_, good in found):
+        raise ValueError("the spline's equations are singular: values without finite errors?")
+    log_precision, coefficient, covariance = (
+        np.stack([part[k] for part in found]) for k in range(3)
+    )
+    return Spline(
+        origin, scale, knots, trend, coefficient, covariance,
+        Prior(prior.node, log_precision, prior.softest),
+    )  # fmt: skip
+
+
+def _bending(
+    time: ndarray, std: ndarray, clock: ndarray, fit: Spline, count: int, grid: int = 200
+) -> Float[ndarray, " site"]:
+    """Knots as dense as the spline's own local width, not denser than half the values."""
+    even = np.linspace(0.0, 1.0, grid)
+    at = np.interp(even, np.linspace(0.0, 1.0, clock.size), clock)
+    x = (at - fit.origin) / fit.scale
+    reached = np.interp(at, time, np.arange(time.size))
+    values = np.maximum(np.gradient(reached, x), 1.0)
+    known = np.log(values) - 2.0 * np.log(np.interp(at, time, std))
+    own = [np.interp(x, fit.prior.node, part) for part in fit.prior.log_precision]
+    width = np.exp(np.max([(known - part) / 6.0 for part in own], axis=0))
+    density = 0.3 * np.gradient(even, x) + 0.7 * width / np.trapezoid(width, x)
+    count = max(min(count, time.size // 2), 4)
+    density = np.minimum(density, 0.5 * values / count)
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+    return np.interp(np.linspace(0.0, total[-1], count), total, at)
