@@ -190,7 +190,7 @@ def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
     stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
     stage("diagnosis")(
         seen,
-        parametric,
+        [str(parametric)],
         json.dumps(
             {
                 **config["diagnosis"],
@@ -208,12 +208,11 @@ def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
 
 def _observed_facts(campaign) -> dict:
     """As `workflow/rules/diagnosis.smk` gives them."""
-    modes, force = campaign.description["modes"], campaign.description["force"]
+    modes, load = campaign.description["modes"], campaign.load
     return {
-        "full_scale": campaign.force_full_scale,
-        "scale": campaign.force_scale,
-        "accuracy": force["accuracy_percent"] / 100,
-        "primary": force["accuracy_of"],
-        "laser_x": {mode: 1e-3 * modes[mode]["laser_x_mm"] for mode in modes},
+        "same_everywhere": load.same_everywhere,
+        "of_reading": load.of_reading,
+        "scale": load.scale,
+        "laser_x": {mode: campaign.laser_x(mode) for mode in modes},
         "time": {r["record"]: r["time_s"] for r in campaign.records if r["time_s"] is not None},
     }

@@ -1,6 +1,7 @@
 """What a finished run leaves behind: artifacts, a report, timings, honest labels."""
 
 import csv
+import json
 import re
 import shutil
 import subprocess
@@ -106,7 +107,7 @@ def test_the_measurement_alone_needs_no_structure(visited, tmp_path):
     asked = ("--config", f"campaigns={folder}")
     assert set(visited.planned(*asked)) == {
         "ringdown", "curves", "stick", "integrity", "figures_records", "figures_stick",
-        "report",
+        "observations", "diagnosis", "verdict", "figures_diagnosis", "report",
     }  # fmt: skip
     told = visited.run(*asked)
     assert "steps (100%) done" in told.stdout + told.stderr
@@ -114,9 +115,44 @@ def test_the_measurement_alone_needs_no_structure(visited, tmp_path):
     assert "at least 64 samples" in told.stdout
     page = (visited.folder / "results" / "plate" / "report.html").read_text()
     assert "1. In short" in page
-    assert "4. Stick frequencies" in page
-    assert "5. " not in page[page.index("<nav>") : page.index("</nav>")]
-    assert "campaign.yaml names no structure" in page
+    assert "2. What linear modes do not explain, and why" in page
+    assert "5. Stick frequencies" in page
+    assert "6. " not in page[page.index("<nav>") : page.index("</nav>")]
+    assert "Nothing is simulated" in page
     assert "Rejected: 1 of 2 records, a;" in page
     visited.run(*asked, "--report", str(tmp_path / "archive.zip"))
     assert (tmp_path / "archive.zip").stat().st_size > 10_000
+
+
+def test_a_specimen_of_which_nothing_is_invented(visited, tmp_path):
+    """Two modes, two sensors, two places of the blow; no load, no gauge, no structure."""
+    folder = tmp_path / "floors"
+    folder.mkdir()
+    (folder / "campaign.yaml").write_text(
+        "title: Two floors\nmodes:\n  low: {expected_Hz: 20}\n  high: {expected_Hz: 55}\n"
+    )
+    rows = ["record,file,mode,channel,group,unit"]
+    t = np.arange(0, 12, 1e-3)
+    rng = np.random.default_rng(0)
+    for k in range(4):
+        loss = (0.01, 0.013)[k % 2]
+        low, high = (np.exp(-np.pi * f * t * loss) * np.sin(2 * np.pi * f * t) for f in (20, 55))
+        top, foot = 5e-2 * low + 2e-2 * high, 2e-2 * low - 3e-2 * high
+        noise = 1e-5 * rng.standard_normal((2, t.size))
+        table = np.column_stack([t, top + noise[0], foot + noise[1]])
+        head = "time_s,top,foot"
+        np.savetxt(folder / f"b{k}.csv", table, delimiter=",", header=head, comments="")
+        rows.append(f"b{k},b{k}.csv,all,top;foot,blow {k % 2 + 1},m/s")
+    (folder / "records.csv").write_text("\n".join(rows) + "\n")
+    visited.run("--config", f"campaigns={folder}")
+    results = visited.folder / "results" / "floors"
+    assert (results / "decay" / "b3-high-foot.nc").is_file()
+    stick = xr.load_dataset(results / "stick.nc")
+    assert set(stick["group"].values) == {"blow 1", "blow 2"}
+    said = json.loads((results / "diagnosis" / "verdict.json").read_text())
+    assert said["structure"] is None
+    assert "The loss factor of mode low depends on the group: in blow 2 it is " in said["reason"]
+    page = re.sub(r"<svg.*?</svg>|<style.*?</style>", "", (results / "report.html").read_text(),
+                  flags=re.DOTALL)  # fmt: skip
+    assert "Groups of records" in page
+    assert not re.search(r"\b(axial|gauge|structures?|flanks?|forces?)\b|kN", page)

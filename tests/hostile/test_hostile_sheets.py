@@ -2,7 +2,8 @@
 
 import pytest
 from answers import answer
-from bladeroot.records.campaign import LONGEST_NAME, load_campaign
+from bladeroot.records.campaign import load_campaign
+from bladeroot.records.names import LONGEST_NAME
 
 HEAD = "record,file,mode,force_N,hold,time_s,channel,sampling_Hz,unit,sensitivity\n"
 DESCRIPTION = """title: {title}

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.banded import factored, inverse_band, solved
 from bladeroot.decay.bsplines import alive_splines, derivative_rows
 from bladeroot.decay.penalty import normal_sums, penalised, penalty_rows
 from bladeroot.decay.smooth import coarse, fine
+from bladeroot.records.banded import factored, inverse_band, solved
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -183,6 +183,28 @@ def test_the_chance_of_false_alarms_is_finite_however_small():
     assert np.isfinite(_tail(400, 400, 1e-3))
 
 
+def test_a_clamping_out_of_line_is_in_the_verdict(model):
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    found = np.where(np.arange(seen.sizes["record"]) == 3, "unlike-repeats", "")
+    seen["findings"] = ("record", found)
+    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    assert said["answer"] == "nothing-missing"
+    assert "unlike their repeats are the records r003 of the clampings h01" in said["reason"]
+    assert "explains the other records within their scatter" in said["reason"]
+
+
+def test_the_verdict_states_probabilities_and_sizes_whatever_the_form(stiffening):
+    _, said = stiffening
+    sets = said["probabilities"]
+    assert sum(sets.values()) == pytest.approx(1.0)
+    named = sum(p for key, p in sets.items() if "load-dependent-stiffness" in key.split("+"))
+    (cause,) = said["causes"]
+    assert named == pytest.approx(cause["probability"], abs=1e-3)
+    (change,) = cause["sizes"]
+    assert change["quantity"] == "stick frequency"
+    assert abs(change["value"]) > 3.0 * change["std"]
+
+
 def test_an_independent_measurement_moves_prior_and_evidence():
     modulus = next(one for one in CATALOGUE if one.id == "modulus-density")
     alone, nothing = prepared(modulus, Known())

@@ -125,3 +125,15 @@ def test_a_further_covariance_is_asked_for_where_the_misses_have_it():
     assert abs(without.mean()) < 0.25
     assert without.std() == pytest.approx(1.0, abs=0.25)
     assert np.median(beside) > 5.0
+
+
+def test_a_model_too_steep_for_its_rounding_has_no_evidence():
+    """A misfit that rounding makes negative would count as boundless evidence."""
+    steep = 1e9 * np.stack([np.ones_like(X), 1.0 + 1e-12 * X], axis=1)
+    noise = np.full(X.size, 1e-4)
+    made = Problem(
+        1e3 * drawn(1), lambda t: State(steep @ t, steep, {}),
+        lambda state, s: (np.diag(noise**2), list), Prior(np.zeros(2), np.full(2, 1e6)),
+        Prior(np.zeros(0), np.zeros(0)),
+    )  # fmt: skip
+    assert fit(made).log_evidence < 0.0

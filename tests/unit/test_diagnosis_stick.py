@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.stick_model import ln_frequency, problem, simulation, stick_data
+from bladeroot.diagnosis.simulation.parametric import ln_frequency
+from bladeroot.diagnosis.simulation.parametric import parametric as simulation
+from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.structure.parametric import parametric_model

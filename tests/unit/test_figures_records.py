@@ -136,3 +136,14 @@ def test_measured_frequencies_are_not_hidden_by_the_simulations_at_the_same_forc
         next(line for line in axis.lines if line.get_marker() == marker) for marker in "os"
     )
     assert dots.get_zorder() > squares.get_zorder()
+
+
+def test_of_too_many_backbones_an_even_part_is_drawn_and_said():
+    many = [decay(f"r{k:03d}", force=1000.0 * (1 + k % 8)) for k in range(250)]
+    axes = decay_figures.backbones(many).axes
+    assert len(axes[0].lines) == decay_figures.MOST
+    assert axes[0].get_title(loc="left") == f"mode 1B, {decay_figures.MOST} of 250 records"
+    colours = [line.get_color() for line in axes[0].lines]
+    counts = [colours.count(one) for one in set(colours)]
+    assert len(counts) == 8
+    assert max(counts) - min(counts) <= 2

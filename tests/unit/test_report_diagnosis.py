@@ -23,7 +23,8 @@ def cause(credible=(POWER,), **more):
     return {
         "mechanism": credible[0], "class": "force-law", "credible_set": list(credible),
         "parameters": [{"name": "exponent", "value": 0.6, "std": 0.08, "unit": "1"}],
-        "plausible": True, "splitter": "twice the force", "log_evidence": 20.0, **more,
+        "plausible": True, "splitter": "twice the force", "log_evidence": 20.0,
+        "form": "power", "probability": 0.97 if len(credible) == 1 else 0.7, "sizes": [], **more,
     }  # fmt: skip
 
 
@@ -35,6 +36,7 @@ def verdict(answer="named", causes=(), **more):
             "log_score": {"before": 10.0, "after": 31.0}}  # fmt: skip
     return {
         "structure": "S", "answer": answer, "causes": list(causes), "records": {},
+        "probabilities": {POWER: 0.97, "none": 0.03} if causes else {"none": 0.995, POWER: 0.005},
         "shortfall": [
             {"quantity": "stick frequency", "mode": mode, "trend": trend.format(number),
              "explained": bool(causes)}
@@ -124,8 +126,9 @@ def test_the_box_says_what_is_missing_why_what_it_is_worth_and_what_next():
     )
     assert box.lines[1].startswith("Cause: load dependent stiffness (a law of the force), it ")
     assert "exponent 0.600\u00a0±\u00a00.080" in box.lines[1]
-    assert "falls, from 0.40 % to 0.10 %" in box.lines[2]
-    assert box.lines[3].startswith("Measure next: another force; it is expected to decide 70 % of")
+    assert box.lines[2] == "Probabilities: load dependent stiffness 97 %; nothing at all 3 %."
+    assert "falls, from 0.40 % to 0.10 %" in box.lines[3]
+    assert box.lines[4].startswith("Measure next: another force; it is expected to decide 70 % of")
 
 
 def test_an_ambiguous_answer_gives_the_measurement_that_splits():
@@ -133,6 +136,28 @@ def test_an_ambiguous_answer_gives_the_measurement_that_splits():
     text = " ".join(verdict_box(found(), said, False).lines)
     assert "load dependent stiffness or incomplete contact" in text
     assert "do not tell which. To decide: twice the force" in text
+    assert "load dependent stiffness with a probability of 70 %" in text
+
+
+def test_what_is_no_mechanism_stands_in_words():
+    said = verdict("ambiguous", [cause((POWER, "none-of-these", "none"))])
+    text = " ".join(verdict_box(found(), said, False).lines)
+    assert "load dependent stiffness, something of no catalogue or nothing at all" in text
+
+
+def test_an_error_that_stays_is_not_said_to_fall():
+    sides = {"before": 4.01e-3, "after": 3.99e-3, "unit": "1"}
+    said = verdict(causes=[cause()]) | {"gain": {"between_forces": sides}}
+    text = " ".join(verdict_box(found(), said, False).lines)
+    assert "stays at 0.40 %" in text
+    assert "falls, from" not in text
+
+
+def test_what_is_barred_and_explains_best_is_said():
+    one = found(named="", lacks="records")
+    one.attrs["insufficient"] = "force-gain explains the stick data best and is not named: why"
+    text = " ".join(verdict_box(one, verdict("insufficient-data"), False).lines)
+    assert "force-gain explains the stick data best and is not named: why." in text
 
 
 def test_other_answers_say_what_they_are():

@@ -12,11 +12,12 @@ from bladeroot.figures.stick import over_force
 from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.report.bad_records import told
 from bladeroot.report.integrity import integrity_section
-from bladeroot.report.measurement import PICTURES, measurement_section, stick_section
+from bladeroot.report.measurement import measurement_section, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Box, Picture, Table
 from bladeroot.report.stiffness import stiffness_section
 from bladeroot.report.summary import alone_section, summary_section, undecided_section
+from bladeroot.report.words import pictures, words_of
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
 GAUGE = ForceGauge(0.1, 1e3, "full-scale")
@@ -92,7 +93,8 @@ def measured(verdicts, forces):
     rows |= {"plateau_reached": [int(verdict == "plateau") for verdict in verdicts]}
     names = [f"r{k}" for k in range(len(forces))]
     stick = xr.Dataset({name: ("record", row) for name, row in rows.items()}, {"record": names})
-    parts = measurement_section(FACTS, stick, {name: name for name in PICTURES}).parts
+    figures = {name: name for name in pictures(words_of(stick))}
+    parts = measurement_section(FACTS, stick, figures).parts
     said = [part for part in parts if isinstance(part, str)]
     return said, [part.svg for part in parts if isinstance(part, Picture)]
 
@@ -146,10 +148,11 @@ def test_a_record_unlike_its_repeats_is_not_overlooked():
 
 def test_in_short_says_who_is_rejected_and_what_needs_a_structure():
     stick = sticks(10e3).drop_dims("record").assign(rejections(12).variables)
-    _, bad, alone = alone_section(stick).parts
+    said = {"structure": None, "causes": [], "shortfall": [], "reason": ""}
+    _, bad, alone = alone_section(stick, said).parts
     assert bad.startswith("Rejected: 12 of 13 records, r1, r2, ")
     assert "r10 and 2 more;" in bad
-    assert "names no structure" in alone
+    assert "Nothing is simulated: each mode is judged against a linear one" in alone
 
 
 def test_the_stick_figure_without_forces_of_a_simulation():

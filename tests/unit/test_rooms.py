@@ -24,8 +24,9 @@ ALLOWED = {
     "public": {"artifacts", "records", "decay", "structure", "diagnosis"},
 }
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share
-# what checks files.
-COMPILER, SHARED = {"compiled"}, {"schema", "checksum", "hdf5_links"}
+# what checks files, what artifacts say of the load, and words.
+COMPILER = {"compiled"}
+SHARED = {"schema", "checksum", "hdf5_links", "loads", "plain_words"}
 
 
 def imported_rooms(room):

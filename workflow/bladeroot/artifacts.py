@@ -47,17 +47,21 @@ def _reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
-def load_records(batches: Iterable[str | Path], stage: str) -> list[xr.Dataset]:
+def load_records(
+    batches: Iterable[str | Path], stage: str, without: Iterable[str] = ()
+) -> list[xr.Dataset]:
     """The artifacts of one stage (records, decay, plateau) of all records, in the order of names.
 
     batches: files of a campaign's folder `batches` with a record's name a line.
+    without: variables that are left out; the samples of thousands of records fill a memory.
     """
     places = [
         (name, Path(batch).parents[1] / stage / f"{name}.nc")
         for batch in batches
         for name in Path(batch).read_text(encoding="utf-8").split()
     ]
-    return [load(place) for _, place in sorted(places)]
+    left_out = list(without)
+    return [load(place).drop_vars(left_out) for _, place in sorted(places)]
 
 
 def save(

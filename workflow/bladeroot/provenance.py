@@ -215,6 +215,7 @@ def _beside(path: Path, name: str) -> set[Path]:
     return {one.resolve() for one in candidates if one.is_file()}
 
 
+@cache
 def _modules_of(name: str) -> set[Path]:
     """All modules of a sub-package of the library; none for a plain module."""
     parts = name.split(".")
@@ -231,6 +232,7 @@ def _absolute(level: int, module: str, path: Path) -> str:
     return ".".join([*folder.parts, *([module] if module else [])])
 
 
+@cache
 def _files(module: str) -> set[Path]:
     """The file of a dotted name and the `__init__` files that Python runs on the way to it."""
     parts = module.split(".")

@@ -4,8 +4,8 @@ import json
 
 def amplitude_facts(wildcards):
     """As for the joint inference, with the laser's places (m) and how far curves are trusted."""
-    modes = CAMPAIGNS[wildcards.campaign].description["modes"]
-    lasers = {name: mode["laser_x_mm"] / 1000 for name, mode in modes.items()}
+    campaign = CAMPAIGNS[wildcards.campaign]
+    lasers = {mode: campaign.laser_x(mode) for mode in campaign.description["modes"]}
     return canonical_json(
         {**json.loads(joint_facts(wildcards)), **config["amplitude"], "lasers": lasers}
     )
@@ -25,6 +25,8 @@ rule amplitude:
     benchmark:
         "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("amplitude"),
     params:
         settings=amplitude_facts,
         code=code("amplitude"),
@@ -41,7 +43,7 @@ def amplitudes(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
     if not campaign.records:
         return []
-    return expand(
+    return made(
         rules.amplitude.output.amplitude,
         campaign=campaign.name,
         structure=structures_of(campaign),
@@ -75,14 +77,17 @@ rule figures_amplitude:
     benchmark:
         "results/benchmarks/figures_amplitude/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_amplitude"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_amplitude"),
     message:
         "figures of the nonlinear joint of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_amplitude.py --amplitudes {input.amplitudes:q}"
-        " --simulated {params.simulated} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --simulated {params.simulated} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule shortfall:
@@ -95,6 +100,8 @@ rule shortfall:
     benchmark:
         "results/benchmarks/shortfall/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("shortfall"),
     params:
         code=code("shortfall"),
     message:

@@ -23,7 +23,7 @@ for campaign in CAMPAIGNS.values():
             name:
                 f"bench.{campaign.name}.{batch}"
             input:
-                bench=bench_of(campaign),
+                bench=local(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
                 raw=[
@@ -38,9 +38,11 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
             threads: 1
+            resources:
+                **needs("bench"),
             params:
                 rows=canonical_json(rows),
-                folder=f"results/bench/{campaign.name}",
+                folder=folder_of_output,
                 code=code("bench"),
             message:
                 f"virtual bench: {len(rows)} records of {campaign.name} (simulated)"

@@ -6,11 +6,13 @@ CALIBRATION = ROOT / "resources" / "structures" / "calibration"
 
 rule calibrate:
     input:
-        asked=CALIBRATION / "{structure}.yaml",
+        asked=local(CALIBRATION / "{structure}.yaml"),
         structure=structure_file,
-        tables=expand(
-            ROOT / "resources" / "thesis" / "table_{table}.csv",
-            table=["2_2", "3_1", "3_2", "4_1", "4_2", "4_3", "4_4", "5_1", "5_2"],
+        tables=local(
+            expand(
+                ROOT / "resources" / "thesis" / "table_{table}.csv",
+                table=["2_2", "3_1", "3_2", "4_1", "4_2", "4_3", "4_4", "5_1", "5_2"],
+            )
         ),
     output:
         calibration="results/structures/{structure}/calibration.nc",
@@ -19,6 +21,8 @@ rule calibrate:
     benchmark:
         "results/benchmarks/calibrate/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("calibrate"),
     params:
         code=code("calibrate"),
     message:

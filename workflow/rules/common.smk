@@ -11,9 +11,10 @@ ROOT = Path(workflow.basedir)
 sys.path.insert(0, str(ROOT / "workflow"))
 
 from bladeroot.nonlinear.settings import check_nonlinear
-from bladeroot.provenance import canonical_json, code_hash
+from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.records.batches import batches
 from bladeroot.records.campaign import load_campaign
+from bladeroot.records.load import load_facts
 from bladeroot.schema import check, read_yaml
 from bladeroot.structure.file import check_structure
 
@@ -137,12 +138,34 @@ tell_warnings()
 
 def structures_of(campaign):
     """Names of the structures to compare with; none where the measurement stands alone."""
-    return campaign.description["structure"]
+    return [] if campaign.structure_lacks else campaign.description["structure"]
 
 
-def with_structure(made):
+def judged_against(campaign):
+    """What the diagnosis compares with: structures, a table, or linear modes."""
+    if campaign.description["structure"]:
+        return campaign.description["structure"]
+    return ["linear" if campaign.description["simulation"] == "none" else "table"]
+
+
+def made(files, **wildcards):
+    """Files of a rule's output, of each combination of wildcards.
+
+    A storage plugin has put its own place before the patterns and does it again with what an input
+    function returns, so it is taken off here.
+    """
+    files = [files] if isinstance(files, str) else list(files)
+    before = workflow.storage_settings.default_storage_prefix or ""
+    for number, file in enumerate(files):
+        stored = getattr(file, "flags", {}).get("storage_object")
+        if stored is not None:
+            files[number] = stored.query.removeprefix(before).lstrip("/")
+    return expand(list(map(str, files)), **wildcards)
+
+
+def with_structure(files):
     """An input function: what is made of a campaign that has a structure, else nothing."""
-    return lambda w: made if structures_of(CAMPAIGNS[w.campaign]) else []
+    return lambda w: made(files, **w) if structures_of(CAMPAIGNS[w.campaign]) else []
 
 
 def forces_of(campaign):
@@ -185,9 +208,20 @@ def batch_lists(wildcards):
     return [f"results/{wildcards.campaign}/batches/{batch}.txt" for batch in made]
 
 
-def code(script):
-    """Hash of a stage's code: its script and all that it imports of the library."""
-    return code_hash(SCRIPTS / f"{script}.py")
+def folder_of_output(wildcards, output):
+    """Where a job writes: with a storage plugin not below results/, but in the plugin's copy of it."""
+    return os.path.dirname(output[0])
+
+
+ENVIRONMENT = environment_hash(config.get("keep_environment", ""))
+
+
+@cache  # every batch asks
+def code(script, *files):
+    """Hash of what computes a stage: its script with all that it imports, further files of Python,
+    and the versions of the numerical libraries.
+    """
+    return f"{code_hash(SCRIPTS / f'{script}.py', *files)} {ENVIRONMENT}"
 
 
 def settings(section):

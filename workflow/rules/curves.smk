@@ -13,6 +13,8 @@ rule curves:
     benchmark:
         "results/benchmarks/curves/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("curves"),
     params:
         code=code("curves"),
     message:

@@ -19,14 +19,17 @@ MECHANISMS = mechanism_files()
 def observed_facts(wildcards):
     """The gauge, where the laser looks and when each record began."""
     campaign = CAMPAIGNS[wildcards.campaign]
-    modes = campaign.description["modes"]
+    load = campaign.load
     return canonical_json(
         {
-            "full_scale": campaign.force_full_scale,
-            "scale": campaign.force_scale,
-            "accuracy": campaign.description["force"]["accuracy_percent"] / 100,
-            "primary": campaign.description["force"]["accuracy_of"],
-            "laser_x": {mode: 1e-3 * modes[mode]["laser_x_mm"] for mode in modes},
+            "same_everywhere": load.same_everywhere if load else 0.0,
+            "of_reading": load.of_reading if load else 0.0,
+            "scale": campaign.force_scale if load else 0.0,
+            "laser_x": {
+                mode: campaign.laser_x(mode)
+                for mode in campaign.description["modes"]
+                if campaign.laser_x(mode) is not None
+            },
             "time": {
                 row["record"]: row["time_s"]
                 for row in campaign.records
@@ -42,7 +45,9 @@ rule observations:
         batches=batch_lists,
         decays=of_records("decay"),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
     output:
         observations="results/{campaign}/observations.nc",
@@ -51,6 +56,8 @@ rule observations:
     benchmark:
         "results/benchmarks/observations/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("observations"),
     params:
         settings=observed_facts,
         code=code("observations"),
@@ -64,22 +71,42 @@ rule observations:
 
 def diagnosis_facts(wildcards):
     """What the diagnosis is told: the model's bias, where contact is full, what else was measured."""
-    description = CAMPAIGNS[wildcards.campaign].description
+    campaign = CAMPAIGNS[wildcards.campaign]
+    description, load = campaign.description, campaign.load
     return canonical_json(
         {
             **config["diagnosis"],
             **config["search"],
+            "expected_Hz": {
+                mode: one["expected_Hz"] for mode, one in description["modes"].items()
+            },
+            "structure_lacks": campaign.structure_lacks,
+            "load": (
+                {"name": load.name, "unit": load.unit, "given": load.given}
+                if load
+                else None
+            ),
             "full_contact_from_kN": description.get("full_contact_from_kN", 0),
             "independent": description.get("independent", []),
         }
     )
 
 
+def simulation_file(wildcards):
+    """What the diagnosis judges: a structure's model, the campaign's table, or nothing."""
+    if wildcards.structure in STRUCTURES:
+        return made(rules.parametric.output.parametric, structure=wildcards.structure)
+    campaign = CAMPAIGNS[wildcards.campaign]
+    if wildcards.structure == "table":
+        return local(campaign.folder / campaign.description["simulation"])
+    return []
+
+
 rule diagnosis:
     input:
         observations=rules.observations.output.observations,
-        parametric=rules.parametric.output.parametric,
-        mechanisms=MECHANISMS,
+        parametric=simulation_file,
+        mechanisms=local(MECHANISMS),
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",
@@ -89,9 +116,11 @@ rule diagnosis:
     benchmark:
         "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("diagnosis"),
     params:
         settings=diagnosis_facts,
-        code=code("diagnosis"),
+        code=code("diagnosis", *MECHANISMS),
     message:
         "what the simulation of {wildcards.campaign} with {wildcards.structure} gets wrong"
     shell:
@@ -102,11 +131,11 @@ rule diagnosis:
 
 
 def main_verdict(wildcards):
-    """The verdict with the campaign's first structure, which is its main one."""
-    return expand(
+    """The verdict with the campaign's first structure, which is its main one, or without any."""
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
-        structure=structures_of(CAMPAIGNS[wildcards.campaign])[0],
+        structure=judged_against(CAMPAIGNS[wildcards.campaign])[0],
     )
 
 
@@ -120,10 +149,13 @@ rule verdict:
     benchmark:
         "results/benchmarks/verdict/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("verdict"),
     message:
         "verdict on {wildcards.campaign}"
     shell:
-        "cp {input.verdict:q} {output.verdict} > {log} 2>&1"
+        "cp {input.verdict:q} {output.verdict}.part > {log} 2>&1"
+        " && mv {output.verdict}.part {output.verdict} >> {log} 2>&1"
 
 
 # A structure could be named "verdict".
@@ -132,17 +164,17 @@ ruleorder: verdict > diagnosis
 
 def diagnoses(wildcards):
     """The diagnosis with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.diagnosis,
         campaign=wildcards.campaign,
-        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+        structure=judged_against(CAMPAIGNS[wildcards.campaign]),
     )
 
 
 def verdicts(wildcards):
     """The verdict with every structure of a campaign, for the report."""
-    return expand(
+    return made(
         rules.diagnosis.output.verdict,
         campaign=wildcards.campaign,
-        structure=structures_of(CAMPAIGNS[wildcards.campaign]),
+        structure=judged_against(CAMPAIGNS[wildcards.campaign]),
     )

@@ -13,10 +13,13 @@ rule export_tables:
     benchmark:
         "results/benchmarks/export_tables/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("export_tables"),
     params:
+        results=lambda w, input: os.path.dirname(input.stick),
         code=code("export_tables"),
     message:
         "curves, stick frequencies and verdict of {wildcards.campaign} as CSV, MATLAB and UFF"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/export_tables.py --results results/{wildcards.campaign}"
+        "{PYTHON:q} {SCRIPTS:q}/export_tables.py --results {params.results:q}"
         " --folder {output.folder} > {log} 2>&1"

@@ -33,7 +33,7 @@ def extended_by(campaign):
 def model_of(wildcards):
     """The model file: the campaign's own diagnosis, or the one that is given."""
     if config["model"] == "diagnosis":
-        return rules.diagnosis.output.model.format(**wildcards)
+        return made(rules.diagnosis.output.model, **wildcards)
     return config["model"]
 
 
@@ -48,9 +48,11 @@ rule extended_structure:
     benchmark:
         "results/benchmarks/extended_structure/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_structure"),
     params:
         settings=settings("diagnosis"),
-        code=code("extended_structure"),
+        code=code("extended_structure", *MECHANISMS),
     message:
         "{wildcards.structure} with the matrices that its model file changes, for {wildcards.campaign}"
     shell:
@@ -76,9 +78,11 @@ rule extended_joint:
     benchmark:
         "results/benchmarks/extended_joint/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_joint"),
     params:
         settings=extended_facts,
-        code=code("extended_joint"),
+        code=code("extended_joint", *MECHANISMS),
     message:
         "kn, kt of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:
@@ -101,7 +105,7 @@ rule extended_nonlinear:
         reduced=rules.reduced.output.reduced,
         joint=rules.extended_joint.output.joint,
         model=model_of,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/extended/{structure}/nonlinear.nc",
     log:
@@ -109,9 +113,11 @@ rule extended_nonlinear:
     benchmark:
         "results/benchmarks/extended_nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("extended_nonlinear"),
     params:
         settings=extended_nonlinear_facts,
-        code=code("nonlinear"),
+        code=code("nonlinear", *MECHANISMS),
     message:
         "f_n(A), eta(A) of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:
@@ -122,7 +128,7 @@ rule extended_nonlinear:
 
 def extended_joints(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
-    return expand(
+    return made(
         rules.extended_joint.output.joint,
         campaign=campaign.name,
         structure=extended_by(campaign),

@@ -4,13 +4,13 @@
 def force_facts(wildcards):
     """The simulation's forces and the gauge's accuracy, in newtons."""
     campaign = CAMPAIGNS[wildcards.campaign]
-    gauge = campaign.description["force"]
+    load = campaign.load
     return canonical_json(
         {
             "forces": [float(force) for force in forces_of(campaign)],
-            "full_scale": campaign.force_full_scale,
-            "accuracy": gauge["accuracy_percent"] / 100,
-            "primary": gauge["accuracy_of"],
+            "full_scale_std": load.of_full_scale,
+            "relative_std": load.of_reading,
+            "primary": "reading" if load.accuracy_of == "reading" else "full-scale",
         }
     )
 
@@ -25,6 +25,8 @@ rule fe_forces:
     benchmark:
         "results/benchmarks/fe_forces/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("fe_forces"),
     params:
         settings=force_facts,
         code=code("fe_forces"),

@@ -15,6 +15,8 @@ rule integrity:
     benchmark:
         "results/benchmarks/integrity/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("integrity"),
     params:
         code=code("integrity"),
     message:

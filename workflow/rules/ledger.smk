@@ -13,10 +13,10 @@ rule ledger:
             rules.stiffness.output.stiffness,
             rules.theory.output.theory,
         ],
-        checks=lambda w: expand(
+        checks=lambda w: made(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
-        reduced=lambda w: expand(
+        reduced=lambda w: made(
             rules.reduced.output.reduced,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
@@ -27,8 +27,10 @@ rule ledger:
                 structure, "map", forces_of(CAMPAIGNS[w.campaign])
             )
         ],
-        printed=sorted((ROOT / "resources" / "thesis").glob("*.csv"))
-        + sorted((ROOT / "resources" / "thesis").glob("*.yaml")),
+        printed=local(
+            sorted((ROOT / "resources" / "thesis").glob("*.csv"))
+            + sorted((ROOT / "resources" / "thesis").glob("*.yaml"))
+        ),
     output:
         ledger="results/{campaign}/ledger.nc",
     log:
@@ -36,6 +38,8 @@ rule ledger:
     benchmark:
         "results/benchmarks/ledger/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("ledger"),
     params:
         thesis=ROOT / "resources" / "thesis",
         code=code("ledger"),
@@ -60,6 +64,8 @@ rule figures_slider:
     benchmark:
         "results/benchmarks/figures_slider/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_slider"),
     params:
         code=code("figures_slider"),
     message:

@@ -1,5 +1,8 @@
 # A run killed with kill -9 leaves Snakemake's lock behind, and the same command would then refuse
 # to go on. Each run signs in with its process; when none of them lives, what they left is removed.
+# On a shared disk that is known only of the own machine's: a run of another one counts as alive.
+import platform
+
 import psutil
 
 RUNS = Path(".snakemake") / "bladeroot_runs"
@@ -8,18 +11,24 @@ RUNS = Path(".snakemake") / "bladeroot_runs"
 def sign_in():
     """Write this process down as a run of the working directory, once its jobs begin."""
     RUNS.mkdir(parents=True, exist_ok=True)
-    (RUNS / str(os.getpid())).write_text(str(psutil.Process().create_time()))
+    signed().write_text(str(psutil.Process().create_time()))
 
 
 def sign_out():
-    (RUNS / str(os.getpid())).unlink(missing_ok=True)
+    signed().unlink(missing_ok=True)
+
+
+def signed():
+    return RUNS / f"{os.getpid()}@{platform.node()}"
 
 
 def lives(run):
+    number, _, machine = run.name.partition("@")
+    if machine not in ("", platform.node()):
+        return True
     try:
         return (
-            abs(psutil.Process(int(run.name)).create_time() - float(run.read_text()))
-            < 1
+            abs(psutil.Process(int(number)).create_time() - float(run.read_text())) < 1
         )
     except (OSError, ValueError, psutil.Error):
         return False

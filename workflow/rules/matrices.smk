@@ -14,8 +14,10 @@ def described_by(files):
     """Input function: what the structure's file names, its tables or its matrices."""
     from bladeroot.structure.external import description
 
-    return lambda wildcards: getattr(description, files)(
-        description.read_description(STRUCTURES[wildcards.structure])
+    return lambda wildcards: local(
+        getattr(description, files)(
+            description.read_description(STRUCTURES[wildcards.structure])
+        )
     )
 
 
@@ -38,6 +40,8 @@ rule matrices_mesh:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_mesh"),
     params:
         code=code("matrices_mesh"),
     message:
@@ -61,6 +65,8 @@ rule matrices_reduced:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_reduced"),
     params:
         code=code("matrices_reduced"),
     message:
@@ -84,6 +90,8 @@ rule matrices_checks:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_checks"),
     params:
         code=code("matrices_checks"),
     message:
@@ -108,6 +116,8 @@ rule matrices_accuracy:
     wildcard_constraints:
         structure=names_of(MATRICES),
     threads: 1
+    resources:
+        **needs("matrices_accuracy"),
     params:
         forces=forces_used,
         code=code("matrices_accuracy"),
@@ -134,6 +144,8 @@ rule export:
     wildcard_constraints:
         form="mtx|hb",
     threads: 1
+    resources:
+        **needs("export"),
     params:
         code=code("export"),
     message:
@@ -156,7 +168,7 @@ rule paraview:
         structure=structure_file,
         mesh=rules.mesh.output.mesh,
         prestress=lambda w: (
-            [] if w.structure in MATRICES else expand(rules.prestress.output, **w)
+            [] if w.structure in MATRICES else made(rules.prestress.output, **w)
         ),
         matrices=lambda w: (
             described_by("matrix_files_of")(w) if w.structure in MATRICES else []
@@ -168,6 +180,8 @@ rule paraview:
     benchmark:
         "results/benchmarks/paraview/{structure}/{force}.tsv"
     threads: 1
+    resources:
+        **needs("paraview"),
     params:
         prestress=lambda w, input: (
             f"--prestress {input.prestress}" if input.prestress else ""

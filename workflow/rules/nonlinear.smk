@@ -3,10 +3,13 @@
 
 def nonlinear_facts(wildcards):
     """What the simulation reads: where the laser stands, and section `nonlinear`."""
-    modes = CAMPAIGNS[wildcards.campaign].description["modes"]
+    campaign = CAMPAIGNS[wildcards.campaign]
     return canonical_json(
         {
-            "laser_x_mm": {name: mode["laser_x_mm"] for name, mode in modes.items()},
+            "laser_x_mm": {
+                mode: 1000 * campaign.laser_x(mode)
+                for mode in campaign.description["modes"]
+            },
             **config["nonlinear"],
         }
     )
@@ -16,7 +19,7 @@ rule nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.joint.output.joint,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/nonlinear/{structure}.nc",
     log:
@@ -24,6 +27,8 @@ rule nonlinear:
     benchmark:
         "results/benchmarks/nonlinear/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("nonlinear"),
     params:
         settings=nonlinear_facts,
         code=code("nonlinear"),
@@ -36,7 +41,7 @@ rule nonlinear:
 
 
 def nonlinears(wildcards):
-    return expand(
+    return made(
         rules.nonlinear.output.nonlinear,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),

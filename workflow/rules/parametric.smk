@@ -12,6 +12,8 @@ rule parametric:
     benchmark:
         "results/benchmarks/parametric/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("parametric"),
     params:
         settings=settings("parametric"),
         springs="area",
@@ -63,6 +65,8 @@ rule accuracy:
     benchmark:
         "results/benchmarks/accuracy/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("accuracy"),
     params:
         forces=forces_used,
         code=code("accuracy"),
@@ -99,6 +103,8 @@ for structure in STRUCTURES:
         benchmark:
             f"results/benchmarks/frequency_maps/{structure}.tsv"
         threads: 1
+        resources:
+            **needs("frequency_maps"),
         params:
             code=code("frequency_maps"),
         message:

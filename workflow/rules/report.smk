@@ -15,12 +15,15 @@ rule score:
     benchmark:
         "results/benchmarks/score/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("score"),
     params:
+        truths=lambda w, input: os.path.dirname(input.truths[0]),
         code=code("score"),
     message:
         "stick frequencies of {wildcards.campaign} against the bench's truth"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths results/bench/{wildcards.campaign}/truth"
+        "{PYTHON:q} {SCRIPTS:q}/score.py --stick {input.stick:q} --truths {params.truths:q}"
         " --output {output.score} > {log} 2>&1"
 
 
@@ -66,13 +69,16 @@ rule figures_records:
     benchmark:
         "results/benchmarks/figures_records/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_records"),
     params:
+        folder=folder_of_output,
         code=code("figures_records"),
     message:
         "figures of the records of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_records.py --batches {input.batches:q}"
-        " --curves {input.curves:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --curves {input.curves:q} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_stick:
@@ -91,6 +97,8 @@ rule figures_stick:
     benchmark:
         "results/benchmarks/figures_stick/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_stick"),
     params:
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_stick"),
@@ -107,8 +115,8 @@ rule figures:
         stiffness=rules.stiffness.output.stiffness,
         joints=joints,
         theory=rules.theory.output.theory,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
-        mesh=lambda w: expand(
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        mesh=lambda w: made(
             rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
         ),
     output:
@@ -153,7 +161,10 @@ rule figures:
     benchmark:
         "results/benchmarks/figures/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures"),
     message:
@@ -162,13 +173,13 @@ rule figures:
         "{PYTHON:q} {SCRIPTS:q}/figures.py --searches {input.searches:q}"
         " --stiffness {input.stiffness:q} --joints {input.joints:q} --theory {input.theory:q}"
         " --published {input.published:q} --mesh {input.mesh:q} --simulated {params.simulated}"
-        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_thesis_search:
     input:
         searches=thesis_searches,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         solution_sets=report(
             "results/{campaign}/figures/solution_sets.svg",
@@ -187,13 +198,16 @@ rule figures_thesis_search:
     benchmark:
         "results/benchmarks/figures_thesis_search/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_thesis_search"),
     params:
+        folder=folder_of_output,
         code=code("figures_thesis_search"),
     message:
         "figures 5.11 to 5.18 for {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_thesis_search.py --searches {input.searches:q}"
-        " --published {input.published:q} --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --published {input.published:q} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule figures_diagnosis:
@@ -242,7 +256,10 @@ rule figures_diagnosis:
     benchmark:
         "results/benchmarks/figures_diagnosis/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("figures_diagnosis"),
     params:
+        folder=folder_of_output,
         simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
         code=code("figures_diagnosis"),
     message:
@@ -250,7 +267,7 @@ rule figures_diagnosis:
     shell:
         "{PYTHON:q} {SCRIPTS:q}/figures_diagnosis.py --diagnoses {input.diagnoses:q}"
         " --verdicts {input.verdicts:q} --simulated {params.simulated}"
-        " --folder results/{wildcards.campaign}/figures > {log} 2>&1"
+        " --folder {params.folder:q} > {log} 2>&1"
 
 
 def report_facts(wildcards):
@@ -260,6 +277,7 @@ def report_facts(wildcards):
         {
             "campaign": campaign.name,
             "description": campaign.description,
+            "structures": structures_of(campaign),
             "simulated": campaign.simulated,
             "excluded": campaign.excluded,
             "entry": "records" if campaign.records else "stick frequencies",
@@ -269,11 +287,11 @@ def report_facts(wildcards):
 
 def calibrations_made(wildcards):
     """Calibrations of the campaign's structures that exist: they are made when asked for."""
-    made = expand(
+    possible = made(
         rules.calibrate.output.calibration,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
     )
-    return [path for path in made if Path(path).is_file()]
+    return [path for path in possible if Path(path).is_file()]
 
 
 rule report:
@@ -285,32 +303,32 @@ rule report:
         diagnoses=diagnoses,
         verdicts=verdicts,
         extended=extended_joints,
-        main_verdict=with_structure(rules.verdict.output.verdict),
-        diagnosed=with_structure(rules.figures_diagnosis.output),
+        main_verdict=rules.verdict.output.verdict,
+        diagnosed=rules.figures_diagnosis.output,
         amplitudes=amplitudes,
         amplitudes_drawn=lambda w: (
-            rules.figures_amplitude.output if amplitudes(w) else []
+            made(rules.figures_amplitude.output, **w) if amplitudes(w) else []
         ),
-        shortfalls=lambda w: expand(
+        shortfalls=lambda w: made(
             rules.shortfall.output.shortfall,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         thesis_searches=thesis_searches,
         searched=lambda w: (
-            rules.figures_thesis_search.output if thesis_searches(w) else []
+            made(rules.figures_thesis_search.output, **w) if thesis_searches(w) else []
         ),
         theory=with_structure(rules.theory.output.theory),
-        checks=lambda w: expand(
+        checks=lambda w: made(
             rules.checks.output.checks, structure=structures_of(CAMPAIGNS[w.campaign])
         ),
-        accuracies=lambda w: expand(
+        accuracies=lambda w: made(
             rules.accuracy.output.accuracy,
             structure=structures_of(CAMPAIGNS[w.campaign]),
         ),
         calibrations=calibrations_made,
         stick_drawn=rules.figures_stick.output.stick,
         figures=with_structure(rules.figures.output),
-        modes=lambda w: expand(
+        modes=lambda w: made(
             rules.shapes.output.modes,
             # mode shapes are drawn on elements, which given matrices do not have
             structure=[
@@ -320,29 +338,46 @@ rule report:
             ],
         ),
         drawn=lambda w: (
-            rules.figures_records.output if CAMPAIGNS[w.campaign].records else []
+            made(rules.figures_records.output, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
         integrity=lambda w: (
-            rules.integrity.output.integrity if CAMPAIGNS[w.campaign].records else []
+            made(rules.integrity.output.integrity, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
+        ),
+        curves=lambda w: (
+            made(rules.curves.output.curves, **w)
+            if CAMPAIGNS[w.campaign].records
+            else []
         ),
         score=lambda w: (
-            rules.score.output.score if CAMPAIGNS[w.campaign].simulated else []
+            made(rules.score.output.score, **w)
+            if CAMPAIGNS[w.campaign].simulated
+            else []
         ),
         ledger=lambda w: (
-            rules.ledger.output.ledger if of_the_thesis(CAMPAIGNS[w.campaign]) else []
-        ),
-        slider=lambda w: (
-            rules.figures_slider.output.slider
+            made(rules.ledger.output.ledger, **w)
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),
-        thesis=expand(
-            ROOT / "resources" / "thesis" / "{name}",
-            name=["table_5_1.csv", "errata.yaml"],
+        slider=lambda w: (
+            made(rules.figures_slider.output.slider, **w)
+            if of_the_thesis(CAMPAIGNS[w.campaign])
+            else []
         ),
-        page=expand(
-            ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
-            ending=["html.j2", "css"],
+        thesis=local(
+            expand(
+                ROOT / "resources" / "thesis" / "{name}",
+                name=["table_5_1.csv", "errata.yaml"],
+            )
+        ),
+        page=local(
+            expand(
+                ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
+                ending=["html.j2", "css"],
+            )
         ),
     output:
         report=report(
@@ -356,13 +391,16 @@ rule report:
     benchmark:
         "results/benchmarks/report/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("report"),
     params:
+        results=folder_of_output,
         facts=report_facts,
         code=code("report"),
     message:
         "report of {wildcards.campaign}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/report.py --results results/{wildcards.campaign}"
+        "{PYTHON:q} {SCRIPTS:q}/report.py --results {params.results:q}"
         " --checks {input.checks:q} --accuracies {input.accuracies:q}"
         " --calibrations {input.calibrations:q} --joints {input.joints:q}"
         " --diagnoses {input.diagnoses:q} --verdicts {input.verdicts:q}"

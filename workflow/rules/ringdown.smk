@@ -9,7 +9,7 @@ RINGDOWN_BATCH = 32
 def raw_file(campaign, row):
     if campaign.simulated:
         return f"results/bench/{campaign.name}/{row['record']}.nc"
-    return campaign.folder / row["file"]
+    return local(campaign.folder / row["file"])
 
 
 def record_facts(campaign, row):
@@ -17,7 +17,12 @@ def record_facts(campaign, row):
     modes = campaign.description["modes"]
     others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
     facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
-    return {**row, **modes[row["mode"]], **facts}
+    return {**row, **modes[row["mode"]], **facts, **load_facts(campaign.load)}
+
+
+def as_it_stands(text):
+    """A parameter whose braces are no wildcards: channels may be called `data{3,2}`."""
+    return lambda wildcards: text
 
 
 for campaign in CAMPAIGNS.values():
@@ -41,14 +46,18 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
             threads: 1
+            resources:
+                **needs("ringdown"),
             params:
-                facts=canonical_json(
-                    [record_facts(campaign, rows[name]) for name in names]
+                facts=as_it_stands(
+                    canonical_json(
+                        [record_facts(campaign, rows[name]) for name in names]
+                    )
                 ),
                 campaign=campaign.name,
                 record=settings("record"),
                 decay=settings("decay"),
-                folder=f"results/{campaign.name}",
+                folder=lambda w, output: os.path.dirname(os.path.dirname(output.batch)),
                 code=code("ringdown"),
             message:
                 f"free decays and their curves: {len(names)} records of {campaign.name}"

@@ -5,7 +5,7 @@ def stick_sources(wildcards):
     """The campaign's table, or the batches of its records."""
     campaign = CAMPAIGNS[wildcards.campaign]
     if campaign.stick:
-        return [campaign.folder / "stick.csv"]
+        return local([campaign.folder / "stick.csv"])
     return batch_lists(wildcards)
 
 
@@ -20,6 +20,8 @@ rule stick:
     benchmark:
         "results/benchmarks/stick/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("stick"),
     params:
         settings=settings("stick"),
         code=code("stick"),

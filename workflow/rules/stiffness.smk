@@ -26,6 +26,8 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/search/{campaign.name}/{structure}.tsv"
             threads: 1
+            resources:
+                **needs("search"),
             params:
                 settings=settings("search"),
                 code=code("search"),
@@ -70,6 +72,8 @@ rule joint:
     benchmark:
         "results/benchmarks/joint/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("joint"),
     params:
         settings=joint_facts,
         code=code("joint"),
@@ -81,7 +85,7 @@ rule joint:
 
 
 def joints(wildcards):
-    return expand(
+    return made(
         rules.joint.output.joint,
         campaign=wildcards.campaign,
         structure=structures_of(CAMPAIGNS[wildcards.campaign]),
@@ -92,7 +96,7 @@ rule stiffness:
     input:
         searches=searches,
         fe_forces=rules.fe_forces.output.fe_forces,
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         stiffness="results/{campaign}/stiffness.nc",
     log:
@@ -100,6 +104,8 @@ rule stiffness:
     benchmark:
         "results/benchmarks/stiffness/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("stiffness"),
     params:
         code=code("stiffness"),
     message:
@@ -114,9 +120,11 @@ rule thesis_search:
     input:
         parametric=rules.parametric_equal_nodes.output.parametric,
         fe_forces=rules.fe_forces.output.fe_forces,
-        tables=expand(
-            ROOT / "resources" / "thesis" / "{name}.csv",
-            name=["table_5_1", "table_5_2"],
+        tables=local(
+            expand(
+                ROOT / "resources" / "thesis" / "{name}.csv",
+                name=["table_5_1", "table_5_2"],
+            )
         ),
     output:
         search="results/{campaign}/thesis_search/{structure}.nc",
@@ -125,6 +133,8 @@ rule thesis_search:
     benchmark:
         "results/benchmarks/thesis_search/{campaign}/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("thesis_search"),
     params:
         settings=settings("search"),
         code=code("thesis_search"),
@@ -141,7 +151,7 @@ def thesis_searches(wildcards):
     campaign = CAMPAIGNS[wildcards.campaign]
     if campaign.description.get("published") != "thesis":
         return []
-    return expand(
+    return made(
         rules.thesis_search.output.search,
         campaign=campaign.name,
         structure=structures_of(campaign),

@@ -2,7 +2,7 @@
 
 
 def structure_file(wildcards):
-    return STRUCTURES[wildcards.structure]
+    return local(STRUCTURES[wildcards.structure])
 
 
 rule mesh:
@@ -15,6 +15,8 @@ rule mesh:
     benchmark:
         "results/benchmarks/mesh/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("mesh"),
     params:
         code=code("mesh"),
     message:
@@ -35,6 +37,8 @@ rule prestress:
     benchmark:
         "results/benchmarks/prestress/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("prestress"),
     params:
         code=code("prestress"),
     message:
@@ -62,6 +66,8 @@ rule shapes:
     benchmark:
         "results/benchmarks/shapes/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("shapes"),
     params:
         code=code("shapes"),
     message:
@@ -84,6 +90,8 @@ rule reduced:
     benchmark:
         "results/benchmarks/reduced/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("reduced"),
     params:
         code=code("reduced"),
     message:
@@ -96,9 +104,11 @@ rule reduced:
 rule checks:
     input:
         structure=structure_file,
-        tables=expand(
-            ROOT / "resources" / "thesis" / "table_{table}.csv",
-            table=["2_2", "4_1", "4_2", "4_4"],
+        tables=local(
+            expand(
+                ROOT / "resources" / "thesis" / "table_{table}.csv",
+                table=["2_2", "4_1", "4_2", "4_4"],
+            )
         ),
     output:
         checks="results/structures/{structure}/checks.nc",
@@ -107,6 +117,8 @@ rule checks:
     benchmark:
         "results/benchmarks/checks/{structure}.tsv"
     threads: 1
+    resources:
+        **needs("checks"),
     params:
         code=code("checks"),
     message:

@@ -5,13 +5,17 @@ import re
 
 def tell_results():
     """Bad records, where the reports are, and the time of every rule (benchmark files)."""
-    write_timings("results/timings.csv")
+    # of a storage plugin that is no folder of this machine nothing is told
+    results = Path(workflow.storage_settings.default_storage_prefix or "", "results")
+    if not results.is_dir():
+        return
+    write_timings(results)
     for name in CAMPAIGNS:
-        page = Path("results", name, "report.html").resolve()
-        tell_bad_records(name)
+        page = (results / name / "report.html").resolve()
+        tell_bad_records(results / name)
         if page.is_file():
             print(f"report of {name}: {page}")
-    print("time of every rule: results/timings.csv")
+    print(f"time of every rule: {results / 'timings.csv'}")
 
 
 def tell_bad_records(campaign):
@@ -19,21 +23,19 @@ def tell_bad_records(campaign):
     from bladeroot import artifacts
     from bladeroot.report.bad_records import told
 
-    made = [
-        Path("results", campaign, f"{stage}.nc") for stage in ("stick", "integrity")
-    ]
-    if all(stage.is_file() for stage in made):
-        for line in told(*map(artifacts.load, made)):
+    stages = [campaign / f"{stage}.nc" for stage in ("stick", "integrity")]
+    if all(stage.is_file() for stage in stages):
+        for line in told(*map(artifacts.load, stages)):
             print(line)
 
 
-def write_timings(path):
+def write_timings(results):
     """One row a rule: jobs, total and longest wall time in seconds, largest memory in MB."""
     stages = {}
-    for file in sorted(Path("results/benchmarks").glob("*/**/*.tsv")):
+    for file in sorted((results / "benchmarks").glob("*/**/*.tsv")):
         with file.open(newline="") as sheet:
             rows = list(csv.DictReader(sheet, delimiter="\t"))
-        stages.setdefault(file.relative_to("results/benchmarks").parts[0], []).extend(
+        stages.setdefault(file.relative_to(results / "benchmarks").parts[0], []).extend(
             rows
         )
     lines = [("rule", "jobs", "total_s", "longest_s", "memory_MB")]
@@ -51,7 +53,7 @@ def write_timings(path):
                 round(max(memory, default=0.0)),
             )
         )
-    with open(path, "w", newline="") as sheet:
+    with open(results / "timings.csv", "w", newline="") as sheet:
         csv.writer(sheet, lineterminator="\n").writerows(lines)
 
 

@@ -4,8 +4,8 @@
 rule theory:
     input:
         stiffness=rules.stiffness.output.stiffness,
-        parameters=ROOT / "resources" / "thesis" / "contact_parameters.csv",
-        published=ROOT / "resources" / "thesis" / "table_5_2.csv",
+        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
+        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         theory="results/{campaign}/theory.nc",
     log:
@@ -13,6 +13,8 @@ rule theory:
     benchmark:
         "results/benchmarks/theory/{campaign}.tsv"
     threads: 1
+    resources:
+        **needs("theory"),
     params:
         code=code("theory"),
     message:

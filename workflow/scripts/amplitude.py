@@ -23,7 +23,7 @@ def main(reduced, parametric, stick, batches, settings, output):
         measured,
         {str(curve.attrs["record"]): curve for curve in curves},
         asked["lasers"],
-        ForceGauge(gauge["full_scale"] * gauge["accuracy"], gauge["accuracy"], gauge["primary"]),
+        ForceGauge(gauge["full_scale_std"], gauge["relative_std"], gauge["primary"]),
         gauge["forces"],
         bias,
         offset,

@@ -3,10 +3,16 @@
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.curves import mean_curves
+from bladeroot.decay.groups import group_differences
 
 
 def main(batches, campaign, output):
-    curves = mean_curves(*(artifacts.load_records(batches, one) for one in ("decay", "plateau")))
+    decays, plateaus = (artifacts.load_records(batches, one) for one in ("decay", "plateau"))
+    curves = mean_curves(decays, plateaus)
+    rejected = [str(one["verdict"].values).startswith("rejected") for one in plateaus]
+    differences = group_differences(decays, rejected)
+    if differences is not None:
+        curves = curves.merge(differences)
     curves.attrs["campaign"] = campaign
     artifacts.save(curves, output)
 

@@ -20,9 +20,7 @@ def main(parametric, stick, model, settings, output):
         {mode: percent / 100 for mode, percent in asked[name].items()}
         for name in ("fe_bias_percent", "fe_offset_percent")
     )
-    stated = ForceGauge(
-        gauge["full_scale"] * gauge["accuracy"], gauge["accuracy"], gauge["primary"]
-    )
+    stated = ForceGauge(gauge["full_scale_std"], gauge["relative_std"], gauge["primary"])
     found = joint(
         artifacts.load(parametric),
         measured,

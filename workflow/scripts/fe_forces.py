@@ -11,7 +11,7 @@ from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 def main(stick, settings, output):
     measured = artifacts.load(stick)
     facts = json.loads(settings)
-    gauge = ForceGauge(facts["full_scale"] * facts["accuracy"], facts["accuracy"], facts["primary"])
+    gauge = ForceGauge(facts["full_scale_std"], facts["relative_std"], facts["primary"])
     artifacts.save(
         fe_forces(measured, np.array(facts["forces"]), gauge),
         output,
@@ -24,6 +24,6 @@ if __name__ == "__main__":
     run(
         main,
         stick="stick.nc",
-        settings="forces (N), and the gauge's full_scale (N), accuracy and primary reading (JSON)",
+        settings="forces (N), and the gauge's full_scale_std (N), relative_std and primary (JSON)",
         output="fe_forces.nc",
     )

@@ -1,5 +1,7 @@
 """Figures of the records: cuts, spectra, curves over amplitude, and their maps over force."""
 
+from pathlib import Path
+
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
@@ -13,9 +15,14 @@ from bladeroot.figures.style import svg
 def main(batches, curves, folder):
     decays = artifacts.load_records(batches, "decay")
     found = {decay.attrs["record"]: decay for decay in decays}
-    shown, not_shown = record_figures.worth_showing(
-        artifacts.load_records(batches, "records"), found
+    told, not_shown = record_figures.worth_showing(
+        artifacts.load_records(batches, "records", without=("velocity", "time")), found
     )
+    samples = Path(batches[0]).parents[1] / "records"
+    shown = [
+        artifacts.load(samples / f"{record.attrs['record']}.nc").assign_attrs(record.attrs)
+        for record in told
+    ]
     mean = artifacts.load(curves)
     spectra = [
         before_and_after(

@@ -6,8 +6,9 @@ from bladeroot.decay.judgement import judgement
 
 
 def main(batches, campaign, output):
-    stages = ("records", "decay", "plateau")
-    judged = judgement(*(artifacts.load_records(batches, stage) for stage in stages))
+    records = artifacts.load_records(batches, "records", without=("velocity", "time"))
+    others = (artifacts.load_records(batches, stage) for stage in ("decay", "plateau"))
+    judged = judgement(records, *others)
     judged.attrs["campaign"] = campaign
     artifacts.save(judged, output)
 

@@ -18,7 +18,7 @@ def main(parametric, stick, settings, output):
     found = joint(
         artifacts.load(parametric),
         measured,
-        ForceGauge(gauge["full_scale"] * gauge["accuracy"], gauge["accuracy"], gauge["primary"]),
+        ForceGauge(gauge["full_scale_std"], gauge["relative_std"], gauge["primary"]),
         gauge["forces"],
         bias,
         offset,

@@ -15,10 +15,10 @@ def main(
     shortfalls, figures, thesis, facts, output,
 ):  # fmt: skip
     known = json.loads(facts)
-    structures = known["description"]["structure"]
+    structures = known["structures"]
     names = ["stick"] + ["fe_forces", "stiffness", "theory"] * bool(structures)
     names += ["score"] * known["simulated"]
-    names += ["integrity"] * (known["entry"] == "records")
+    names += ["integrity", "curves"] * (known["entry"] == "records")
     names += ["ledger"] * (known["description"].get("published") == "thesis")
     published, errata = thesis
     searched = [

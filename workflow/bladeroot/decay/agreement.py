@@ -22,7 +22,8 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
     stretches that do not overlap. What cancels over a record, or is short, shows in the stretch
     where the two differ most. Both methods see the same noise, and the difference of an
     efficient estimate and a less efficient one has at most the variance of the latter (Hausman
-    1978): the error of FREEVIB is not added. The difference is reported, nothing is rejected.
+    1978), but FREEVIB's errors know also of what was taken off: both are added. The difference is
+    reported, nothing is rejected.
 
     Args:
         curves: variables of dim point as from `freevib`.
@@ -84,7 +85,9 @@ def _difference(
     at, window = at[both], peaks["pff_window"].values[both]
     ours = _mean_around(time, curves[name].values, at, 0.25 * window)
     ratio = peaks[f"pff_{name}"].values[both] / ours
-    scatter = np.hypot(peaks[f"pff_{name}_std"].values[both] / np.abs(ours), FLOOR[name])
+    own_std = np.interp(at, time, curves[f"{name}_std"].values)
+    both_std = np.hypot(peaks[f"pff_{name}_std"].values[both], own_std)
+    scatter = np.hypot(both_std / np.abs(ours), FLOOR[name])
     part = np.minimum(np.gradient(at) / window, 1.0)  # of a stretch
     weight = part / scatter**2
     # a median scatters more than a mean by the square root of pi / 2

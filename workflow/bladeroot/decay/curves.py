@@ -1,6 +1,6 @@
 """Frequency and damping over amplitude at each force: the curves of all its records as one."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.special import stdtrit
 
 from bladeroot.decay.components import QUANTILE_95
 from bladeroot.decay.settling import unsettled
+from bladeroot.loads import load_attrs, load_facts_of, value_of
 
 CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
 KINDS = {
@@ -24,7 +25,7 @@ KINDS = {
 def mean_curves(
     decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset], points_a_decade: int = 40
 ) -> xr.Dataset:
-    """The mean curve of each mode and force, on one ladder of amplitudes.
+    """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
@@ -37,26 +38,27 @@ def mean_curves(
     them later (`settling`) are left out.
 
     Returns:
-        dims level (mode, force) and amplitude (m): frequency (Hz) and loss_factor with their
-        standard errors, with and without that of the levels (`_std`, `_change_std`), and the
-        scatter between records, levels included (NaN for one record alone); `records`,
+        dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
+        with their standard errors, with and without that of the levels (`_std`, `_change_std`), and
+        the scatter between records, levels included (NaN for one record alone); `records`,
         how many reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
+    facts = load_facts_of(decays)
     decays = [
         decay
         for decay, plateau in zip(decays, plateaus, strict=True)
         if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
     ]
-    level_of = [(str(d.attrs["mode"]), float(d.attrs["force_N"])) for d in decays]
+    level_of = [_level_of(decay.attrs) for decay in decays]
     levels = sorted(set(level_of))
     ladder = ladder_of(decays, points_a_decade)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
     count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
     unknown = []
-    for mode in dict.fromkeys(mode for mode, _ in levels):
-        rows = [k for k, own in enumerate(levels) if own[0] == mode]
-        here = [decay for decay, own in zip(decays, level_of, strict=True) if own[0] == mode]
-        level = np.unique([decay.attrs["force_N"] for decay in here], return_inverse=True)[1]
+    for kind in dict.fromkeys(_kind(own) for own in levels):
+        rows = [k for k, own in enumerate(levels) if _kind(own) == kind]
+        here = [d for d, own in zip(decays, level_of, strict=True) if _kind(own) == kind]
+        level = np.unique([value_of(decay.attrs) for decay in here], return_inverse=True)[1]
         start = np.array([float(decay["amplitude"].max()) for decay in here])
         read = {
             name: np.array([on_ladder(decay, name, ladder) for decay in here])
@@ -78,7 +80,7 @@ def mean_curves(
             *found, repeated = _means(read[name], read[f"{name}_std"], _holds(here, level), level)
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
-        unknown += [] if repeated else [mode]
+        unknown += [] if repeated else [kind[0]]
     curves = xr.Dataset(
         {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
         coords={
@@ -86,16 +88,16 @@ def mean_curves(
                 "amplitude", ladder,
                 {"units": "m", "long_name": "displacement amplitude at the sensor"},
             ),
-            "mode": ("level", [mode for mode, _ in levels], {"units": "", "long_name": "mode"}),
-            "force": (
-                "level", [force for _, force in levels],
-                {"units": "N", "long_name": "axial force"},
-            ),
+            "mode": ("level", _strings(levels, 0), {"units": "", "long_name": "mode"}),
+            "force": ("level", [own[1] for own in levels], load_attrs(facts)),
+            "group": ("level", _strings(levels, 2), {"units": "", "long_name": "group"}),
+            "sensor": ("level", _strings(levels, 3), {"units": "", "long_name": "sensor"}),
         },
-        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)},
+        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0),
+               **facts},
     )  # fmt: skip
     for name in CURVES if unknown else ():
-        text = f"; clamping scatter of {', '.join(unknown)} unknown: a lower bound"
+        text = f"; clamping scatter of {', '.join(dict.fromkeys(unknown))} unknown: a lower bound"
         curves[f"{name}_std"].attrs["long_name"] += text
     return curves.assign(
         records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
@@ -105,6 +107,21 @@ def mean_curves(
             {"units": "1", "long_name": "records whose first cycles are left out"},
         ),
     )
+
+
+def _level_of(attrs: Mapping) -> tuple[str, float, str, str]:
+    """Mode, load, group and sensor: an amplitude is one at a sensor, and groups are no repeats."""
+    own = (str(attrs.get(name, "")) for name in ("group", "sensor"))
+    return str(attrs["mode"]), value_of(attrs), *own
+
+
+def _kind(level: tuple[str, float, str, str]) -> tuple[str, str, str]:
+    """What levels that share their scatter have in common: all but the load."""
+    return level[0], level[2], level[3]
+
+
+def _strings(levels: Sequence[tuple], k: int) -> ndarray:
+    return np.array([own[k] for own in levels], dtype=str)
 
 
 def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
@@ -164,7 +181,7 @@ def _means(
     weight = 1.0 / (variance + _grouped(value, variance, force).scatter)
     level = np.empty(force.size)
     for one in range(force.max() + 1):
-        level[force == one] = _levels(value[force == one], weight[force == one])
+        level[force == one] = levels_of(value[force == one], weight[force == one])
     with np.errstate(divide="ignore"):
         level_std = (1.0 / variance).sum(axis=1) ** -0.5
     middle, middle_std, apart, repeated = _middle(level[:, None], level_std[:, None], hold, force)
@@ -178,7 +195,7 @@ def _means(
     return mean + middle, np.hypot(change_std, middle_std), change_std, scatter, repeated
 
 
-def _levels(
+def levels_of(
     value: Float[ndarray, "record amplitude"], weight: Float[ndarray, "record amplitude"]
 ) -> Float[ndarray, " record"]:
     """How far each record lies above the others: least squares of record + amplitude.

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.agreement import compare
+from bladeroot.decay.band import in_band
 from bladeroot.decay.error_bounds import published
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.pff import no_peaks, peak_fit
@@ -12,13 +13,19 @@ from bladeroot.decay.thesis import thesis_freevib
 ESTIMATORS = {"blocks": freevib, "thesis": thesis_freevib}
 
 
-def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hysteretic") -> xr.Dataset:
+def estimate(
+    cut: xr.Dataset,
+    estimator: str = "blocks",
+    damping: str = "hysteretic",
+    band_Hz: tuple[float, float] | None = None,
+) -> xr.Dataset:
     """Curves of a record with its peaks beside them and their differences.
 
     Args:
         cut: free decay as from `records.cut.cut`, with `expected_Hz` in its attributes.
         estimator: "blocks" (`freevib`) or "thesis" (`thesis_freevib`).
         damping: law of damping, "hysteretic" or "viscous".
+        band_Hz: a person's band, outside which nothing counts.
 
     Returns:
         Variables of `freevib`, `peak_fit` and `compare`, and the bounds of Appendix F; attributes
@@ -29,18 +36,32 @@ def estimate(cut: xr.Dataset, estimator: str = "blocks", damping: str = "hystere
     facts = dict(cut.attrs)
     curves, peaks = no_decay(), no_peaks()
     if facts["verdict"] == "usable":
-        usable = cut["usable"].values.astype(bool)
+        velocity, usable = cut["velocity"].values.astype(float), cut["usable"].values.astype(bool)
+        if band_Hz is not None:
+            try:
+                velocity, lost = in_band(
+                    velocity, facts["sampling_Hz"], band_Hz, facts["expected_Hz"]
+                )
+            except ValueError as error:
+                rejected = cut.assign_attrs(verdict="rejected", reason=str(error))
+                return estimate(rejected, estimator, damping)
+            usable = usable.copy()
+            usable[:lost] = usable[velocity.size - lost :] = False
         first = int(np.argmax(usable))  # a start that is masked is no part of the decay
         begin_s = first / facts["sampling_Hz"]
         record = (
-            cut["velocity"].values[first:].astype(float),
+            velocity[first:],
             facts["sampling_Hz"],
             facts["expected_Hz"],
             facts["noise_velocity"],
         )
         options = {"damping": damping, "usable": usable[first:]}
+        ours = dict(options)
+        if estimator == "blocks" and "widening" in cut:
+            time = cut["widening_time"].values - begin_s
+            ours["widening"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
-            curves = _later(ESTIMATORS[estimator](*record, **options), begin_s)
+            curves = _later(ESTIMATORS[estimator](*record, **ours), begin_s)
             peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
             facts |= {"verdict": "rejected", "reason": str(error)}

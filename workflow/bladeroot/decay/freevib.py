@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from bladeroot.decay.alone import alone
 from bladeroot.decay.smooth import Spline
-from bladeroot.decay.track import follow
+from bladeroot.decay.track import Taken, follow
 
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
@@ -37,6 +37,7 @@ def freevib(
     points: int = 500,
     usable: Bool[ndarray, " sample"] | None = None,
     damping: str = "hysteretic",
+    widening: Taken | None = None,
 ) -> xr.Dataset:
     """Frequency and loss factor as functions of displacement amplitude from a free decay.
 
@@ -58,6 +59,8 @@ def freevib(
         points: largest number of points of the curves.
         usable: False where a sample has no weight (a gap is bridged, with larger errors).
         damping: "hysteretic" or "viscous".
+        widening: for what was taken off before: times (s), factors by which a cycle's standard
+            error is larger there than noise makes it, and an error to add.
 
     Returns:
         Dataset with dim `point` (the curves, in time order, with standard errors) and dim `block`
@@ -75,7 +78,7 @@ def freevib(
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
     velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
-    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable)
+    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable, widening)
     others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
     first, last = _trusted(blocks.std)
     count = min(points, last - first + 1)
@@ -106,6 +109,8 @@ def freevib(
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["other_modes_Hz"] = others
     result.attrs["damping"] = damping
+    if damping == "viscous":
+        result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
     return result
 
 

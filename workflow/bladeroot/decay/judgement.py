@@ -1,15 +1,18 @@
 """What was found wrong in a campaign's records, and how two estimators agree on each."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
 from bladeroot.decay.repeats import unlike_repeats
+from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 
 # Columns of a record's finding table, as `bladeroot.records.integrity` makes it.
 FINDING = {"id": str, "statistic": float, "threshold": float, "consequence": str, "text": str,
            "from_s": float, "to_s": float}  # fmt: skip
+# How far sampling frequencies of one event may lie apart, relative: as those of file and sheet.
+TIME_BASE = 1e-4
 OPINION = (
     "pff_frequency_difference",
     "pff_frequency_difference_z",
@@ -35,7 +38,7 @@ def judgement(
         differences between peak fitting and FREEVIB.
     """
     names = [str(record.attrs["record"]) for record in records]
-    together = _of_repeats(decays, plateaus)
+    together = _of_repeats(decays, plateaus) + _of_events(records)
     columns = {
         f"finding_{name}": np.concatenate(
             [
@@ -59,16 +62,18 @@ def judgement(
     for name in OPINION:
         attrs = decays[0][name].attrs
         made[name] = ("record", np.array([decay[name].item() for decay in decays]), attrs)
+    load = load_facts_of(records)
+    about = load_attrs(load)
     facts = {
         "mode": ("mode", "", [str(record.attrs["mode"]) for record in records]),
-        "force": ("axial force", "N", [float(record.attrs["force_N"]) for record in records]),
+        "force": (about["long_name"], about["units"], [value_of(r.attrs) for r in records]),
         "verdict": ("usable or rejected", "", [str(decay.attrs["verdict"]) for decay in decays]),
         "masked": ("part of the samples without weight", "1", [_masked(r) for r in records]),
     }
     for name, (text, units, values) in facts.items():
         made[name] = ("record", np.array(values), {"units": units, "long_name": text})
     simulated = max(int(record.attrs["simulated"]) for record in records)
-    return xr.Dataset(made, coords={"record": names}, attrs={"simulated": simulated})
+    return xr.Dataset(made, coords={"record": names}, attrs={"simulated": simulated, **load})
 
 
 def _of_repeats(
@@ -79,12 +84,40 @@ def _of_repeats(
     for k, apart, allowed in unlike_repeats(decays, plateaus):
         facts = plateaus[k].attrs
         text = (
-            f"lies {100.0 * apart:+.2f} % from the other records of mode {facts['mode']} at "
-            f"{facts['force_N'] / 1e3:g} kN (in hold {facts['hold']}): sampling rate, mode or "
-            "force wrong? It counts all the same; column exclude of records.csv leaves it out"
+            f"lies {100.0 * apart:+.2f} % from the other records of mode {facts['mode']}"
+            f"{at_load(facts)} (in hold {facts['hold']}): sampling rate, mode or "
+            f"{_wrong(facts)} wrong? It counts all the same; column exclude of records.csv leaves "
+            "it out"
         )
         values = ("unlike-repeats", abs(apart), allowed, "warn", text, np.nan, np.nan)
         found.append((k, dict(zip(FINDING, values, strict=True))))
+    return found
+
+
+def _wrong(facts: Mapping) -> str:
+    """What may be wrong with a record's load, in a word; another group where there is no load."""
+    name = shown(facts)[2]
+    return ("force" if name == AXIAL_FORCE else name) or "group"
+
+
+def _of_events(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records of one event, which is one motion, in another time base."""
+    first: dict[str, int] = {}
+    found = []
+    for k, record in enumerate(records):
+        event = str(record.attrs.get("event", ""))
+        if not event or not np.isfinite(rate := float(record.attrs["sampling_Hz"])):
+            continue
+        own = first.setdefault(event, k)
+        apart = abs(rate / float(records[own].attrs["sampling_Hz"]) - 1.0)
+        if apart > TIME_BASE:
+            text = (
+                f"event {event} is one motion, but it is sampled at {rate:.9g} Hz here and at "
+                f"{float(records[own].attrs['sampling_Hz']):.9g} Hz in record "
+                f"{records[own].attrs['record']}: another event, or a wrong sampling_Hz?"
+            )
+            values = ("event-time-base", apart, TIME_BASE, "warn", text, np.nan, np.nan)
+            found.append((k, dict(zip(FINDING, values, strict=True))))
     return found
 
 

@@ -7,8 +7,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.compiled import njit
-from bladeroot.decay.banded import factored, inverse_band, solved
 from bladeroot.decay.bsplines import derivative_rows
+from bladeroot.records.banded import factored, inverse_band, solved
 
 DEGREE = 5
 ORDER = 3

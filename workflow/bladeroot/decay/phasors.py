@@ -204,7 +204,7 @@ def unleaked(
             for pair in pairs
         )
         # in the noise there is no rate
-        seen = power > CLEAR**2 * 2 * reach * frames.std**2
+        seen = (power > CLEAR**2 * 2 * reach * frames.std**2) & (advance != 0.0)
         advance = np.where(seen, advance, 1.0) / np.where(seen, power, 1.0)
         term = theirs * np.where(seen, np.log(advance) / step.min() - other.real, 0.0)
         direct, mirrored = frames.taken[:, k]
@@ -275,7 +275,7 @@ def gather(
     share = std * np.exp(-guess.real)
     edges = _edges(share, guess.real, target, -(-time.size // most))
     stop = edges[-1]
-    if stop == 0:
+    if stop <= 0:  # nothing, or errors that are no numbers
         raise ValueError("expected a mode that stands out of the noise, got none from the start")
     starts = edges[:-1]
     weight = share[:stop] ** -2.0

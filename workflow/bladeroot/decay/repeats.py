@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from bladeroot.decay.curves import ladder_of, on_ladder
+from bladeroot.loads import value_of
 
 # Set on drawn campaigns (benchmarks/repeats.py): the clampings of a force are few, so the usual
 # distance is known roughly, and clampings scatter more where the force is small.
@@ -34,8 +35,13 @@ def unlike_repeats(
     records has none, of the curves at the amplitudes that both reach.
     """
     found = []
-    modes = np.array([str(plateau.attrs["mode"]) for plateau in plateaus])
-    force = np.array([float(plateau.attrs["force_N"]) for plateau in plateaus])
+    # amplitudes are those at a sensor, and groups are no repeats of each other
+    kinds = [
+        tuple(str(plateau.attrs.get(name, "")) for name in ("mode", "group", "sensor"))
+        for plateau in plateaus
+    ]
+    modes = np.array(["\n".join(kind) for kind in kinds])
+    force = np.array([value_of(plateau.attrs) for plateau in plateaus])
     hold = np.array([str(plateau.attrs["hold"]) for plateau in plateaus])
     for mode in np.unique(modes):
         mine = np.flatnonzero(modes == mode)

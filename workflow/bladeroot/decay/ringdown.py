@@ -8,15 +8,18 @@ import xarray as xr
 
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import record_plateau
-from bladeroot.records.cut import cut, rejected
-from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.cut import rejected
+from bladeroot.records.free_decay import free_decay
+from bladeroot.records.integrity import judge
+from bladeroot.records.overrides import kept, overruled, with_override
 from bladeroot.records.read import read
-from bladeroot.records.recording import Recording, velocity
+from bladeroot.records.recording import Recording
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
-# What the sheet says of a record, for all who read its artifacts.
-FACTS = ("record", "mode", "expected_Hz", "force_N", "hold", "direction")
+# What the sheet says of a record, for all who read its artifacts; what it does not is left out.
+FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
+         "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
 
 
 def ringdown(
@@ -27,7 +30,8 @@ def ringdown(
     Args:
         raw: its file.
         known: what the sheet says of it (SAID and FACTS), with `other_modes_Hz`, the expected
-            frequencies of the campaign's other modes, and `simulated`.
+            frequencies of the campaign's other modes, `simulated`, and what a person overrules
+            (`bladeroot.records.overrides`).
         cutting: section `record` of the configuration, as of `bladeroot.records.cut.cut`.
         estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
 
@@ -44,12 +48,10 @@ def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of a recording in SI units, for which `known` need not hold SAID."""
-    expected = known["expected_Hz"]
-    motion = velocity(recording, expected)
-    clear = bridged(motion, recording.sampling_Hz, expected)
-    decay = cut(clear, recording.sampling_Hz, expected, **cutting)
     others = tuple(known["other_modes_Hz"])
-    decay = judge(decay, motion, expected, others, recording.notes, recording)
+    window = known.get("start_s"), known.get("end_s")
+    decay = free_decay(recording, known["expected_Hz"], others, **cutting, window=window)
+    decay = kept(decay) if known.get("keep") else decay
     return _with_curves(decay, known, estimation)
 
 
@@ -64,7 +66,8 @@ def not_analysed(
 def _with_curves(
     decay: xr.Dataset, known: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    decay.attrs |= {name: known[name] for name in FACTS}
+    decay = with_override(decay, overruled(known))
+    decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
     decay.attrs["simulated"] = int(known["simulated"])
-    curves = estimate(decay, **estimation)
+    curves = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
     return decay, curves, record_plateau(curves)

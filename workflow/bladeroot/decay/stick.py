@@ -1,6 +1,6 @@
 """Stick frequencies of a campaign: per record, and pooled per mode and axial force (3.20, 3.21)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +9,10 @@ import xarray as xr
 from numpy import ndarray
 
 from bladeroot.decay.components import Pooled, pool
+from bladeroot.decay.events import by_event
 from bladeroot.decay.record import RECORD
 from bladeroot.decay.scatter_of_table import FEWEST, scatter_about_law
+from bladeroot.loads import load_attrs, load_facts_of, value_of
 
 LEVEL = {
     "frequency": (
@@ -35,6 +37,7 @@ LEVEL = {
     "records": ("1", "number of records used", ""),
     "holds": ("1", "number of holds (clampings) among them", ""),
 }
+TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
 COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
 TABLE_ERRORS = ("stated", "scatter")
 TABLE_COLUMNS = (
@@ -45,8 +48,9 @@ TABLE_COLUMNS = (
 def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stick frequency and damping of every record, and of every mode at every force.
 
-    Each plateau (`bladeroot.decay.record`) carries `mode`, `force_N` and optionally `record`,
-    `hold` and `direction` in its attributes. Records at exactly one force are pooled
+    Each plateau (`bladeroot.decay.record`) carries `mode`, its load and optionally `record`,
+    `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
+    records of one event are one motion (`bladeroot.decay.events`). Records at one force are pooled
     (`bladeroot.decay.components`): the unit of replication is the hold (one clamping), records
     without one are holds of their own, and what a mode's records and holds scatter is told from all
     its forces. Where loading up and down both occur, the frequency is that between them and their
@@ -63,20 +67,18 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
             {
                 "record": str(attrs.get("record", len(rows) + 1)),
                 "mode": str(attrs["mode"]),
-                "force": float(attrs["force_N"]),
-                "hold": _text(attrs.get("hold", "")),
-                "direction": _text(attrs.get("direction", "")),
+                "force": value_of(attrs),
+                **{name: _text(attrs.get(name, "")) for name in TEXTS},
                 "verdict": str(found["verdict"].item()),
                 **{name: float(found[name]) for name in RECORD},
             }
         )
-    frame = pd.DataFrame(
-        rows, columns=["record", "mode", "force", "hold", "direction", "verdict", *RECORD]
-    )
+    frame = pd.DataFrame(rows, columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
     used = frame[frame["plateau_reached"] == 1]
-    rows = [row for mode, of_mode in used.groupby("mode", sort=True) for row in _levels(of_mode)]
-    levels = pd.DataFrame(rows, columns=["mode", "force", *LEVEL])
-    result = _dataset(frame, levels)
+    kinds = used.groupby(["mode", "group"], sort=True)
+    rows = [row for _, of_kind in kinds for row in _levels(by_event(of_kind))]
+    levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL])
+    result = _dataset(frame, levels, load_facts_of(plateaus))
     forces = levels[levels["hold_freedom"] == 0].groupby("mode").size()
     unknown = ", ".join(forces.index[forces < FEWEST])
     for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
@@ -86,14 +88,17 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     return result
 
 
-def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
+def stick_from_table(
+    table: pd.DataFrame, error: str = "stated", load: Mapping[str, str] | None = None
+) -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
     A table tells nothing of the scatter between records or holds at one force, but its rows scatter
     about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
     which counts both (`bladeroot.decay.scatter_of_table`), and with them by mode how many times
     the scatter exceeds the printed errors; `error`, one of `TABLE_ERRORS`, is the one that
-    `frequency_std` and `loss_factor_std` go on with. Onset amplitudes are unknown (NaN).
+    `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is none.
+    Onset amplitudes are unknown (NaN).
 
     Raises:
         ValueError: a column is missing, a number is not positive, or a mode has a force twice.
@@ -132,10 +137,9 @@ def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
             "records": 1, "holds": 1, "record_freedom": 0, "hold_freedom": 0,
         }
     )  # fmt: skip
-    empty = pd.DataFrame(
-        columns=["record", "mode", "force", "hold", "direction", "verdict", *RECORD]
-    )
-    result = _dataset(empty, levels.reindex(columns=["mode", "force", *LEVEL]))
+    empty = pd.DataFrame(columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
+    levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL])
+    result = _dataset(empty, levels, load or {})
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
     result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
@@ -186,7 +190,7 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
         value, std = (here[f"stick_frequency{end}"].to_numpy(float) for end in ("", "_std"))
         levels.append(
             {
-                "mode": here["mode"].iloc[0], "force": force,
+                "mode": here["mode"].iloc[0], "force": force, "group": here["group"].iloc[0],
                 "frequency": frequency.mean[number], "frequency_std": frequency.std[number],
                 "within_std": float(np.sqrt((std**2).sum()) / std.size),
                 "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
@@ -200,7 +204,7 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
                 "loss_factor": loss.mean[found[0]] if found.size else np.nan,
                 "loss_factor_std": loss.std[found[0]] if found.size else np.nan,
                 "onset_amplitude": onset, "onset_amplitude_std": onset_std,
-                "records": len(here), "holds": _units(here).nunique(),
+                "records": int(here["seen_by"].sum()), "holds": _units(here).nunique(),
             }
         )  # fmt: skip
     return levels
@@ -259,19 +263,19 @@ def _text(value: object) -> str:
     return "" if text.lower() == "nan" else text
 
 
-def _dataset(records: pd.DataFrame, levels: pd.DataFrame) -> xr.Dataset:
+def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str]) -> xr.Dataset:
     """Levels under plain names; a record's variables of the same name under record_<name>."""
-    result = xr.Dataset(coords={"record": _strings(records["record"])})
-    for name in ("hold", "direction", "verdict"):
+    result = xr.Dataset(coords={"record": _strings(records["record"])}, attrs=load)
+    for name in ("hold", "direction", "event", "sensor", "verdict"):
         result[name] = ("record", _strings(records[name]), {"units": "", "long_name": name})
+    for name, dim, frame in (("record_group", "record", records), ("group", "level", levels)):
+        result[name] = (dim, _strings(frame["group"]), {"units": "", "long_name": "group"})
     for dim, frame, table in (("record", records, RECORD), ("level", levels, LEVEL)):
         names = {name: f"record_{name}" if dim == "record" else name for name in ("mode", "force")}
         result[names["mode"]] = (
             dim, _strings(frame["mode"]), {"units": "", "long_name": "name of the mode"}
         )  # fmt: skip
-        result[names["force"]] = (
-            dim, frame["force"].to_numpy(float), {"units": "N", "long_name": "axial force"}
-        )  # fmt: skip
+        result[names["force"]] = (dim, frame["force"].to_numpy(float), load_attrs(load))
         for name, (units, long_name, source) in table.items():
             key = f"record_{name}" if dim == "record" and name in LEVEL else name
             kind = int if name in COUNTS else float

@@ -27,6 +27,8 @@ from bladeroot.decay.rough import cut_frames, parts, roughly
 from bladeroot.decay.scatter import noise_ratio, without_knocks
 from bladeroot.decay.smooth import Spline, coarse, fine
 
+# Of what was taken off before: times (s), factor of a phasor's standard error, and one to add.
+Taken = tuple[Float[ndarray, " knot"], Float[ndarray, " knot"], Float[ndarray, " knot"]]
 # A first block belongs to the blow where ln A + i phase bends so many times more than after it.
 STRUCK = 8.0
 # Most cycles in a frame.
@@ -39,6 +41,7 @@ def follow(
     band_Hz: tuple[float, float],
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
+    widening: Taken | None = None,
 ) -> tuple[Phasors, Spline, list[float]]:
     """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
     duration = velocity.size / sampling_Hz
@@ -52,7 +55,7 @@ def follow(
     over = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
     if over is not None:
         usable = None if usable is None else usable[:over]
-        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable)
+        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable, widening)
     found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
     others = [other for other in found if _apart(other, own_Hz)]
     near = [other for other in found if not _apart(other, own_Hz)]
@@ -79,12 +82,12 @@ def follow(
         frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
         _, rate, change = _logs(fit, np.clip(frames.time, blocks.time[0], blocks.time[-1]))
         frames = unleaked(frames, rates, rate, change)
-    blocks = _gathered(frames, blocks, fit)
+    blocks = _gathered(frames, blocks, fit, widening)
     before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
         if _as_known(blocks, before, fit):
             break
-        before, blocks = fit, _gathered(frames, blocks, fit)
+        before, blocks = fit, _gathered(frames, blocks, fit, widening)
         fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
@@ -155,7 +158,12 @@ def _apart(other_Hz: float, own_Hz: tuple[float, float], cycles: float = 3.0) ->
     return min(gap, other_Hz) * cycles > 0.9 * own_Hz[1]
 
 
-def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
+def _gathered(
+    frames: Frames,
+    known: Phasors,
+    fit: Spline,
+    widening: Taken | None,
+) -> Phasors:
     """Blocks of the frames, freed of what the mode does within them, with errors as they scatter.
 
     known: blocks to which the spline `fit` reaches; beyond them it goes on as a straight line.
@@ -179,6 +187,11 @@ def _gathered(frames: Frames, known: Phasors, fit: Spline) -> Phasors:
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
     off = parts(miss)
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
+    if widening is not None:
+        time, factor, doubt = widening
+        std = np.hypot(
+            std * np.interp(blocks.time, time, factor), np.interp(blocks.time, time, doubt)
+        )
     # a clock and a digitiser are never better than a millionth of a radian
     std = np.hypot(std, 1e-6)
     doubted = without_knocks(off, std)

@@ -11,8 +11,9 @@ from bladeroot.diagnosis import curve_model, damping_model, stick_model
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.gaussian import Fit, Problem
-from bladeroot.diagnosis.stick_model import Simulation, StickData
-from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.stick_model import StickData
+from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]
 # Length of the competitor's Ornstein-Uhlenbeck kernels: of ln F, and of the campaign's time.
@@ -25,7 +26,7 @@ class Channel:
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
-    "hold", the number of the part that each datum belongs to.
+    "hold", the number of the part that each datum belongs to. records: of stick frequencies.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Channel:
     candidates: tuple[Mechanism, ...]
     smooth: Callable[[Fit], dict[str, Kernels]]
     part: dict[str, Int[ndarray, " datum"]]
+    records: Records | None = None
 
 
 def stick_channel(
@@ -43,10 +45,13 @@ def stick_channel(
     return Channel(
         "stick",
         lambda mechanisms, extra: stick_model.problem(data, simulated, mechanisms, extra),
-        3 + 2 * len(data.modes),
-        _possible(candidates, "stick", data),
-        lambda fitted: _smooth(data, 3e-4) | _contact(data, fitted),
+        simulated.of_records(data.records, data.hold, data.rounding).prior.mean.size,
+        tuple(one for one in _possible(candidates, "stick", data) if not simulated.silent(one)),
+        lambda fitted: (
+            _smooth(data, 3e-4) | (_contact(data, fitted) if simulated.knows_contact else {})
+        ),
         _parts(data),
+        data.records,
     )
 
 
@@ -97,10 +102,16 @@ def _known(data: StickData) -> dict[str, bool]:
     }
 
 
-def not_judged(candidates: Sequence[Mechanism], data: StickData) -> str:
-    """A line on what the campaign does not say of its records and what follows, or ""."""
+def not_judged(
+    candidates: Sequence[Mechanism], data: StickData, simulated: Simulation | None = None
+) -> str:
+    """A line on what the campaign, or the simulation, cannot speak of and what follows, or ""."""
     known = _known(data)
-    lines = []
+    silent: dict[str, list[str]] = {}
+    for one in candidates if simulated is not None else ():
+        if one.channel == "stick" and (why := simulated.silent(one)):
+            silent.setdefault(why, []).append(one.id)
+    lines = [f"{', '.join(names)} not judged: {why}" for why, names in silent.items()]
     for names, lack in ((("time", "since"), "times"), (("sign",), "directions")):
         missing = [
             one.id for one in candidates if any(n in one.over and not known[n] for n in names)
@@ -125,12 +136,17 @@ def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
         return same * np.exp(-np.abs(values[:, None] - values) / length)
 
     found = {"force": [(along(np.log(records.force), _FORCE), size)]}
+    if np.unique(records.force).size == 1 and data.group is not None:
+        found = {}  # one condition: nothing runs with the load
     if data.time_known and records.span > 0.0:
         # Of the holds: what changes from hold to hold says nothing of records of one.
         found["time"] = [(along(records.time - records.since, _TIME * records.span), size)]
     if data.time_known and records.hold_span > 0.0:
         share = records.since / records.hold_span
         found["time in a hold"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
+    if data.group is not None:
+        alike = (data.group[:, None] == data.group).astype(float)
+        found["group"] = [(same * alike, size)]
     if data.direction_known:
         found["direction"] = [(same * np.outer(records.sign, records.sign), size)]
     return found

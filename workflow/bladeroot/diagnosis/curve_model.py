@@ -1,8 +1,8 @@
 """Frequency and damping over amplitude: what the baseline leaves, level by level.
 
-A level is a mode at a force. From each record its own plateau is taken off, what is left is
-averaged over the level's records; each level keeps a free offset. The baseline has no slip, or
-that of the simulation that it is given.
+A level is a mode at a force in one group. From each record its own plateau is taken off, what is
+left is averaged over the level's records; each level keeps a free offset. The baseline has no slip,
+or that of the simulation that it is given.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,9 @@ from bladeroot.mechanisms.mechanism import Mechanism, Points
 
 SPACING = 5  # ladder's points between those that are used
 REACH = 10.0**2.5  # from the largest amplitude of a level down
-OFFSET = 2e-3  # free offset of a level, of ln f and of the loss factor
+# Free offset of a level, of ln f and of the loss factor, where records reach their plateau and
+# where none does and the curves begin anywhere.
+OFFSET, LOOSE = 2e-3, 2e-2
 LN_A_LENGTH, LN_F_LENGTH = 1.0, 0.8  # of a law's own errors
 # What the analysis of records is trusted to at best, of ln f and of the loss factor.
 BEST = (1e-6, 5e-6)
@@ -33,8 +35,9 @@ QUANTITIES = ("frequency", "loss_factor")
 class CurveData:
     """Points of all levels, first ln f, then the loss factor of the same.
 
-    value: excess over the plateau, less the baseline's. noise: covariance by the records' stated
-    errors. level: number of each point's level, force_number: of its force. records: how many.
+    value: excess over the plateau, less the baseline's. noise: covariance by the records' errors,
+    stated and as repeats differ. level: number of each point's level. records: how many. stuck:
+    whether any record of the level has a plateau.
     """
 
     modes: tuple[str, ...]
@@ -43,6 +46,7 @@ class CurveData:
     noise: Float[ndarray, "datum datum"]
     level: Int[ndarray, " point"]
     records: Int[ndarray, " point"]
+    stuck: Bool[ndarray, " point"]
 
     @property
     def quantity(self) -> Int[ndarray, " datum"]:
@@ -74,10 +78,12 @@ def curve_data(
     if not amplitude.size or not use.any():
         return None
     force = seen["force"].values
+    group = seen["group"].values.astype(str) if "group" in seen else np.full(force.size, "")
     blocks, size = [], 0
     for number, name in enumerate(modes):
-        for f in np.unique(force[use & (mode == name)]):
-            rows = np.flatnonzero(use & (mode == name) & (force == f))
+        mine = use & (mode == name)
+        for f, own in sorted(set(zip(force[mine].tolist(), group[mine].tolist(), strict=True))):
+            rows = np.flatnonzero(mine & (force == f) & (group == own))
             block = _level(seen, rows, amplitude)
             if block is not None:
                 blocks.append((number, float(f), *block))
@@ -102,7 +108,8 @@ def curve_data(
     count = np.concatenate([b[5] for b in blocks])
     if baseline is not None:
         value = value - _of_baseline(baseline, points, modes)
-    return CurveData(tuple(modes), points, value, noise, level, count)
+    stuck = np.concatenate([np.full(b[2].size, b[7]) for b in blocks])
+    return CurveData(tuple(modes), points, value, noise, level, count, stuck)
 
 
 def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
@@ -132,6 +139,8 @@ def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
         s = np.where(mask, std[:, chosen], 0.0) / count
         smooth = np.exp(-distance[None] / np.maximum(length, 0.05)[:, None, None])
         covariances.append((s[:, :, None] * s[:, None, :] * smooth).sum(axis=0))
+        more = _beyond(line[:, chosen], std[:, chosen], mask)
+        covariances[-1] += np.outer(more, more) * np.exp(-distance)
     # The error of a record's plateau is a step of the mean where that record begins or ends.
     plateaus = (
         seen["stick_frequency_std"].values[rows] / stuck[0],
@@ -140,7 +149,28 @@ def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
     for own, std in zip(covariances, plateaus, strict=True):
         step = np.nan_to_num(std)[:, None] * mask / count
         own += step.T @ step
-    return amplitude[chosen], means, covariances, count, _plateau_loss(stuck[1], loss, known)
+    reaches = bool(np.isfinite(stuck[0]).any())
+    own_loss = _plateau_loss(stuck[1], loss, known)
+    return amplitude[chosen], means, covariances, count, own_loss, reaches
+
+
+def _beyond(line: ndarray, std: ndarray, mask: ndarray) -> Float[ndarray, " point"]:
+    """Standard error of the mean of repeats by what they differ beyond their stated errors.
+
+    Beside another mode, or after a blow, records are worse than they say, each in its own way.
+    Points of one record have that of the nearest point of several.
+    """
+    count = mask.sum(axis=0)
+    here = np.where(mask, line, 0.0)
+    off = np.where(mask, line - here.sum(axis=0) / count, 0.0)
+    freedom = np.maximum(count - 1, 1)
+    stated = np.where(mask, std**2, 0.0).sum(axis=0) / count
+    more = np.maximum((off**2).sum(axis=0) / freedom - stated, 0.0)
+    several = np.flatnonzero(count > 1)
+    if not several.size:
+        return np.zeros(count.size)
+    nearest = several[np.abs(np.arange(count.size)[:, None] - several).argmin(axis=1)]
+    return np.sqrt(more[nearest] / count)
 
 
 def _plateau_loss(plateau: ndarray, loss: ndarray, known: ndarray) -> float:
@@ -200,7 +230,8 @@ def problem(
     n = data.value.size
     loss = data.quantity == 1
     group = np.concatenate([data.level, data.level + data.level.max() + 1])
-    free = OFFSET**2 * (group[:, None] == group)
+    size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
+    free = size**2 * (group[:, None] == group)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
     kernel = law_kernel(data)
     prior = Prior(

@@ -43,6 +43,8 @@ def damping_data(seen: xr.Dataset, stick: StickData) -> DampingData | None:
         std=stick.std[kept],
         hold=np.unique(stick.hold[kept], return_inverse=True)[1],
         row=stick.row[kept],
+        group=None if stick.group is None else stick.group[kept],
+        shared=None if stick.shared is None else stick.shared[kept],
     )
     return DampingData(here, np.log(loss[kept]), std[kept] / loss[kept])
 

@@ -10,7 +10,7 @@ from numpy import ndarray
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gaussian import Fit
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.verdict import verdict
+from bladeroot.diagnosis.verdict import insufficient, verdict
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 
@@ -30,7 +30,9 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
     parts = [_ranking(made)]
     for found in made.found:
         if found.channel.name == "stick":
-            parts += [_records(made, found), _stiffness(made, found)]
+            parts.append(_records(made, found))
+            if made.simulated.kind == "structure":
+                parts.append(_stiffness(made, found))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))
         else:
@@ -43,6 +45,7 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"]),
         lacks=";".join(made.lacks),
+        insufficient=". ".join(insufficient(made)),
         least_force_N=made.settings.least_force,
     )
 
@@ -147,9 +150,10 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
     for found in made.found:
         step = found.steps[0]
         named = {cause.mechanism.id for cause in found.causes}
+        barred = {**found.known.barred, **found.known.ruled_out}
         for one in found.channel.candidates:
             rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
-                         one.id in named, found.known.barred.get(one.id, "")))  # fmt: skip
+                         one.id in named, barred.get(one.id, "")))  # fmt: skip
         rows += [
             (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
             for name, value in step.smooth.items()

@@ -15,9 +15,12 @@ from bladeroot.diagnosis.channel import (
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
+from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.records import Faulty, faulty_records
-from bladeroot.diagnosis.stick_model import Simulation, StickData
+from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.parametric import parametric
+from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -66,33 +69,30 @@ class Diagnosis:
 
 def diagnose(
     seen: xr.Dataset,
-    model: xr.Dataset,
+    model: xr.Dataset | Simulation,
     settings: Settings,
     candidates: Sequence[Mechanism],
     baseline: xr.Dataset | None = None,
 ) -> Diagnosis:
     """Judge a campaign.
 
-    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`.
+    seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.structure.parametric`, or
+    any other simulation (`bladeroot.diagnosis.simulation`).
     candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
     and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
     """
-    measured = set(seen["mode"].values.astype(str))
-    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
-    simulated = stick_model.simulation(
-        model,
-        modes,
-        [settings.fe_bias[mode] for mode in modes],
-        [settings.fe_offset.get(mode, 0.0) for mode in modes],
-    )
+    seen = one_of_each_event(seen)
+    simulated = _simulation(seen, model, settings)
+    modes = simulated.modes
+    baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
-    lacks = lacking(data)
-    barred = _barred(candidates, settings, data, bool(lacks))
-    known = Known(settings.splits, not lacks, barred)
+    lacks = lacking(data, simulated.kind, simulated.knows_contact)
+    barred = _barred(candidates, data, bool(lacks))
+    known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
     curves = curve_model.curve_data(seen, modes, skip, baseline)
-    nothing = hopeless(data)
+    nothing = hopeless(data, simulated.kind)
     found = []
     if not nothing:
         found.append(search(stick_channel(data, simulated, candidates), known))
@@ -101,19 +101,38 @@ def diagnose(
         found.append(search(damping_channel(damping, candidates), known))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
-        channel = curve_channel(curves, candidates)
+        of_contact = simulated.knows_contact and not nothing
+        tied = _tied(candidates, found[0] if of_contact else None, len(modes))
+        channel = curve_channel(curves, tied)
         why = f"it lacks {' and '.join(curve_lacks)}"
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
-        seen, str(model.attrs["structure"]), settings, known, data, damping, curves, simulated,
+        seen, simulated.structure, settings, known, data, damping, curves, simulated,
         tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
-        not_judged(candidates, data),
+        not_judged(candidates, data, simulated),
     )  # fmt: skip
 
 
+def _simulation(seen: xr.Dataset, model: xr.Dataset | Simulation, settings: Settings) -> Simulation:
+    """The simulation itself, or that of a parametric model for the measured modes."""
+    if not isinstance(model, xr.Dataset):
+        return model
+    measured = set(seen["mode"].values.astype(str))
+    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
+    return parametric(
+        model,
+        modes,
+        [settings.fe_bias[mode] for mode in modes],
+        [settings.fe_offset.get(mode, 0.0) for mode in modes],
+    )
+
+
 def with_lower_forces(
-    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism]
+    seen: xr.Dataset,
+    model: xr.Dataset | Simulation,
+    settings: Settings,
+    candidates: Sequence[Mechanism],
 ) -> Diagnosis | None:
     """The same with the records below the force of full contact; None where there are none."""
     below = seen["force"].values < settings.least_force
@@ -122,19 +141,42 @@ def with_lower_forces(
     return diagnose(seen, model, replace(settings, least_force=0.0), candidates)
 
 
-def _barred(
-    candidates: Sequence[Mechanism], settings: Settings, data: StickData, few: bool
-) -> dict[str, str]:
+def _barred(candidates: Sequence[Mechanism], data: StickData, few: bool) -> dict[str, str]:
     """Mechanisms that the campaign cannot speak of, and why."""
     barred = {}
     for one in candidates:
-        if one.id == "incomplete-contact" and settings.least_force > 0.0:
-            barred[one.id] = "the campaign says that contact is full at the forces used"
-        elif few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
+        if few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
             barred[one.id] = "too few records to tell it from the scatter of clampings"
         elif one.kind == "direction" and not replicated(data):
             barred[one.id] = "no repeated clampings to tell it from their scatter"
     return barred
+
+
+def _ruled_out(settings: Settings) -> dict[str, str]:
+    """Mechanisms that the campaign says are not there, and how."""
+    if settings.least_force > 0.0:
+        return {"incomplete-contact": "the campaign says that contact is full at the forces used"}
+    return {}
+
+
+def _tied(candidates: Sequence[Mechanism], found: Found | None, modes: int) -> list[Mechanism]:
+    """Candidates by each mode's part of energy in the contact springs, mean over the records.
+
+    A frequency's derivative by ln k is half of k's part of the mode's potential energy, which for
+    a stiff contact is as uncertain as k.
+    """
+    if found is None or "gradient" not in found.final.state.facts:
+        return list(candidates)
+    gradient, records = found.final.state.facts["gradient"], found.channel.records
+    if not all((records.mode == m).any() for m in range(modes)):
+        return list(candidates)
+    parts = [2.0 * gradient[records.mode == m, :2].mean(axis=0) for m in range(modes)]
+    energy = {
+        name: [float(np.clip(part[k], 1e-4, 1.0)) for part in parts]
+        for k, name in enumerate(("normal", "tangential"))
+    }
+    doubt = dict(zip(energy, found.final.std[:2].tolist(), strict=True))
+    return [one.tied(energy, doubt) for one in candidates]
 
 
 def _spoiled(seen: xr.Dataset, faulty: Sequence[Faulty]) -> tuple[np.ndarray, str]:

@@ -25,7 +25,7 @@ def model_file(made: Diagnosis) -> dict:
     law, mechanisms = {}, []
     for found in made.found:
         theta, first = found.final.parameters, found.channel.base
-        if found.channel.name == "stick":
+        if found.channel.name == "stick" and made.simulated.kind == "structure":
             law = {
                 "reference_force_N": REFERENCE_FORCE,
                 "kn_N_per_m": float(np.exp(theta[0])),
@@ -40,6 +40,7 @@ def model_file(made: Diagnosis) -> dict:
             mechanisms.append(
                 {
                     "mechanism": cause.mechanism.id,
+                    "form": cause.mechanism.form,
                     "parameters": {
                         p.name: {"value": float(v), "std": float(s), "unit": p.unit}
                         for p, v, s in zip(
@@ -67,7 +68,10 @@ class Extension:
 
 
 def read(document: Mapping, catalogue: Sequence[Mechanism]) -> Extension:
-    """A model file's content. ValueError for a mechanism that the catalogue lacks."""
+    """A model file's content; of a cause without a form the mechanism's first.
+
+    ValueError for a mechanism or a form that the catalogue lacks.
+    """
     by_id = {one.id: one for one in catalogue}
     causes = []
     for entry in document["mechanisms"]:
@@ -76,6 +80,7 @@ def read(document: Mapping, catalogue: Sequence[Mechanism]) -> Extension:
                 f"the extension names {entry['mechanism']!r}, which is not in the catalogue"
             )
         one = by_id[entry["mechanism"]]
+        one = one.of_form(entry.get("form", one.form))
         values = [entry["parameters"][p.name]["value"] for p in one.parameters]
         causes.append((one, np.array(values, float)))
     return Extension(dict(document["contact"]), tuple(causes))

@@ -203,8 +203,12 @@ def _marginal(problem: Problem, at: _Point) -> float:
     curve = slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
     pull = slope.T @ straight
     wide = (at.scales - problem.scales.mean) / problem.scales.std
-    misfit = straight @ straight - pull @ np.linalg.solve(curve, pull) + wide @ wide
-    return float(0.5 * (misfit + at.log_det + np.linalg.slogdet(curve)[1]))
+    misfit = float(straight @ straight - pull @ np.linalg.solve(curve, pull))
+    # A square cannot be negative: where slopes are so steep that rounding makes it so, the straight
+    # model says nothing.
+    if misfit < 0.0:
+        return np.inf
+    return float(0.5 * (misfit + wide @ wide + at.log_det + np.linalg.slogdet(curve)[1]))
 
 
 def fit(problem: Problem, start: ndarray | None = None, scales: ndarray | None = None) -> Fit:

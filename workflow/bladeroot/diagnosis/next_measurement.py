@@ -16,9 +16,9 @@ from numpy import ndarray
 from bladeroot.diagnosis import stick_model
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.families import starts_of
 from bladeroot.diagnosis.gaussian import Fit, best_fit
-from bladeroot.diagnosis.guards import CREDIBLE
-from bladeroot.diagnosis.naming import Found, prepared
+from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
@@ -52,8 +52,8 @@ def next_measurements(made: Diagnosis) -> xr.Dataset:
     option is the campaign as it is.
     """
     stick = next((one for one in made.found if one.channel.name == "stick"), None)
-    if stick is None:
-        return xr.Dataset()
+    if stick is None or made.simulated.kind != "structure":
+        return xr.Dataset()  # without kn and kt there is no law to be known better
     rivals = _rivals(made, stick)
     rows = []
     for name, data in _records(made).items():
@@ -94,21 +94,16 @@ def _rivals(made: Diagnosis, found: Found) -> list[Rival]:
     named = tuple(cause.mechanism for cause in found.causes)
     order = sorted(gains, key=gains.get, reverse=True)
     others = [n for n in order if n != first.mechanism.id]
-    near = [n for n in others if n in first.credible or gains[n] > first.gain - CREDIBLE]
-    by_id = {one.id: one for one in found.channel.candidates}
+    near = [n for n in others if n in first.credible]
+    by_id = found.forms
     taken = {one.id for one in named}
     serious = [name for name in others[:1] if gains[name] > 0.5 * first.gain]
     chosen = [by_id[name] for name in (near or serious) if name not in taken]
     rest = named[1:]
     rivals = [Rival(named, found.final)]
     for one in chosen:
-        mine = (prepared(one, made.known)[0], *rest)
-        tail = [m.start for m in rest]
-        problem = found.channel.problem(mine, ())
-        starts = [
-            np.concatenate([problem.prior.mean[: found.channel.base], start, *tail])
-            for start in (mine[0].start, *mine[0].starts)
-        ]
+        mine = (one, *rest)
+        problem, starts = found.channel.problem(mine, ()), starts_of(found.channel, mine)
         rivals.append(Rival(mine, best_fit(problem, starts, found.final.scales)))
     return rivals
 
@@ -158,6 +153,8 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
         std=np.concatenate([data.std, np.full(n, np.median(data.std))]),
         hold=np.concatenate([data.hold, hold]),
         row=np.concatenate([data.row, np.full(n, -1)]),
+        group=None if data.group is None else np.concatenate([data.group, np.zeros(n, int)]),
+        shared=None if data.shared is None else np.concatenate([data.shared, np.zeros(n)]),
     )
 
 

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.curves import ladder_of, on_ladder
+from bladeroot.loads import load_attrs
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
@@ -19,6 +20,9 @@ CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 RECORD = {
     "mode": ("", "name of the mode"),
     "force": ("N", "axial force as read"),
+    "group": ("", "group of the record, not pooled with others"),
+    "event": ("", "motion that several records saw, empty: this one alone"),
+    "sensor": ("", "sensor"),
     "hold": ("", "clamping of the specimen, empty: unknown"),
     "direction": ("", "up (loading), down (unloading), empty: unknown"),
     "time": ("s", "start since the campaign began"),
@@ -88,7 +92,8 @@ def observations(
         decay = by_name.get(row["record"])
         row["findings"] = ";".join(sorted(found.get(row["record"], ())))
         row["time"] = float((time or {}).get(row["record"], np.nan))
-        if row["hold"] == row["record"]:  # a sheet without holds names each record's own
+        # a sheet without holds names each record's own; with several sensors, each event's
+        if row["hold"] == row["record"]:
             row["hold"] = ""
         if decay is not None and decay.attrs.get("verdict", "usable") != "usable":
             row["verdict"] = "rejected"
@@ -111,6 +116,7 @@ def observations(
     if scatter is not None:
         text = "standard error of stick_frequency by the rows' scatter about a smooth law"
         made["stick_frequency_scatter"] = ("record", scatter, _attrs(("Hz", text)))
+    made["force"][2].update(load_attrs(stick.attrs))
     made["laser_x_m"] = (
         "sensor_mode",
         np.array([float(x) for x in laser_x.values()]),
@@ -126,6 +132,11 @@ def observations(
         attrs={
             "simulated": int(stick.attrs.get("simulated", 0)),
             "campaign": str(stick.attrs.get("campaign", "")),
+            **{
+                name: stick.attrs[name]
+                for name in ("load_name", "load_unit")
+                if name in stick.attrs
+            },
             "gauge_full_scale_std_N": float(gauge.full_scale_std),
             "gauge_relative_std": float(gauge.relative_std),
             "gauge_resolution_N": float(gauge.resolution),
@@ -143,10 +154,13 @@ def _record_rows(stick: xr.Dataset) -> list[dict]:
         "stick_frequency": "stick_frequency", "stick_frequency_std": "stick_frequency_std",
         "stick_loss_factor": "record_loss_factor", "onset_amplitude": "record_onset_amplitude",
         "stick_loss_factor_std": "record_loss_factor_std", "plateau_reached": "plateau_reached",
+        "group": "record_group", "event": "event", "sensor": "sensor",
     }  # fmt: skip
     rows = []
     for i, record in enumerate(stick["record"].values.astype(str)):
-        row = {name: stick[own].values[i].item() for name, own in names.items()}
+        row = {
+            name: stick[own].values[i].item() if own in stick else "" for name, own in names.items()
+        }
         rejected = str(stick["verdict"].values[i]).startswith("rejected")
         verdict = "rejected" if rejected else "usable"
         rows.append(row | {"record": str(record), "verdict": verdict})
@@ -158,11 +172,14 @@ def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"
     mode, force = stick["mode"].values.astype(str), stick["force"].values
     rows = [
         {
-            "record": f"{mode[i]}-{force[i]:.0f}N",
+            "record": f"{mode[i]}-{force[i]:.0f}{stick.attrs.get('load_unit', 'N')}",
             "mode": mode[i],
             "force": float(force[i]),
             "hold": "",
             "direction": "",
+            "group": "",
+            "event": "",
+            "sensor": "",
             "stick_frequency": float(stick["frequency"].values[i]),
             "stick_frequency_std": float(stick["stated_std"].values[i]),
             "stick_loss_factor": float(stick["loss_factor"].values[i]),

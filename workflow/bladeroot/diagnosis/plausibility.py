@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from bladeroot.diagnosis import guards
@@ -35,6 +36,64 @@ def possible(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool
         if not plausible(one, fitted, first):
             return False
         first += len(one.parameters)
+    return True
+
+
+def largest(fitted: Fit, cause: int, own: slice, rows: slice = slice(None)) -> tuple[float, float]:
+    """The largest of a cause's effects on some of the data, and its standard deviation.
+
+    A number that all forms of a mechanism share: what it changes, not by which law.
+    """
+    effect = fitted.state.facts["effects"][cause][rows]
+    slope = fitted.state.slope[rows, own]
+    k = int(np.argmax(np.abs(effect)))
+    std = np.sqrt(slope[k] @ fitted.covariance[own, own] @ slope[k])
+    return float(effect[k]), float(std)
+
+
+_OF_CURVES = (("frequency over amplitude", 0), ("loss factor over amplitude", 1))
+
+
+def changes(found, cause, first: int) -> list[dict]:
+    """The largest change that a cause makes of each quantity of its data, with its error.
+
+    In ln of the frequency or of the loss factor of the stuck joint, and over amplitude the rise of
+    the loss factor itself; of `bladeroot.diagnosis.naming.Found` and one of its causes.
+    """
+    number = [one is cause for one in found.causes].index(True)
+    own = slice(first, first + len(cause.mechanism.parameters))
+    n = found.final.problem.data.size
+    named = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
+    parts = [(named.get(found.channel.name, ""), slice(0, n))]
+    if found.channel.name == "curve":
+        parts = [(text, slice(k * (n // 2), (k + 1) * (n // 2))) for text, k in _OF_CURVES]
+    rows = []
+    for quantity, data in parts:
+        value, std = largest(found.final, number, own, data)
+        rows.append({"quantity": quantity, "value": value, "std": std, "unit": "1"})
+    return rows
+
+
+def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
+    """Whether each cause is `guards.SIGMAS` standard deviations or more from none.
+
+    By what it changes, and by its first parameter where that may be zero: at the kn and kt of the
+    fit, whose error scales the parameter and makes it no nearer to nothing.
+    """
+    first, precision = channel.base, np.linalg.inv(fitted.covariance)
+    for number, one in enumerate(chosen):
+        own = slice(first, first + len(one.parameters))
+        first = own.stop
+        alone = np.linalg.inv(precision[own, own])
+        effect = fitted.state.facts["effects"][number]
+        k = int(np.argmax(np.abs(effect)))
+        slope = fitted.state.slope[k, own]
+        if abs(effect[k]) < guards.SIGMAS * np.sqrt(slope @ alone @ slope):
+            return False
+        main = one.parameters[0]
+        near = abs(fitted.parameters[own.start]) < guards.SIGMAS * np.sqrt(alone[0, 0])
+        if near and not (main.log or main.bounded):
+            return False
     return True
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Bool
 from numpy import ndarray
 from scipy.special import gammaln
 
-from bladeroot.diagnosis.guards import FALSE_ALARM
+from bladeroot.diagnosis.guards import FALSE_ALARM, PRIOR
 from bladeroot.mechanisms.mechanism import Mechanism
 
 
@@ -25,6 +25,18 @@ class Faulty:
     def named(self) -> bool:
         """Whether false alarms do not explain them."""
         return bool(self.ln_chance < np.log(FALSE_ALARM))
+
+    @property
+    def probability(self) -> float:
+        """That there is such a fault: any share of the records against false alarms alone."""
+        count, total = int(self.records.sum()), self.records.size
+        if not count:
+            return 0.0
+        rate = self.mechanism.parameters[0].mean
+        ways = gammaln(total + 1) - gammaln(count + 1) - gammaln(total - count + 1)
+        alarms = ways + count * np.log(rate) + (total - count) * np.log1p(-rate)
+        odds = -np.log(total + 1.0) - alarms - PRIOR
+        return float(1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0))))
 
 
 def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Faulty]:

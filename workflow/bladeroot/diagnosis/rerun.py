@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.extension import Extension, curves, matrices
-from bladeroot.diagnosis.stick_model import EXPONENT
+from bladeroot.diagnosis.simulation.parametric import EXPONENT
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
@@ -21,6 +21,7 @@ from bladeroot.structure.changed import changed_model
 
 GAUGE = ("force-gain", "force-offset")
 _STIFFNESS = ("ln_kn", "ln_kt")
+_SCALES = {(False, False): "", (True, False): "ln ", (False, True): "logit "}  # of a parameter
 
 
 def law_of(extension: Extension) -> Law:
@@ -35,10 +36,10 @@ def law_of(extension: Extension) -> Law:
     centres = []
     for one, values in shaped:
         for p, value in zip(one.parameters, values, strict=True):
-            name = f"{one.id} {'ln ' if p.log else ''}{p.name}"
+            name = f"{one.id} {_SCALES[p.log, p.bounded]}{p.name}"
             priors[name] = (p.start, p.std, p.source)
             names.append(name)
-            centres.append(np.log(value) if p.log else value)
+            centres.append(p.coordinate(value))
     count, own = 3 + 2 + 2 * len(centres), len(centres)
     matrix, constant = np.zeros((2, count, len(names))), np.zeros((2, count))
     for k in (0, 1):
@@ -73,7 +74,7 @@ def _effects(
     change, rows = np.zeros((2, force.size)), [np.zeros((2, force.size, 0))]
     for one, values in shaped:
         effect = one.stick(records, values)
-        chain = np.array([v if p.log else 1.0 for p, v in zip(one.parameters, values, strict=True)])
+        chain = np.array([p.slope(v) for p, v in zip(one.parameters, values, strict=True)])
         block = np.zeros((2, force.size, values.size))
         for k, name in enumerate(_STIFFNESS):
             if name in effect.changes:

@@ -9,8 +9,10 @@ from numpy import ndarray
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.structure.chebyshev import Surface
 from bladeroot.structure.ritz import Ritz, solve
+from bladeroot.structure.sensitivity import Change
 
 _GRID = 0.2  # of ln kn and ln kt
+LEAST = 0.05  # of stiffness and mass, that a change may leave
 _CORNERS = np.array([[0, 0], [0, 1], [1, 0], [1, 1]])
 
 
@@ -57,8 +59,8 @@ class Structures:
                 at_forces = (at_corners.reshape(weight.shape) * weight).sum(axis=1)
                 return at_forces[self.where[mine]]  # noqa: B023 - used in this round only
 
-            stiff = np.maximum(1.0 + share(whole.stiffness) / own, 0.05)
-            mass = np.maximum(1.0 + share(whole.mass), 0.05)
+            stiff = np.maximum(1.0 + share(whole.stiffness) / own, LEAST)
+            mass = np.maximum(1.0 + share(whole.mass), LEAST)
             change[mine] = between(0.5 * (np.log(stiff) - np.log(mass)))
             for k, part in enumerate(parts):
                 slope = share(part.stiffness) / own / stiff - share(part.mass) / mass
@@ -92,3 +94,14 @@ class Structures:
         values, shapes = zip(*(self.known[key] for key in keys), strict=True)
         self.together[whole] = np.array(values), np.array(shapes)
         return self.together[whole]
+
+
+def shift(whole: Change, parts: Sequence[Change]) -> tuple[float, Float[ndarray, " parameter"]]:
+    """Change of ln f of a mode of one degree of freedom, and its derivatives."""
+    stiff = max(1.0 + float(whole.stiffness[0, 0]), LEAST)
+    mass = max(1.0 + float(whole.mass[0, 0]), LEAST)
+    slope = [
+        0.5 * (float(part.stiffness[0, 0]) / stiff - float(part.mass[0, 0]) / mass)
+        for part in parts
+    ]
+    return 0.5 * float(np.log(stiff) - np.log(mass)), np.array(slope)

@@ -6,15 +6,27 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.stick_model import StickData
 
+# Records of a linear mode from which it can be told from its scatter.
+LINEAR_RECORDS = 4
 
-def lacking(data: StickData) -> list[str]:
-    """What the stick frequencies lack, a phrase each; empty where they suffice."""
+
+def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> list[str]:
+    """What the stick frequencies lack, a phrase each; empty where they suffice.
+
+    kind: of the simulation; with none, level and slope over the load are free, and nothing is said
+    that would need more than repeats. contact: whether it has kn and kt.
+    """
     records = data.records
+    if kind == "none" and not data.ln_f.size:
+        return ["records that reach a stick plateau: no frequency at small amplitude is known"]
+    if kind == "none":
+        return [] if replicated(data) else ["repeats: without them their scatter is not known"]
     forces = np.unique(records.force)
     lacks = []
-    if np.unique(records.mode).size < guards.MODES:
+    if contact and np.unique(records.mode).size < guards.MODES:
         lacks.append("a second mode: one frequency cannot tell kn from kt")
-    if forces.size < guards.FORCES:
+    of_load = kind == "structure" or forces.size > 1
+    if of_load and forces.size < guards.FORCES:
         lacks.append(f"more axial forces: {forces.size} where a law needs {guards.FORCES} or more")
     if not replicated(data):
         lacks.append(
@@ -25,6 +37,8 @@ def lacking(data: StickData) -> list[str]:
         lacks.append(
             f"records: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
             "from the scatter of clampings"
+            if of_load
+            else f"records: {data.ln_f.size} where some {guards.RECORDS} tell levels from scatter"
         )
     return lacks
 
@@ -54,9 +68,13 @@ def replicated(data: StickData) -> bool:
     return bool(holds) and bool(repeated >= 0.5)
 
 
-def hopeless(data: StickData) -> bool:
-    """Whether no law of the force can be judged: one mode, or too few forces."""
+def hopeless(data: StickData, kind: str = "structure") -> bool:
+    """Whether no law of the force can be judged: one mode, or too few forces; without a structure,
+    too few records.
+    """
     records = data.records
+    if kind != "structure":
+        return data.ln_f.size < LINEAR_RECORDS
     return (
         np.unique(records.mode).size < guards.MODES or np.unique(records.force).size < guards.FORCES
     )

@@ -1,13 +1,16 @@
 """The answer in the words of `verdict.json`."""
 
 import numpy as np
+import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
+from bladeroot.diagnosis.guards import CERTAIN
 from bladeroot.diagnosis.naming import Cause, Found
-from bladeroot.diagnosis.plausibility import plausible, sizes
+from bladeroot.diagnosis.plausibility import changes, plausible, sizes
+from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.stick_model import biases
+from bladeroot.diagnosis.simulation.parametric import biases
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -25,10 +28,11 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
         "campaign": str(made.seen.attrs.get("campaign", "")),
         "structure": made.structure,
         "answer": answer,
+        "probabilities": labelled(probabilities(made)),
         "causes": causes,
         "shortfall": _shortfall(made),
         "gain": gains(made),
-        "records": _records(made),
+        "records": records_of(made.seen),
         "reason": _reason(made, answer) + (_below(made, every) if every else ""),
     }
 
@@ -50,9 +54,11 @@ def _causes(made: Diagnosis) -> list[dict]:
 def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
     mechanism = cause.mechanism
     by_id = {one.id: one for one in found.channel.candidates}
-    kinds = sorted({by_id[name].kind for name in cause.credible})
+    kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
     return {
         "mechanism": mechanism.id,
+        "form": mechanism.form,
+        "probability": round(cause.probability, 9),
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [
@@ -61,6 +67,7 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
                 mechanism.parameters, sizes(mechanism, found.final, first), strict=True
             )
         ],
+        "sizes": changes(found, cause, first),
         "plausible": plausible(mechanism, found.final, first),
         "splitter": mechanism.splitter,
         "log_evidence": cause.gain,
@@ -72,29 +79,57 @@ def _fault(one) -> dict:
     share = count / total
     return {
         "mechanism": one.mechanism.id,
+        "form": "",
+        "probability": one.probability,
         "class": "record",
         "credible_set": [one.mechanism.id],
         "parameters": [
             {"name": "share", "value": share, "std": float(np.sqrt(share * (1 - share) / total)),
              "unit": "1"}
         ],
+        "sizes": [],
         "plausible": True,
         "splitter": one.mechanism.splitter,
         "log_evidence": -one.ln_chance,
     }  # fmt: skip
 
 
+def probabilities(made: Diagnosis) -> Sets:
+    """Of sets of causes, over all kinds of data; what cannot be named stands as `UNKNOWN`."""
+    parts = []
+    for found in made.found:
+        sets: Sets = {}
+        for key, value in found.probabilities.items():
+            bare = frozenset({UNKNOWN}) if _cannot_name(made, found) and key else key
+            sets[bare] = sets.get(bare, 0.0) + value
+        parts.append(sets)
+    for one in made.faulty:
+        chance = one.probability
+        parts.append({frozenset(): 1.0 - chance, frozenset({one.mechanism.id}): chance})
+    return together(parts)
+
+
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
     """The answer; faults of records alone do not name what the simulation lacks besides them."""
-    if all(one["class"] == "record" for one in causes):
+    others = [one for one in causes if one["class"] != "record"]
+    insufficient = any(found.insufficient for found in made.found if not _cannot_name(made, found))
+    if not others:
+        if insufficient:
+            return "insufficient-data"
         if any(found.unexplained for found in made.found if not _cannot_name(made, found)):
             return "unexplained"
         open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
         if open_curves or (made.lacks and not causes):
             return "insufficient-data"
-    if causes:
-        return "named" if any(len(one["credible_set"]) == 1 for one in causes) else "ambiguous"
-    return "nothing-missing"
+        return "named" if causes else "nothing-missing"
+    if any(certain(one) for one in others):
+        return "named"
+    return "insufficient-data" if insufficient else "ambiguous"
+
+
+def certain(cause: dict) -> bool:
+    """Whether a cause is named for certain."""
+    return len(cause["credible_set"]) == 1
 
 
 def _cannot_name(made: Diagnosis, found: Found) -> bool:
@@ -104,18 +139,17 @@ def _cannot_name(made: Diagnosis, found: Found) -> bool:
 
 def _open(found: Found) -> bool:
     """Whether a channel shows that something is missing, be it a mechanism that fits best."""
-    first = found.steps[0]
-    best = max([*first.mechanisms.values(), *first.smooth.values()], default=-np.inf)
-    return bool(best >= first.needed)
+    return found.probabilities.get(frozenset(), 0.0) < 1.0 - CERTAIN
 
 
 def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
     for found in made.found:
-        if not found.causes and not found.unexplained:
+        shows = _cannot_name(made, found) and _open(found)
+        if not found.causes and not found.unexplained and not shows:
             continue
-        explained = not found.unexplained
+        explained = not found.unexplained and not shows
         if found.channel.name == "curve":
             new = of_curves(made.curves, found.baseline)
         else:
@@ -137,7 +171,9 @@ def gains(made: Diagnosis) -> dict:
         if not found.causes:
             continue
         if found.channel.name == "stick":
-            mode, bias = made.data.records.mode, biases(len(made.data.modes))
+            mode = made.data.records.mode
+            of_structure = made.simulated.kind == "structure"
+            bias = biases(len(made.data.modes)) if of_structure else slice(0)
             for name, part, allowance in (
                 ("between_forces", "force", slice(0)),
                 ("between_forces_without_bias", "force", bias),
@@ -164,9 +200,10 @@ def gains(made: Diagnosis) -> dict:
     return result
 
 
-def _records(made: Diagnosis) -> dict[str, list[str]]:
-    findings = made.seen["findings"].values.astype(str)
-    names = made.seen["record"].values.astype(str)
+def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
+    """Findings by record."""
+    findings = seen["findings"].values.astype(str)
+    names = seen["record"].values.astype(str)
     return {n: f.split(";") for n, f in zip(names, findings, strict=True) if f}
 
 
@@ -197,6 +234,29 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
     return said
 
 
+def insufficient(made: Diagnosis) -> list[str]:
+    """What explains most and may yet not be named, and why."""
+    return [
+        f"{found.insufficient} explains the {found.channel.name} data best and is not named: "
+        f"{found.known.barred[found.insufficient]}"
+        for found in made.found
+        if found.insufficient and not _cannot_name(made, found)
+    ]
+
+
+def _out_of_line(made: Diagnosis) -> list[str]:
+    """Clampings and records that the records' own check finds unlike their repeats."""
+    findings = made.seen["findings"].values.astype(str)
+    apart = np.array(["unlike-repeats" in text.split(";") for text in findings], dtype=bool)
+    if not apart.any():
+        return []
+    holds = made.seen["hold"].values.astype(str)
+    names = [n for n in dict.fromkeys(holds[apart]) if n]
+    places = f" of the clampings {', '.join(names)}" if names else ""
+    records = ", ".join(made.seen["record"].values.astype(str)[apart])
+    return [f"unlike their repeats are the records {records}{places}: a wrong label, or force?"]
+
+
 def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
     departing = [
@@ -213,10 +273,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
     if answer == "insufficient-data":
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
         judged = [made.not_judged] if made.not_judged else []
-        return ". ".join([*lacks, *departing, *faults, *judged])
-    lines = departing
+        said = insufficient(made)
+        return ". ".join([*said, *lacks, *departing, *faults, *_out_of_line(made), *judged])
+    lines = [*departing, *_out_of_line(made), *insufficient(made)]
     if answer == "nothing-missing":
-        lines.append("the simulation explains all records within their scatter")
+        whole = "all records" if len(lines) == 0 else "the other records"
+        lines.append(f"the simulation explains {whole} within their scatter")
     for found in made.found:
         for number, cause in enumerate(found.causes):
             text = f"{cause.mechanism.id}: {cause.mechanism.sentence}"
@@ -226,14 +288,17 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 why_not = "but beyond its limits, by its error, or less beside the other causes"
                 how = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more, {why_not}"
                 text += f"; next is {other}, {how}" if other else ""
-                why = found.known.barred.get(other, "")
+                why = (found.known.barred | found.known.ruled_out).get(other, "")
                 text += f", not named because {why}" if why else ""
             lines.append(text + ")")
             if len(cause.credible) > 1:
                 lines.append(
-                    f"{', '.join(cause.credible)} explain it about as well; to decide: "
-                    f"{cause.mechanism.splitter}"
+                    f"as likely as not another of {', '.join(cause.credible)} stands in its place"
+                    if cause.probability < 0.5
+                    else f"with a probability of {100 * cause.probability:.0f} %, else of "
+                    f"{', '.join(cause.credible[1:])}"
                 )
+                lines.append(f"to decide: {cause.mechanism.splitter}")
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "

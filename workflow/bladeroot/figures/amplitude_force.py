@@ -12,6 +12,7 @@ from bladeroot.figures.style import (
     MEASURED,
     drawn_values,
     force_colours,
+    load_axis,
     note_simulated,
     nothing,
     panels,
@@ -36,8 +37,9 @@ def waterfall(curves: xr.Dataset) -> Figure:
         axes[0, column].set_title(f"mode {mode}: softening", loc="left")
         axes[1, column].set_title(f"mode {mode}: loss factor", loc="left")
         axes[1, column].set_xlabel(AMPLITUDE)
+    load = load_axis(curves.attrs)[1]
     for axis in axes[:, 0]:
-        axis.set_ylabel("axial force of each base line / kN")
+        axis.set_ylabel(load.replace(" /", " of each base line /"))
     return note_simulated(drawn, bool(curves.attrs["simulated"]))
 
 
@@ -46,13 +48,16 @@ def maps(curves: xr.Dataset) -> Figure:
 
     curves: dims level, amplitude, as from `bladeroot.decay.curves.mean_curves`.
     """
-    modes = [mode for mode in _modes(curves) if _of_mode(curves, mode).sizes["level"] > 1]
+    factor, load = load_axis(curves.attrs)
+    kinds = {mode: _most_loads(_of_mode(curves, mode)) for mode in _modes(curves)}
+    modes = [mode for mode, here in kinds.items() if here.sizes["level"] > 1]
     if not modes:
-        return nothing("one axial force only: there is no map over force")
+        name = load.partition(" /")[0]
+        return nothing(f"one {name or 'condition'} only: there is no map over {name or 'load'}")
     drawn, axes = panels(2, len(modes), 4.6 * len(modes), 6.6, sharex="col", sharey=True)
     for column, mode in enumerate(modes):
-        here = _of_mode(curves, mode)
-        force = here["force"].values / 1e3
+        here = kinds[mode]
+        force = factor * here["force"].values
         x = 1e6 * here["amplitude"].values
         fine = np.linspace(force.min(), force.max(), 161)
         for axis, name, scale, label in (
@@ -82,10 +87,10 @@ def maps(curves: xr.Dataset) -> Figure:
             for text in axis.clabel(lines, fontsize=7, fmt="%.4g"):
                 text.set_path_effects(edge)
             drawn.colorbar(shown, ax=axis, label=label)
-        axes[0, column].set_title(f"mode {mode}", loc="left")
+        axes[0, column].set_title(", ".join([f"mode {mode}", *_kind(here, 0)]), loc="left")
         axes[1, column].set_xlabel(AMPLITUDE)
     for axis in axes[:, 0]:
-        axis.set_ylabel("axial force / kN")
+        axis.set_ylabel(load)
     return note_simulated(drawn, bool(curves.attrs["simulated"]))
 
 
@@ -107,6 +112,19 @@ def _of_mode(curves: xr.Dataset, mode: str) -> xr.Dataset:
     return here.isel(amplitude=np.flatnonzero((here["records"] > 0).any("level").values))
 
 
+def _kind(curves: xr.Dataset, row: int) -> list[str]:
+    """Group and sensor of a level, as far as they are named."""
+    names = (str(curves[name].values[row]) for name in ("group", "sensor") if name in curves)
+    return [name for name in names if name]
+
+
+def _most_loads(curves: xr.Dataset) -> xr.Dataset:
+    """The levels of one group and sensor, that of most loads: others are not in between them."""
+    kinds = [tuple(_kind(curves, row)) for row in range(curves.sizes["level"])]
+    most = max(sorted(set(kinds)), key=kinds.count, default=())
+    return curves.isel(level=[k for k, kind in enumerate(kinds) if kind == most])
+
+
 def _stacked(
     axis: Axes, curves: xr.Dataset, name: str, softening_from: np.ndarray | None = None
 ) -> None:
@@ -123,13 +141,14 @@ def _stacked(
     highest = np.nanpercentile(np.abs(height), 99.5) if np.isfinite(height).any() else 1.0
     scale = 0.9 / highest
     x, force = 1e6 * curves["amplitude"].values, curves["force"].values
-    colours = force_colours(force.tolist())
+    factor, load = load_axis(curves.attrs)
+    colours = force_colours(force.tolist(), factor)
     for row in range(force.size)[::-1]:
         # what is not known stays a gap
         top = row + scale * height[row]
         base = np.where(np.isfinite(top), float(row), np.nan)
         several = np.where(curves["records"].values[row] > 1, top, np.nan)
-        colour = colours.to_rgba(force[row] / 1e3)
+        colour = colours.to_rgba(factor * force[row])
         axis.fill_between(x, base, top, color=colour, alpha=0.2, linewidth=0)
         spread = scale * error[row]
         axis.fill_between(x, top - spread, top + spread, color=colour, alpha=0.4, linewidth=0)
@@ -143,7 +162,11 @@ def _stacked(
                 color="#444444", transform=axis.get_yaxis_transform(), va="center",
             )  # fmt: skip
     axis.set_xscale("log")
-    axis.set_yticks(range(force.size), [f"{value / 1e3:.4g}" for value in force])
+    names = [
+        ", ".join(([f"{factor * value:.4g}"] if load else []) + _kind(curves, row))
+        for row, value in enumerate(force)
+    ]
+    axis.set_yticks(range(force.size), names)
     axis.grid(visible=False, axis="y")
     _scale_bar(axis, force.size - 0.75, scale, highest)
 

@@ -12,6 +12,7 @@ from bladeroot.figures.style import (
     MEASURED,
     STRUCTURE_COLOURS,
     force_colours,
+    load_axis,
     note_simulated,
     nothing,
     panels,
@@ -100,7 +101,10 @@ def frequencies(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     """Stick frequency over force, measured and simulated before and after, and what is left."""
     full = [one for one in found if "stick_residual" in one]
     if not full:
-        return nothing("too few stick frequencies for a law of the force")
+        return nothing("too few stick frequencies for a law of the load")
+    factor, load = load_axis(full[0].attrs)
+    if not load:
+        return nothing("one condition: there is no law over a load")
     modes = [str(m) for m in full[0]["mode"].values]
     drawn, axes = panels(
         2 * len(full), len(modes), 9.2, 4.4 * len(full), sharex="col",
@@ -108,19 +112,19 @@ def frequencies(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     )  # fmt: skip
     for k, one in enumerate(full):
         for column, mode in enumerate(modes):
-            _frequency(axes[2 * k, column], axes[2 * k + 1, column], one, mode)
+            _frequency(axes[2 * k, column], axes[2 * k + 1, column], one, mode, factor)
             axes[2 * k, column].set_title(f"{one.attrs['structure']}, {mode}", loc="left")
         axes[2 * k, 0].set_ylabel("stick frequency / Hz")
         axes[2 * k + 1, 0].set_ylabel("measured less\nsimulated / %")
     for axis in axes[-1]:
-        axis.set_xlabel("axial force / kN")
+        axis.set_xlabel(load)
     axes[0, 0].legend(fontsize=7)
     return note_simulated(drawn, simulated)
 
 
-def _frequency(above, below, one: xr.Dataset, mode: str) -> None:
+def _frequency(above, below, one: xr.Dataset, mode: str, factor: float) -> None:
     here = one.isel(stick_record=one["stick_mode"].values == mode)
-    force = here["stick_force"].values / 1e3
+    force = factor * here["stick_force"].values
     every = np.unique(force)
     changed = bool(one.attrs["named"])
     for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
@@ -150,12 +154,13 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     chosen = forces[
         np.unique(np.linspace(0, forces.size - 1, min(4, forces.size)).round().astype(int))
     ]
-    colours = force_colours(forces.tolist())
+    factor, load = load_axis(one.attrs)
+    colours = force_colours(forces.tolist(), factor)
     for column, mode in enumerate(modes):
         for row, name in enumerate(("curve_frequency", "curve_loss")):
             axis = axes[row, column]
             for f in chosen:
-                _curve(axis, one, mode, f, name, colours.to_rgba(f / 1e3), (100.0, 1e3)[row])
+                _curve(axis, one, mode, f, name, colours.to_rgba(factor * f), (100.0, 1e3)[row])
             plain_log_scale(axis, "x")
         axes[0, column].set_title(mode, loc="left")
         axes[1, column].set_xlabel("amplitude at the sensor / µm")
@@ -167,7 +172,8 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
         Line2D([], [], color="#5c6b7a", label="simulated with the cause"),
     ]
     axes[0, 0].legend(handles=kinds, fontsize=7, loc="lower left")
-    drawn.colorbar(colours, ax=axes, label="axial force / kN", shrink=0.7)
+    if load:
+        drawn.colorbar(colours, ax=axes, label=load, shrink=0.7)
     return note_simulated(drawn, simulated)
 
 

@@ -14,6 +14,7 @@ from bladeroot.figures.style import (
     panels,
     title_of_record,
 )
+from bladeroot.loads import value_of
 
 FEW = 2  # kinds of rejected records, and most masked ones, that are shown
 
@@ -82,7 +83,7 @@ def _representative(usable: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     chosen = []
     for mode in sorted({record.attrs["mode"] for record in usable}):
         of_mode = [record for record in usable if record.attrs["mode"] == mode]
-        order = np.argsort([record.attrs["force_N"] for record in of_mode], kind="stable")
+        order = np.argsort([value_of(record.attrs) for record in of_mode], kind="stable")
         chosen += [of_mode[index] for index in dict.fromkeys((order[0], order[-1]))]
     return chosen
 

@@ -10,7 +10,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bladeroot.figures.style import note_simulated, nothing, panels, plain_log_scale
+from bladeroot.figures.style import load_axis, note_simulated, nothing, panels, plain_log_scale
 
 _MODES = ("#1b3a5c", "#d08a1d", "#6a51a3", "#4c4c4c")
 _DIRECTIONS = {1.0: ("^", "loading"), -1.0: ("v", "unloading"), 0.0: ("o", "direction not known")}
@@ -24,6 +24,8 @@ def records(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     if not full:
         return nothing("too few stick frequencies for a law of the force")
     rows = [(one, axis) for one in full for axis in _axes_of(one)]
+    if not rows:
+        return nothing("nothing was varied that the records could be drawn over")
     drawn, axes = panels(len(rows), 2, 9.2, 2.2 * len(rows) + 0.5, sharey="row")
     for row, (one, (name, values)) in enumerate(rows):
         for column, stage in enumerate(_STAGES):
@@ -49,7 +51,8 @@ def records(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
 def _axes_of(one: xr.Dataset) -> list[tuple[str, np.ndarray]]:
     """What a campaign lets its residuals be drawn over."""
     force, hold, time = (one[f"stick_{name}"].values for name in ("force", "hold", "time"))
-    over = [("axial force / kN", force / 1e3)]
+    factor, load = load_axis(one.attrs)
+    over = [(load, factor * force)] if load else []
     if np.ptp(time) > 0.0:
         over.append(("time since the first record / h", time / 3600.0))
     held = np.unique(hold).size
@@ -85,6 +88,7 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     rows = [(mode, name) for mode in modes for name in ("curve_frequency", "curve_loss")]
     drawn, axes = panels(len(rows), 2, 9.2, 1.9 * len(rows), sharex="row", sharey=True)
     norm = TwoSlopeNorm(0.0, -_LIMIT, _LIMIT)
+    factor, load = load_axis(one.attrs)
     force = one["curve_force"].values
     place = np.unique(force, return_inverse=True)
     for row, (mode, name) in enumerate(rows):
@@ -97,10 +101,11 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
                 cmap="RdBu_r", norm=norm, marker="s", s=34, linewidths=0.2, edgecolors="#5c6b7a",
             )  # fmt: skip
             plain_log_scale(axis, "x")
-            axis.set_yticks(range(place[0].size), [f"{f / 1e3:.3g}" for f in place[0]])
+            names = [f"{factor * f:.3g}" for f in place[0]] if load else [""]
+            axis.set_yticks(range(place[0].size), names)
             quantity = "frequency" if name == "curve_frequency" else "loss factor"
             axis.set_title(f"{mode}, {quantity}, {_STAGES[stage]}", loc="left", fontsize=9)
-        axes[row, 0].set_ylabel("force / kN")
+        axes[row, 0].set_ylabel(load.removeprefix("axial "))
     for axis in axes[-1]:
         axis.set_xlabel("amplitude at the sensor / µm")
     drawn.colorbar(

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, note_simulated, nothing, panels
+from bladeroot.figures.style import MEASURED, PUBLISHED, load_axis, note_simulated, nothing, panels
 
 
 def over_force(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool) -> Figure:
@@ -14,9 +14,10 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool)
     fe_forces: None where there is no structure, and so no force of a simulation.
     """
     modes = list(dict.fromkeys(stick["mode"].values))
+    factor, load = load_axis(stick.attrs)
     if not modes:
         return note_simulated(nothing("no record reached its stick plateau"), simulated)
-    drawn, axes = panels(2, len(modes), 4.2 * len(modes), 5.6, sharex=True)
+    drawn, axes = panels(2, len(modes), 4.2 * len(modes), 5.6, sharex=True if load else "col")
     for column, mode in enumerate(modes):
         levels = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
         for axis, name, scale in (
@@ -24,7 +25,7 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool)
             (axes[1, column], "loss_factor", 1e2),
         ):
             axis.errorbar(
-                levels["force"] / 1e3,
+                factor * levels["force"] if load else np.arange(levels.sizes["level"]),
                 scale * levels[name],
                 scale * levels[f"{name}_std"],
                 fmt="o",
@@ -37,7 +38,13 @@ def over_force(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool)
             if fe_forces is not None:
                 _interpolated(axis, fe_forces.sel(mode=mode), name, scale)
         axes[0, column].set_title(f"mode {mode}", loc="left")
-        axes[1, column].set_xlabel("axial force / kN")
+        axes[1, column].set_xlabel(load)
+        groups = levels["group"].values.astype(str) if "group" in levels else np.array([""])
+        if not load:
+            axes[1, column].set_xticks(np.arange(groups.size), groups)
+        elif np.unique(groups).size > 1:
+            for at, value, name in zip(levels["force"], levels["frequency"], groups, strict=True):
+                axes[0, column].annotate(name, (factor * float(at), float(value)), fontsize=6)
         axes[1, column].set_ylim(0, 1.12 * axes[1, column].get_ylim()[1])
     axes[0, 0].set_ylabel("stick frequency / Hz")
     axes[1, 0].set_ylabel("loss factor / %")

@@ -17,6 +17,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, NullLocator
 from numpy import ndarray
 
+from bladeroot.loads import shown, value_of
+
 MEASURED = "#1b3a5c"
 PUBLISHED = "#b5462f"
 # White or thin lines are hard to see on or in viridis's yellow.
@@ -102,9 +104,15 @@ def drawn_values(curves: xr.Dataset, name: str, error: str = "std") -> ndarray:
     return np.where(known, value, np.nan)
 
 
-def force_colours(forces: Sequence[float]) -> ScalarMappable:
-    """Colours of axial forces (N), to be shown with a colour bar in kN."""
-    low, high = min(forces) / 1e3, max(forces) / 1e3
+def load_axis(facts: Mapping[str, Any]) -> tuple[float, str]:
+    """Factor from an artifact's `force` to what is shown, and the label of its axis."""
+    factor, unit, name = shown(facts)
+    return factor, f"{name} / {unit}" if name else ""
+
+
+def force_colours(forces: Sequence[float], factor: float = 1e-3) -> ScalarMappable:
+    """Colours of loads, to be shown with a colour bar in the unit that `factor` leads to."""
+    low, high = min(forces) * factor, max(forces) * factor
     if low == high:
         low, high = low - 1, high + 1
     return ScalarMappable(Normalize(low, high), COLOURS)
@@ -119,7 +127,9 @@ def note_simulated(drawn: Figure, simulated: bool) -> Figure:
 
 def title_of_record(axis: Axes, attrs: Mapping[str, Any], more: str = "") -> None:
     """A record's name, mode and force; below, in brief, why it is bad if it is."""
-    name = f"{attrs['record']}: mode {attrs['mode']}, {attrs['force_N'] / 1e3:.2f} kN{more}"
+    factor, unit, load = shown(attrs)
+    said = f", {factor * value_of(attrs):.2f} {unit}" if load else ""
+    name = f"{attrs['record']}: mode {attrs['mode']}{said}{more}"
     reason = textwrap.fill(attrs["reason"], 92, max_lines=2, placeholder=" ...")
     axis.set_title(f"{name}\n{reason}".strip(), loc="left", fontsize=8.5)
 

@@ -1,22 +1,65 @@
-"""A beam that stiffens by the stretch of its axis."""
+"""A beam that stiffens by the stretch of its axis, or by what it comes to touch."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
 
+_TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness at A = 2 gap
+_SPREAD = 0.25 * np.linspace(-2.5, 2.5, 21)  # of ln gap
+_WEIGHTS = np.exp(-0.5 * (_SPREAD / 0.25) ** 2) / np.exp(-0.5 * (_SPREAD / 0.25) ** 2).sum()
 
-def hardening(points: Points, values: np.ndarray) -> CurveEffect:
-    """Restoring force x + alpha x^3 (3/8 alpha A^2 of ln f); the other modes' times a ratio.
+
+def cubic(points: Points, values: np.ndarray) -> CurveEffect:
+    """Restoring force x + alpha x^3 (3/8 alpha A^2 of ln f); the other modes' times a ratio."""
+    return _effect(points, values[:2], 0.375 * points.amplitude**2)
+
+
+def large(points: Points, values: np.ndarray) -> CurveEffect:
+    """The same where the stretch gives way at large amplitudes: A^2 / (1 + (A / bend)^2)."""
+    square = points.amplitude**2
+    left = 1.0 / (1.0 + square / values[2] ** 2)
+    return _effect(
+        points, values[:2], 0.375 * square * left,
+        0.75 * square**2 * left**2 / values[2] ** 3,
+    )  # fmt: skip
+
+
+def stop(points: Points, values: np.ndarray) -> CurveEffect:
+    """A stiffness behind gaps to both sides, by its first harmonic; as much as alpha at A = 2 gap.
+
+    Gaps are spread, as no two faces are parallel; the other modes' amplitude of touch times a
+    ratio.
+    """
+    other = points.mode > 0
+    gap = values[2] * np.where(other, values[3], 1.0)
+    s = np.minimum(gap[:, None] * np.exp(_SPREAD) / points.amplitude[:, None], 1.0)
+    touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _WEIGHTS
+    by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _WEIGHTS
+    scale = 1.5 * values[2] ** 2 / _TWICE
+    return _effect(
+        points, values[:2], scale * touching,
+        scale * (2.0 * touching + by_ln) / values[2],
+        scale * by_ln * other / values[3],
+    )  # fmt: skip
+
+
+def _effect(
+    points: Points, values: np.ndarray, course: np.ndarray, *slopes: np.ndarray
+) -> CurveEffect:
+    """ln f rises by alpha times a course over amplitude (m^2), by the other modes times a ratio.
 
     A stiffness without loss of its own takes its part of the loss factor down.
     """
     alpha, ratio = values
     other = points.mode > 0
-    square = 0.375 * points.amplitude**2
-    size = np.where(other, ratio, 1.0) * square
-    slope = np.stack([size, np.where(other, alpha * square, 0.0)], axis=1)
+    of_mode = np.where(other, ratio, 1.0)
+    columns = [of_mode * course, np.where(other, alpha * course, 0.0)]
+    columns += [alpha * of_mode * slope for slope in slopes]
+    whole, slope = alpha * of_mode * course, np.stack(columns, axis=1)
     share = -2.0 * points.loss
-    return CurveEffect(alpha * size, share * alpha * size, slope, share[:, None] * slope)
+    return CurveEffect(whole, share * whole, slope, share[:, None] * slope)
 
 
 MECHANISM = Mechanism(
@@ -35,5 +78,39 @@ MECHANISM = Mechanism(
         ),
     ),
     splitter="higher harmonics of the velocity; the same amplitudes at another axial force",
-    curve=hardening,
+    curve=cubic,
+    form="cubic",
+)  # fmt: skip
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(
+            MECHANISM,
+            parameters=(
+                *MECHANISM.parameters,
+                Parameter(
+                    "bend", "m", 2e-5, 1.2, 1e-8, 1e-1, "amplitude where it gives way", log=True
+                ),
+            ),
+            curve=large,
+            form="large amplitudes",
+        ),
+        replace(
+            MECHANISM,
+            parameters=(
+                *MECHANISM.parameters,
+                Parameter("gap", "m", 5e-6, 1.2, 1e-8, 1e-2, "to a stop on both sides", log=True),
+                Parameter(
+                    "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "other modes over the first, at the "
+                    "sensor", log=True,
+                ),
+            ),
+            curve=stop,
+            starts=tuple(
+                (float(np.log(3e6)), float(np.log(0.5)), float(np.log(gap)), float(np.log(0.7)))
+                for gap in (1e-6, 2e-5)
+            ),
+            form="stop",
+        ),
+    ),
 )  # fmt: skip

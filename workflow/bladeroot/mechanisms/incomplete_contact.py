@@ -1,11 +1,16 @@
-"""Contact that is not full below a seating force."""
+"""Contact that is not full below a seating force, and does not grow above it."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
+FULL = 1.0 - np.exp(-1.0)  # part of a flank that touches at the seating force, in all forms
+_CORNER = 6.0  # how sharply growth ends at a threshold
 
-def stick(records: Records, values: np.ndarray) -> StickEffect:
+
+def exponential(records: Records, values: np.ndarray) -> StickEffect:
     """kn and kt have the share (1 - exp(-(F/Fs)^q))^(1/q): F/Fs far below Fs, 1 far above."""
     seating, sharpness = values
     ln_ratio = np.clip(np.log(records.force / seating), -7.0, 7.0)
@@ -13,19 +18,44 @@ def stick(records: Records, values: np.ndarray) -> StickEffect:
     touching = -np.expm1(-power)
     share = np.log(touching) / sharpness
     growing = power * np.exp(-power) / touching  # d ln(touching) / d ln(power)
-    slope = np.stack([-growing / seating, (growing * ln_ratio - share) / sharpness], axis=1)
+    return _effect(share, -growing / seating, (growing * ln_ratio - share) / sharpness)
+
+
+def logistic(records: Records, values: np.ndarray) -> StickEffect:
+    """The share 1 / (1 + (F/F')^-q), a logistic function of ln F."""
+    seating, sharpness = values
+    ln_ratio = np.log(records.force / seating)
+    away = np.exp(np.clip(-sharpness * ln_ratio, -30.0, 30.0)) * (1.0 - FULL) / FULL
+    left = away / (1.0 + away)
+    return _effect(-np.log1p(away), -left * sharpness / seating, left * ln_ratio)
+
+
+def threshold(records: Records, values: np.ndarray) -> StickEffect:
+    """The share (F/F')^q up to the force F' and 1 above, with a short bend between."""
+    seating, growth = values
+    steep = _CORNER * growth
+    ln_ratio = np.log(records.force / seating) + np.log(FULL) / growth
+    away = np.exp(np.clip(-steep * ln_ratio, -60.0, 60.0))
+    left = away / (1.0 + away)
+    by_growth = left * (ln_ratio - np.log(FULL) / growth)
+    return _effect(-np.log1p(away) / _CORNER, -left * growth / seating, by_growth)
+
+
+def _effect(share: np.ndarray, by_seating: np.ndarray, by_shape: np.ndarray) -> StickEffect:
+    slope = np.stack([by_seating, by_shape], axis=1)
     return StickEffect({"ln_kn": share, "ln_kt": share}, {"ln_kn": slope, "ln_kt": slope})
 
 
+_SEATING = Parameter(
+    "seating_force", "N", 4e3, 0.8, 300.0, 30e3,
+    "63 % of a flank touch there; section 5.2: not all of it below 12 kN", log=True,
+)  # fmt: skip
 MECHANISM = Mechanism(
     id="incomplete-contact",
     kind="force-law",
     sentence="at low axial force the flanks touch on a part of their area only",
     parameters=(
-        Parameter(
-            "seating_force", "N", 4e3, 0.8, 300.0, 30e3,
-            "63 % of a flank touch there; section 5.2: not all of it below 12 kN", log=True,
-        ),
+        _SEATING,
         Parameter(
             "sharpness", "1", 1.0, 0.3, 0.3, 5.0,
             "a gap that is used up at a constant rate 1, one that closes at once above 3",
@@ -34,6 +64,38 @@ MECHANISM = Mechanism(
     ),
     splitter="stick frequencies at more forces, below the seating force and far above it; "
     "pressure-sensitive film",
-    stick=stick,
+    stick=exponential,
     starts=((float(np.log(9e3)), 0.0),),
+    form="exponential",
+)  # fmt: skip
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(
+            MECHANISM,
+            parameters=(
+                _SEATING,
+                Parameter(
+                    "sharpness", "1", 2.0, 0.3, 0.5, 8.0,
+                    "steeper than a layer in series with the bulk, 1", log=True,
+                ),
+            ),
+            starts=((float(np.log(9e3)), float(np.log(2.0))),),
+            stick=logistic,
+            form="logistic",
+        ),
+        replace(
+            MECHANISM,
+            parameters=(
+                _SEATING,
+                Parameter(
+                    "growth", "1", 0.7, 0.4, 0.1, 3.0,
+                    "area over force below the threshold: elastic flanks 1/2, a wedge 1", log=True,
+                ),
+            ),
+            starts=((float(np.log(9e3)), float(np.log(0.7))),),
+            stick=threshold,
+            form="threshold",
+        ),
+    ),
 )  # fmt: skip

@@ -5,49 +5,104 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.slip_curve import coulomb, curve
+from bladeroot.mechanisms.slip_curve import PLACES, Spread, curve, free, lognormal, power, rounded
+from bladeroot.mechanisms.slip_curve import coulomb as element
+
+SHARED = (
+    Parameter(
+        "share", "1", 0.2, 1.2, 0.0, 1.0,
+        "part of the mode's stiffness that goes through the flanks' friction, in a simulation at "
+        "most the tangential contact springs'", bounded=True, tie="tangential",
+    ),
+    Parameter(
+        "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
+        log=True, tie="tangential", ratio=True,
+    ),
+    Parameter(
+        "threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5,
+        "at 12 kN; sliding of a whole flank begins at 130 um at 4 kN with a friction of 0.42, "
+        "the thesis sees 2 um", log=True,
+    ),
+    Parameter(
+        "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3,
+        "other modes over the first: slip per unit of the sensor's amplitude", log=True,
+    ),
+    Parameter(
+        "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
+        "friction's limit over the axial force, 1; displacement of a rounded contact 2/3",
+    ),
+)  # fmt: skip
+SPREAD = Parameter(
+    "spread", "1", 0.6, 0.6, 0.01, 5.0, "pressure varies over the flank: edges slip first", log=True
+)
 
 
-def slip(points: Points, values: np.ndarray) -> CurveEffect:
-    """Coulomb sliders; thresholds rise in proportion to the axial force."""
-    effect = curve(points, np.append(values, 1.0), coulomb)
-    return replace(
-        effect, ln_f_slope=effect.ln_f_slope[:, :-1], loss_slope=effect.loss_slope[:, :-1]
+def law(spread: Spread):
+    """The hook of Coulomb sliders with a distribution of thresholds."""
+
+    def slip(points: Points, values: np.ndarray) -> CurveEffect:
+        effect = curve(points, np.insert(values, 5, 1.0), element, spread)
+        own = np.arange(values.size + 1) != 5
+        return replace(
+            effect, ln_f_slope=effect.ln_f_slope[:, own], loss_slope=effect.loss_slope[:, own]
+        )
+
+    return slip
+
+
+def starts(*shape: float) -> tuple[tuple[float, ...], ...]:
+    """Coordinates to begin from: shares and thresholds, small to large, with a spread's shape."""
+    return tuple(
+        (share, 0.0, np.log(threshold), np.log(0.5), 1.0, *shape)
+        for share, threshold in ((-3.0, 1e-10), (-1.5, 1e-9), (0.0, 1e-8))
     )
 
 
-MECHANISM = Mechanism(
-    id="joint-slip",
-    kind="amplitude",
-    sentence="the flanks slip: above a threshold that grows with the force, softer and more damped",
-    parameters=(
-        Parameter(
-            "share", "1", 0.01, 1.5, 1e-6, 0.5,
-            "part of the mode's stiffness that goes through the flanks' friction", log=True,
+def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
+    return Mechanism(
+        id="joint-slip",
+        kind="amplitude",
+        sentence="the flanks slip: above a threshold that grows with the force, softer and more "
+        "damped",
+        parameters=(*SHARED, *own),
+        splitter="the same amplitudes at twice the axial force: a friction threshold doubles",
+        curve=law(spread),
+        starts=starts(*(p.start for p in own)),
+        form=form,
+    )
+
+
+MECHANISM = replace(
+    _form("lognormal thresholds", lognormal, SPREAD),
+    forms=(
+        _form(
+            "Iwan", power,
+            Parameter(
+                "steepness", "1", -0.4, 0.6, -0.99, 0.5,
+                "power of the density of thresholds: lap joints -0.2 to -0.7 (Segalman 2005)",
+                bounded=True,
+            ),
+            Parameter(
+                "at_once", "1", 0.3, 1.2, 0.0, 1.0,
+                "part of the sliders that give way together, at macroslip", bounded=True,
+            ),
         ),
-        Parameter(
-            "share_ratio", "1", 1.0, 1.0, 1e-3, 1e3, "other modes over the first",
-            log=True,
+        _form(
+            "Cattaneo-Mindlin", rounded,
+            Parameter(
+                "roundness", "1", 0.5, 0.25, 0.2, 2.0,
+                "sphere on plane 1/2, cylinder near 1 for small forces", log=True,
+            ),
         ),
-        Parameter(
-            "threshold", "m/N", 3e-10, 1.5, 1e-14, 1e-6,
-            "sliding of a whole flank begins at 130 um at 4 kN with a friction of 0.42, "
-            "the thesis sees 2 um", log=True,
+        _form(
+            "free thresholds", free,
+            *(
+                Parameter(
+                    f"weight_{k + 1}", "1", float(-0.15 * place**2), 1.0, -20.0, 20.0,
+                    "ln of the density of thresholds, up to a constant",
+                )
+                for k, place in enumerate(PLACES)
+            ),
         ),
-        Parameter(
-            "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3,
-            "other modes over the first: slip per unit of the sensor's amplitude",
-            log=True,
-        ),
-        Parameter(
-            "spread", "1", 0.6, 0.5, 0.01, 5.0,
-            "pressure varies over the flank: edges slip first", log=True,
-        ),
-    ),
-    splitter="the same amplitudes at twice the axial force: a friction threshold doubles",
-    curve=slip,
-    starts=tuple(
-        (np.log(share), 0.0, np.log(threshold), np.log(0.5), np.log(0.6))
-        for share, threshold in ((3e-3, 1e-10), (0.03, 1e-9), (0.1, 1e-8))
     ),
 )  # fmt: skip

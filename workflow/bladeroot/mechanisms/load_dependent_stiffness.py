@@ -1,36 +1,74 @@
-"""Contact stiffness that grows with the normal load by a power."""
+"""Contact stiffness that grows with the normal load and does not stop growing."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 REFERENCE_FORCE = 12e3  # N
+_DIFFERENCE = Parameter(
+    "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6, "kt less kn; Table 5.2 has -0.18, theory 0"
+)
 
 
-def stick(records: Records, values: np.ndarray) -> StickEffect:
+def power(records: Records, values: np.ndarray) -> StickEffect:
     """ln k grows by exponent * ln(F / 12 kN); kt's exponent differs from kn's."""
     x = np.log(records.force / REFERENCE_FORCE)
-    exponent, difference = values
+    return _effect(x, values[0] * x, x, values[1])
+
+
+def series(records: Records, values: np.ndarray) -> StickEffect:
+    """A rough layer, whose stiffness is in proportion to the force, in series with the bulk.
+
+    Of the compliance at 12 kN the layer has the part `exponent`, which is the slope of ln k there.
+    """
+    part = values[0]
+    x = np.log(records.force / REFERENCE_FORCE)
+    ratio = np.exp(-x)
+    soft = 1.0 + part * (ratio - 1.0)
+    return _effect(x, -np.log(soft), -(ratio - 1.0) / soft, values[1])
+
+
+def _effect(x: np.ndarray, growth: np.ndarray, slope: np.ndarray, difference: float) -> StickEffect:
+    half = 0.5 * x
     return StickEffect(
-        {"ln_kn": (exponent - 0.5 * difference) * x, "ln_kt": (exponent + 0.5 * difference) * x},
-        {"ln_kn": np.stack([x, -0.5 * x], axis=1), "ln_kt": np.stack([x, 0.5 * x], axis=1)},
+        {"ln_kn": growth - difference * half, "ln_kt": growth + difference * half},
+        {"ln_kn": np.stack([slope, -half], axis=1), "ln_kt": np.stack([slope, half], axis=1)},
     )
 
 
 MECHANISM = Mechanism(
     id="load-dependent-stiffness",
     kind="force-law",
-    sentence="the contact stiffens with the axial force by a power, as rough surfaces do",
+    sentence="the contact stiffens with the axial force, as rough or rounded surfaces do",
     parameters=(
         Parameter(
             "exponent", "1", 0.3, 0.4, 0.0, 1.2,
-            "smooth contact 0.05 (6.16), rough contact 1; Table 5.2 has 0.65 and 0.47",
+            "smooth contact 0.05 (6.16), spheres 1/3 (Hertz), rough contact 1; Table 5.2 has 0.65 "
+            "and 0.47",
         ),
-        Parameter(
-            "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6,
-            "kt less kn; Table 5.2 has -0.18, elastic theory 0",
-        ),
+        _DIFFERENCE,
     ),
     splitter="forces twice as high, where a power goes on and a seated contact does not",
-    stick=stick,
+    stick=power,
+    form="power",
+)  # fmt: skip
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(
+            MECHANISM,
+            parameters=(
+                Parameter(
+                    "exponent", "1", 0.3, 1.2, 0.0, 1.0,
+                    "slope of ln k at 12 kN: the rough layer's part of the compliance there",
+                    bounded=True,
+                ),
+                _DIFFERENCE,
+            ),
+            stick=series,
+            form="rough layer in series with the bulk",
+        ),
+    ),
 )  # fmt: skip

@@ -1,17 +1,54 @@
 """Contact stiffness that depends on whether the force was reached from below or from above."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 
-def stick(records: Records, values: np.ndarray) -> StickEffect:
-    """kn and kt are stiffer by a half of `difference` when unloading, softer when loading."""
+def law(opening: Callable[[np.ndarray], np.ndarray]):
+    """The hook by how far both branches are apart over the part of the range of forces.
+
+    kn and kt are stiffer by a half of `difference` when unloading, softer when loading.
+    """
+
+    def stick(records: Records, values: np.ndarray) -> StickEffect:
+        half = -0.5 * records.sign * opening(_part(records))
+        slope = half[:, None]
+        return StickEffect(
+            {"ln_kn": values[0] * half, "ln_kt": values[0] * half}, {"ln_kn": slope, "ln_kt": slope}
+        )
+
+    return stick
+
+
+def _part(records: Records) -> np.ndarray:
+    """Place of each force between the campaign's least and largest, 0 to 1."""
+    low, high = records.force.min(initial=np.inf), records.force.max(initial=0.0)
+    return (records.force - low) / (high - low) if high > low else np.full(records.force.size, 0.5)
+
+
+def constant(part: np.ndarray) -> np.ndarray:
+    """The same at all forces."""
+    return np.ones(part.size)
+
+
+def lens(part: np.ndarray) -> np.ndarray:
+    """Both turning points remembered: up and down are one state there."""
+    return 4.0 * part * (1.0 - part)
+
+
+def from_the_top(part: np.ndarray) -> np.ndarray:
+    """The upper turning point remembered: opens as the force falls from there."""
+    return 1.0 - part
+
+
+def tangential(records: Records, values: np.ndarray) -> StickEffect:
+    """kt alone, the same at all forces."""
     half = -0.5 * records.sign
-    slope = half[:, None]
-    return StickEffect(
-        {"ln_kn": values[0] * half, "ln_kt": values[0] * half}, {"ln_kn": slope, "ln_kt": slope}
-    )
+    return StickEffect({"ln_kt": values[0] * half}, {"ln_kt": half[:, None]})
 
 
 MECHANISM = Mechanism(
@@ -21,10 +58,25 @@ MECHANISM = Mechanism(
     parameters=(
         Parameter(
             "difference", "1", 0.0, 0.3, -0.8, 0.8,
-            "friction keeps a wedged flank in contact as the load falls; (3.21) averages over it",
+            "of k, where largest: friction keeps a wedged flank in contact as the load falls; "
+            "(3.21) averages over it",
         ),
     ),
     splitter="a loading cycle that turns back half-way",
-    stick=stick,
+    stick=law(constant),
     over=("sign", "force"),
+    form="constant",
 )  # fmt: skip
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(MECHANISM, stick=tangential, form="kt alone"),
+        replace(MECHANISM, stick=law(lens), form="closed at both turning points"),
+        replace(MECHANISM, stick=law(from_the_top), form="closed at the upper turning point"),
+        replace(
+            MECHANISM,
+            stick=law(lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
+            form="closed at both, wide at low forces",
+        ),
+    ),
+)

@@ -1,14 +1,15 @@
 """What a mechanism is: the one interface between the catalogue, the fit and the simulation.
 
-A file of the catalogue holds one `MECHANISM`. Its hooks say what it changes: `stick` the contact
+A file of the catalogue holds one `MECHANISM`, a physical cause in one or several forms (laws that
+the literature has for it). Its hooks say what it changes: `stick` the contact
 stiffness, the axial force or the frequency of a record; `structure` the matrices; `damping` the
 stuck joint's loss factor; `curve` frequency and damping over amplitude; `finding` is what the
 records' own check calls it. Hooks take the parameters' values and return effects with their
 derivatives, so that every fit is a Newton fit.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -20,14 +21,22 @@ from bladeroot.structure.sensitivity import Change
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
+# Times the simulation's own part of the energy, and twice its error, that a share may be: the
+# flanks' ends, which move most, give way beyond their part.
+MARGIN = 1.5
+_FAR = 40.0  # of a bounded coordinate, where its parameter has met its limit
+ENERGIES = ("tangential", "normal")  # contact springs whose part of a mode's energy bounds a share
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A parameter with its Gaussian prior; `low` and `high` are what is physically possible.
 
-    With `log` the prior is of the parameter's logarithm: `mean` is then its median (in the
-    parameter's own unit) and `std` that of the logarithm.
+    With `log` the prior is of the parameter's logarithm, with `bounded` of
+    ln((p - low)/(high - p)):
+    `mean` is then its median (in the parameter's own unit) and `std` that of this coordinate.
+    tie: one of `ENERGIES` where the parameter is a part of the first mode's stiffness, or with
+    `ratio` that of the other modes over the first: the simulation's own part then bounds it.
     """
 
     name: str
@@ -38,9 +47,23 @@ class Parameter:
     high: float
     source: str
     log: bool = False
+    bounded: bool = False
+    tie: str = ""
+    ratio: bool = False
 
     def __post_init__(self) -> None:
         """ValueError for a prior that is none, or that its limits shut out."""
+        if self.log and self.bounded:
+            raise ValueError(f"parameter {self.name}: expected log or bounded, not both")
+        if self.bounded and not self.low < self.mean < self.high < np.inf:
+            raise ValueError(
+                f"parameter {self.name}: bounded wants low < mean < high, got {self.low}, "
+                f"{self.mean}, {self.high}"
+            )
+        if self.tie and self.tie not in ENERGIES:
+            raise ValueError(
+                f"parameter {self.name}: tie must be of {', '.join(ENERGIES)}, got {self.tie!r}"
+            )
         if not 0.0 < self.std < np.inf:
             raise ValueError(f"parameter {self.name}: std must be positive, got {self.std}")
         if self.log and not self.mean > 0.0:
@@ -56,11 +79,26 @@ class Parameter:
     @property
     def start(self) -> float:
         """Mean of the Gaussian in the fit's coordinate."""
-        return float(np.log(self.mean)) if self.log else self.mean
+        return self.coordinate(self.mean)
+
+    def coordinate(self, value: float) -> float:
+        """The fit's coordinate of a value."""
+        if self.bounded:
+            return float(np.log((value - self.low) / (self.high - value)))
+        return float(np.log(value)) if self.log else float(value)
 
     def value(self, coordinate: float) -> float:
         """The parameter itself at a coordinate of the fit."""
+        if self.bounded:
+            share = 1.0 / (1.0 + np.exp(-np.clip(coordinate, -_FAR, _FAR)))
+            return float(self.low + (self.high - self.low) * share)
         return float(np.exp(coordinate)) if self.log else float(coordinate)
+
+    def slope(self, value: float) -> float:
+        """Derivative of the parameter by the fit's coordinate."""
+        if self.bounded:
+            return (value - self.low) * (self.high - value) / (self.high - self.low)
+        return value if self.log else 1.0
 
 
 @dataclass(frozen=True)
@@ -120,6 +158,11 @@ DampingHook = Callable[
     tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]],
 ]
 CurveHook = Callable[[Points, Float[ndarray, " parameter"]], CurveEffect]
+# Factor of a `structure` hook's effect by record, and its derivatives.
+CourseHook = Callable[
+    [Records, Float[ndarray, " parameter"]],
+    tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]],
+]
 # The change of the matrices at some values of the parameters, and its derivative by each.
 StructureHook = Callable[[Ritz, Float[ndarray, " parameter"]], tuple[Change, list[Change]]]
 
@@ -129,7 +172,9 @@ class Mechanism:
     """One possible cause.
 
     sentence: what it is. splitter: the measurement that would tell it from its siblings. course:
-    factor by which a `structure` hook's effect differs between records. over: what a law on records
+    factor by which a `structure` hook's effect differs between records. form: name of the law where
+    there are several; forms: the others, mechanisms of the same id, of the same first parameter and
+    as likely as this one. over: what a law on records
     is a function of (force, time, since, sign); in these it is only trusted to some per cent. A
     `stick` law over the force is given the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
@@ -146,7 +191,7 @@ class Mechanism:
     splitter: str
     stick: StickHook | None = None
     structure: StructureHook | None = None
-    course: Callable[[Records], Float[ndarray, " record"]] | None = None
+    course: CourseHook | None = None
     curve: CurveHook | None = None
     damping: DampingHook | None = None
     finding: str = ""
@@ -155,6 +200,8 @@ class Mechanism:
     measured_by: str = ""
     needed: bool = False
     spoils: bool = False
+    form: str = ""
+    forms: tuple["Mechanism", ...] = ()
 
     def __post_init__(self) -> None:
         """ValueError for an unknown class or variable, no parameter, not one hook, or no chance of
@@ -170,6 +217,16 @@ class Mechanism:
             raise ValueError(f"mechanism {self.id}: expected at least one parameter")
         if sum(hook is not None for hook in self.hooks) != (0 if self.finding else 1):
             raise ValueError(f"mechanism {self.id}: expected one hook or a finding")
+        names = [one.form for one in self.every_form]
+        if len(set(names)) < len(names) or any(one.forms for one in self.forms):
+            raise ValueError(
+                f"mechanism {self.id}: forms must have names of their own and no forms"
+            )
+        if any(one.channel != self.channel for one in self.forms):
+            raise ValueError(f"mechanism {self.id}: its forms must have its kind of hook")
+        # A file that gives a shipped mechanism another id means all of its forms.
+        own = tuple(one if one.id == self.id else replace(one, id=self.id) for one in self.forms)
+        object.__setattr__(self, "forms", own)
 
     @property
     def hooks(self) -> tuple:
@@ -190,9 +247,35 @@ class Mechanism:
         self, coordinates: Float[ndarray, " parameter"]
     ) -> tuple[Float[ndarray, " parameter"], Float[ndarray, " parameter"]]:
         """Values of the parameters, and their derivative by the fit's coordinates."""
-        log = np.array([p.log for p in self.parameters])
-        values = np.where(log, np.exp(np.where(log, coordinates, 0.0)), coordinates)
-        return values, np.where(log, values, 1.0)
+        pairs = list(zip(self.parameters, np.asarray(coordinates, float), strict=True))
+        values = np.array([p.value(x) for p, x in pairs])
+        return values, np.array([p.slope(v) for p, v in zip(self.parameters, values, strict=True)])
+
+    @property
+    def every_form(self) -> tuple["Mechanism", ...]:
+        """This form and the others."""
+        return (self, *self.forms)
+
+    def of_form(self, form: str) -> "Mechanism":
+        """The form of that name. ValueError if there is none."""
+        for one in self.every_form:
+            if one.form == form:
+                return one
+        raise ValueError(f"mechanism {self.id} has no form {form!r}")
+
+    def tied(
+        self, energy: Mapping[str, Sequence[float]], doubt: Mapping[str, float]
+    ) -> "Mechanism":
+        """The mechanism in a simulation whose contact springs have so much of each mode's energy.
+
+        energy: by `ENERGIES`, first mode first; what is missing stays as any structure allows.
+        doubt: standard deviation of the parts' logarithms, as kn and kt are known.
+        """
+        tied = tuple(
+            _tied(p, energy[p.tie], doubt[p.tie]) if p.tie in energy else p for p in self.parameters
+        )
+        forms = tuple(one.tied(energy, doubt) for one in self.forms)
+        return replace(self, parameters=tied, forms=forms)
 
     @property
     def channel(self) -> str:
@@ -202,3 +285,20 @@ class Mechanism:
         if self.damping is not None:
             return "damping"
         return "curve" if self.curve is not None else "stick"
+
+
+def _tied(parameter: Parameter, energy: Sequence[float], doubt: float) -> Parameter:
+    """A parameter by what the simulation's modes have of the energy it is a part of."""
+    if parameter.ratio:
+        if len(energy) < 2:
+            return parameter
+        mean = float(np.mean(energy[1:]) / energy[0])
+        return replace(parameter, mean=float(np.clip(mean, parameter.low, parameter.high)))
+    span = parameter.high - parameter.low
+    part = min(float(energy[0]), span)
+    high = min(MARGIN * part * float(np.exp(2.0 * doubt)), span)
+    median = (parameter.mean - parameter.low) / span * min(MARGIN * part, high)
+    return replace(
+        parameter, mean=parameter.low + median, high=parameter.low + high,
+        std=float(np.hypot(parameter.std, doubt)),
+    )  # fmt: skip

@@ -1,51 +1,85 @@
 """Normal load that varies with the vibration, until flanks part in one half of the cycle."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.slip_curve import curve, lift_off
+from bladeroot.mechanisms.slip_curve import Spread, curve, lift_off, lognormal, power
 
 
-def opening(points: Points, values: np.ndarray) -> CurveEffect:
-    """Contacts whose preload, a part of the axial force, is exceeded by the vibration."""
-    return curve(points, values, lift_off)
+def law(spread: Spread):
+    """The hook of contacts whose preload, a part of the axial force, the vibration exceeds."""
+
+    def opening(points: Points, values: np.ndarray) -> CurveEffect:
+        return curve(points, values, lift_off, spread)
+
+    return opening
 
 
-MECHANISM = Mechanism(
-    id="normal-load-variation",
-    kind="amplitude",
-    sentence="the vibration unloads the flanks: they part in one half of the cycle",
-    parameters=(
-        Parameter(
-            "share", "1", 0.01, 1.5, 1e-6, 0.5,
-            "part of the mode's stiffness that goes through the flanks' normal contact", log=True,
+def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
+    return Mechanism(
+        id="normal-load-variation",
+        kind="amplitude",
+        sentence="the vibration unloads the flanks: they part in one half of the cycle",
+        parameters=(
+            Parameter(
+                "share", "1", 0.2, 1.2, 0.0, 1.0,
+                "part of the mode's stiffness that goes through the flanks' normal contact, in a "
+                "simulation at most the normal contact springs'", bounded=True, tie="normal",
+            ),
+            Parameter(
+                "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
+                log=True, tie="normal", ratio=True,
+            ),
+            Parameter(
+                "threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5,
+                "at 12 kN: preload of a flank over its dynamic load, where that is a small part "
+                "of the nominal", log=True,
+            ),
+            Parameter(
+                "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, "other modes over the first",
+                log=True,
+            ),
+            Parameter(
+                "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
+                "preload over the axial force; an opening whatever the force is none of a flank",
+            ),
+            Parameter(
+                "dissipation", "1", 0.08, 0.8, 0.0, 0.25,
+                "loss over lost stiffness: little is dissipated where the flanks part",
+                bounded=True,
+            ),
+            *own,
         ),
-        Parameter(
-            "share_ratio", "1", 1.0, 1.0, 1e-3, 1e3, "other modes over the first",
-            log=True,
+        splitter="even harmonics of the velocity: a contact that parts is not symmetric, "
+        "friction is",
+        curve=law(spread),
+        starts=tuple(
+            (share, 0.0, np.log(threshold), np.log(0.5), 1.0, -0.75, *(p.start for p in own))
+            for share, threshold in ((-3.0, 1e-10), (-1.5, 1e-9), (0.0, 1e-8))
         ),
-        Parameter(
-            "threshold", "m/N", 3e-10, 1.5, 1e-14, 1e-6,
-            "preload of a flank over its dynamic load, where that is a small part of the nominal",
-            log=True,
-        ),
-        Parameter(
-            "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, "other modes over the first",
-            log=True,
-        ),
-        Parameter(
-            "spread", "1", 0.6, 0.5, 0.01, 5.0, "preload varies over the flank",
-            log=True,
-        ),
-        Parameter(
-            "dissipation", "1", 0.1, 0.4, 0.0, 0.3,
-            "loss over lost stiffness: little is dissipated where the flanks part", log=True,
-        ),
+        form=form,
+    )  # fmt: skip
+
+
+MECHANISM = replace(
+    _form(
+        "lognormal preloads", lognormal,
+        Parameter("spread", "1", 0.6, 0.6, 0.01, 5.0, "preload varies over the flank", log=True),
     ),
-    splitter="even harmonics of the velocity: a contact that parts is not symmetric, friction is",
-    curve=opening,
-    starts=tuple(
-        (np.log(share), 0.0, np.log(threshold), np.log(0.5), np.log(0.6), np.log(0.1))
-        for share, threshold in ((3e-3, 1e-10), (0.03, 1e-9), (0.1, 1e-8))
+    forms=(
+        _form(
+            "preload that runs out", power,
+            Parameter(
+                "steepness", "1", 0.0, 0.6, -0.9, 2.0,
+                "power of the density of preloads down to none, as towards a contact's edge",
+                bounded=True,
+            ),
+            Parameter(
+                "at_once", "1", 0.3, 1.2, 0.0, 1.0, "part of the flank under an even preload",
+                bounded=True,
+            ),
+        ),
     ),
 )  # fmt: skip

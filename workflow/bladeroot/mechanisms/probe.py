@@ -37,17 +37,18 @@ Values = Float[ndarray, " parameter"]
 
 
 def probe(one: Mechanism) -> None:
-    """Raise ValueError, naming hook and place, where a hook returns what no fit can use.
+    """Raise ValueError, naming hook and place, where a form's hook returns what no fit can use.
 
     Tried at the prior's mean, a standard deviation away from it by each parameter, as far as its
     limits allow, and at each start; derivatives are compared with differences.
     """
-    hook, law = _law(one)
-    if not hook:
-        return
+    for form in one.every_form:
+        for hook, law in _laws(form):
+            _probe(form, hook, law)
+
+
+def _probe(one: Mechanism, hook: str, law: Callable[[Values], Effects]) -> None:
     try:
-        if one.course is not None:
-            _agree("course", np.asarray(one.course(_RECORDS)), _RECORDS.force.shape)
         for coordinates in _places(one):
             values, by_coordinate = one.values(coordinates)
             _compare(one, law, values, _STEP * one.std * by_coordinate)
@@ -56,17 +57,18 @@ def probe(one: Mechanism) -> None:
         raise ValueError(f"hook {hook}: {kind}{error}") from error
 
 
-def _law(one: Mechanism) -> tuple[str, Callable[[Values], Effects]]:
-    """The name of the mechanism's hook, "" if there is none, and its effects at some values."""
+def _laws(one: Mechanism) -> Iterator[tuple[str, Callable[[Values], Effects]]]:
+    """The names of the mechanism's hooks and their effects at some values."""
     if one.stick is not None:
-        return "stick", lambda values: _stick(one.stick(_RECORDS, values))
+        yield "stick", lambda values: _stick(one.stick(_RECORDS, values))
     if one.damping is not None:
-        return "damping", lambda values: {"ln_loss": _pair(one.damping(_RECORDS, values))}
+        yield "damping", lambda values: {"ln_loss": _pair(one.damping(_RECORDS, values))}
     if one.curve is not None:
-        return "curve", lambda values: _curve(one.curve(_POINTS, values))
+        yield "curve", lambda values: _curve(one.curve(_POINTS, values))
     if one.structure is not None:
-        return "structure", lambda values: _structure(one.structure(_RITZ, values))
-    return "", lambda _values: {}
+        yield "structure", lambda values: _structure(one.structure(_RITZ, values))
+    if one.course is not None:
+        yield "course", lambda values: {"course": _pair(one.course(_RECORDS, values))}
 
 
 def _stick(effect: StickEffect) -> Effects:
@@ -91,7 +93,7 @@ def _curve(effect) -> Effects:
 def _pair(made) -> tuple[ndarray, ndarray]:
     if not isinstance(made, tuple) or len(made) != 2:
         raise ValueError(f"expected the change and its derivatives, got {_named(made)}")
-    return tuple(_of_records("ln_loss", part) for part in made)
+    return tuple(_of_records("change", part) for part in made)
 
 
 def _structure(made) -> Effects:
@@ -147,7 +149,7 @@ def _places(one: Mechanism) -> Iterator[ndarray]:
         for aside in (-parameter.std, parameter.std):
             place = one.start.copy()
             value = np.clip(parameter.value(place[k] + aside), parameter.low, parameter.high)
-            place[k] = np.log(value) if parameter.log else value
+            place[k] = parameter.coordinate(value)
             yield place
 
 

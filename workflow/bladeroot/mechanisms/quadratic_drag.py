@@ -1,19 +1,44 @@
 """Damping by the air that the beam moves."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
 
+REFERENCE_AMPLITUDE = 1e-5  # m, where `beta` is a loss factor over an amplitude in all forms
 
-def drag(points: Points, values: np.ndarray) -> CurveEffect:
+
+def quadratic(points: Points, values: np.ndarray) -> CurveEffect:
     """The loss factor grows by beta A, whatever the force; frequency stays."""
+    return _effect(points, values[:2], points.amplitude)
+
+
+def power(points: Points, values: np.ndarray) -> CurveEffect:
+    """By a power of A between that of a viscous layer and of a separated flow that grows."""
+    x = np.log(points.amplitude / REFERENCE_AMPLITUDE)
+    course = REFERENCE_AMPLITUDE * np.exp(values[2] * x)
+    return _effect(points, values[:2], course, course * x)
+
+
+def onset(points: Points, values: np.ndarray) -> CurveEffect:
+    """By beta A beyond an amplitude at which the flow parts from the edges, by A^2 below."""
+    at = values[2]
+    whole = np.hypot(points.amplitude, at)
+    return _effect(points, values[:2], whole - at, at / whole - 1.0)
+
+
+def _effect(
+    points: Points, values: np.ndarray, course: np.ndarray, *slopes: np.ndarray
+) -> CurveEffect:
+    """Loss `beta` times a course over amplitude (m), whose slopes are by the form's own shape."""
     beta, ratio = values
-    size = np.where(points.mode > 0, ratio, 1.0) * points.amplitude
-    by_ratio = np.where(points.mode > 0, beta * points.amplitude, 0.0)
-    return CurveEffect(
-        np.zeros_like(size), beta * size, np.zeros((len(size), 2)),
-        np.stack([size, by_ratio], axis=1),
-    )  # fmt: skip
+    other = points.mode > 0
+    of_mode = np.where(other, ratio, 1.0)
+    columns = [of_mode * course, np.where(other, beta * course, 0.0)]
+    columns += [beta * of_mode * slope for slope in slopes]
+    none = np.zeros((course.size, len(columns)))
+    return CurveEffect(np.zeros(course.size), beta * of_mode * course, none, np.stack(columns, 1))
 
 
 MECHANISM = Mechanism(
@@ -31,5 +56,34 @@ MECHANISM = Mechanism(
         ),
     ),
     splitter="the same decays in thinner air, or with the beam's broad side covered",
-    curve=drag,
+    curve=quadratic,
+    form="quadratic",
+)  # fmt: skip
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(
+            MECHANISM,
+            parameters=(
+                *MECHANISM.parameters,
+                Parameter(
+                    "power", "1", 1.0, 0.3, 0.3, 3.0, "of the amplitude: drag falls with Reynolds' "
+                    "number, and grows with the stroke over the width", log=True,
+                ),
+            ),
+            curve=power,
+            form="power",
+        ),
+        replace(
+            MECHANISM,
+            parameters=(
+                *MECHANISM.parameters,
+                Parameter(
+                    "onset", "m", 5e-6, 1.2, 1e-8, 1e-2, "stroke at which the flow parts", log=True
+                ),
+            ),
+            curve=onset,
+            form="onset",
+        ),
+    ),
 )  # fmt: skip

@@ -1,7 +1,9 @@
 """Sliders with a spread of slip thresholds: how stiffness is lost and energy dissipated.
 
 Not a mechanism itself; `joint_slip` and `normal_load_variation` are made of it. Functions are of
-z = ln(amplitude / threshold) and come with their derivative.
+z = ln(amplitude / threshold) and come with their derivative. A spread is a distribution of
+thresholds about the one of the law: elements in parallel, as any law of Masing's kind can be taken
+apart into (Iwan 1966, Segalman 2005).
 """
 
 from collections.abc import Callable
@@ -13,13 +15,27 @@ from numpy import ndarray
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
 from bladeroot.mechanisms.mechanism import CurveEffect, Points
 
+REFERENCE_FORCE = 12e3  # N
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
 # with a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
 _NODES = np.linspace(-4.5, 4.5, 61)
 _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
+# ln of the part of sliders that is weaker, for distributions with a strongest slider: so far down
+# that the rest, a part of 1e-6, shows in no record.
+_LN_PART = np.linspace(-14.0, 0.0, 113)
+_PART = np.exp(_LN_PART) * np.where(_LN_PART < 0.0, 1.0, 0.5)  # trapezoidal rule
+_PART = _PART / _PART.sum()
+# Free distribution: places of ln threshold about the law's, each smeared by so much.
+PLACES = np.linspace(-3.2, 3.2, 9)
+_SMEAR = np.linspace(-2.0, 2.0, 9)
+_SMEARED = np.exp(-0.5 * _SMEAR**2) / np.exp(-0.5 * _SMEAR**2).sum()
+_WIDTH = 0.35
+_LEAST = 0.02  # part of a mode's stiffness that is left at any amplitude
 
 Array = Float[ndarray, "..."]
 Lost = Callable[[Array], tuple[Array, Array, Array, Array]]
+# Nodes of ln(threshold over the law's), their weights, and derivatives of both by the shape.
+Spread = Callable[[Float[ndarray, " shape"]], tuple[ndarray, ndarray, ndarray, ndarray]]
 
 
 def coulomb(z: Array) -> tuple[Array, Array, Array, Array]:
@@ -43,40 +59,86 @@ def lift_off(z: Array) -> tuple[Array, Array, Array, Array]:
     return lost, slope, lost, slope
 
 
-def curve(points: Points, values: ndarray, element: Lost) -> CurveEffect:
-    """Softening and damping of `element`, spread over thresholds that are proportional to force.
+def lognormal(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Standard deviation of ln threshold: pressure that varies over the flank."""
+    return shape[0] * _NODES, _WEIGHTS, _NODES[:, None], np.zeros((_NODES.size, 1))
+
+
+def power(shape: Float[ndarray, " 2"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Iwan's four-parameter density (Segalman 2005): threshold to the power `shape[0]`, cut off at
+    the strongest, where a part `shape[1]` of all sliders stands.
+    """
+    steep, at_once = shape
+    nodes, weights = _LN_PART / (1.0 + steep), (1.0 - at_once) * _PART
+    by_nodes = np.stack([-nodes / (1.0 + steep), np.zeros(nodes.size)], axis=1)
+    by_weights = np.stack([np.zeros(nodes.size), -_PART], axis=1)
+    return (
+        np.append(nodes, 0.0), np.append(weights, at_once),
+        np.vstack([by_nodes, np.zeros(2)]), np.vstack([by_weights, [0.0, 1.0]]),
+    )  # fmt: skip
+
+
+def rounded(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Cattaneo's and Mindlin's contact: stiffness falls by (1 - x/x_slip)^shape, one half for a
+    sphere; slip begins at once, at the contact's edge.
+    """
+    left = np.maximum(-np.expm1(_LN_PART), 1e-6)
+    root = left ** (1.0 / shape[0])
+    nodes = np.log(np.maximum(1.0 - root, 1e-9))
+    slope = np.where(1.0 - root > 1e-9, root * np.log(left) / (shape[0] ** 2 * (1.0 - root)), 0.0)
+    return nodes, _PART, slope[:, None], np.zeros((nodes.size, 1))
+
+
+def free(shape: Float[ndarray, " place"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Any density: ln of the weights at `PLACES`, up to a constant."""
+    part = np.exp(shape - shape.max())
+    part = part / part.sum()
+    by_part = np.diag(part) - np.outer(part, part)
+    nodes = (PLACES[:, None] + _WIDTH * _SMEAR).ravel()
+    weights = (part[:, None] * _SMEARED).ravel()
+    by_weights = (by_part[:, None, :] * _SMEARED[:, None]).reshape(nodes.size, shape.size)
+    return nodes, weights, np.zeros((nodes.size, shape.size)), by_weights
+
+
+def curve(points: Points, values: ndarray, element: Lost, spread: Spread) -> CurveEffect:
+    """Softening and damping of elements in parallel.
 
     values: share of the mode's stiffness that can slip; that of the other modes over the first's;
-    threshold amplitude per newton (m/N); that of the other modes over the first's; spread (standard
-    deviation of ln threshold); loss over what a slider dissipates.
+    threshold amplitude per newton at 12 kN (m/N); that of the other modes over the first's; its
+    exponent over the axial force; loss over what an element dissipates; the spread's shape.
     """
-    share, share_ratio, threshold, threshold_ratio, spread, dissipation = values
+    share, share_ratio, threshold, threshold_ratio, exponent, dissipation = values[:6]
     other = (points.mode > 0).astype(float)
     size = share * np.where(points.mode > 0, share_ratio, 1.0)
-    where = threshold * np.where(points.mode > 0, threshold_ratio, 1.0) * points.force
-    z = np.log(points.amplitude / where)
-    lost, lost_slope, loss, loss_slope = element(z[:, None] - spread * _NODES)
-    spread_lost, spread_loss = (part @ (-_NODES * _WEIGHTS) for part in (lost_slope, loss_slope))
-    lost, lost_slope, loss, loss_slope = (
-        part @ _WEIGHTS for part in (lost, lost_slope, loss, loss_slope)
+    x = np.log(points.force / REFERENCE_FORCE)
+    where = np.log(threshold * REFERENCE_FORCE) + exponent * x + other * np.log(threshold_ratio)
+    nodes, weights, by_nodes, by_weights = spread(values[6:])
+    lost, lost_slope, loss, loss_slope = element(
+        (np.log(points.amplitude) - where)[:, None] - nodes
     )
 
-    def slopes(value: ndarray, by_z: ndarray, by_spread: ndarray) -> ndarray:
+    def slopes(value: ndarray, slope: ndarray) -> tuple[ndarray, ndarray]:
+        """The sum over elements, and its derivatives but by dissipation."""
+        whole, by_z = value @ weights, slope @ weights
+        shape = value @ by_weights - slope @ (weights[:, None] * by_nodes)
         rows = [
-            value / share,
-            value * other / share_ratio,
-            -size * by_z / threshold,
-            -size * by_z * other / threshold_ratio,
-            size * by_spread,
+            whole / share,
+            whole * other / share_ratio,
+            -by_z / threshold,
+            -by_z * other / threshold_ratio,
+            -by_z * x,
+            np.zeros(x.size),
         ]
-        return np.stack(rows, axis=1)
+        return size * whole, size[:, None] * np.hstack([np.stack(rows, axis=1), shape])
 
-    none = np.zeros((len(z), 1))
+    lost, lost_slope = slopes(lost, lost_slope)
+    loss, loss_slope = slopes(loss, loss_slope)
+    loss_slope = dissipation * loss_slope
+    loss_slope[:, 5] = loss
+    # Frequency and loss factor go by the stiffness that is left.
+    left = np.maximum(1.0 - lost, _LEAST)
+    whole = (dissipation * loss + points.loss) / left
     return CurveEffect(
-        -0.5 * size * lost,
-        dissipation * size * loss,
-        np.hstack([-0.5 * slopes(size * lost, lost_slope, spread_lost), none]),
-        np.hstack(
-            [dissipation * slopes(size * loss, loss_slope, spread_loss), (size * loss)[:, None]]
-        ),
-    )
+        0.5 * np.log(left), whole - points.loss, -0.5 * lost_slope / left[:, None],
+        (loss_slope + whole[:, None] * lost_slope) / left[:, None],
+    )  # fmt: skip

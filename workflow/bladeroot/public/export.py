@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from bladeroot import artifacts
+from bladeroot.loads import value_of
 
 # Of a record's curve, a column each; damping as loss factor and, half of it, as damping ratio.
 CURVE = ("time", "amplitude", "frequency", "frequency_std", "loss_factor", "loss_factor_std")
@@ -69,7 +70,7 @@ def curve_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
             name: np.full(decay.sizes["point"], decay.attrs[name], dtype=object)
             for name in ("record", "mode")
         }
-        columns["force_N"] = np.full(decay.sizes["point"], float(decay.attrs["force_N"]))
+        columns["force_N"] = np.full(decay.sizes["point"], value_of(decay.attrs))
         for name in CURVE:
             unit = UNITS[decay[name].attrs["units"]]
             columns[f"{name}_{unit}".rstrip("_")] = decay[name].values

@@ -43,6 +43,8 @@ def cut(
     expected_Hz: float,
     end: float | str = "noise",
     bins: int = 1000,
+    release: Release | None = None,
+    least: float | None = None,
 ) -> xr.Dataset:
     """The free decay of one mode, from the release to its end.
 
@@ -63,16 +65,19 @@ def cut(
         end: "noise", or the part of its first value at which the envelope shall end, if it gets
             there before (the thesis's 1/1000, 3.1.1).
         bins: bins of the overview kept for figures.
+        release: when and how the decay was let go, where that is known.
+        least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
     """
     # Of a decay without other noise than its rounding, the last digits stand still.
     white, step = white_noise(velocity), quantum(velocity)
     noise = max(white, step / np.sqrt(12.0))
-    least = STEPS * step if white < BLURRED * step else 0.0
+    least = coarse(velocity) if least is None else least
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
     span, finding = (0, 0), ""
     duration = velocity.size / sampling_Hz
+    begin = 0 if release is None else int(release.time_s * sampling_Hz)
     if expected_Hz >= 0.45 * sampling_Hz:
         finding = (
             f"expected_Hz {expected_Hz:.6g} lies above 0.45 of the sampling frequency "
@@ -84,11 +89,20 @@ def cut(
             f"{expected_Hz:.6g} Hz, at least {2 * FEWEST_CYCLES} are needed"
         )
     else:
-        seen = envelope(velocity, sampling_Hz, _own_frequency(velocity, sampling_Hz, expected_Hz))
-        span, finding = _span(velocity, sampling_Hz, expected_Hz, seen, noise, least, end, attrs)
+        own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
+        seen = envelope(velocity, sampling_Hz, own_Hz)
+        span, finding = _span(
+            velocity, sampling_Hz, expected_Hz, seen, noise, least, end, attrs, release
+        )
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
+
+
+def coarse(samples: Float[ndarray, " sample"]) -> float:
+    """Amplitude below which a digitiser's steps show, zero where noise blurs them."""
+    white, step = white_noise(samples), quantum(samples)
+    return STEPS * step if white < BLURRED * step else 0.0
 
 
 def rejected(finding: str) -> xr.Dataset:
@@ -125,19 +139,20 @@ def _span(
     least: float,
     end: float | str,
     attrs: dict[str, float | str | int],
+    known: Release | None,
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the decay, or what is amiss."""
     floor = seen.noise(noise, sampling_Hz)
     broken = strikes(seen, noise)
     ratio = 0.0 if end == "noise" else float(end)
-    one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio)
+    one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio, known)
     loudest = int(np.argmax(one.level))
     if one.reason == "disturbed" or one.begin > loudest + LATE:
         # a deep beat looks like many decays, or like a release
         period = beat(seen, floor, loudest)
         if period is not None:
             calm = without_beat(seen, loudest, period)
-            whole = _decay(velocity, sampling_Hz, calm, floor, least, broken, ratio)
+            whole = _decay(velocity, sampling_Hz, calm, floor, least, broken, ratio, known)
             if whole.fall > DEEPER * one.fall or _free_before(whole, one.begin, period):
                 one = whole
     fall, found, release = one.fall, one.found, one.release
@@ -194,13 +209,16 @@ def _decay(
     least: float,
     broken: ndarray,
     ratio: float,
+    known: Release | None,
 ) -> _Decay:
     """The deepest decay in an envelope; without a release if none is deep enough."""
-    fall, level, found = _falls(seen, noise, broken)
+    first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
+    first = min(first, seen.time.size - 2)
+    fall, level, found = _falls(seen, noise, broken, first)
     if fall < np.log(LEAST_FALL):
         return _Decay(fall, level, found)
     peak, trough = found[0]
-    release = find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
+    release = known or find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
     start_s = release.time_s + 2.0 * release.std_s
     begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
     end_s, reason = find_end(seen, noise, least, level, broken, begin, trough, ratio)

@@ -21,6 +21,10 @@ from bladeroot.records.sight import Sight
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
 
+# What these find in a mode's course may also be what others left there: beside others they warn.
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
+HARD = ("mask", "drop")
+
 
 @cache
 def checks() -> dict[str, ModuleType]:
@@ -39,6 +43,7 @@ def judge(
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
+    alone: Float[ndarray, " whole"] | None = None,
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -55,6 +60,7 @@ def judge(
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
+        alone: `whole` with the mode by itself (`records.components`), if others were taken off.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
     velocity = decay["velocity"].values
@@ -70,12 +76,18 @@ def judge(
                 found.append(("sampling-rate", _fact(told, "warn")))
     else:
         seen = sight(decay, whole, expected_Hz, modes_Hz)
-        examined = examine(seen)
+        examined = examine(seen, seen if alone is None else sight(decay, alone, expected_Hz))
         if recording is not None and recording.quantity != "velocity":
             examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:
             if not finding.counts:
                 continue
+            if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
+                # what separation leaves of other modes looks alike; the errors know of it
+                text = (
+                    finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
+                )
+                finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
                 for first, last in finding.spans:
@@ -133,15 +145,21 @@ def sight(
     )
 
 
-def examine(seen: Sight) -> list[tuple[str, Finding]]:
-    """Every check's candidate, whether it counts or not."""
+def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]]:
+    """Every check's candidate, whether it counts or not.
+
+    alone: the same decay without what else rings; then only the checks that say so (`MIXED`) look
+    at the decay as it was recorded.
+    """
     found = []
+    alone = seen if alone is None else replace(alone, mixed=seen)
     first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
     for name, module in checks().items():
         if name not in first and first:
             spans = tuple(s for _, f in found if f.counts for s in f.spans)
-            seen, first = mended(seen, spans), []
-        finding = module.find(seen)
+            alone, first = mended(alone, spans), []
+            seen = alone if alone.mixed is None else mended(seen, spans)
+        finding = module.find(seen if hasattr(module, "MIXED") else alone)
         if finding is not None:
             found.append((name, finding))
     return found

@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy import fft
 
 LOUD_CYCLES = 80.0
 # A mode further than this (relative) from its expected frequency is not looked for. One in the
@@ -16,6 +15,8 @@ def magnitudes(
     velocity: Float[ndarray, " sample"], sampling_Hz: float
 ) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
     """Frequencies and magnitudes of a piece (Hann), without mean and slowest drift."""
+    from scipy import fft  # late: who checks a sheet imports this module
+
     count = velocity.size
     padded = fft.next_fast_len(2 * count, real=True)
     level = np.abs(fft.rfft((velocity - velocity.mean()) * np.hanning(count), padded))

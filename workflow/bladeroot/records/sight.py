@@ -76,7 +76,8 @@ class Sight:
     the cut begins in it, `noise` the rms of the sensor's
     noise, `end_reason` why the cut ends there, `modes_Hz` expected frequencies of the structure's
     other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
-    but where the sensor's own channel is looked at.
+    but where the sensor's own channel is looked at. `mixed` is the decay with all that rings, where
+    this one has been freed of the rest.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -89,6 +90,7 @@ class Sight:
     modes_Hz: tuple[float, ...] = ()
     blind: tuple[tuple[int, int], ...] = ()
     unit: str = "m/s"
+    mixed: "Sight | None" = None
 
     @cached_property
     def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:

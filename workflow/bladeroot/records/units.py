@@ -70,6 +70,7 @@ def normal_unit(unit: str) -> str:
     return "g" if bare == "g_n" else bare if bare in USUAL else text
 
 
+@cache  # a sheet of ten thousand rows says the same in each
 def motion(unit: str, sensitivity: str | None = None) -> tuple[str, float]:
     """Quantity and factor to SI of numbers in `unit`.
 

@@ -8,6 +8,7 @@ import xarray as xr
 from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
+from bladeroot.report.groups import groups_section
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.joint import joint_parts
 from bladeroot.report.ledger import ledger_section
@@ -42,12 +43,13 @@ def report(
 ) -> str:
     """A campaign's report as one HTML page.
 
-    facts: campaign, description (campaign.yaml), simulated, excluded, entry. stages: stick; with
-    records, integrity; for simulated ones, score; with a structure, fe_forces, stiffness, theory;
-    for the thesis's tables, ledger. checks, accuracies, joints, diagnoses, verdicts, shortfalls: of
-    each structure; extended: joints with the causes of a model file; calibrations: of those that
-    have one; amplitudes: of each, with records; thesis_searches: of each structure of a campaign of
-    the thesis. figures: SVG text by name. published_5_1 and errata: of the thesis, as shipped.
+    facts: campaign, description (campaign.yaml), structures, simulated, excluded, entry. stages:
+    stick; with records, integrity and curves; for simulated ones, score; with a structure,
+    fe_forces, stiffness, theory; for the thesis's tables, ledger. checks, accuracies, joints,
+    diagnoses, verdicts, shortfalls: of each structure; extended: joints with the causes of a model
+    file; calibrations: of those that have one; amplitudes: of each, with records; thesis_searches:
+    of each structure of a campaign of the thesis. figures: SVG text by name. published_5_1 and
+    errata: of the thesis, as shipped.
     Without a structure the page ends with the measurement.
     """
     score = stages.get("score")
@@ -61,8 +63,11 @@ def report(
         *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
         sticks,
     ]
-    if not facts["description"]["structure"]:
-        sections = [alone_section(stages["stick"]), *measured]
+    differences = groups_section(stages["curves"]) if "curves" in stages else None
+    measured[1:1] = [differences] if differences else []
+    if not facts["structures"]:
+        judged = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"])
+        sections = [alone_section(stages["stick"], verdicts[0]), judged, *measured]
         return _page(facts, "stick frequencies", sections, version)
     stiffness = stiffness_section(stages["stiffness"], figures["maps"], score)
     whole = joint_parts(joints, figures["joint"])

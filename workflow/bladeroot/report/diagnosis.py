@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
+from bladeroot.loads import AXIAL_FORCE, shown
+from bladeroot.plain_words import plainly
 from bladeroot.report.diagnosis_tables import (
     candidates_table,
     gain_table,
@@ -12,9 +14,10 @@ from bladeroot.report.diagnosis_tables import (
     structures_table,
 )
 from bladeroot.report.next_measurement import next_parts
-from bladeroot.report.page import Box, Picture, Section
+from bladeroot.report.page import Box, Picture, Section, Table
 from bladeroot.report.verdict import cautions, disagreement, verdict_box
 
+TITLE = "What the simulation gets wrong, and why"
 _CAPTIONS = {
     "frequencies": "Stick frequency over the axial force, measured and simulated, before and after "
     "the cause is part of the simulation; below, what is left. Before: contact stiffness as smooth "
@@ -43,6 +46,27 @@ def diagnosis_section(
     found, verdicts: of each structure, the main one first. figures: SVG text by name. remarks: what
     the verdict means for this campaign in particular.
     """
+    verdicts = [
+        {**said, "structure": said["structure"] or one.attrs["structure"]}
+        for one, said in zip(found, verdicts, strict=True)
+    ]
+    if found[0].attrs.get("refused"):
+        head = f"{verdicts[0]['structure']}: not this specimen, nothing is inferred with it"
+        return Section(TITLE, [Box(head, [f"{said['reason']}." for said in verdicts])])
+    whole = Section(TITLE, _parts(found, verdicts, figures, simulated, remarks))
+    kind, load = found[0].attrs.get("kind"), shown(found[0].attrs)[2]
+    if kind == "none" or (kind == "table" and load != AXIAL_FORCE):
+        return _in_own_words(whole, load, kind == "table")
+    return whole
+
+
+def _parts(
+    found: Sequence[xr.Dataset],
+    verdicts: Sequence[Mapping],
+    figures: Mapping[str, str],
+    simulated: bool,
+    remarks: Sequence[str],
+) -> list:
     box = verdict_box(found[0], verdicts[0], simulated)
     parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
     parts += cautions(found, verdicts)
@@ -64,16 +88,40 @@ def diagnosis_section(
     ]
     law = any("stick_residual" in one for one in found)
     over_amplitude = any("curve_mode" in one for one in found)
-    shown = {"frequencies": law, "curves": over_amplitude, "residuals": law,
+    loaded = bool(shown(found[0].attrs)[2])
+    drawn = {"frequencies": law and loaded, "curves": over_amplitude, "residuals": law,
              "residual_maps": over_amplitude}  # fmt: skip
     parts += [
-        Picture(figures[f"diagnosis_{name}"], _CAPTIONS[name]) for name in shown if shown[name]
+        Picture(figures[f"diagnosis_{name}"], _CAPTIONS[name]) for name in drawn if drawn[name]
     ]
     gain = gain_table(verdicts)
     parts += [gain] if gain.rows else []
-    parts += [Picture(figures["diagnosis_law"], _CAPTIONS["law"])] if law else []
-    parts += [*stiffness_tables(found), *next_parts(found)]
-    return Section("What the simulation gets wrong, and why", parts)
+    stiffness = any("law_k" in one for one in found)
+    parts += [Picture(figures["diagnosis_law"], _CAPTIONS["law"])] if stiffness else []
+    return [*parts, *stiffness_tables(found), *next_parts(found)]
+
+
+def _in_own_words(section: Section, load: str, simulated: bool) -> Section:
+    """The section as of a specimen with another load, or of which nothing is simulated."""
+    parts: list = []
+    for part in section.parts:
+        if isinstance(part, str):
+            parts.append(plainly(part, load, simulated))
+        elif isinstance(part, Box):
+            parts.append(
+                Box(
+                    plainly(part.head, load, simulated),
+                    [plainly(one, load, simulated) for one in part.lines],
+                )
+            )
+        elif isinstance(part, Picture):
+            parts.append(Picture(part.svg, plainly(part.caption, load, simulated)))
+        else:
+            header = ["against" if name == "structure" else name for name in part.header]
+            rows = [[plainly(cell, load, simulated) for cell in row] for row in part.rows]
+            parts.append(Table(plainly(part.caption, load, simulated), header, rows, part.folded))
+    title = section.title if simulated else "What linear modes do not explain, and why"
+    return Section(title, parts)
 
 
 def _not_tried(found: xr.Dataset) -> list[str]:

@@ -4,8 +4,9 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.report.bad_records import unlike_repeats
-from bladeroot.report.numbers import fixed, listed, significant
+from bladeroot.report.numbers import listed, significant
 from bladeroot.report.page import Box, Section, Table
+from bladeroot.report.words import words_of
 
 
 def integrity_section(judged: xr.Dataset) -> Section:
@@ -77,11 +78,11 @@ def _second_opinion(judged: xr.Dataset) -> list:
             (
                 str(judged["record"].values[k]),
                 str(judged["mode"].values[k]),
-                fixed(float(judged["force"].values[k]) / 1e3, 2),
+                words_of(judged).value(float(judged["force"].values[k])),
                 str(judged["pff_finding"].values[k]),
             )
             for k in apart
         ]
-        header = ("record", "mode", "force / kN", "difference")
+        header = ("record", "mode", words_of(judged).header, "difference")
         parts.append(Table("Records on which the two methods differ", header, rows))
     return parts

@@ -7,9 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bladeroot.loads import AXIAL_FORCE
 from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
+from bladeroot.report.words import gauge_sentence, pictures, words_of
 
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.decay.plateau`
 VERDICTS = {
@@ -19,39 +21,14 @@ VERDICTS = {
     "plateau not reached": "bending down to their smallest amplitude",
     "rejected": "rejected",
 }
-PICTURES = {
-    "cuts": "Raw records and the free decay that was cut out by itself: for each mode at the "
-    "lowest and the highest force, then a few that are rejected (one for each kind of fault) and "
-    "those of which most is masked, with the reason. Dashed: release, or start of the decay, and "
-    "its end.",
-    "spectra": "Amplitude spectra of the same free decays before and after the mode was separated, "
-    "all three of the longest stretch that is not masked and where the mode was followed (its "
-    "times after the start of the cut in the title; the whole decay where none was). What is left "
-    "over should hold the other modes and the noise, and nothing of the mode: where it stands "
-    "above the free decay the separation failed.",
-    "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-    "3.11), every usable record, coloured by force (by hold or record where there is one force "
-    "only); bands are one standard error, and points are drawn where it is below 0.1 % of the "
-    "frequency and 20 % of the loss factor.",
-    "waterfall": "Mean curve of all records at each force, over the base line of its force; the "
-    "base lines are evenly spaced, the bar at the right is the curves' scale. Softening: how far "
-    "the frequency lies below its value at the smallest amplitudes. The records' own levels are "
-    "taken off before the mean and their mean is put back. Bands: plus and minus one standard "
-    "error of the change with amplitude, of one record alone where the line is thin; ±: standard "
-    "deviation between the records, levels included (median over amplitude).",
-    "amplitude_force": "Natural frequency and loss factor over amplitude and axial force: "
-    "interpolated linearly between the forces that were measured (triangles). Blank where one of "
-    "the two forces beside has no record of that amplitude, or where the standard error of the "
-    "change with amplitude exceeds 0.1 % of the frequency or 20 % of the loss factor. At each "
-    "force it is the mean of the records; how far they lie apart is beside the curves above.",
-}
 
 
 def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str, str]) -> Section:
     """The specimen's campaign: gauge, modes, records, what was left out and why."""
     description = facts["description"]
-    parts: list = [description.get("notes", ""), _gauge_sentence(description["force"])]
-    parts = [part for part in parts if part]
+    words = words_of(stick)
+    parts: list = [part for part in (description.get("notes", ""),) if part]
+    parts += gauge_sentence(description)
     if facts["entry"] == "stick frequencies":
         parts.append(
             f"The campaign enters at the stick-frequency stage with {_levels(stick)}; there are no "
@@ -82,9 +59,12 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         drawn += ["backbones", "waterfall"]
         if _several_forces(stick):
             drawn.append("amplitude_force")
-        else:
-            parts.append("Every mode was measured at one axial force: there is no map over force.")
-    parts += [Picture(figures[name], PICTURES[name]) for name in drawn]
+        elif words.load:
+            parts.append(
+                f"Every mode was measured at one {words.load}: there is no map over {words.short}."
+            )
+    captions = pictures(words)
+    parts += [Picture(figures[name], captions[name]) for name in drawn]
     return Section("What was measured", parts)
 
 
@@ -95,10 +75,13 @@ def stick_section(
 
     fe_forces: None without a structure, which would have forces of its own.
     """
+    words = words_of(stick)
+    of_joint = fe_forces is not None or words.load == AXIAL_FORCE
     rows = [
         (
             str(level["mode"].item()),
-            fixed(float(level["force"]) / 1e3, 2),
+            words.value(float(level["force"])),
+            str(level["group"].item() or NONE) if "group" in level else NONE,
             with_std(float(level["frequency"]), float(level["frequency_std"]), 2),
             significant(float(level["within_std"]), 2),
             significant(float(level["between_std"]), 2),
@@ -111,12 +94,13 @@ def stick_section(
         for level in (stick.isel(level=index) for index in range(stick.sizes["level"]))
     ]
     parts: list = [
-        "The stick frequency is that of the plateau at small amplitude, where all flanks stick and "
-        "the joint is linear. Nothing is extrapolated: a record that never reaches its plateau "
+        "The stick frequency is that of the plateau at small amplitude, where "
+        + ("all flanks stick and the joint is linear" if of_joint else "it is constant")
+        + ". Nothing is extrapolated: a record that never reaches its plateau "
         "gives a bound and no frequency.",
         Picture(
             figure,
-            "Stick frequency and loss factor against axial force"
+            f"Stick frequency and loss factor{' against ' + words.load if words.load else ''}"
             + (
                 ""
                 if fe_forces is None
@@ -129,11 +113,14 @@ def stick_section(
     if rows:
         parts.append(Table(
             "Stick frequencies. Within: propagated standard error of the records (3.21); between: "
-            f"standard deviation of the records at one force. {_counted(stick)} "
-            "The onset is where the whole motion begins to slip: other modes in the record add to "
-            "it, so that it is a lower bound for the mode alone.",
-            ("mode", "force / kN", "frequency / Hz", "within / Hz", "between / Hz",
-             "loss factor / %", "onset of slip / µm", "records / holds"),
+            f"standard deviation of the records{words.at_one}. {_counted(stick)} The onset is "
+            "where "
+            + ("the whole motion begins to slip" if of_joint else "the plateau ends")
+            + ": other modes in the record add to it, so that it is a lower bound for the mode "
+            "alone.",
+            ("mode", words.header, "group", "frequency / Hz", "within / Hz", "between / Hz",
+             "loss factor / %", "onset of slip / µm" if of_joint else "onset / µm",
+             "records / holds"),
             rows,
         ))  # fmt: skip
     parts += scatter_parts(stick)
@@ -149,10 +136,14 @@ def _counted(stick: xr.Dataset) -> str:
     attrs = stick["frequency_std"].attrs
     if "note" in attrs:
         return f"The stated error is {attrs['note']}."
-    text = (
-        "The stated error counts both, and the scatter between clampings: that of repeats or, "
-        "where no force is clamped twice, of the forces about a smooth law."
-    )
+    words = words_of(stick)
+    text = "The stated error counts both, and the scatter between clampings: that of repeats"
+    if words.load:
+        text += (
+            f" or, where no {words.short} is clamped twice, of the {words.short}s about a smooth "
+            "law"
+        )
+    text += "."
     if "lower_bound" in attrs:
         text += f" In {attrs['lower_bound']} it is unknown, and the error a lower bound."
     return text
@@ -163,12 +154,15 @@ def scatter_parts(stick: xr.Dataset) -> list:
     if "scatter_ratio" in stick:
         known = np.isfinite(stick["scatter_ratio"].values).any()
         return [_printed_errors(stick)] if known else []
-    rows = []
-    for mode in dict.fromkeys(stick["mode"].values):
-        here = stick.isel(level=int(np.flatnonzero(stick["mode"].values == mode)[0]))
+    rows, words = [], words_of(stick)
+    groups = stick["group"].values if "group" in stick else np.full(stick.sizes["level"], "")
+    kinds = list(zip(stick["mode"].values.astype(str), groups.astype(str), strict=True))
+    for mode, group in dict.fromkeys(kinds):
+        here = stick.isel(level=kinds.index((mode, group)))
         rows.append(
             (
                 str(mode),
+                group or NONE,
                 significant(float(here["between_record_std"]), 2),
                 str(int(here["record_freedom"])),
                 significant(float(here["between_hold_std"]), 2),
@@ -182,13 +176,15 @@ def scatter_parts(stick: xr.Dataset) -> list:
         )
     if not rows:
         return []
-    header = ("mode", "between records / Hz", "freedom", "between holds / Hz", "freedom",
+    header = ("mode", "group", "between records / Hz", "freedom", "between holds / Hz", "freedom",
               "up less down / Hz")  # fmt: skip
     return [
         Table(
-            "What repeats scatter beyond their own errors, told from all forces of a mode: "
-            "standard deviation between the records of a hold and between holds, with degrees of "
-            "freedom, and the difference between loading up and down",
+            "What repeats scatter beyond their own errors"
+            + (f", told from all {words.short}s of a mode" if words.load else "")
+            + ": standard deviation between the records of a hold and between holds, with degrees "
+            "of freedom"
+            + (", and the difference between loading up and down" if words.load else ""),
             header,
             rows,
         )
@@ -254,62 +250,52 @@ def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
     ]
 
 
-def _gauge_sentence(gauge: Mapping) -> str:
-    if gauge["gauge"] == "pressure":
-        what = (
-            f"from the actuator's pressure on {gauge['piston_area_cm2']:g} cm², full scale "
-            f"{gauge['full_scale_bar']:g} bar"
-        )
-    else:
-        what = f"from strain gauges, full scale {gauge['full_scale_microstrain']:g} microstrain"
-    return (
-        f"The axial force is read {what}, accurate to {gauge['accuracy_percent']:g} % of the "
-        f"{gauge['accuracy_of'].replace('-', ' ')}."
-    )
-
-
 def _levels(stick: xr.Dataset) -> str:
-    texts = []
+    texts, words = [], words_of(stick)
     for mode in dict.fromkeys(stick["mode"].values):
-        force = stick["force"].values[stick["mode"].values == mode] / 1e3
+        force = stick["force"].values[stick["mode"].values == mode] * words.factor
         texts.append(
-            f"{len(force)} forces in mode {mode} ({force.min():.1f} to {force.max():.1f} kN)"
+            f"{len(force)} {words.short}s in mode {mode} ({force.min():.1f} to {force.max():.1f} "
+            f"{words.unit})"
+            if words.load
+            else f"mode {mode}"
         )
     return listed(texts)
 
 
 def _record_table(stick: xr.Dataset) -> Table:
+    names = ["record_mode", "record_force", "record_group", "sensor"]
     frame = pd.DataFrame(
-        {
-            name: stick[name].values
-            for name in ("record_mode", "record_force", "hold", "plateau_reached")
-        }
-    )
-    rows = []
-    for (mode, force), group in frame.groupby(["record_mode", "record_force"]):
+        {name: stick[name].values if name in stick else ""
+         for name in (*names, "hold", "plateau_reached")}
+    )  # fmt: skip
+    words, rows = words_of(stick), []
+    for (mode, force, group, sensor), seen in frame.groupby(names):
         rows.append(
             (
                 mode,
-                fixed(force / 1e3, 2),
-                str(len(group)),
-                str(group["hold"].nunique()),
-                str(int(group["plateau_reached"].sum())),
+                words.value(force),
+                group or NONE,
+                sensor or NONE,
+                str(len(seen)),
+                str(seen["hold"].nunique()),
+                str(int(seen["plateau_reached"].sum())),
             )
         )
-    header = ("mode", "force / kN", "records", "holds", "plateau reached")
-    return Table("Records of each mode and force", header, rows)
+    header = ("mode", words.header, "group", "sensor", "records", "holds", "plateau reached")
+    return Table(f"Records of each mode{' and ' + words.short if words.load else ''}", header, rows)
 
 
 def _bounds(stick: xr.Dataset) -> Table:
     """What the records that still bend at their smallest amplitude tell all the same."""
-    rows = []
+    rows, words = [], words_of(stick)
     for record in stick["record"].values[stick["verdict"].values == "plateau not reached"]:
         here = stick.sel(record=record)
         rows.append(
             (
                 str(record),
                 str(here["record_mode"].item()),
-                fixed(float(here["record_force"]) / 1e3, 2),
+                words.value(float(here["record_force"])),
                 fixed(float(here["frequency_bound"]), 2),
                 _interval(float(here["limit_low"]), float(here["limit_high"])),
             )
@@ -319,7 +305,7 @@ def _bounds(stick: xr.Dataset) -> Table:
         "still bends; the stick frequency lies beyond it. Limit: where those powers of the "
         "amplitude, from the square root upwards, that describe the record would have it end; "
         "slip that saturates at large amplitudes can end outside",
-        ("record", "mode", "force / kN", "frequency / Hz", "limit at zero amplitude / Hz"),
+        ("record", "mode", words.header, "frequency / Hz", "limit at zero amplitude / Hz"),
         rows,
     )
 

@@ -5,15 +5,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.loads import shown
 from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import listed, percent, significant
 from bladeroot.report.page import Section
+from bladeroot.report.words import several_groups
 
 _REFERENCE = 12e3  # N
 _FEW = 10  # names that a sentence holds
 ALONE = (
-    "campaign.yaml names no structure, so there is nothing to compare with: contact stiffness, "
-    "contact theory and what a simulation gets wrong are left out."
+    "Nothing is simulated: each mode is judged against a linear one, whose frequency and loss "
+    "factor are constant{}. What that leaves, and why, stands below; contact stiffness is not told."
 )
 FOREIGN = 0.05  # relative move of a mode that no error of a model of the specimen explains
 
@@ -58,9 +60,15 @@ def summary_section(
     return Section("In short", parts)
 
 
-def alone_section(stick: xr.Dataset) -> Section:
-    """The results of a campaign without a structure, and what is left out."""
-    return Section("In short", [*_measured(stick), ALONE])
+def alone_section(stick: xr.Dataset, said: Mapping) -> Section:
+    """The results of a campaign without a structure, and what it is judged against."""
+    if said["structure"]:
+        what = [] if said["causes"] or said["shortfall"] else [f"{said['reason']}."]
+    else:
+        load = shown(stick.attrs)[2]
+        line = f" (over the {load}, a line in the frequency's square)" if load else ""
+        what = [ALONE.format(line)]
+    return Section("In short", [*_measured(stick), *what])
 
 
 def undecided_section(facts: Mapping, stick: xr.Dataset, stiffness: xr.Dataset) -> Section:
@@ -123,19 +131,27 @@ def _measured(stick: xr.Dataset) -> list[str]:
 
 
 def _frequencies(stick: xr.Dataset) -> str:
-    texts = []
+    texts, (factor, unit, load) = [], shown(stick.attrs)
+    lowest = float(stick["frequency"].min()) if stick.sizes["level"] else 0.0
+    digits = 1 if lowest > 100.0 else 3
     for mode in dict.fromkeys(stick["mode"].values):
         level = stick.isel(level=np.flatnonzero(stick["mode"].values == mode)).sortby("force")
-        first, last = level.isel(level=0), level.isel(level=-1)
-        ends = [
-            f"{float(end['frequency']):.1f} Hz at {float(end['force']) / 1e3:.1f} kN"
-            for end in (first, last)
+        ends = [level.isel(level=0), level.isel(level=-1)]
+        if several_groups(stick):  # a range over loads would be one over groups, too
+            ends = [level.isel(level=k) for k in range(level.sizes["level"])]
+        said = [
+            f"{float(end['frequency']):.{digits}f} Hz"
+            + (f" at {factor * float(end['force']):.1f} {unit}" if load else "")
+            + (f" in {end['group'].item()}" if several_groups(stick) else "")
+            for end in ends
         ]
-        texts.append(f"mode {mode} {' to '.join(dict.fromkeys(ends))}")
+        texts.append(f"mode {mode} {' to '.join(dict.fromkeys(said))}")
     if not texts:
         bounds = "only bounds" if (stick["verdict"] == "plateau not reached").any() else "no bound"
         return f"No record reached its stick plateau: there is no stick frequency, {bounds}."
-    return f"Stick frequencies (1B and 2B: first and second bending mode): {listed(texts)}."
+    bending = {"1B", "2B"} & set(stick["mode"].values.astype(str))
+    what = " (1B and 2B: first and second bending mode)" if bending else ""
+    return f"Stick frequencies{what}: {listed(texts)}."
 
 
 def _found(line: xr.Dataset, structure: str) -> str:

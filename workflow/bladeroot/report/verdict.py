@@ -18,7 +18,10 @@ ANSWERS = {
     "insufficient-data": "too few data",
 }
 BELOW = "With the records below"  # how a verdict's reason begins to speak of lower forces
+# Of a credible set, what is no mechanism.
+INSTEAD = {"none": "nothing at all", "none-of-these": "something of no catalogue"}
 NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
+_SHOWN = 0.02  # least probability of a set that is told
 _NUMBER = re.compile(r"(?<=by )(up to )?[\d.e+-]+( %)?")
 CLASSES = {
     "amplitude": "an effect of the amplitude",
@@ -38,14 +41,15 @@ _UNITS = {
 
 
 def plain(name: str) -> str:
-    """A mechanism's id as words."""
-    return re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
+    """A mechanism's id, or what stands in its place, as words."""
+    return INSTEAD.get(name) or re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
 
 
 def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     """What is missing, why, and what to do, a line each."""
     lines = [_missing(one, said), *_because(one, said)]
-    lines += _gain(said)
+    lines += odds(said) + _gain(said)
+    lines += [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else []
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
@@ -72,11 +76,28 @@ def _gain(said: Mapping) -> list[str]:
         return []
     constant = ", what is the same at all forces counted," if of_level(said) else ""
     better = "falls" if gain["after"] < gain["before"] else "does not fall"
+    before, after = (percent(gain[side], 2) for side in ("before", "after"))
+    change = f"{better}, from {before} to {after}" if before != after else f"stays at {before}"
     return [
         f"With {'it' if len(said['causes']) == 1 else 'them'} in the simulation the error at "
-        f"forces that the fit has not seen{constant} {better}, from {percent(gain['before'], 2)} "
-        f"to {percent(gain['after'], 2)} of the stick frequency."
+        f"forces that the fit has not seen{constant} {change} of the stick frequency."
     ]
+
+
+def chance(probability: float) -> str:
+    """A probability in per cent, never as certain as it cannot be."""
+    if probability > 0.99:
+        return "more than 99 %"
+    return f"{100 * probability:.0f} %" if probability >= 0.01 else "less than 1 %"
+
+
+def odds(said: Mapping) -> list[str]:
+    """The most probable sets of causes in a line."""
+    sets = [(name, p) for name, p in said["probabilities"].items() if p >= _SHOWN][:4]
+    if not sets:
+        return []
+    texts = [f"{listed([plain(one) for one in name.split('+')])} {chance(p)}" for name, p in sets]
+    return [f"Probabilities: {'; '.join(texts)}."]
 
 
 def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
@@ -111,7 +132,7 @@ def _missing(one: xr.Dataset, said: Mapping) -> str:
         rows.setdefault((row["quantity"], _NUMBER.sub("{}", row["trend"])), []).append(text)
     texts = [
         f"the {quantity} {trend.replace('{}', listed(sizes))}"
-        if trend.startswith(("rises", "falls"))
+        if trend.startswith(("rises", "falls", "differs"))
         else f"of the {quantity}, {trend.replace('{}', listed(sizes))}"
         for (quantity, trend), sizes in rows.items()
     ]
@@ -142,7 +163,8 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
         else:
             names = listed([plain(name) for name in cause["credible_set"]], "or")
             lines.append(
-                f"Cause: {names} ({kind}); the records do not tell which. To decide: "
+                f"Cause: {names} ({kind}, {plain(cause['mechanism'])} with a probability of "
+                f"{chance(cause['probability'])}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
@@ -153,7 +175,10 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     if said["answer"] == "unexplained":
         lines.append(f"No cause of the catalogue explains it: {said['reason']}.")
     if said["answer"] == "insufficient-data":
-        lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
+        if one.attrs.get("insufficient"):
+            lines.append(f"{one.attrs['insufficient']}.")
+        if lacks_of(one):
+            lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
     return lines
 
 
@@ -181,7 +206,7 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
         if below >= 0:
             text = said["reason"][below:].rstrip(".").replace("+-", "±")
             texts.append(f"{said['structure']}: {plain(text.replace('_', ' '))}.")
-        if said["causes"] and lacks_of(one):
+        if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":
             lacks.setdefault("; ".join(lacks_of(one)), []).append(said["structure"])
     texts += [
         f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "

@@ -4,5 +4,6 @@ A file `x_y.py` defines the finding `x-y` by one function, `find(sight) -> Findi
 strongest candidate with its statistic (which `records.integrity` compares with the threshold), or
 None where the record is too short to judge. Beside it stand `THRESHOLD` and `STATISTIC`, what
 the statistic is in a phrase. A file with `FIRST = True` is run before the others, which then see
-the record with what it masked bridged.
+the record with what it masked bridged. One with `MIXED = True` looks at all that rings; the others
+see the mode by itself.
 """

@@ -5,6 +5,7 @@ import numpy as np
 from bladeroot.records.finding import Finding
 from bladeroot.records.sight import BASELINE_CYCLES, Sight
 
+MIXED = True
 STATISTIC = "largest local mean over some thirty cycles, relative to the first amplitude"
 # 2 % of the amplitude shifts neither frequency nor damping, but tells of a bad sensor or range.
 THRESHOLD = 0.02

@@ -11,6 +11,7 @@ from bladeroot.records.sight import Sight
 from bladeroot.records.spectrum import white_noise
 from bladeroot.records.units import SI
 
+MIXED = True
 STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine has there"
 THRESHOLD = 3.0
 # Where one extreme is clipped, the other is masked from this ratio on.

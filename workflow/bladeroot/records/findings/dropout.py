@@ -7,6 +7,7 @@ from bladeroot.records.runs import runs
 from bladeroot.records.sight import Sight
 
 FIRST = True
+MIXED = True
 STATISTIC = "longest run of equal samples over the longest that the digitiser's step explains"
 THRESHOLD = 0.85
 

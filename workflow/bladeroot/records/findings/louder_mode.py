@@ -11,6 +11,7 @@ from bladeroot.records.lines import LOUD_CYCLES, TOLERANCE, magnitudes, peak_Hz
 from bladeroot.records.runs import in_frames
 from bladeroot.records.sight import Sight
 
+MIXED = True
 STATISTIC = "velocity of the strongest line out of the band over this mode's, first 80 cycles"
 # A requirement, not a test: the curves are then not those of this mode alone.
 THRESHOLD = 1.0

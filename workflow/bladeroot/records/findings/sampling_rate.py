@@ -6,6 +6,7 @@ from bladeroot.records.finding import Finding
 from bladeroot.records.lines import TOLERANCE, magnitudes
 from bladeroot.records.sight import Sight
 
+MIXED = True
 STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
 THRESHOLD = 1.0
 RATIOS = tuple(

@@ -10,6 +10,7 @@ from bladeroot.records.finding import Finding
 from bladeroot.records.findings import clipping
 from bladeroot.records.sight import Sight
 
+MIXED = True
 STATISTIC = "factor of a cosine cut off at one level in the loudest cycles, in standard errors"
 THRESHOLD = 7.0
 BINS = 32

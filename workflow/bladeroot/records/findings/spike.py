@@ -7,6 +7,7 @@ from bladeroot.records.runs import joined, runs
 from bladeroot.records.sight import Sight
 
 FIRST = True
+MIXED = True
 STATISTIC = "largest isolated miss of a sample by its 32 neighbours, in local rms of the miss"
 THRESHOLD = 8.0
 # More than this many in one place are a rough waveform, not single samples.

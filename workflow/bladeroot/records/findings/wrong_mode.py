@@ -27,6 +27,9 @@ def find(sight: Sight) -> Finding | None:
     own = float(level[np.argmin(np.abs(frequency - sight.own_Hz))])
     low, high = ((1.0 + sign * TOLERANCE) * sight.expected_Hz for sign in (-1, 1))
     ratio = float(level.max()) / max(strongest, 1e-300)
+    if sight.mixed is not None and ratio <= THRESHOLD:
+        frequency, level = sight.mixed.early
+        inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
     within = np.where(inside, level, 0.0)
     apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
         0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))

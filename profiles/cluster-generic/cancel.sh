@@ -1,0 +1,3 @@
+#!/bin/sh
+# Cancel jobs by their numbers.
+scancel "$@"

@@ -1,0 +1,61 @@
+"""Probabilities of sets of causes: priors, temper, several kinds of data."""
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.posterior import (
+    NONE,
+    UNKNOWN,
+    Weighed,
+    inclusion,
+    labelled,
+    probabilities,
+    together,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+
+A, B, AB = frozenset("a"), frozenset("b"), frozenset("ab")
+EMPTY = frozenset()
+nats = st.floats(-20.0, 2000.0)
+
+
+@given(nats, nats, nats, nats)
+def test_they_sum_to_one_and_the_better_explained_of_one_size_is_more_probable(a, b, both, smooth):
+    sets = probabilities(
+        [Weighed(EMPTY, 0.0, smooth), Weighed(A, a), Weighed(B, b), Weighed(AB, both)]
+    )
+    assert sum(sets.values()) == pytest.approx(1.0)
+    assert (sets[A] - sets[B]) * (a - b) >= 0.0
+
+
+def test_without_evidence_the_prior_is_left():
+    sets = probabilities([Weighed(EMPTY, 0.0, 0.0), Weighed(A, 0.0)])
+    assert np.log(sets[EMPTY] / sets[A]) == pytest.approx(guards.PRIOR)
+    assert np.log(sets[EMPTY] / sets[frozenset({UNKNOWN})]) == pytest.approx(guards.PRIOR_UNKNOWN)
+
+
+def test_a_small_part_of_a_large_effect_makes_no_second_cause():
+    """Three per cent of what is explained are much by themselves, and little beside it."""
+    alone = probabilities([Weighed(EMPTY, 0.0), Weighed(B, 15.0)])
+    beside = probabilities([Weighed(EMPTY, 0.0), Weighed(A, 500.0), Weighed(AB, 515.0)])
+    assert inclusion(alone, "b") > guards.CERTAIN
+    assert inclusion(beside, "b") < 0.1
+    assert inclusion(beside, "a") > 0.999
+
+
+def test_few_clampings_make_evidence_count_less():
+    rows = [Weighed(EMPTY, 0.0), Weighed(A, 8.0)]
+    assert inclusion(probabilities(rows, replicates=False), "a") < inclusion(
+        probabilities(rows), "a"
+    )
+
+
+def test_kinds_of_data_speak_of_different_causes():
+    sets = together([{EMPTY: 0.2, A: 0.8}, {EMPTY: 0.4, B: 0.5, frozenset({UNKNOWN}): 0.1}])
+    named = labelled(sets)
+    assert named["a+b"] == pytest.approx(0.4)
+    assert named[NONE] == pytest.approx(0.08)
+    assert named[f"a+{UNKNOWN}"] == pytest.approx(0.08)
+    assert sum(named.values()) == pytest.approx(1.0)
+    assert list(named.values()) == sorted(named.values(), reverse=True)

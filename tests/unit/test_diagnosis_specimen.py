@@ -1,0 +1,223 @@
+"""Diagnosis without a structure: linear modes, a table, and a structure that cannot be it."""
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from bladeroot.diagnosis import judged
+from bladeroot.diagnosis.diagnose import Settings
+from bladeroot.diagnosis.events import one_of_each_event
+from bladeroot.diagnosis.possible import impossible
+from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
+from bladeroot.diagnosis.simulation.parametric import ln_frequency
+from bladeroot.diagnosis.simulation.table import along, table_of
+from bladeroot.diagnosis.stick_model import problem, stick_data
+from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.plain_words import plainly
+from bladeroot.schema import check
+from bladeroot.structure.parametric import parametric_model, surface_of
+from diagnosis_bench import FORCES, MODES, campaign, programme
+from stiffness_beam import beam_joint
+
+SETTINGS = Settings({"1B": 5e-3, "2B": 5e-3})
+CATALOGUE = catalogue()
+BY_ID = {one.id: one for one in CATALOGUE}
+
+
+@pytest.fixture(scope="module")
+def model():
+    return parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
+
+
+@pytest.fixture(scope="module")
+def expected(model):
+    return dict(zip(MODES, np.exp(_places(model, 12e3)[0][0]), strict=True))
+
+
+def _places(model, force, ln_k=21.13):
+    surface = surface_of(model.sel(mode=list(MODES)))
+    return ln_frequency(surface, np.array([[ln_k, ln_k, force]]))
+
+
+def dovetail_table(model, forces=FORCES):
+    """The structure's own frequencies and sensitivities over the force, as a user's table."""
+    rows = []
+    for force in np.linspace(0.9 * min(forces), 1.1 * max(forces), 12):
+        value, slope = _places(model, force)
+        for m, mode in enumerate(MODES):
+            rows.append((mode, force, np.exp(value[0, m]), slope[0, m, 0], slope[0, m, 1]))
+    frame = pd.DataFrame(rows, columns=["mode", "load", "frequency_Hz", "by_ln_kn", "by_ln_kt"])
+    return table_of(frame, "sim.csv", {"": 5e-3}, {})
+
+
+def of_a_load(seen, name, unit, factor=1.0):
+    """The same campaign with another load."""
+    made = seen.assign(force=seen["force"] * factor)
+    return made.assign_attrs(load_name=name, load_unit=unit, gauge_resolution_N=179.0 * factor)
+
+
+def names(said):
+    return [one["mechanism"] for one in said["causes"]]
+
+
+def test_slopes_of_the_linear_baseline_are_differences(model, expected):
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    data = stick_data(seen, MODES)
+    linear = Linear(MODES, np.array([expected[mode] for mode in MODES]), True)
+    chosen = [BY_ID["load-dependent-stiffness"], BY_ID["drift"], BY_ID["force-relaxation"]]
+    made = problem(data, linear, chosen)
+    theta = made.prior.mean + 0.3 * made.prior.std * np.random.default_rng(0).standard_normal(
+        made.prior.mean.size
+    )
+    state = made.predict(theta)
+    for k in range(theta.size):
+        step = np.zeros(theta.size)
+        step[k] = 1e-5 * made.prior.std[k]
+        rise = (made.predict(theta + step).mean - made.predict(theta - step).mean) / (2 * step[k])
+        assert state.slope[:, k] == pytest.approx(rise, abs=1e-3 * np.abs(rise).max() + 1e-12)
+    scales = made.scales.mean
+    whole, slopes = made.covariance(state, scales)
+    for k, slope in enumerate(slopes()):
+        step = np.eye(scales.size)[k] * 1e-5
+        up, down = (made.covariance(state, scales + sign * step)[0] for sign in (1, -1))
+        slope = np.diag(slope) if slope.ndim == 1 else slope
+        assert (up - down) / 2e-5 == pytest.approx(slope, abs=1e-6 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("effect", [("", 0.0), ("drift", 6e-3), ("hysteresis", 0.4)])
+def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effect):
+    wanted = {"": [], "drift": ["drift"], "hysteresis": ["loading-hysteresis"]}[effect[0]]
+    seen = campaign(model, *effect, seed=2, scatter=0.03, rows=programme(cycles=2), curves=False)
+    seen = of_a_load(seen, "bolt torque", "Nm", 1e-3)
+    made, said, extension = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    check(json.loads(json.dumps(said)), "verdict", "linear modes")
+    assert names(said) == wanted
+    assert (said["structure"], extension) == (None, None)
+    assert "force-gain" not in said["reason"]
+    assert made["stick_force"].values.max() == pytest.approx(seen["force"].values.max())
+
+
+def test_curves_of_one_condition_are_ranked_and_what_would_split_them_is_said(model, expected):
+    seen = campaign(model, "slip", 0.02, rows=programme(cycles=2, forces=np.array([6e3])))
+    seen["direction"] = seen["direction"].where(False, "")
+    seen = of_a_load(seen, "", "", 0.0)
+    made, said, _ = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    assert said["answer"] == "insufficient-data"
+    assert {row["quantity"] for row in said["shortfall"]} >= {"loss factor over amplitude"}
+    assert "joint-slip" in made.attrs["ranked"]
+    assert "to decide" in said["reason"]
+    words = re.sub(r"\b[a-z]+(-[a-z]+)+\b", "", f"{said['reason']} {said['shortfall']}")
+    assert not re.search(r"force|gauge|structure|flank|simulat|kN", words)
+
+
+@pytest.mark.parametrize(
+    "effect", [("exponent", 0.3), ("gain", -0.2), ("drift", 6e-3), ("hysteresis", 0.4), ("", 0.0)]
+)
+def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected, effect):
+    seen = campaign(model, *effect, seed=4, rows=programme(cycles=2), curves=False)
+    table = dovetail_table(model)
+    of_table = judged.with_table(seen, table, SETTINGS, CATALOGUE)[1]
+    of_structure = judged.with_structure(seen, model, SETTINGS, CATALOGUE, expected)[1]
+    assert names(of_table) == names(of_structure)
+    assert of_table["structure"] == "sim.csv"
+
+
+def test_a_table_runs_straight_between_its_loads():
+    loads, values = np.array([1.0, 2.0, 4.0]), np.array([0.0, 1.0, 0.0])
+    value, slope = along(loads, values, np.array([1.5, 3.0, 5.0]))
+    assert value == pytest.approx([0.5, 0.5, -0.5])
+    assert slope == pytest.approx([1.0, -0.5, -0.5])
+
+
+def test_a_table_without_sensitivities_says_that_it_cannot_tell_contact():
+    frame = pd.DataFrame({"mode": ["1B", "1B"], "load": [1e3, 2e4], "frequency_Hz": [500.0, 510.0]})
+    table = table_of(frame, "t.csv", {"": 5e-3}, {})
+    assert "by_ln_kn" in table.silent(BY_ID["load-dependent-stiffness"])
+    assert table.silent(BY_ID["force-gain"]) == ""
+    assert not table.knows_contact
+
+
+def test_a_table_may_hold_slip_of_its_own():
+    rows = [("a", load, f, eta, x) for load in (1.0, 2.0)
+            for x, f, eta in ((1e-6, 100.0, 0.01), (1e-5, 99.0, 0.02))]  # fmt: skip
+    columns = ["mode", "load", "frequency_Hz", "loss_factor", "amplitude_m"]
+    table = table_of(pd.DataFrame(rows, columns=columns), "t.csv", {"": 5e-3}, {})
+    assert np.exp(table.ln_f[0]) == pytest.approx([100.0, 100.0])
+    slip = table.curves().sel(mode="a", force=2.0)
+    assert slip["ln_frequency"].values == pytest.approx([0.0, np.log(0.99)])
+    assert slip["loss_factor"].values == pytest.approx([0.0, 0.01])
+
+
+def test_another_machine_is_refused_in_one_sentence_with_the_numbers(model, expected):
+    foreign = {"first": 0.2 * expected["1B"], "second": 0.4 * expected["1B"]}
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    seen["mode"] = ("record", np.where(seen["mode"].values == "1B", "first", "second"))
+    seen["stick_frequency"] = seen["stick_frequency"] * np.nan
+    made, said, extension = judged.with_structure(seen, model, SETTINGS, CATALOGUE, foreign)
+    check(json.loads(json.dumps(said)), "verdict", "refused")
+    assert (said["answer"], said["causes"]) == ("insufficient-data", [])
+    check(extension, "model", "refused")
+    assert "cannot be this specimen" in said["reason"]
+    assert f"{foreign['first']:.4g} Hz" in said["reason"]
+    assert ". " not in said["reason"].rstrip(".")
+    assert made.sizes["candidate"] == 0
+
+
+def test_a_structure_that_is_some_per_cent_off_is_not_refused(model, expected):
+    error = {"1B": 5e-3, "2B": 5e-3}
+    assert impossible(model, {m: 0.97 * f for m, f in expected.items()}, error) == ""
+    assert impossible(model, {m: 0.5 * f for m, f in expected.items()}, error) != ""
+
+
+@pytest.mark.parametrize(
+    ("loads", "name"),
+    [([5.0, 20.0], "bolt torque"), ([-20.0, 60.0], "temperature"), ([0.0, 0.0], "")],
+)
+def test_own_range_goes_there_and_back(loads, name):
+    seen = xr.Dataset(
+        {
+            "force": ("record", loads), "onset_amplitude": ("record", [1e-3, np.nan]),
+            "frequency": (("record", "amplitude"), [[7.0, 7.1], [7.0, np.nan]]),
+        },
+        coords={"amplitude": [1e-3, 5e-3]},
+        attrs={"load_name": name, "load_unit": "Nm" if name else "",
+               "gauge_full_scale_std_N": 1.0, "gauge_resolution_N": 0.0},
+    )  # fmt: skip
+    own = own_range(seen)
+    there = in_catalogue(seen, own)
+    assert (there["force"] > 1e3).all()
+    assert (there["force"] < 1e5).all()
+    back = judged.dataset_in_own(there.rename(force="stick_force"), own)
+    assert back["stick_force"].values == pytest.approx(loads)
+    factor, unit = own.factor("m/N")
+    assert factor == pytest.approx(own.per_load / own.per_metre)
+    assert unit == ("m/Nm" if name else "m/")[: len(unit)]
+    assert own.factor("1") == (1.0, "1")
+
+
+def test_sensors_of_one_event_are_one_observation():
+    seen = xr.Dataset(
+        {name: ("record", values) for name, values in {
+            "mode": ["a"] * 4 + ["b"], "event": ["e1", "e1", "e2", "e2", ""],
+            "sensor": ["x", "y", "x", "y", "x"], "verdict": ["usable"] * 5}.items()}
+        | {"frequency": (("record", "amplitude"), np.full((5, 2), 10.0)),
+           "frequency_std": (("record", "amplitude"), [[s, s] for s in (1, 0.1, 1, 0.2, 1.0)])},
+        coords={"record": list("pqrst")},
+    )  # fmt: skip
+    assert one_of_each_event(seen)["record"].values.tolist() == ["q", "s", "t"]
+
+
+@pytest.mark.parametrize(
+    ("text", "load", "said"),
+    [
+        ("curves at a second axial force", "", "curves at a second preload of the joint"),
+        ("curves at a second axial force", "bolt torque", "curves at a second bolt torque"),
+        ("rises by 2 % more than simulated", "", "rises by 2 % more than in a linear mode"),
+    ],
+)
+def test_sentences_suit_a_specimen_without_force_and_simulation(text, load, said):
+    assert plainly(text, load) == said

@@ -1,0 +1,108 @@
+"""All that rings beside a mode is found, taken off, and known in the curve's errors."""
+
+import numpy as np
+import pytest
+from bladeroot.decay.estimate import estimate
+from bladeroot.records.components import onset, separated
+from bladeroot.records.free_decay import free_decay
+from bladeroot.records.recording import recording
+from decay_bench import ring_down
+
+RATE = 6400.0
+NOISE = 2e-5
+
+
+def decay(line_Hz, zeta, size, time, phase=0.3):
+    omega = 2.0 * np.pi * line_Hz
+    return size * np.exp(-zeta * omega * time) * np.cos(omega * np.sqrt(1 - zeta**2) * time + phase)
+
+
+def blow(modes, before_s=0.02, length_s=4.0, seed=0):
+    """Velocity of a struck specimen: modes as (Hz, damping ratio, size), and noise."""
+    time = np.arange(int(length_s * RATE)) / RATE - before_s
+    wave = sum(decay(*mode, np.maximum(time, 0.0), phase=-np.pi / 2) for mode in modes)
+    wave = np.where(time >= 0.0, wave, 0.0)
+    return wave + NOISE * np.random.default_rng(seed).standard_normal(time.size)
+
+
+def curve(velocity, expected_Hz, others=()):
+    record = recording(velocity, "m/s", "here", sampling_Hz=RATE)
+    judged = free_decay(record, expected_Hz, others)
+    return judged, estimate(judged.assign_attrs(expected_Hz=expected_Hz), damping="viscous")
+
+
+MODES = [(80.0, 0.0015, 0.07), (297.0, 0.001, 0.024), (846.0, 0.0024, 0.013), (14.0, 0.003, 0.004)]
+
+
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_each_of_several_modes_has_its_curve(number):
+    line_Hz, zeta, _ = MODES[number]
+    others = tuple(mode[0] for k, mode in enumerate(MODES[:3]) if k != number)
+    judged, found = curve(blow(MODES), 1.01 * line_Hz, others)
+    assert judged.attrs["verdict"] == "usable"
+    assert judged.attrs["start_s"] == pytest.approx(0.02, abs=0.03)
+    for k in others:
+        assert np.abs(np.array(judged.attrs["components_Hz"]) / k - 1.0).min() < 0.02
+    amplitude = found["amplitude"].values
+    loud = amplitude > 0.05 * amplitude.max()
+    assert loud.sum() > 20
+    off = found["frequency"].values[loud] / line_Hz - 1.0
+    assert np.abs(off).max() < 1e-3
+    assert np.median(np.abs(found["loss_factor"].values[loud] / (2 * zeta) - 1.0)) < 0.01
+    z = (found["frequency"].values[loud] - line_Hz) / found["frequency_std"].values[loud]
+    assert np.mean(np.abs(z) < 3.0) > 0.9
+
+
+def test_a_suspension_line_of_one_per_cent_does_not_reach_the_damping():
+    velocity = blow([(80.0, 0.0015, 0.07), (15.0, 0.0005, 0.0007)])
+    _, found = curve(velocity, 80.5)
+    amplitude = found["amplitude"].values
+    loud = amplitude > 0.1 * amplitude.max()
+    error = found["loss_factor"].values[loud] / 0.003 - 1.0
+    assert np.median(np.abs(error)) < 0.005
+    assert np.abs(error).max() < 0.03
+
+
+def test_a_known_close_mode_is_told_apart():
+    velocity = blow([(80.0, 0.0015, 0.05), (86.0, 0.002, 0.04)])
+    _, found = curve(velocity, 80.5, (85.5,))
+    amplitude = found["amplitude"].values
+    loud = amplitude > 0.1 * amplitude.max()
+    assert np.median(np.abs(found["frequency"].values[loud] / 80.0 - 1.0)) < 1e-4
+    assert np.median(np.abs(found["loss_factor"].values[loud] / 0.003 - 1.0)) < 0.03
+
+
+def test_a_weak_mode_under_a_louder_one_is_kept():
+    velocity = blow([(80.0, 0.0015, 0.1), (297.0, 0.001, 0.003)])
+    judged, found = curve(velocity, 297.0, (80.0,))
+    assert judged.attrs["verdict"] == "usable"
+    assert np.median(np.abs(found["frequency"].values / 297.0 - 1.0)) < 1e-4
+
+
+def test_a_mode_by_itself_is_left_as_it_is():
+    velocity = ring_down(1, second=0.0)[0]
+    found = separated(velocity, 25600.0, 247.0)
+    assert found.velocity is velocity
+    assert not found.lines_Hz
+
+
+def test_what_is_taken_off_shows_in_the_errors_where_the_decay_begins():
+    velocity = blow([(80.0, 0.0015, 0.05), (95.0, 0.002, 0.04)], before_s=0.0)
+    found = separated(velocity, RATE, 80.0)
+    assert found.lines_Hz[0] == pytest.approx(95.0, abs=0.5)
+    assert found.widening[0] > 1.2
+    assert found.widening[found.widening.size // 2] < 1.05
+    assert found.time[0] < found.time[-1] < 1.05 * velocity.size / RATE
+
+
+@pytest.mark.parametrize("before_s", [0.005, 0.3])
+def test_a_blow_is_seen_to_the_sample(before_s):
+    velocity = blow(MODES, before_s) + 0.01 * np.sin(np.arange(int(4.0 * RATE)) / 3000.0)
+    assert onset(velocity, RATE / 80.0) == pytest.approx(before_s * RATE, abs=2)
+
+
+def test_what_begins_in_motion_or_grows_slowly_was_not_struck():
+    assert onset(blow(MODES, before_s=0.0), RATE / 80.0) == 0
+    time = np.arange(int(4.0 * RATE)) / RATE
+    driven = np.minimum(time, 1.0) * np.cos(2 * np.pi * 80.0 * time)
+    assert onset(driven, RATE / 80.0) == 0

@@ -1,0 +1,74 @@
+"""A person's overrides: start, end, band and keep, shown among the findings."""
+
+import numpy as np
+import pytest
+from bladeroot.decay.band import in_band
+from bladeroot.decay.ringdown import analyse
+from bladeroot.records.overrides import overruled
+from bladeroot.records.recording import Recording
+
+RATE, F, DECAY = 2000.0, 50.0, 3.0
+KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction": "", "load": 0.0,
+         "load_name": "", "load_unit": "", "other_modes_Hz": [], "simulated": False}  # fmt: skip
+CUTTING, ESTIMATION = {"end": "noise"}, {"estimator": "blocks", "damping": "hysteretic"}
+
+
+def ring(seconds=4.0, begin=0.5, seed=0, other=0.0):
+    t = np.arange(seconds * RATE) / RATE
+    free = np.where(t >= begin, np.exp(-DECAY * (t - begin)), 0.0)
+    x = free * np.sin(2 * np.pi * F * t) + other * np.sin(2 * np.pi * 55.0 * t)
+    noise = 1e-5 * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording(1e-2 * x + noise, RATE, "velocity")
+
+
+def made(recording=None, **row):
+    return analyse(recording or ring(), {**KNOWN, **row}, CUTTING, ESTIMATION)
+
+
+def test_a_person_sets_where_the_decay_begins_and_ends():
+    decay, curves, _ = made(start_s=0.8, end_s=1.6, note="door slammed at 1.7 s")
+    assert decay.attrs["start_s"] == pytest.approx(0.8)
+    assert decay.attrs["end_s"] == pytest.approx(1.6, abs=1 / RATE)
+    assert decay["finding_id"].values[0] == "override"
+    assert "start_s 0.8, end_s 1.6 of records.csv (door slammed" in decay["finding_text"].values[0]
+    assert float(np.median(curves["frequency"])) == pytest.approx(F, rel=1e-3)
+
+
+def test_keep_makes_findings_warn_and_shows_it():
+    short = ring(seconds=0.7, begin=0.5)
+    dropped, kept = made(short)[0], made(short, keep=True, start_s=0.5, end_s=0.69)[0]
+    assert dropped.attrs["verdict"] == "rejected"
+    assert kept.attrs["verdict"] == "usable"
+    assert "drop" not in kept["finding_consequence"].values
+    assert "keep yes" in kept["finding_text"].values[0]
+
+
+def test_a_window_without_samples_is_rejected_in_words():
+    decay = made(start_s=9.0)[0]
+    assert decay.attrs["verdict"] == "rejected"
+    assert "nothing between 9 and" in decay.attrs["reason"]
+
+
+def test_the_band_takes_a_neighbour_off_and_leaves_the_mode():
+    t = np.arange(8000) / RATE
+    own, other = np.sin(2 * np.pi * 50.0 * t + 0.3), np.sin(2 * np.pi * 90.0 * t)
+    found, lost = in_band(own + other, RATE, (35.0, 65.0), 50.0)
+    inside = slice(lost, -lost)
+    assert np.abs(found - own)[inside].max() < 0.02
+    with pytest.raises(ValueError, match="must hold the mode's 50 Hz"):
+        in_band(own, RATE, (60.0, 70.0), 50.0)
+    with pytest.raises(ValueError, match="needs a decay of over"):
+        in_band(own[:200], RATE, (49.0, 51.0), 50.0)
+
+
+def test_the_band_reaches_the_estimator():
+    curves = made(band_Hz=[30.0, 70.0])[1]
+    assert curves.attrs["verdict"] == "usable"
+    assert float(np.median(curves["frequency"])) == pytest.approx(F, rel=1e-3)
+    assert "must hold the mode" in made(band_Hz=[60.0, 70.0])[1].attrs["reason"]
+
+
+def test_nothing_overruled_says_nothing():
+    assert overruled({"start_s": None, "keep": False}) == ""
+    assert overruled({"band_Hz": [5, 9]}) == "band_Hz 5-9 of records.csv: no note says why"
+    assert "override" not in made()[0]["finding_id"].values

@@ -1,0 +1,61 @@
+"""A report of a specimen without load and structure says nothing of forces, gauges, structures."""
+
+import re
+
+import pytest
+import xarray as xr
+from bladeroot.decay.groups import group_differences
+from bladeroot.report.groups import groups_section
+from bladeroot.report.page import Table
+from bladeroot.report.words import gauge_sentence, pictures, words_of
+from test_decay_groups import drawn
+
+FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
+
+
+def test_captions_of_a_specimen_without_a_load():
+    words = words_of(xr.Dataset(attrs={"load_name": "", "load_unit": ""}))
+    said = pictures(words)
+    del said["amplitude_force"]  # not shown: there is no map over a load
+    for caption in said.values():
+        assert not FORBIDDEN.search(caption), caption
+    assert (words.at(0.0), words.value(0.0), words.header) == ("", "–", "load")
+    assert gauge_sentence({}) == []
+
+
+def test_captions_name_the_load_that_there_is():
+    words = words_of(xr.Dataset(attrs={"load_name": "bolt torque", "load_unit": "Nm"}))
+    assert words.header == "bolt torque / Nm"
+    assert words.at(12.0) == " at 12 Nm"
+    assert "coloured by bolt torque" in pictures(words)["backbones"]
+
+
+@pytest.mark.parametrize(
+    ("description", "said"),
+    [
+        ({"force": {"gauge": "pressure", "piston_area_cm2": 17.9, "full_scale_bar": 700,
+                    "accuracy_percent": 1, "accuracy_of": "full-scale"}},
+         "The axial force is read from the actuator's pressure on 17.9 cm², full scale 700 bar, "
+         "accurate to 1 % of the full scale."),
+        ({"load": {"name": "bolt torque", "unit": "Nm", "gauge": "torque wrench", "full_scale": 50,
+                   "accuracy_percent": 4}},
+         "The bolt torque is read with a torque wrench, full scale 50 Nm, accurate to 4 % of the "
+         "reading."),
+        ({"load": {"name": "temperature", "unit": "C", "accuracy": 0.5}},
+         "The temperature is stated, accurate to 0.5 C."),
+    ],
+)  # fmt: skip
+def test_how_a_load_was_read_is_one_sentence(description, said):
+    assert gauge_sentence(description) == [said]
+
+
+def test_groups_are_shown_with_the_size_of_their_difference():
+    decays = drawn([1.0, 1.0, 1.4])
+    section = groups_section(group_differences(decays, [False] * len(decays)))
+    first, levels = (part for part in section.parts if isinstance(part, Table))
+    loss = next(row for row in first.rows if row[1] == "loss factor")
+    assert re.match(r"4\d.\d+ % ± ", loss[2])
+    assert loss[-1] == "yes"
+    assert "floor 2 over floor" in loss[3]
+    assert len(levels.rows) == 6
+    assert groups_section(xr.Dataset()) is None

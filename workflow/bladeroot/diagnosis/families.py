@@ -1,0 +1,217 @@
+"""Fits of a cause in all its forms: the evidence is the family's, the form never decides a name."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.channel import Channel, Kernels
+from bladeroot.diagnosis.gaussian import Fit, asked_for, best_fit, fit
+from bladeroot.mechanisms.mechanism import Mechanism
+
+_SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
+_INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known besides the campaign.
+
+    splits: independent measurements by what a mechanism is `measured_by`: value and standard
+    deviation of its first parameter. replicates: whether clampings are repeated often enough to
+    tell gauge and level effects from their scatter. barred: mechanisms that are ranked but never
+    named for want of data, with why. ruled_out: those that the campaign says are not there.
+    """
+
+    splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    replicates: bool = True
+    barred: Mapping[str, str] = field(default_factory=dict)
+    ruled_out: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A set of causes, each in its best form, fitted together.
+
+    log_evidence: over the baseline, summed over the forms, with what independent measurements add.
+    """
+
+    causes: tuple[Mechanism, ...]
+    fit: Fit
+    log_evidence: float
+
+    @property
+    def ids(self) -> frozenset[str]:
+        """Of the causes."""
+        return frozenset(one.id for one in self.causes)
+
+
+def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
+    """A mechanism with what an independent measurement says of it, and that one's log evidence.
+
+    The measurement belongs to the data of every model: those without the mechanism must explain it
+    as an error of its own.
+    """
+    if mechanism.measured_by not in known.splits:
+        return mechanism, 0.0
+    value, std = known.splits[mechanism.measured_by]
+    first = mechanism.parameters[0]
+    weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
+    mean = weight * (first.mean / first.std**2 + value / std**2)
+    parameter = replace(first, mean=mean, std=float(np.sqrt(weight)))
+    wide = np.hypot(first.std, std)
+    gain = -0.5 * ((value - first.mean) / wide) ** 2 - np.log(wide)
+    gain += 0.5 * (value / std) ** 2 + np.log(std)
+    changed = replace(mechanism, parameters=(parameter, *mechanism.parameters[1:]))
+    return changed, float(gain)
+
+
+def baseline(channel: Channel) -> Model:
+    """The model without a cause, from several sizes of the scatter: far from its summit, where data
+    lie many of their errors away, the search sees no slope.
+    """
+    problem = channel.problem((), ())
+    usual = problem.scales
+    fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
+    return Model((), max(fits, key=lambda one: one.log_evidence), 0.0)
+
+
+def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:
+    """The model, and those with one cause more by its id.
+
+    The first is also tried from where the best of the others ends: a mechanism that does nothing
+    may find a better summit of the model without it, which is no evidence.
+    """
+    more = _added(channel, model, known)
+    own = model.fit.parameters.size
+    if not own or not more:
+        return model, more
+    best = max((one.fit for one in more.values()), key=lambda one: one.log_evidence)
+    second = fit(channel.problem(model.causes, ()), best.parameters[:own], best.scales)
+    gain = second.log_evidence - model.fit.log_evidence
+    if not gain > 0.0:
+        return model, more
+    better = replace(model, fit=second)
+    # The model's own evidence is what is counted from: it stands for the better summit now.
+    return better, _added(channel, better, known) if gain > guards.OTHER_SUMMIT else more
+
+
+def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
+    asks = any(_asks(model.fit, kernels) for kernels in channel.smooth(model.fit).values())
+    found = {}
+    for one in channel.candidates:
+        if one.id not in model.ids:
+            found[one.id] = _family(channel, model, one, known, asks)
+    return found
+
+
+def _family(channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool) -> Model:
+    """The model with one cause more, the best of its forms; others than the first are tried where
+    the data ask for something or the first explains something.
+    """
+    tried: list[tuple[Mechanism, Fit, float]] = []
+    for form in family.every_form:
+        if tried and not asks and tried[0][1].log_evidence <= model.fit.log_evidence:
+            break
+        changed, measured = prepared(form, known)
+        like = max(tried, key=lambda one: one[2], default=None)
+        fitted = _fitted(channel, model, changed, asks, like)
+        tried.append((changed, fitted, fitted.log_evidence + measured))
+    weights = np.array([evidence for *_, evidence in tried])
+    whole = np.logaddexp.reduce(weights) - np.log(len(family.every_form))
+    if len(tried) < len(family.every_form):  # forms that were not tried count as the first
+        whole = weights[0]
+    changed, fitted, _ = tried[int(weights.argmax())]
+    gain = float(whole) - model.fit.log_evidence
+    return Model((*model.causes, changed), fitted, model.log_evidence + gain)
+
+
+def _fitted(
+    channel: Channel,
+    model: Model,
+    one: Mechanism,
+    asks: bool,
+    like: tuple[Mechanism, Fit, float] | None = None,
+) -> Fit:
+    """The baseline starts afresh: where it had to make up for a cause, there is no way down.
+
+    like: another form that was fitted, from whose parameters of the same names to begin too.
+    """
+    current = model.fit
+    problem = channel.problem([*model.causes, one], ())
+    before = np.append(problem.prior.mean[: channel.base], current.parameters[channel.base :])
+    own = [one.start, *map(np.asarray, one.starts)]
+    thorough = channel.name == "curve" and asks
+    if like is not None:
+        # Over amplitude a start costs a whole fit, and forms differ little in what they share.
+        kept = own[:1] if thorough and set(_names(like[0])) & set(_names(one)[2:]) else own
+        own = [*kept, _alike(one, *like[:2])]
+    starts = [np.append(before, start) for start in own]
+    if thorough:
+        # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
+        ends = [fit(problem, start, current.scales) for start in starts]
+        return max(ends, key=lambda end: end.log_evidence)
+    return best_fit(problem, starts, current.scales)
+
+
+def _names(one: Mechanism) -> list[str]:
+    return [p.name for p in one.parameters]
+
+
+def _alike(one: Mechanism, other: Mechanism, fitted: Fit) -> np.ndarray:
+    """Coordinates of a form, those that another has too as they were fitted with it."""
+    values, _ = other.values(fitted.parameters[-len(other.parameters) :])
+    there = dict(zip(_names(other), values, strict=True))
+    start = one.start
+    for k, p in enumerate(one.parameters):
+        if p.name in there:
+            inside = (p.high - p.low) * _INSIDE if p.bounded else 0.0
+            value = np.clip(there[p.name], p.low + inside, p.high - inside)
+            start[k] = p.coordinate(float(value))
+    return start
+
+
+def without(channel: Channel, model: Model, gone: str) -> Model:
+    """The model without one of its causes; its log evidence is by the forms that it has."""
+    first, kept, own = channel.base, [], []
+    for one in model.causes:
+        place = np.arange(first, first + len(one.parameters))
+        first += len(one.parameters)
+        if one.id == gone:
+            own = place
+        else:
+            kept.append(one)
+    problem = channel.problem(kept, ())
+    fitted = fit(problem, np.delete(model.fit.parameters, own), model.fit.scales)
+    change = fitted.log_evidence - model.fit.log_evidence
+    return Model(tuple(kept), fitted, model.log_evidence + change)
+
+
+def smooth(channel: Channel, model: Model) -> dict[str, float]:
+    """Log evidence over the model of each smooth competitor beside its causes.
+
+    Fitted from two starts where the data ask for it.
+    """
+    gains, current = {}, model.fit
+    for name, kernels in channel.smooth(current).items():
+        problem = channel.problem(model.causes, kernels)
+        usual = problem.scales.mean
+        starts = [np.append(current.scales, usual[current.scales.size :])]
+        if _asks(current, kernels):
+            starts.append(usual)
+        both = [fit(problem, current.parameters, scales) for scales in starts]
+        gains[name] = max(one.log_evidence for one in both) - current.log_evidence
+    return gains
+
+
+def _asks(current: Fit, kernels: Kernels) -> bool:
+    """Whether a fit's misses ask for one of these covariances."""
+    return any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels)
+
+
+def starts_of(channel: Channel, causes: Sequence[Mechanism]) -> list[np.ndarray]:
+    """Points to fit a set of causes from: all at their priors' means, the first at each start."""
+    tail = [one.start for one in causes[1:]]
+    base = channel.problem(causes, ()).prior.mean[: channel.base]
+    return [np.concatenate([base, s, *tail]) for s in (causes[0].start, *causes[0].starts)]

@@ -1,0 +1,233 @@
+"""A campaign's diagnosis with whatever it is judged against: dataset, verdict and model file."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.decay.groups import told
+from bladeroot.diagnosis.dataset import dataset
+from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
+from bladeroot.diagnosis.extension import model_file
+from bladeroot.diagnosis.next_measurement import next_measurements
+from bladeroot.diagnosis.possible import impossible
+from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.linear import JOINT, Linear
+from bladeroot.diagnosis.simulation.own_range import (
+    dataset_in_own,
+    in_catalogue,
+    own_range,
+    verdict_in_own,
+)
+from bladeroot.diagnosis.simulation.table import Table, with_loads
+from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
+from bladeroot.loads import AXIAL_FORCE
+from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.plain_words import plainly, plainly_but_ids
+
+BASELINE = "linear baseline"
+SILENT = (
+    "A linear mode's level is free: mass, modulus, contact stiffness and all else that is the same "
+    "in all records are not spoken of"
+)
+SILENT_LOAD = "; so is its line over the load, and with it the scale and the zero of the reading"
+CONTACT_LAWS = ("load-dependent-stiffness", "incomplete-contact", "loading-hysteresis")
+AS_IF = (
+    f". Sizes of laws of the joint's stiffness are as if {100.0 * JOINT:.0f} % of the modes' "
+    "stiffness went through it"
+)
+# Log evidence (20 to 1) from which a candidate is spoken of that is not named, and its part of the
+# best one's; how many.
+SHOWN, SHARE, SHOWN_CAUSES = 3.0, 0.5, 3
+_DATA = {"stick": "stick frequencies", "damping": "loss factors", "curve": "curves"}
+Made = tuple[xr.Dataset, dict, dict | None]
+
+
+def with_structure(
+    seen: xr.Dataset,
+    model: xr.Dataset,
+    settings: Settings,
+    candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+    lacks: str = "",
+) -> Made:
+    """With a parametric structure, unless it cannot be the specimen.
+
+    expected: Hz, of every mode. lacks: why a structure cannot be asked at all, or "".
+    """
+    name = str(model.attrs["structure"])
+    reason = impossible(model, frequencies(seen, expected), settings.fe_bias)
+    if reason or lacks:
+        return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
+    made = diagnose(seen, model, settings, candidates)
+    every = with_lower_forces(seen, model, settings, candidates)
+    whole = dataset(made, every).merge(next_measurements(made))
+    said = _with_groups(verdict(made, every), seen)
+    return whole.assign_attrs(_load(seen)), said, model_file(made)
+
+
+def with_baseline(
+    seen: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+) -> Made:  # fmt: skip
+    """Against linear modes, in the campaign's own range of load and amplitude."""
+    modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
+    own = own_range(seen)
+    linear = Linear(modes, np.array([expected[mode] for mode in modes]), bool(own.name))
+    spoken = [one for one in candidates if not linear.silent(one)]
+    return _in_own(seen, linear, settings, spoken, "")
+
+
+def with_table(
+    seen: xr.Dataset, table: Table, settings: Settings, candidates: Sequence[Mechanism]
+) -> Made:
+    """Against a table of simulated frequencies."""
+    return _in_own(seen, table, settings, candidates, table.structure)
+
+
+def _in_own(
+    seen: xr.Dataset, simulated: Simulation, settings: Settings, candidates: Sequence[Mechanism],
+    name: str,
+) -> Made:  # fmt: skip
+    own = own_range(seen)
+    if simulated.kind == "table" and own.unit == "N":
+        own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
+    if isinstance(simulated, Table):
+        simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
+    scaled = in_catalogue(seen, own)
+    least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
+    made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
+    whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
+    if simulated.kind == "none" or own.name != AXIAL_FORCE:
+        of_table = simulated.kind == "table"
+        whole = _dataset_plainly(whole, own.name, of_table)
+        said = _verdict_plainly(said, own.name, of_table)
+    if simulated.kind == "none":
+        ranked = plainly_but_ids(_ranked(made), own.name)
+        silent = SILENT + (SILENT_LOAD if own.name else "")
+        if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
+            silent += AS_IF
+        said["reason"] = ". ".join(filter(None, (said["reason"], ranked, silent)))
+        whole.attrs["ranked"] = ranked
+    said["structure"] = name or None
+    said = _with_groups(said, seen)
+    whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
+    whole.attrs |= _load(seen)
+    return whole, said, None
+
+
+def _verdict_plainly(said: Mapping, load: str, simulated: bool) -> dict:
+    """A verdict in such terms; ids stay."""
+    made = dict(said)
+    made["reason"] = plainly_but_ids(said["reason"], load, simulated)
+    made["causes"] = [
+        one | {"splitter": plainly(one["splitter"], load, simulated)} for one in said["causes"]
+    ]
+    made["shortfall"] = [
+        one | {"trend": plainly(one["trend"], load, simulated)} for one in said["shortfall"]
+    ]
+    return made
+
+
+def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Dataset:
+    """A diagnosis's Dataset in such terms."""
+    made = found.copy()
+    for name in ("sentence", "barred"):
+        if name in made:
+            texts = [plainly(str(text), load, simulated) for text in made[name].values]
+            made[name] = (made[name].dims, texts, made[name].attrs)
+    for name in ("reason", "lacks"):
+        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
+    return made
+
+
+def _ranked(made: Diagnosis) -> str:
+    """What of the catalogue explains a departure best that no cause is named for, and what would
+    tell the possible causes apart; a sentence, or "".
+    """
+    texts = []
+    for found in made.found:
+        gains = found.steps[0].mechanisms
+        order = sorted(gains, key=gains.get, reverse=True)
+        best = [name for name in order if gains[name] > max(SHOWN, SHARE * gains[order[0]])]
+        if found.causes or not best:
+            continue
+        by_id = {one.id: one for one in found.channel.candidates}
+        names = " and ".join(f"{name} ({gains[name]:.1f})" for name in best[:SHOWN_CAUSES])
+        texts.append(
+            f"of the catalogue {names} explain the {_DATA[found.channel.name]} best (log evidence "
+            f"over a linear mode's); to decide: {by_id[best[0]].splitter}"
+        )
+    text = ". ".join(texts)
+    return text[:1].upper() + text[1:]
+
+
+def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
+    """The answer where a structure cannot be the specimen: one sentence, and no cause."""
+    said = {
+        "schema": SCHEMA, "campaign": str(seen.attrs.get("campaign", "")),
+        "structure": structure,
+        "answer": "insufficient-data", "probabilities": {},
+        "causes": [], "shortfall": [], "gain": {},
+        "records": records_of(seen), "reason": reason,
+    }  # fmt: skip
+    empty = np.array([], dtype=str)
+    names = ("class", "channel", "sentence", "barred")
+    whole = xr.Dataset(
+        {name: ("candidate", empty) for name in names}
+        | {"log_evidence": ("candidate", np.zeros(0)), "is_named": ("candidate", np.zeros(0, int))},
+        coords={"candidate": empty},
+        attrs={"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
+               "lacks": "", "least_force_N": 0.0, "refused": 1},
+    )  # fmt: skip
+    unchanged = {"schema": EXTENSION, "campaign": said["campaign"], "structure": structure,
+                 "contact": {}, "mechanisms": []}  # fmt: skip
+    return whole, said, unchanged
+
+
+def _load(seen: xr.Dataset) -> dict[str, str]:
+    return {k: str(seen.attrs[k]) for k in ("load_name", "load_unit") if k in seen.attrs}
+
+
+def frequencies(seen: xr.Dataset, expected: Mapping[str, float]) -> dict[str, float]:
+    """Median stick frequency (Hz) of each mode, or the expected one where there is none."""
+    mode, value = seen["mode"].values.astype(str), seen["stick_frequency"].values
+    usable = np.isfinite(value) & (seen["verdict"].values.astype(str) == "usable")
+    found = {n: float(np.median(value[usable & (mode == n)])) for n in np.unique(mode[usable])}
+    return {name: float(own) for name, own in expected.items()} | found
+
+
+def _with_groups(said: dict, seen: xr.Dataset) -> dict:
+    """A verdict with what differs between groups, which no cause of the catalogue explains."""
+    if "compared_mode" not in seen:
+        return said
+    rows = []
+    for k in np.flatnonzero(seen["told"].values):
+        one = seen.isel(comparison=int(k))
+        quantity = str(one["compared_quantity"].item()).replace("_", " ")
+        largest = float(one["largest"])
+        at_one = np.isfinite(largest)
+        size = largest if at_one else float(one["difference"])
+        high, low = (
+            one[f"largest_{end}" if at_one else f"{end}_group"].item() for end in ("high", "low")
+        )
+        rows.append(
+            {
+                "quantity": quantity, "mode": str(one["compared_mode"].item()),
+                "trend": f"differs between groups at the same amplitude by up to "
+                f"{100.0 * size:.3g} %, {high} over {low}",
+                "size": float(np.log1p(size)), "unit": "1", "explained": False,
+            }
+        )  # fmt: skip
+    lines = told(seen)
+    if not lines:
+        return said
+    lines = [f"{line[0].upper()}{line[1:]}" for line in lines]
+    answer = "unexplained" if said["answer"] == "nothing-missing" else said["answer"]
+    return said | {
+        "answer": answer,
+        "shortfall": [*said["shortfall"], *rows],
+        "reason": f"{'. '.join(lines)}. {said['reason']}",
+    }

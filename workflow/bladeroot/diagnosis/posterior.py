@@ -1,0 +1,97 @@
+"""Probabilities of sets of causes, from their log evidence.
+
+Prior odds are stated in `guards`: each cause, and something of no catalogue, is less likely than
+its absence. Evidence is tempered: laws are not exact, so a part of all that is explained is not
+evidence for one law against another, nor for a second cause beside the first.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from bladeroot.diagnosis import guards
+
+NONE, UNKNOWN = "none", "none-of-these"
+Sets = dict[frozenset[str], float]
+_DIGITS = 9
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A set of causes with its log evidence over the baseline, and what the best smooth competitor
+    adds to it (-inf: not tried).
+    """
+
+    causes: frozenset[str]
+    log_evidence: float
+    smooth: float = -np.inf
+
+
+def temperature(explained: float, replicates: bool = True) -> float:
+    """By which log evidence is divided, where so much of it (nats) is explained by the best."""
+    alone = 1.0 if replicates else guards.FEW_TEMPERATURE
+    return alone * (1.0 + guards.MODEL_ERROR * max(explained, 0.0))
+
+
+def probabilities(models: Iterable[Weighed], replicates: bool = True) -> Sets:
+    """Of each set of causes, `UNKNOWN` being one where the smooth competitor is part of it."""
+    models = list(models)
+    best = max(one.log_evidence for one in models)
+    reach = max(best, *(one.log_evidence + one.smooth for one in models if not one.causes), 0.0)
+    heat = temperature(reach, replicates)
+    alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
+    log: Sets = {}
+    for one in models:
+        own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
+        own -= _invented(one, alone) / heat
+        log[one.causes] = max(log.get(one.causes, -np.inf), own)
+        if np.isfinite(one.smooth):
+            warm = heat
+            if one.causes:  # what a law misses of its own effect is no second cause
+                warm = heat + guards.REMAINDER * max(one.log_evidence, 0.0)
+            log[one.causes | {UNKNOWN}] = own + one.smooth / warm - guards.PRIOR_UNKNOWN
+    top = max(log.values())
+    weights = {key: float(np.exp(value - top)) for key, value in log.items()}
+    total = sum(weights.values())
+    return {key: value / total for key, value in weights.items()}
+
+
+def _invented(one: Weighed, alone: float) -> float:
+    """Nats of a set's further causes that a law which is not quite right would invent, where the
+    best single one explains so much; those that explain a good part of it are not invented.
+    """
+    count = len(one.causes) - 1
+    if count < 1 or alone <= 0.0:
+        return 0.0
+    more = max(one.log_evidence - alone, 0.0)
+    faded = float(np.exp(-more / (count * alone) / guards.FURTHER_FADES))
+    return min(guards.FURTHER_PART * count * alone * faded, more)
+
+
+def together(parts: Iterable[Sets]) -> Sets:
+    """Of the sets over several kinds of data, which speak of different causes."""
+    whole: Sets = {frozenset(): 1.0}
+    for part in parts:
+        joined: Sets = {}
+        for (a, p), (b, q) in product(whole.items(), part.items()):
+            if p * q > guards.LEAST_PROBABILITY:
+                joined[a | b] = joined.get(a | b, 0.0) + p * q
+        whole = joined
+    total = sum(whole.values())
+    return {key: value / total for key, value in whole.items()}
+
+
+def inclusion(sets: Mapping[frozenset[str], float], name: str) -> float:
+    """Probability that a cause, or `UNKNOWN`, is in the set."""
+    return float(sum(value for key, value in sets.items() if name in key))
+
+
+def labelled(sets: Mapping[frozenset[str], float]) -> dict[str, float]:
+    """By names as `verdict.json` has them, most probable first; they sum to one.
+
+    Rounded, so that they do not depend on the order in which they were summed.
+    """
+    rounded = {"+".join(sorted(key)) or NONE: round(sets[key], _DIGITS) for key in sets}
+    return dict(sorted(rounded.items(), key=lambda pair: (-pair[1], pair[0])))

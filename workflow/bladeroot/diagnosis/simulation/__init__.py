@@ -1,0 +1,1 @@
+"""What is judged: a parametric structure, a table of frequencies, or the linear baseline."""

@@ -1,0 +1,77 @@
+"""What the diagnosis needs of a simulation, whichever it is.
+
+A simulation says ln f of each record with its derivatives by its own parameters and by ln kn, ln kt
+and the load, which causes move; how clampings scatter; and of which causes it cannot speak.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.diagnosis.gaussian import Prior, Slopes
+from bladeroot.mechanisms.mechanism import Mechanism, Records
+
+
+@dataclass(frozen=True)
+class Said:
+    """ln f of each record, and derivatives by the simulation's parameters and by (ln kn, ln kt,
+    load) of the record itself.
+    """
+
+    mean: Float[ndarray, " record"]
+    slope: Float[ndarray, "record parameter"]
+    gradient: Float[ndarray, "record 3"]
+
+
+class OfRecords(Protocol):
+    """A simulation of the records of one campaign.
+
+    prior: of its parameters. scales: of its clampings' scatter, mean and standard deviation each.
+    structures: change of ln f of each record by changed matrices, and its derivatives.
+    """
+
+    prior: Prior
+    scales: Sequence[tuple[float, float]]
+    structures: Callable[[Mechanism, ndarray, ndarray, ndarray], tuple[ndarray, ndarray]]
+
+    def ln_k(self, theta: Float[ndarray, " parameter"]) -> Float[ndarray, "2 record"]:
+        """ln kn and ln kt without causes; any two numbers where there is no such thing."""
+
+    def at(self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"]) -> Said:
+        """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it."""
+
+    def scatter(
+        self, gradient: Float[ndarray, "record 3"], scales: Float[ndarray, " scale"]
+    ) -> tuple[Float[ndarray, "record record"], Slopes]:
+        """Covariance of ln f by clampings and the reading of the load, and what makes its
+        derivatives by the scales.
+        """
+
+
+class Simulation(Protocol):
+    """A simulation before it is asked of any records.
+
+    modes: their names. structure: its name, "" where nothing is simulated. kind: `structure`,
+    `table` or `none`.
+    knows_contact: whether it has kn and kt.
+    """
+
+    modes: tuple[str, ...]
+    structure: str
+    kind: str
+    knows_contact: bool
+
+    def of_records(
+        self, records: Records, hold: Int[ndarray, " record"], rounding: float
+    ) -> OfRecords:
+        """For the records of a campaign. rounding: standard deviation of the load's reading."""
+
+    def silent(self, one: Mechanism) -> str:
+        """Why it cannot speak of a cause, a phrase, or ""."""
+
+    def curves(self) -> xr.Dataset | None:
+        """Changes `ln_frequency` and `loss_factor` over (mode, force, amplitude), if it has any."""

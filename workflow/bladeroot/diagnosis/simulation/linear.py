@@ -1,0 +1,141 @@
+"""No simulation at all: each mode is a linear one, with constant frequency and loss factor.
+
+Over a load its frequency follows stress stiffening, f^2 = f0^2 (1 + F/Fc): a line in f^2 over F.
+Level and line are free, so that nothing is said of kn and kt, of the load's gauge or of what is the
+same at all loads; all else is judged as with a structure. A law of the contact stiffness acts on
+the part of a mode's stiffness that goes through the joint. How the modes' parts differ is free, but
+not how large they are on the whole: sizes of such laws are as if that were JOINT.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.diagnosis.gaussian import Prior, Slopes
+from bladeroot.diagnosis.simulation.interface import Said
+from bladeroot.diagnosis.simulation.one_mode import one_mode
+from bladeroot.diagnosis.structures import shift
+from bladeroot.mechanisms.mechanism import Mechanism, Records
+
+LEVEL = 0.3  # of ln f about the expected frequency: another mode lies further
+STIFFENING = 0.3  # of f^2 over the range of the load
+# Part of the stiffness that goes through the joint, geometric mean of the modes: a large one, so
+# that no law's size is beyond its limits for want of it; and ln of a mode's part over it.
+JOINT = 0.3
+JOINT_SPREAD = 1.5
+# ln of the scatter of a frequency between clampings, what all modes share and each mode's own.
+SCATTER = (np.log(2e-4), 1.5)
+_LEAST = 0.05  # of f^2, where a line in it would pass zero
+
+
+@dataclass(frozen=True)
+class Linear:
+    """expected: Hz, by mode. load: whether the records have a load."""
+
+    modes: tuple[str, ...]
+    expected: Float[ndarray, " mode"]
+    load: bool
+    structure: str = ""
+    kind: str = "none"
+    knows_contact: bool = False
+
+    def of_records(
+        self, records: Records, hold: Int[ndarray, " record"], rounding: float
+    ) -> "_OfRecords":
+        """As the interface says."""
+        return _OfRecords(self, records, hold, rounding)
+
+    def silent(self, one: Mechanism) -> str:
+        """Levels and the gauge, and laws of a load where there is none."""
+        if not self.load and one.kind == "direction":
+            return "the campaign states no load"
+        if one.kind == "level":
+            return "what is the same at all loads is free"
+        if one.stick is None:
+            return ""
+        changed = acts_on(one)
+        if changed == {"force"} and "since" not in one.over and "time" not in one.over:
+            return "the line over the load is free, and with it the gauge's scale and zero"
+        if not self.load and (changed == {"force"} or one.over == ("force",)):
+            return "the campaign states no load"
+        return ""
+
+    def curves(self) -> xr.Dataset | None:
+        """A linear mode's frequency and loss factor do not depend on the amplitude."""
+        return None
+
+
+def acts_on(one: Mechanism) -> set[str]:
+    """Which coordinates of a record a law changes."""
+    some = np.array([6e3, 12e3])
+    none = np.zeros(2)
+    records = Records(np.zeros(2, int), some, np.array([1.0, -1.0]), none, none, 1.0, 1.0)
+    return set(one.stick(records, one.values(one.start)[0]).changes)
+
+
+class _OfRecords:
+    """Parameters: ln f and line of each mode, and ln of its part in the joint over the others'."""
+
+    scales = (SCATTER, SCATTER)
+
+    def __init__(self, simulated: Linear, records: Records, hold: ndarray, rounding: float) -> None:
+        self.records, self.rounding = records, rounding
+        self.modes = modes = len(simulated.modes)
+        self.of_mode = np.eye(modes)[records.mode]
+        low, high = records.force.min(initial=np.inf), records.force.max(initial=-np.inf)
+        self.range = float(high - low) if high > low else np.inf
+        self.middle = 0.5 * float(low + high) if records.force.size else 0.0
+        self.prior = Prior(
+            np.concatenate([np.log(simulated.expected), np.zeros(2 * modes)]),
+            np.concatenate(
+                [np.full(modes, LEVEL), np.full(modes, STIFFENING), np.full(modes, JOINT_SPREAD)]
+            ),
+        )
+        self.same_hold = (hold[:, None] == hold).astype(float)
+        self.same_mode = (records.mode[:, None] == records.mode).astype(float)
+        self.ritz = one_mode()
+
+    def structures(
+        self, one: Mechanism, values: ndarray, ln_kn: ndarray, ln_kt: ndarray
+    ) -> tuple[ndarray, ndarray]:
+        """Changed matrices of a mode of one degree of freedom, the same for all."""
+        n = self.records.force.size
+        change, slope = shift(*one.structure(self.ritz, values))
+        return np.full(n, change), np.tile(slope, (n, 1))
+
+    def ln_k(self, theta: ndarray) -> ndarray:
+        """There is none: laws of it act by their changes."""
+        return np.zeros((2, self.records.force.size))
+
+    def at(self, theta: ndarray, changes: ndarray) -> Said:
+        """The line at each record's load, and the joint's part of what a law changes."""
+        m = self.records.mode
+        level, line, joint = theta.reshape(3, self.modes)[:, m]
+        u = (self.records.force + changes[:, 2] - self.middle) / self.range
+        square = np.maximum(1.0 + line * u, _LEAST)
+        part = JOINT * np.exp(joint - theta[2 * self.modes :].mean())
+        # springs in series: what the joint loses, the mode loses by its part
+        both = 0.5 * (changes[:, 0] + changes[:, 1])
+        mean = level + 0.5 * np.log(square) + 0.5 * part * both
+        by_line = 0.5 * u / square
+        slope = np.hstack(
+            [
+                self.of_mode,
+                self.of_mode * by_line[:, None],
+                (self.of_mode - 1.0 / self.modes) * (0.5 * part * both)[:, None],
+            ]
+        )
+        by_k = 0.25 * part
+        gradient = np.stack([by_k, by_k, 0.5 * line / self.range / square], axis=1)
+        return Said(mean, slope, gradient)
+
+    def scatter(self, gradient: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
+        """What all modes of a clamping share, each mode's own, and the reading of the load."""
+        shared, own = (np.exp(2.0 * scale) for scale in scales)
+        parts = [shared * self.same_hold, own * self.same_hold * self.same_mode]
+        read = self.rounding * gradient[:, 2]
+        whole = parts[0] + parts[1] + np.outer(read, read) * self.same_hold
+        return whole, lambda: [2.0 * part for part in parts]

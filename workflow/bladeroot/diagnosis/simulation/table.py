@@ -1,0 +1,215 @@
+"""A table of simulated frequencies over the load, from any solver.
+
+ln f = ln f_table(load) + bias of the mode + sensitivities times what the fit may move. Between the
+table's loads ln f is interpolated linearly. Columns that begin with `by_` are derivatives of ln f
+by a named parameter: by_ln_kn and by_ln_kt let laws of the contact act, others move within PRIOR.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.diagnosis.gaussian import Prior, Slopes
+from bladeroot.diagnosis.simulation.interface import Said
+from bladeroot.diagnosis.simulation.linear import acts_on
+from bladeroot.diagnosis.simulation.one_mode import one_mode
+from bladeroot.diagnosis.simulation.parametric import CORRELATION, SCATTER
+from bladeroot.diagnosis.structures import shift
+from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.stiffness.posterior import BIAS_TILT
+
+CONTACT = ("by_ln_kn", "by_ln_kt")
+# Standard deviation beforehand of a named parameter: its column says in what unit it is one.
+PRIOR = 1.0
+# The same of ln kn and ln kt, which are known to a factor of some two.
+PRIOR_LN_K = 0.7
+
+
+@dataclass(frozen=True)
+class Table:
+    """frequencies: Hz and sensitivities: of ln f, over the table's loads by mode; slip: simulated
+    changes over amplitude, if the table has any. bias, offset: relative, by mode.
+    """
+
+    modes: tuple[str, ...]
+    loads: tuple[Float[ndarray, " load"], ...]
+    ln_f: tuple[Float[ndarray, " load"], ...]
+    names: tuple[str, ...]
+    sensitivities: tuple[Float[ndarray, "load name"], ...]
+    bias: Float[ndarray, " mode"]
+    offset: Float[ndarray, " mode"]
+    slip: xr.Dataset | None = None
+    structure: str = ""
+    kind: str = "table"
+
+    @property
+    def knows_contact(self) -> bool:
+        """Whether it has sensitivities to kn and kt."""
+        return set(CONTACT) <= set(self.names)
+
+    def of_records(
+        self, records: Records, hold: Int[ndarray, " record"], rounding: float
+    ) -> "_OfRecords":
+        """As the interface says."""
+        return _OfRecords(self, records, hold, rounding)
+
+    def silent(self, one: Mechanism) -> str:
+        """Changed matrices by their part in a mode, and laws of kn and kt without sensitivities."""
+        if one.structure is not None and one.kind == "level":
+            return "a table does not tell where mass and stiffness sit"
+        if one.stick is not None and acts_on(one) & {"ln_kn", "ln_kt"} and not self.knows_contact:
+            return f"the table has no columns {' and '.join(CONTACT)}"
+        return ""
+
+    def curves(self) -> xr.Dataset | None:
+        """Those of its amplitudes."""
+        return self.slip
+
+
+class _OfRecords:
+    """Parameters: one of each sensitivity, bias and tilt of each mode."""
+
+    scales = (SCATTER, SCATTER, CORRELATION)
+
+    def __init__(self, simulated: Table, records: Records, hold: ndarray, rounding: float) -> None:
+        self.records, self.rounding, self.table = records, rounding, simulated
+        modes = len(simulated.modes)
+        of_mode = np.eye(modes)[records.mode]
+        middle = np.mean([loads.mean() for loads in simulated.loads])
+        wide = max(np.ptp(loads) for loads in simulated.loads) or 1.0
+        self.bias_rows = np.hstack([of_mode, of_mode * ((records.force - middle) / wide)[:, None]])
+        self.count = len(simulated.names)
+        std = [PRIOR_LN_K if name in CONTACT else PRIOR for name in simulated.names]
+        self.prior = Prior(
+            np.concatenate([np.zeros(self.count), np.log1p(simulated.offset), np.zeros(modes)]),
+            np.concatenate([std, simulated.bias, BIAS_TILT * simulated.bias]),
+        )
+        self.contact = [
+            simulated.names.index(name) if name in simulated.names else None for name in CONTACT
+        ]
+        self.same_hold = (hold[:, None] == hold).astype(float)
+        self.ritz = one_mode()
+
+    def structures(
+        self, one: Mechanism, values: ndarray, ln_kn: ndarray, ln_kt: ndarray
+    ) -> tuple[ndarray, ndarray]:
+        """Changed matrices of a mode of one degree of freedom, the same for all."""
+        n = self.records.force.size
+        change, slope = shift(*one.structure(self.ritz, values))
+        return np.full(n, change), np.tile(slope, (n, 1))
+
+    def ln_k(self, theta: ndarray) -> ndarray:
+        """From the table's own kn and kt."""
+        n = self.records.force.size
+        return np.array([np.full(n, theta[k]) if k is not None else np.zeros(n)
+                         for k in self.contact])  # fmt: skip
+
+    def at(self, theta: ndarray, changes: ndarray) -> Said:
+        """The table at each record's load, moved along its sensitivities."""
+        n, force = self.records.force.size, self.records.force + changes[:, 2]
+        value, by_force = np.zeros(n), np.zeros(n)
+        s = np.zeros((n, self.count))
+        for m, (loads, ln_f, own) in enumerate(
+            zip(self.table.loads, self.table.ln_f, self.table.sensitivities, strict=True)
+        ):
+            mine = self.records.mode == m
+            value[mine], by_force[mine] = along(loads, ln_f, force[mine])
+            for k in range(self.count):
+                s[mine, k] = along(loads, own[:, k], force[mine])[0]
+        by_k = [s[:, k] if k is not None else np.zeros(n) for k in self.contact]
+        mean = value + s @ theta[: self.count] + self.bias_rows @ theta[self.count :]
+        mean = mean + by_k[0] * changes[:, 0] + by_k[1] * changes[:, 1]
+        return Said(mean, np.hstack([s, self.bias_rows]), np.stack([*by_k, by_force], axis=1))
+
+    def scatter(self, gradient: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
+        """kn and kt of a clamping; without their sensitivities, all modes alike and each its own.
+
+        The reading of the load with either.
+        """
+        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
+        if None in self.contact:  # of frequencies: a hundredth of the contact's scatter
+            one = np.full(gradient.shape[0], 0.01)
+            g_n, g_t = one, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
+        else:
+            g_n, g_t = gradient[:, 0], gradient[:, 1]
+        normal, tangential = s_n**2 * np.outer(g_n, g_n), s_t**2 * np.outer(g_t, g_t)
+        both = s_n * s_t * (np.outer(g_n, g_t) + np.outer(g_t, g_n))
+        read = np.outer(gradient[:, 2], gradient[:, 2]) * self.rounding**2
+        hold = self.same_hold
+        return hold * (normal + tangential + r * both + read), lambda: [
+            hold * (2.0 * normal + r * both),
+            hold * (2.0 * tangential + r * both),
+            hold * (1.0 - r**2) * both,
+        ]
+
+
+def along(
+    loads: Float[ndarray, " load"], values: Float[ndarray, " load"], at: Float[ndarray, " record"]
+) -> tuple[Float[ndarray, " record"], Float[ndarray, " record"]]:
+    """Piecewise linear over the loads, and its slope; straight on beyond the ends.
+
+    The slope at a load of the table is that of the piece below it.
+    """
+    if loads.size == 1:
+        return np.full(at.size, values[0]), np.zeros(at.size)
+    right = np.clip(np.searchsorted(loads, at), 1, loads.size - 1)
+    slope = np.diff(values) / np.diff(loads)
+    own = slope[right - 1]
+    return values[right - 1] + own * (at - loads[right - 1]), own
+
+
+def table_of(
+    rows: pd.DataFrame, name: str, bias: dict[str, float], offset: dict[str, float]
+) -> Table:
+    """From the rows of a checked table (`bladeroot.records.table`): mode, load, frequency_Hz and
+    optionally loss_factor, amplitude_m and sensitivities; loads in the campaign's unit.
+    """
+    modes = tuple(dict.fromkeys(rows["mode"]))
+    names = tuple(column for column in rows.columns if column.startswith("by_"))
+    loads, ln_f, own = [], [], []
+    small = rows
+    if "amplitude_m" in rows:
+        small = rows.sort_values("amplitude_m").groupby(["mode", "load"], as_index=False).first()
+    for mode in modes:
+        here = small[small["mode"] == mode].sort_values("load")
+        loads.append(here["load"].to_numpy(float))
+        ln_f.append(np.log(here["frequency_Hz"].to_numpy(float)))
+        own.append(here[list(names)].to_numpy(float).reshape(len(here), len(names)))
+    return Table(
+        modes, tuple(loads), tuple(ln_f), names, tuple(own),
+        np.array([bias.get(mode, bias[""]) for mode in modes]),
+        np.array([offset.get(mode, 0.0) for mode in modes]), _slip(rows, modes), name,
+    )  # fmt: skip
+
+
+def with_loads(table: Table, per_load: float, shift: float, per_metre: float) -> Table:
+    """The table with its loads and amplitudes in other units."""
+    slip = table.slip
+    if slip is not None:
+        slip = slip.assign_coords(
+            force=(slip["force"] + shift) * per_load, amplitude=slip["amplitude"] * per_metre
+        )
+    return replace(table, loads=tuple((x + shift) * per_load for x in table.loads), slip=slip)
+
+
+def _slip(rows: pd.DataFrame, modes: tuple[str, ...]) -> xr.Dataset | None:
+    """Changes over amplitude against the smallest one, where every mode and load has the same."""
+    if "amplitude_m" not in rows:
+        return None
+    loads, amplitudes = np.unique(rows["load"]), np.unique(rows["amplitude_m"])
+    shape = (len(modes), loads.size, amplitudes.size)
+    parts = {}
+    for name, column in (("ln_frequency", "frequency_Hz"), ("loss_factor", "loss_factor")):
+        grid = np.zeros(shape)
+        if column in rows:
+            index = pd.MultiIndex.from_product([modes, loads, amplitudes])
+            found = rows.set_index(["mode", "load", "amplitude_m"])[column].reindex(index)
+            grid = found.to_numpy(float).reshape(shape)
+            grid = np.log(grid) if name == "ln_frequency" else grid
+            grid = grid - grid[:, :, :1]
+        parts[name] = (("mode", "force", "amplitude"), grid)
+    return xr.Dataset(parts, coords={"mode": list(modes), "force": loads, "amplitude": amplitudes})

@@ -1,0 +1,152 @@
+"""Which lines a decay holds besides its mode: found in what the known ones leave over."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray
+from scipy import fft
+
+from bladeroot.records.envelopes import Envelopes
+from bladeroot.records.lines import magnitudes
+from bladeroot.records.runs import medians
+
+# A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
+# the further: frames of whole cycles tell it off), and from this many times the median around it.
+LEAST, CLEAR = 1e-3, 8.0
+# Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
+# than that part are one.
+APART, SAME = 0.17, 0.1
+# Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
+# that is its skirt, where it is chirping.
+SKIRT, FAINT = 0.35, 0.03
+# Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
+# longer by a factor. Lines that are added at a time.
+FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
+# Harmonics of lines from this part of the mode's amplitude on may lie nearer, but not nearer than
+# the other part of its frequency.
+OVERTONES, NEAREST = 0.3, 0.05
+# Modes of the campaign within this part of the mode's frequency are looked for by name: where they
+# are expected (relative), from this part of the loudest on, in so many of their beats.
+CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.03, 8.0
+# A line moves by this part of the distance to the next one at most when it is placed better.
+MOVED = 0.1
+
+
+def more_lines(
+    velocity: Float[ndarray, " sample"],
+    found: Envelopes,
+    sampling_Hz: float,
+    slowest_Hz: float,
+    usable: Bool[ndarray, " sample"] | None,
+) -> list[float]:
+    """Up to `AT_ONCE` lines (Hz) that what is left over shows clearly, the most harmful first.
+
+    found: the envelopes of the lines known so far, the mode's first. slowest_Hz: what is slower is
+    known to belong to the baseline.
+    """
+    own_Hz = float(found.lines_Hz[0])
+    mode, rest = found.waves([0], base=False), velocity - found.waves()
+    if usable is not None:
+        rest = np.where(usable, rest, 0.0)
+    count = FIRST_CYCLES * sampling_Hz / own_Hz
+    candidates: list[tuple[float, float]] = []
+    while count < LONGER * rest.size:
+        size = fft.prev_fast_len(min(int(count), rest.size), real=True)
+        count *= LONGER
+        if size >= SHORTEST:
+            own = float(np.sqrt(2.0 * np.mean(mode[:size] ** 2)))
+            candidates += _peaks(rest[:size], own, found, sampling_Hz, slowest_Hz)
+    chosen: list[float] = []
+    for _, line in sorted(candidates, reverse=True):
+        if all(abs(line - one) > SAME * min(line, own_Hz) for one in chosen):
+            chosen.append(line)
+    return chosen[:AT_ONCE]
+
+
+def _peaks(
+    rest: Float[ndarray, " sample"],
+    own: float,
+    found: Envelopes,
+    sampling_Hz: float,
+    slowest_Hz: float,
+) -> list[tuple[float, float]]:
+    """Clear lines of a stretch as (harm, Hz): amplitude over the mode's, by root of the length."""
+    own_Hz, size = float(found.lines_Hz[0]), rest.size
+    spectrum = fft.rfft(rest)
+    level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])) * (2.0 / size)  # Hann
+    width = sampling_Hz / size
+    frequency = np.arange(1, level.size + 1) * width
+    chunk = min(64, level.size)
+    floor = np.repeat(medians(level[: level.size // chunk * chunk].reshape(-1, chunk)), chunk)
+    floor = np.concatenate([floor, np.full(level.size - floor.size, floor[-1])])
+    peak = np.zeros(level.size, bool)
+    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    harm = level * np.minimum(1.0, own_Hz / frequency) / own
+    peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
+    peak &= frequency < 0.48 * sampling_Hz
+    # within the resolution of a stretch what leaks from the mode looks like a line
+    peak &= np.abs(frequency - own_Hz) > max(APART * own_Hz, 8.0 * width)
+    until = max(size // found.spacing, 1)
+    others = range(1, found.lines_Hz.size)
+    loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[:until]) ** 2))) for k in others]
+    made = []
+    for k in np.flatnonzero(peak):
+        away = np.abs(frequency[k] - found.lines_Hz)
+        skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < FAINT * np.array(loud))
+        if skirt.any() or away.min() <= max(SAME * min(frequency[k], own_Hz), 2.0 * width):
+            continue
+        # a parabola through the logarithms: a third of a step at most is left
+        before, at, after = np.log(level[k - 1 : k + 2])
+        shift = 0.5 * (before - after) / (before - 2.0 * at + after)
+        made.append((float(harm[k] * np.sqrt(size)), float(frequency[k] + shift * width)))
+    return made
+
+
+def told_apart(
+    x: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...],
+) -> list[float]:
+    """Frequencies of the mode and of known modes close to it, if the spectrum shows each."""
+    close = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+    if not close:
+        return []
+    apart = min(abs(one - expected_Hz) for one in close)
+    count = min(int(RESOLVING * sampling_Hz / apart), x.size)
+    frequency, level = magnitudes(x[:count], sampling_Hz)
+    wanted = [expected_Hz, *close]
+    inside = np.abs(frequency / expected_Hz - 1.0) < 1.2 * CLOSE
+    peak = np.zeros(level.size, bool)
+    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:]) & inside[1:-1]
+    peaks = np.flatnonzero(peak & (level > HEARD * level.max(where=inside, initial=0.0)))
+    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in peaks]
+    found: dict[int, float] = {}
+    used: set[int] = set()
+    for size, n, k in sorted(off):
+        if size < ABOUT and n not in found and k not in used:
+            found[n] = float(frequency[k])
+            used.add(k)
+    return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
+
+
+def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:
+    """Harmonics of loud lines that lie too near to the mode to be seen beside it."""
+    size = [np.abs(found.envelope(k)).max() for k in range(lines.size)]
+    near = [
+        order * line
+        for line, own in zip(lines[1:], size[1:], strict=True)
+        for order in (2, 3)
+        if own > OVERTONES * size[0]
+    ]
+    near = [one for one in near if abs(one - lines[0]) < APART * lines[0]]
+    return [one for one in near if np.abs(one - lines).min() > NEAREST * lines[0]]
+
+
+def moved(found: Envelopes, line: int, sampling_Hz: float) -> float:
+    """A line's mean frequency, from how its envelope turns, not far from what it was."""
+    z = found.envelope(line)
+    turn = np.angle(np.vdot(z[:-1], z[1:])) if z.size > 1 else 0.0
+    was = float(found.lines_Hz[line])
+    other = np.concatenate([[0.0], np.delete(found.lines_Hz, line)])
+    most = MOVED * np.abs(other - was).min()
+    return was + float(np.clip(turn * sampling_Hz / (2 * np.pi * found.spacing), -most, most))

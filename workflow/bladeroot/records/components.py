@@ -1,0 +1,203 @@
+"""The components of a decay: the mode asked for by itself, all others found and taken off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
+
+from bladeroot.records.component_lines import ABOUT, more_lines, moved, overtones, told_apart
+from bladeroot.records.envelopes import SHARE, Envelopes, demodulated
+from bladeroot.records.lines import loudest, mode_Hz
+
+# Most lines besides the mode, and how often what the known ones leave over is searched for more.
+MOST, ROUNDS = 8, 8
+# What lies below this part of the mode's frequency belongs to the baseline, which is then followed
+# up to this multiple of it, but not beyond this part of the mode's frequency.
+LOW, ABOVE, HIGHEST = 0.15, 2.5, 0.45
+# Knots in the time in which the mode and its nearest neighbour differ by a turn; fewest cycles of
+# the mode from knot to knot; most intervals, which bound the cost of a long record.
+KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
+# A blow rises to this part of the record's largest step out of what is quieter than that part, and
+# within two cycles of the mode to that part of it.
+RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
+# Its contact lasts as long as the components leave over this many times what they do later; the
+# start is moved so many times at most.
+STRUCK, BLOWS = 1.7, 4
+# A mode has drowned where its envelope is no more than so many times what is left of it at the end,
+# if it began so many times higher and is not falling still (by that part in a tenth of the time);
+# fewest cycles that are left to a decay.
+ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
+# Part of what two notions of smoothness differ by that is taken as a standard error; as on drawn
+# records of close modes.
+DOUBT = 0.5
+# Intervals on either side that share the largest such difference, which passes through zero.
+ALIKE = 2
+# A course falls by no more than this (of ln A) below its top: what is lower is noise.
+DEEPEST = 12.0
+
+
+@dataclass(frozen=True)
+class Separated:
+    """A record with one mode only from sample `first` on: what is left, and what was taken off.
+
+    `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
+    start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
+    were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
+    be, as an error of independent cycles.
+    """
+
+    velocity: Float[ndarray, " sample"]
+    first: int
+    lines_Hz: list[float]
+    time: Float[ndarray, " knot"]
+    widening: Float[ndarray, " knot"]
+    doubt: Float[ndarray, " knot"]
+
+
+def separated(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+    first: int = 0,
+    usable: Bool[ndarray, " sample"] | None = None,
+) -> Separated:
+    """A record whose decay begins at a sample, without all that is not the mode, nor noise.
+
+    velocity: m/s; as it is, if nothing else is found. It ends where the mode has drowned in the
+    noise. modes_Hz: where other modes are expected; those close to this one are told from it.
+    first: the sample in which the decay begins, moved on where a blow's contact lasts longer.
+
+    All components are followed at once (`records.envelopes`), first with none of their courses
+    known, then with what that found of them; where the two differ the result depends on how smooth
+    they are taken to be.
+    """
+    x = velocity[first:]
+    known = None if usable is None else usable[first:]
+    frequency, level = loudest(x, sampling_Hz, expected_Hz)
+    for other in modes_Hz:
+        if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another mode's is not this one's
+            level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
+    own_Hz = mode_Hz(frequency, level, expected_Hz)
+    lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
+    own_Hz, base_Hz = float(lines[0]), 0.0
+    trimmed = False
+    for turn in range(ROUNDS):
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+        lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
+        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
+        if not trimmed and (turn or not more):
+            last, trimmed = _lasting(found), True
+            x, known = x[:last], None if known is None else known[:last]
+            if last < found.samples:
+                continue
+        if not more:
+            break
+        # a baseline can follow what its knots resolve
+        resolved = min(LOW * own_Hz, 0.5 * sampling_Hz * INTERVALS / x.size / ABOVE)
+        slow = [line for line in more if line < resolved]
+        base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
+        fast = [line for line in more if line >= resolved]
+        lines = np.concatenate([lines, fast])[: MOST + 1]
+    lines = np.concatenate([lines, overtones(found, lines)])
+    if lines.size == 1 and not base_Hz:
+        return Separated(velocity, first, [], *np.zeros((3, 0)))
+    for _ in range(BLOWS):
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+        struck = _struck(x - found.waves(), found.spacing)
+        if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
+            break
+        first += struck
+        x, known = x[struck:], None if known is None else known[struck:]
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    course = np.stack([_course(found, k) for k in range(lines.size)])
+    spacing, before = found.spacing, found.envelope(0)
+    found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
+    beside = x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1], lines[1:]
+    single = demodulated(*beside)
+    widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
+    nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
+    doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
+    doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
+    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(own_Hz / (SHARE * nearest))
+    others = list(range(1, lines.size))
+    left = velocity[: first + x.size].copy()
+    left[first:] -= found.waves(others)
+    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
+    loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
+    return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening, doubt)
+
+
+def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
+    """The sample in which something strikes what was quiet; 0 for a record that begins in motion.
+
+    A blow shows in all modes at once, and to the sample. cycle: samples in a cycle of the mode.
+    """
+    size = np.abs(np.diff(velocity, prepend=velocity[0]))  # without offset and drift
+    first = int(np.argmax(size > RISEN * size.max()))
+    quiet = size[:first]
+    if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():
+        return 0
+    return first if size[first : first + int(2 * cycle) + 1].max() > SUDDEN * size.max() else 0
+
+
+def _lasting(found: Envelopes) -> int:
+    """Samples until the mode has drowned in what its envelope shows where nothing is left of it."""
+    size = np.abs(found.envelope(0))
+    size = np.maximum.accumulate(size[::-1])[::-1]
+    part = max(size.size // 10, 1)
+    floor, before = (float(np.median(one)) for one in (size[-2 * part :], size[-3 * part : -part]))
+    if size[0] < DEEP * floor or floor < FALLING * before:
+        return found.samples
+    last = int(np.flatnonzero(size > ABOVE_FLOOR * floor)[-1])
+    return min(int((1.1 * last + 4) * found.spacing), found.samples)
+
+
+def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:
+    """Samples at the start in which what is left over is far more than after: a blow's contact."""
+    length = max(spacing // blocks, 4)
+    count = min(rest.size // length, 3 * blocks)
+    if count < 3 * blocks:
+        return 0
+    power = np.sqrt(np.mean(rest[: count * length].reshape(-1, length) ** 2, axis=1))
+    at = 0
+    while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
+        at += 1
+    return at * length
+
+
+def _slowest(base_Hz: float, own_Hz: float) -> float:
+    """What is slower (Hz) is known to belong to the baseline."""
+    return min(1.05 * base_Hz / ABOVE, LOW * own_Hz)
+
+
+def _followed(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    lines: Float[ndarray, " line"],
+    base_Hz: float,
+    usable: Bool[ndarray, " sample"] | None,
+) -> Envelopes:
+    """The envelopes of lines, with knots as dense as telling the first from the others allows."""
+    own_Hz = lines[0]
+    nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
+    spacing = max(KNOTS / nearest, FEWEST_CYCLES / own_Hz)
+    spacing = min(spacing, 0.5 / max(base_Hz, 1e-9))
+    spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, 8.0))
+    return demodulated(velocity, sampling_Hz, lines, spacing, usable, base_Hz)
+
+
+def _course(found: Envelopes, line: int, reach: int = 2) -> Complex[ndarray, " knot"]:
+    """The logarithm of a line's envelope at the knots, its slope averaged over some intervals."""
+    z = found.envelope(line)
+    inner, around = slice(reach, reach + z.size - 1), np.ones(2 * reach + 1)
+    step = np.convolve(z[1:] * z[:-1].conj(), around)[inner]
+    power = np.maximum(np.convolve(np.abs(z[:-1]) ** 2, around)[inner], 1e-300)
+    rate = np.log(np.maximum(np.abs(step) / power, 0.05)) + 1j * np.angle(step)
+    log = np.concatenate([[0.0], np.cumsum(rate)]) + np.log(max(abs(z[0]), 1e-300))
+    middle, at = np.arange(log.size), np.arange(log.size + 3) - 1.5
+    course = np.interp(at, middle, log.real) + 1j * np.interp(at, middle, log.imag)
+    course += rate[0] * np.minimum(at, 0.0) + rate[-1] * np.maximum(at - middle[-1], 0.0)
+    return np.maximum(course.real, course.real.max() - DEEPEST) + 1j * course.imag

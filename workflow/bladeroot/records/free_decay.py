@@ -1,0 +1,125 @@
+"""From a recording to the judged free decay of one mode."""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+from bladeroot.records.components import Separated, onset, separated
+from bladeroot.records.cut import coarse, cut
+from bladeroot.records.integrity import bridged, judge
+from bladeroot.records.lines import TOLERANCE, magnitudes
+from bladeroot.records.overrides import windowed
+from bladeroot.records.recording import Recording, velocity
+from bladeroot.records.release import Release
+
+# Of a line so many times as loud as the mode, the release is taken where the mode shows none.
+LOUDER = 3.0
+# A hammer hits so many times at most, and again within this part of what is then seen of the decay.
+HITS, EARLY = 2, 0.25
+
+
+def free_decay(
+    recording: Recording,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...] = (),
+    end: float | str = "noise",
+    window: tuple[float | None, float | None] = (None, None),
+) -> xr.Dataset:
+    """The free decay of one mode, cut, without what else rings, with its findings and its mask.
+
+    Arguments as of `records.cut.cut` and `records.integrity.judge`. window: start and end (s in
+    the recording) that a person gives, None where the cut's own holds.
+    """
+    motion = velocity(recording, expected_Hz)
+    rate = recording.sampling_Hz
+    clear = bridged(motion, rate, expected_Hz)
+    steps = _steps(recording, expected_Hz)
+    decay = windowed(cut(clear, rate, expected_Hz, end, least=steps), clear, *window)
+    struck = onset(clear, rate / expected_Hz)
+    if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
+        return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+    first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, decay)
+    how = decay.attrs["excitation"] or "hammer"
+    if struck and how == "begins in the decay":
+        how = "hammer"
+    for _ in range(HITS):
+        parts = separated(clear, rate, expected_Hz, modes_Hz, first)
+        if not parts.lines_Hz and parts.velocity is clear:
+            return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+        release = Release(parts.first / rate, 0.0, how)
+        alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+        if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
+            alone.attrs["end_reason"] = "the noise"
+        alone = windowed(alone, parts.velocity, *window)
+        known = expected_Hz, modes_Hz, recording.notes, recording, parts.velocity
+        judged = judge(alone, motion, *known)
+        again = _struck_again(judged) if struck else 0
+        if not again:
+            break
+        first = parts.first + again
+    return _with_widening(judged, parts)
+
+
+def _struck_again(decay: xr.Dataset) -> int:
+    """Samples until a decay is free where the mode's course steps early in it: a second blow."""
+    ids = decay["finding_id"].values.tolist()
+    if "shaker-recontact" not in ids:
+        return 0
+    k = ids.index("shaker-recontact")
+    begin, stop = decay["finding_from_s"].values[k], decay["finding_to_s"].values[k]
+    early = begin == 0.0 and stop < EARLY * decay.sizes["time"] / decay.attrs["sampling_Hz"]
+    return int(stop * decay.attrs["sampling_Hz"]) + 1 if early else 0
+
+
+def _let_go(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    expected_Hz: float,
+    modes_Hz: tuple[float, ...],
+    decay: xr.Dataset,
+) -> int:
+    """The sample in which a drive ends, 0 where none is seen.
+
+    A mode that beats with others looks driven, too: what remains without them decides.
+    """
+    loudest = _of_the_loudest(velocity, sampling_Hz, expected_Hz)
+    if decay.attrs["excitation"] == "shaker" and loudest is None:
+        alone = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
+        loudest = cut(alone, sampling_Hz, expected_Hz)
+    if loudest is None or loudest.attrs["excitation"] != "shaker":
+        return 0
+    return round(loudest.attrs["start_s"] * sampling_Hz)
+
+
+def _of_the_loudest(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> xr.Dataset | None:
+    """The decay of a far louder line, which is let go when the mode is; None if there is none."""
+    frequency, level = magnitudes(velocity, sampling_Hz)
+    loud_Hz = float(frequency[np.argmax(level)])
+    own = level.max(where=np.abs(frequency / expected_Hz - 1.0) < TOLERANCE, initial=0.0)
+    if level.max() < LOUDER * own or not 0.1 * expected_Hz < loud_Hz < 0.3 * sampling_Hz:
+        return None
+    return cut(velocity, sampling_Hz, loud_Hz)
+
+
+def _steps(recording: Recording, expected_Hz: float) -> float:
+    """Velocity (m/s) of the mode that is but some steps of the sensor's digitiser high."""
+    least = coarse(recording.samples)
+    if recording.quantity == "acceleration":
+        return least / (2.0 * np.pi * expected_Hz)
+    return least * (2.0 * np.pi * expected_Hz if recording.quantity == "displacement" else 1.0)
+
+
+def _with_widening(decay: xr.Dataset, parts: Separated) -> xr.Dataset:
+    """The decay, with what its mode is less sure by for the components taken off."""
+    if not np.isfinite(decay.attrs["start_s"]):
+        return decay
+    about = {"units": "1", "long_name": "standard error beside other components over that without"}
+    when = {"units": "s", "long_name": "time since the start of the cut"}
+    return decay.assign(
+        widening=("knot", parts.widening, about),
+        doubt=("knot", parts.doubt, about | {"long_name": "relative error by the others' course"}),
+        widening_time=("knot", parts.time - decay.attrs["start_s"], when),
+    ).assign_attrs(components_Hz=parts.lines_Hz)

@@ -1,0 +1,30 @@
+"""Names that become files' names, and paths that may be none."""
+
+import re
+from collections.abc import Callable
+
+# Signs of a name that becomes a file's, with a mode, a channel and an ending behind it: file
+# systems allow 255 bytes.
+LONGEST_NAME = 100
+ID_TOLD = f"letters, digits, - and _, {LONGEST_NAME} at most"
+# In the path of an input braces are Snakemake's wildcards, and angle brackets a page's tags.
+MEANT, MEANT_TOLD = frozenset("{}<>"), "{ } < >"
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+
+
+def is_id(name: str) -> bool:
+    """Whether a name is one that files can have everywhere."""
+    return len(name) <= LONGEST_NAME and bool(_ID.fullmatch(name))
+
+
+def short(text: str) -> str:
+    """As much of a text as a message can bear."""
+    return text if len(text) <= 80 else f"{text[:80]}..."
+
+
+def is_there(asked: Callable[[], bool]) -> bool:
+    """Whether a path is there; a name that is too long, or no right to look, is that it is not."""
+    try:
+        return asked()
+    except (OSError, ValueError):
+        return False

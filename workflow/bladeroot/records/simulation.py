@@ -1,0 +1,41 @@
+"""What a campaign is judged against: structures, a table of simulated frequencies, or nothing."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from bladeroot.records.load import Load
+
+NONE, STRUCTURE = "none", "structure"
+RESERVED = ("linear", "table")  # names of diagnoses without a structure
+
+
+def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict:
+    """`structure` as a list and `simulation` as "structure", "none" or a table's file name.
+
+    Raises:
+        ValueError: both keys, a table that is not there, or a load that no structure can bear.
+    """
+    asked = description.get("simulation")
+    named = description.get("structure")
+    if asked is not None and named is not None:
+        raise ValueError("structure and simulation say the same thing; one of them must go")
+    asked = named if asked is None else asked
+    if asked is None or asked == NONE:
+        return {"structure": [], "simulation": NONE}
+    if isinstance(asked, str) and asked.lower().endswith(".csv"):
+        if not (folder / asked).is_file():
+            raise ValueError(f"simulation: file not found: {asked}")
+        return {"structure": [], "simulation": asked}
+    names = [asked] if isinstance(asked, str) else list(asked)
+    tables = [name for name in names if name.lower().endswith(".csv")]
+    if tables:
+        raise ValueError(f"a table is the only simulation or none, got {', '.join(names)}")
+    reserved = [name for name in names if name in RESERVED]
+    if reserved:
+        raise ValueError(f"a structure must not be named {reserved[0]}: results/ uses the name")
+    if load is not None and not load.is_force:
+        raise ValueError(
+            f"a structure bears a force: the load's unit must be N or kN, got {load.unit!r} "
+            f"({load.name})"
+        )
+    return {"structure": names, "simulation": STRUCTURE}

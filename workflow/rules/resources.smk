@@ -1,0 +1,97 @@
+# What a job asks a cluster for: the one table. A local run does not limit itself by it.
+
+# A job on a node runs a Snakemake of its own beside the stage's process: 150 to 165 MB (10,000 records).
+SNAKEMAKE_MB = 200
+
+# Of each stage: MB and minutes, and how many MB more for 1,000 input files and for each MB of the largest
+# one. MB: measured (results/timings.csv), and half as much again; minutes: many times the measured, for a
+# node that is slow or shared. What was not measured stands as its like does.
+NEEDS = {
+    "accuracy": (1400, 20, 0, 0),
+    "amplitude": (600, 30, 500, 0),
+    "bench": (500, 20, 0, 0),
+    "calibrate": (2000, 120, 0, 0),
+    "checks": (1100, 20, 0, 0),
+    "curves": (300, 10, 500, 0),
+    "diagnosis": (400, 30, 0, 10),
+    "export": (1100, 10, 0, 10),
+    "export_tables": (300, 10, 500, 0),
+    "extended_joint": (400, 30, 0, 0),
+    "extended_nonlinear": (600, 30, 0, 0),
+    "extended_structure": (600, 20, 0, 0),
+    "fe_forces": (300, 5, 0, 0),
+    "figures": (400, 10, 0, 0),
+    "figures_amplitude": (400, 10, 0, 0),
+    "figures_diagnosis": (400, 10, 0, 0),
+    "figures_records": (500, 10, 300, 0),
+    "figures_slider": (600, 10, 0, 0),
+    "figures_stick": (300, 5, 0, 0),
+    "figures_thesis_search": (300, 5, 0, 0),
+    "frequency_maps": (400, 20, 0, 0),
+    "integrity": (400, 10, 200, 0),
+    "joint": (400, 30, 0, 0),
+    "ledger": (500, 10, 0, 0),
+    # a user's matrices: their factors hold many times what the files do
+    "matrices_accuracy": (1400, 60, 0, 20),
+    "matrices_checks": (1100, 60, 0, 20),
+    "matrices_mesh": (400, 10, 0, 10),
+    "matrices_reduced": (1100, 60, 0, 20),
+    "mesh": (300, 5, 0, 0),
+    "nonlinear": (600, 30, 0, 0),
+    "observations": (300, 10, 500, 0),
+    "parametric": (600, 20, 0, 0),
+    "paraview": (1100, 10, 0, 20),
+    "prestress": (800, 10, 0, 0),
+    "reduced": (1100, 10, 0, 0),
+    "report": (300, 10, 0, 0),
+    # a record at a time, of two bytes a sample or more
+    "ringdown": (600, 20, 0, 40),
+    "score": (300, 5, 500, 0),
+    "search": (300, 10, 0, 0),
+    "shapes": (800, 10, 0, 0),
+    "shortfall": (600, 10, 0, 0),
+    "stick": (300, 10, 500, 0),
+    "stiffness": (300, 5, 0, 0),
+    "theory": (300, 5, 0, 0),
+    "thesis_search": (300, 10, 0, 0),
+    "verdict": (100, 5, 0, 0),
+}
+
+
+# Seconds each, whatever the number of records: a place in a queue costs more than they do.
+localrules:
+    fe_forces,
+    figures,
+    figures_amplitude,
+    figures_diagnosis,
+    figures_slider,
+    figures_stick,
+    figures_thesis_search,
+    ledger,
+    mesh,
+    report,
+    stiffness,
+    theory,
+    thesis_search,
+    verdict,
+
+
+def megabytes(path):
+    """Size of an input file; those that are still to be made count when they are there."""
+    return os.path.getsize(path) / 1e6 if os.path.isfile(path) else 0.0
+
+
+def needs(stage):
+    """Memory and time of a stage's job, doubled each time that it is asked for again."""
+    base, minutes, for_files, for_size = NEEDS[stage]
+
+    def mem_mb(wildcards, input, attempt):
+        largest = max(map(megabytes, input), default=0.0) if for_size else 0.0
+        asked = SNAKEMAKE_MB + base + for_files * len(input) / 1000 + for_size * largest
+        return round(asked * 2 ** (attempt - 1))
+
+    def runtime(wildcards, input, attempt):
+        # what reads a thousand files takes some minutes on a slow disk
+        return round((minutes + 5 * len(input) / 1000) * 2 ** (attempt - 1))
+
+    return {"mem_mb": mem_mb, "runtime": runtime}
