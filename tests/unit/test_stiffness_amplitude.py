@@ -18,11 +18,11 @@ from bladeroot.stiffness.curve_term import curve_term, log_likelihood
 from bladeroot.stiffness.posterior import coordinates, local, log_posterior, predict
 from bladeroot.stiffness.simulated_curves import (
     FRICTION,
+    along,
+    by_friction,
     by_unevenness,
     friction_of,
     levels_at,
-    simulate,
-    values,
 )
 from bladeroot.stiffness.softening import Softening, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
@@ -151,12 +151,13 @@ def test_slopes_of_simulated_curves():
     friction = np.log([0.4, 0.02, 0.7, 0.4])
     one = made_up(levels)
     at = levels_at(joint, one, levels, LASERS, z)
-    said = simulate(joint, at, friction)
+    found = by_friction(joint, at, friction, *along(joint, at, friction))
     for k in range(4):
         step = 0.05 * np.eye(4)[k]
-        numeric = (values(joint, at, friction + step) - values(joint, at, friction - step)) / 0.1
+        up, down = (along(joint, at, friction + side * step)[0] for side in (1.0, -1.0))
+        numeric = (up - down) / 0.1
         scale = np.abs(numeric).max()
-        np.testing.assert_allclose(said.by_friction[:, k], numeric, atol=0.15 * scale)
+        np.testing.assert_allclose(found[:, k], numeric, atol=0.15 * scale)
 
 
 def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():
@@ -246,12 +247,12 @@ def test_a_friction_that_cannot_be_simulated_is_not_taken(monkeypatch):
     prior = np.array([entry[:2] for entry in FRICTION.values()])
     best = prior[0, 0] - 2.0 * prior[0, 1]
 
-    def values_of(joint, at, friction):
+    def curves_of(joint, at, friction):
         if friction[0] < best - 0.1:
             raise RuntimeError("the contacts did not settle")
-        return np.array([friction[0]])
+        return np.array([friction[0]]), np.zeros(1)
 
-    monkeypatch.setattr(curve_fit, "values", values_of)
+    monkeypatch.setattr(curve_fit, "along", curves_of)
     measured, precision = np.array([best - 1.0]), np.array([[1e3]])
     assert curve_fit._start(None, None, measured, precision, prior)[0] == pytest.approx(best)
 
@@ -265,8 +266,8 @@ def test_a_friction_far_from_all_that_is_known_is_not_tried():
     known = (np.zeros(16), np.eye(16), prior)
     for sign in (1.0, -1.0):
         edge = prior[:, 0] + sign * (curve_fit._FAR - 0.1) * prior[:, 1]
-        assert np.isfinite(values(joint, at, edge)).all()
-        assert curve_fit._trial(joint, at, edge + sign * prior[:, 1], known) == np.inf
+        assert np.isfinite(along(joint, at, edge)[0]).all()
+        assert curve_fit._trial(joint, at, edge + sign * prior[:, 1], known)[0] == np.inf
 
 
 @pytest.mark.slow
@@ -278,7 +279,7 @@ def test_curves_find_stiffness_and_friction_that_made_them():
     one = made_up(levels)
     friction = np.log([0.3, 0.01, 0.6, 0.4])
     at = levels_at(joint, one, levels, LASERS, truth)
-    fall, rise = values(joint, at, friction).reshape(2, -1)
+    fall, rise = along(joint, at, friction)[0].reshape(2, -1)
     one = replace(one, fall=fall - 1e-5, rise=rise + 1e-5)
     alone = find_summit(made)
     fit = fit_curves(joint, alone, one, level_names(made), LASERS, 0.03)

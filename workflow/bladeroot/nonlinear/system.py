@@ -7,13 +7,13 @@ images of a contact move alike, so that one of each orbit is kept.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.rom.joint import Joint, described, exact_modes, stable_factor, stiffness_at
+from bladeroot.rom.joint import Joint, Operator, described
 
 _SAME = 1e-5  # of the largest motion: how well a mirror image must agree
 _LOOSE = 1e3  # tangential stiffness over that of the sliding joint whose modes are kept, too
@@ -63,7 +63,40 @@ def system_of(
     stable there, or would not be with sliding flanks, if the mode is not found, or if the laser is
     off the beam or at a node of the mode.
     """
-    modes = exact_modes(joint, point, [mode])
+    return Place(joint, point).system(mode, laser_x, loss, odd_force)
+
+
+class Place:
+    """The joint at one point, stuck and with sliding flanks: what its modes' systems share.
+
+    point: (ln kn, ln kt, F).
+    """
+
+    def __init__(self, joint: Joint, point: Float[ndarray, "3"]) -> None:
+        """Nothing is worked out before it is asked for."""
+        self.joint, self.point = joint, point
+
+    @cached_property
+    def stuck(self) -> Operator:
+        """The joint with all contacts stuck."""
+        return Operator(self.joint, self.point)
+
+    @cached_property
+    def sliding(self) -> Operator:
+        """The joint whose flanks slide."""
+        sliding = self.point - [0.0, np.log(_LOOSE), 0.0]
+        return Operator(self.joint, sliding, f"{described(self.point)} once its flanks slide")
+
+    def system(
+        self, mode: str, laser_x: float = 0.0, loss: float = 0.0, odd_force: bool = True
+    ) -> System:
+        """The system of a named mode, as of `system_of`."""
+        return _system(self, mode, laser_x, loss, odd_force)
+
+
+def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: bool) -> System:
+    joint, point, stuck = place.joint, place.point, place.stuck
+    modes = stuck.modes([mode])
     laser = _laser_row(joint, mode, laser_x, modes.shapes[:, 0])
     rows = contact_rows(joint)
     image, sign = _images(joint, np.einsum("cad,d->ca", rows, modes.shapes[:, 0]), odd_force)
@@ -73,20 +106,16 @@ def system_of(
     # loads on a contact and all its images at once
     joined = np.zeros((3 * len(pair), rows.shape[2]))
     np.add.at(joined.reshape(len(pair), 3, -1), image, sign[:, :, None] * rows)
-    sliding = point - [0.0, np.log(_LOOSE), 0.0]
-    stable_factor(stiffness_at(joint, sliding), f"{described(point)} once its flanks slide")
-    loose = exact_modes(joint, sliding, [mode])
-    stiffness = stiffness_at(joint, point)
+    loose = place.sliding.modes([mode])
     values, shapes = _kept(
         joint,
-        stiffness,
+        stuck.stiffness,
         joined,
         modes.shapes[:, 0],
         np.hstack([modes.all_shapes, loose.all_shapes]),
     )
     own = np.einsum("cad,dm->cam", rows[pair], shapes)
-    factor = stable_factor(stiffness, described(point))
-    pushed = scipy.linalg.cho_solve((factor, True), joined.T, check_finite=False)
+    pushed = stuck.solve(joined.T)
     pushed -= shapes @ ((joined @ shapes) / values).T
     kn, kt = np.exp(point[:2])
     weight = joint_weight(joint)[pair]

@@ -121,14 +121,44 @@ def described(point: Float[ndarray, "3"]) -> str:
     return f"at kn {kn:.3g}, kt {kt:.3g} N/m and {point[2]:g} N"
 
 
+class Operator:
+    """The stiffness at a point with its factor, and its lowest modes as far as they are asked for.
+
+    Factor and modes cost more than all that is made of them: whoever needs several things at a
+    point asks one operator. ValueError, saying `where`, if the joint is not stable there.
+    """
+
+    def __init__(self, joint: Joint, point: Float[ndarray, "3"], where: str = "") -> None:
+        """Factor the stiffness; where: the point in words."""
+        self.joint, self.point = joint, point
+        self.stiffness = stiffness_at(joint, point)
+        self.factor = stable_factor(self.stiffness, where or described(point))
+        self._lowest: dict[int, tuple[ndarray, ndarray]] = {}
+
+    def solve(self, right: Float[ndarray, "dof column"]) -> Float[ndarray, "dof column"]:
+        """Displacements (m) under loads (N)."""
+        return scipy.linalg.cho_solve((self.factor, True), right, check_finite=False)
+
+    def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
+        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes."""
+        if count not in self._lowest:
+            self._lowest[count] = lowest_eigenpairs(
+                self.stiffness, self.joint.mass, count, solve=self.solve
+            )
+        return self._lowest[count]
+
+    def modes(self, names: Sequence[str]) -> Modes:
+        """The named modes. ValueError if one is not found."""
+        _, shapes = _holding(self.joint, names, len(self.joint.mass), self.lowest)
+        return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
+
+
 def exact_modes(joint: Joint, point: Float[ndarray, "3"], names: Sequence[str]) -> Modes:
     """Modes of the whole operator at a point, by inverse iteration.
 
     Raises ValueError if the joint is not stable there or a mode is not found.
     """
-    stiffness, where = stiffness_at(joint, point), described(point)
-    _, shapes = _lowest(joint, stiffness, joint.mass, names, where)
-    return _chosen(joint, energy(joint, point, shapes), shapes, names)
+    return Operator(joint, point).modes(names)
 
 
 def bonded_modes(joint: Joint, force: float, names: Sequence[str]) -> Modes:
@@ -141,7 +171,16 @@ def bonded_modes(joint: Joint, force: float, names: Sequence[str]) -> Modes:
     join[np.arange(size), column] = 1.0
     stiffness = join.T @ (joint.stiffness + force * joint.geometric) @ join
     mass = join.T @ joint.mass @ join
-    values, shapes = _lowest(joint, stiffness, mass, names, "with bonded contact", join)
+    factor = (stable_factor(stiffness, "with bonded contact"), True)
+
+    def solve(right: ndarray) -> ndarray:
+        return scipy.linalg.cho_solve(factor, right, check_finite=False)
+
+    def lowest(count: int) -> tuple[ndarray, ndarray]:
+        values, shapes = lowest_eigenpairs(stiffness, mass, count, solve=solve)
+        return values, join @ shapes
+
+    values, shapes = _holding(joint, names, len(mass), lowest)
     return _chosen(joint, values, shapes, names)
 
 
@@ -151,21 +190,15 @@ def _chosen(joint: Joint, values: ndarray, shapes: ndarray, names: Sequence[str]
     return Modes(values[chosen], shapes[:, chosen], values, shapes)
 
 
-def _lowest(joint, stiffness, mass, names, where, lift=None) -> tuple[ndarray, ndarray]:
-    """As many of the lowest modes as hold the named ones; `lift` spreads them to all dofs."""
-    factor = (stable_factor(stiffness, where), True)
-
-    def solve(right: ndarray) -> ndarray:
-        return scipy.linalg.cho_solve(factor, right, check_finite=False)
-
+def _holding(joint, names, size, lowest) -> tuple[ndarray, ndarray]:
+    """As many of the lowest modes, which `lowest` gives by their number, as hold the named ones."""
     for count in (12, 40):
-        count = min(count, len(mass))
-        values, shapes = lowest_eigenpairs(stiffness, mass, count, solve=solve)
-        shapes = shapes if lift is None else lift @ shapes
+        count = min(count, size)
+        values, shapes = lowest(count)
         try:
             find_modes(joint.assembly, shapes, names)
             break
         except ValueError:
-            if count in (40, len(mass)):
+            if count in (40, size):
                 raise
     return values, shapes

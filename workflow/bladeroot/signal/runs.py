@@ -80,7 +80,8 @@ def missed(
     miss = np.zeros(x.size)
     for first in range(reach, x.size - reach, some):
         left = miss[first : min(first + some, x.size - reach)]
-        left[:] = x[first : first + left.size]
+        for at in range(left.size):  # not by slices, whose assignment takes two seconds to compile
+            left[at] = x[first + at]
         for k in range(1, reach + 1):
             before, after = x[first - k :], x[first + k :]
             for at in range(left.size):

@@ -24,7 +24,7 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import measured_modes, posterior_of, problems_of
 from bladeroot.stiffness.posterior import Problem, coordinates, predict
 from bladeroot.stiffness.sampler import STEPS
-from bladeroot.stiffness.simulated_curves import FRICTION, friction_of, level_system
+from bladeroot.stiffness.simulated_curves import FRICTION, friction_of, level_systems
 from bladeroot.stiffness.softening import Softening, of_modes, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 
@@ -99,13 +99,9 @@ def _refused(
 ) -> dict[str, str]:
     """Modes of which a level cannot be simulated at the summit, and why."""
     z = coordinates(predict(summit.problem, summit.u[None]))[0]
-    refused = {}
-    for (mode, _), place in zip(levels, z, strict=True):
-        try:
-            level_system(joint, place, mode, lasers[mode])
-        except RuntimeError as error:
-            refused[mode] = str(error)
-    return refused
+    modes = [mode for mode, _ in levels]
+    systems = level_systems(joint, list(zip(modes, z, strict=True)), lasers)
+    return {mode: one for mode, one in zip(modes, systems, strict=True) if isinstance(one, str)}
 
 
 def _with_curves(
@@ -259,19 +255,28 @@ def _simulated(
     z = coordinates(predict(summit.problem, summit.u[None]))[0]
     law = friction_of(fit.friction)
 
+    shown = [level for level, (mode, _) in enumerate(levels) if mode in lasers]
+    systems = dict(
+        zip(
+            shown,
+            level_systems(joint, [(levels[k][0], z[k]) for k in shown], lasers),
+            strict=True,
+        )
+    )
+
     def made(level: int) -> tuple:
-        mode = levels[level][0]
-        system = level_system(joint, z[level], mode, lasers[mode])
+        system = systems[level]
+        if isinstance(system, str):
+            raise RuntimeError(system)
         return system, uneven_sliders(joint, system, float(np.exp(z[level, 2])), law)
 
     curves = np.full((2, len(levels), len(_MAP)), np.nan)
-    for level, (mode, _) in enumerate(levels):
-        if mode in lasers:
-            with suppress(RuntimeError):  # beyond what was measured it may not settle
-                curves[:, level] = softening_curve(*made(level), _MAP)[0]
+    for level in shown:
+        with suppress(RuntimeError):  # beyond what was measured it may not settle
+            curves[:, level] = softening_curve(*made(level), _MAP)[0]
     most = int(softening.level[np.argmin(softening.fall)])
     largest = float(softening.amplitude[softening.level == most].max())
-    shown = pictures(joint, *made(most), [p * largest for p in _PICTURES])
+    drawn = pictures(joint, *made(most), [p * largest for p in _PICTURES])
     over: tuple[str, str] = ("level", "amplitude")
     left = ", NaN where there is none"
     values: dict[str, tuple] = {
@@ -284,6 +289,6 @@ def _simulated(
     }
     return (
         xr.Dataset(values, coords=coords)
-        .assign(shown.variables)
-        .assign_attrs(shown.attrs, picture_force_N=levels[most][1])
+        .assign(drawn.variables)
+        .assign_attrs(drawn.attrs, picture_force_N=levels[most][1])
     )

@@ -19,11 +19,11 @@ from bladeroot.stiffness.curve_term import CurveTerm, curve_term
 from bladeroot.stiffness.posterior import coordinates, predict
 from bladeroot.stiffness.simulated_curves import (
     FRICTION,
-    Simulated,
+    along,
+    by_friction,
+    by_level,
     by_unevenness,
     levels_at,
-    simulate,
-    values,
 )
 from bladeroot.stiffness.softening import Softening
 from bladeroot.stiffness.summit import Summit, climb
@@ -85,26 +85,27 @@ def fit_curves(
             uneven = by_unevenness(joint, at, friction)
             errors = smooth + uneven @ uneven.T
             precision = np.linalg.inv(errors)
-        friction, said = _fit_friction(joint, at, measured, precision, prior, friction)
-        by_level = np.zeros((len(measured), len(levels), 3))
-        by_level[row, np.tile(softening.level, 2)] = said.by_level
-        by_level = by_level.reshape(len(measured), -1)
-        by_friction = said.by_friction
-        rest = measured - said.value - by_friction @ (prior[:, 0] - friction)
-        whole = errors + by_friction @ spread @ by_friction.T
-        term = curve_term(z, rest, by_level, whole)
+        fitted = _fit_friction(joint, at, measured, precision, prior, friction)
+        friction, value = fitted.friction, fitted.value
+        slopes = np.zeros((len(measured), len(levels), 3))
+        slopes[row, np.tile(softening.level, 2)] = by_level(
+            joint, at, friction, value, fitted.along
+        )
+        rest = measured - value - fitted.slope @ (prior[:, 0] - friction)
+        whole = errors + fitted.slope @ spread @ fitted.slope.T
+        term = curve_term(z, rest, slopes.reshape(len(measured), -1), whole)
         climbed, _ = climb(replace(problem, curves=term), u)
         away = coordinates(predict(problem, climbed[None]))[0] - z
         largest = float(np.abs(away).max())
         u = u + min(1.0, _LONGEST / max(largest, _LONGEST)) * (climbed - u)
-    information = by_friction.T @ precision @ by_friction + np.linalg.inv(spread)
+    information = fitted.slope.T @ precision @ fitted.slope + np.linalg.inv(spread)
     std = np.sqrt(np.diag(errors))
-    miss = (measured - said.value) / std
+    miss = (measured - value) / std
     return CurveFit(
         term,
         friction,
         np.linalg.inv(information),
-        said.value,
+        value,
         std,
         rounds,
         bool(largest <= _CLOSE and np.sqrt(np.mean(miss**2)) <= _MET),
@@ -114,19 +115,20 @@ def fit_curves(
 def _start(joint, at, measured, precision, prior) -> Float[ndarray, " parameter"]:
     """The friction coefficient to start from: where nothing slips no slope leads away."""
     trials = prior[:, 0] + _SCAN[:, None] * np.array([prior[0, 1], 0.0, 0.0, 0.0])
-    misses = [_trial(joint, at, one, (measured, precision, prior)) for one in trials]
+    misses = [_trial(joint, at, one, (measured, precision, prior))[0] for one in trials]
     return trials[int(np.argmin(misses))]
 
 
-def _trial(joint, at, friction, known) -> float:
-    """The misfit of a friction; infinite far off or where curves cannot be simulated."""
+def _trial(joint, at, friction, known) -> tuple[float, tuple[ndarray, ndarray] | None]:
+    """The misfit of a friction and its curves; infinite far off or where there are none."""
     prior = known[2]
     if np.abs((friction - prior[:, 0]) / prior[:, 1]).max() > _FAR:
-        return np.inf
+        return np.inf, None
     try:
-        return _misfit(friction, values(joint, at, friction), *known)
+        curves = along(joint, at, friction)
     except RuntimeError:
-        return np.inf
+        return np.inf, None
+    return _misfit(friction, curves[0], *known), curves
 
 
 def _misfit(trial, value, measured, precision, prior) -> float:
@@ -135,27 +137,37 @@ def _misfit(trial, value, measured, precision, prior) -> float:
     return 0.5 * float((measured - value) @ precision @ (measured - value) + away @ away)
 
 
-def _fit_friction(
-    joint, at, measured, precision, prior, friction
-) -> tuple[Float[ndarray, " parameter"], Simulated]:
+@dataclass(frozen=True)
+class _Fitted:
+    """A friction, falls and rises with it, and their slopes by ln amplitude and by friction."""
+
+    friction: Float[ndarray, " parameter"]
+    value: Float[ndarray, " number"]
+    along: Float[ndarray, " number"]
+    slope: Float[ndarray, "number parameter"]
+
+
+def _fit_friction(joint, at, measured, precision, prior, friction) -> _Fitted:
     """The most probable friction at given stiffness, and the curves there."""
     known = (measured, precision, prior)
-    said = simulate(joint, at, friction)
-    now, damping = _misfit(friction, said.value, *known), 1.0
+    curves = along(joint, at, friction)
+    slope = by_friction(joint, at, friction, *curves)
+    now, damping = _misfit(friction, curves[0], *known), 1.0
     for _ in range(_FITS):
-        pull = said.by_friction.T @ precision @ (measured - said.value)
+        pull = slope.T @ precision @ (measured - curves[0])
         pull -= (friction - prior[:, 0]) / prior[:, 1] ** 2
-        bend = said.by_friction.T @ precision @ said.by_friction + np.diag(prior[:, 1] ** -2)
+        bend = slope.T @ precision @ slope + np.diag(prior[:, 1] ** -2)
         step = np.linalg.solve(bend + damping * np.diag(np.diag(bend)), pull)
         step *= min(1.0, 1.0 / np.abs(step).max())
-        trial = _trial(joint, at, friction + step, known)
-        if trial < now:
+        trial, tried = _trial(joint, at, friction + step, known)
+        if tried is not None and trial < now:
             gained, now, friction = now - trial, trial, friction + step
-            said, damping = simulate(joint, at, friction), 0.2 * damping
+            curves, damping = tried, 0.2 * damping
+            slope = by_friction(joint, at, friction, *curves)
             if gained < _GAIN:
                 break
         else:
             damping *= 5.0
             if damping > 1e6:
                 break
-    return friction, said
+    return _Fitted(friction, *curves, slope)

@@ -131,7 +131,10 @@ def predict(problem: Problem, u: Float[ndarray, "point parameter"], order: int =
 
 def log_posterior(problem: Problem, u: Float[ndarray, "point parameter"]) -> ndarray:
     """Log likelihood times prior at many points; minus infinity outside the model's box."""
-    said = predict(problem, u)
+    return _log_posterior(problem, u, predict(problem, u))
+
+
+def _log_posterior(problem: Problem, u: ndarray, said: Prediction) -> ndarray:
     misfit = (problem.levels.ln_frequency - said.ln_frequency)[:, None]
     product, determinant = inner_products(problem, said.slope, u[:, -1], misfit)
     log = -0.5 * (product[:, 0, 0] + determinant + (u**2).sum(axis=1))
@@ -288,5 +291,5 @@ def local(problem: Problem, u: Float[ndarray, " parameter"]) -> Local:
         pull = problem.curves.gradient - problem.curves.information @ away
         gradient = gradient + turn.T @ pull
         information = information + turn.T @ problem.curves.information @ turn
-    value = float(log_posterior(problem, u[None])[0])
+    value = float(_log_posterior(problem, u[None], said)[0])
     return Local(value, gradient, information, design, covariance)

@@ -4,7 +4,7 @@ Under Coulomb friction of constant normal load a curve depends on amplitude over
 force alone, so that the slopes by these two are the slope along the curve.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.nonlinear.fast_loading import softening_curve
-from bladeroot.nonlinear.system import System, system_of
+from bladeroot.nonlinear.system import Place, System
 from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
@@ -40,19 +40,6 @@ class Bench:
     systems: tuple[System, ...]
 
 
-@dataclass(frozen=True)
-class Simulated:
-    """Falls, then rises, of all points, and their slopes.
-
-    by_level: by (ln kn, ln kt, ln F) of each point's level. by_friction: by the parameters in the
-    order of `FRICTION`.
-    """
-
-    value: Float[ndarray, " number"]
-    by_level: Float[ndarray, "number 3"]
-    by_friction: Float[ndarray, "number parameter"]
-
-
 def levels_at(
     joint: Joint,
     softening: Softening,
@@ -61,54 +48,83 @@ def levels_at(
     z: Float[ndarray, "level 3"],
 ) -> list[Bench]:
     """The systems of the levels (mode, force) that have points, at z = (ln kn, ln kt, ln F)."""
+    numbers = np.unique(softening.level)
+    steps = _STEP * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    wanted = [(levels[number][0], z[number] + step) for number in numbers for step in steps]
+    systems = level_systems(joint, wanted, lasers)
     made = []
-    for number in np.unique(softening.level):
-        mode = levels[number][0]
-        systems = tuple(
-            level_system(joint, z[number] + step, mode, lasers[mode])
-            for step in _STEP * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-        )
+    for k, number in enumerate(numbers):
+        own = tuple(_simulated(one) for one in systems[len(steps) * k : len(steps) * (k + 1)])
         amplitude = softening.amplitude[softening.level == number]
-        made.append(Bench(int(number), float(np.exp(z[number, 2])), amplitude, systems))
+        made.append(Bench(int(number), float(np.exp(z[number, 2])), amplitude, own))
     return made
 
 
-def level_system(joint: Joint, z: Float[ndarray, "3"], mode: str, laser_x: float) -> System:
-    """The system of a mode at z = (ln kn, ln kt, ln F), the laser at a place along the beam (m).
+def _simulated(system: System | str) -> System:
+    if isinstance(system, str):
+        raise RuntimeError(system)
+    return system
 
-    RuntimeError where there is none, as of curves that cannot be simulated.
+
+def level_systems(
+    joint: Joint,
+    wanted: Sequence[tuple[str, Float[ndarray, "3"]]],
+    lasers: Mapping[str, float],
+) -> list[System | str]:
+    """The systems of modes at places z = (ln kn, ln kt, ln F); why there is none, where so.
+
+    The modes of one place share its factors and its lowest modes.
     """
-    try:
-        return system_of(joint, np.array([*z[:2], np.exp(z[2])]), mode, laser_x)
-    except ValueError as error:
-        raise RuntimeError(str(error)) from None
+    found: dict[int, System | str] = {}
+    orders: dict[bytes, list[int]] = {}
+    for order, (_, z) in enumerate(wanted):
+        orders.setdefault(z.tobytes(), []).append(order)
+    for same in orders.values():
+        z = wanted[same[0]][1]
+        place = Place(joint, np.array([*z[:2], np.exp(z[2])]))
+        for order in same:
+            mode = wanted[order][0]
+            try:
+                found[order] = place.system(mode, lasers[mode])
+            except ValueError as error:
+                found[order] = str(error)
+    return [found[order] for order in range(len(wanted))]
 
 
-def values(
+def along(
     joint: Joint, at: list[Bench], friction: Float[ndarray, " parameter"]
-) -> Float[ndarray, " number"]:
-    """Falls of all points, then rises."""
-    return _stacked([_curve(joint, one, one.systems[0], friction)[0] for one in at])
+) -> tuple[Float[ndarray, " number"], Float[ndarray, " number"]]:
+    """Falls of all points, then rises, and their slopes by ln amplitude."""
+    parts = [_curve(joint, one, one.systems[0], friction) for one in at]
+    value, slope = zip(*parts, strict=True)
+    return _stacked(list(value)), _stacked(list(slope))
 
 
-def simulate(joint: Joint, at: list[Bench], friction: Float[ndarray, " parameter"]) -> Simulated:
-    """Curves with slopes; friction: parameters in the order of `FRICTION`."""
-    parts: list[tuple] = []
-    for one in at:
-        value, along = _curve(joint, one, one.systems[0], friction)
-        by_k = [_curve(joint, one, other, friction)[0] - value for other in one.systems[1:]]
-        by_friction = [
-            _curve(joint, one, one.systems[0], friction + step)[0] - value
-            for step in _STEP * np.eye(len(friction))[1:]
-        ]
-        parts.append(
-            (
-                value,
-                np.stack([*(k / _STEP for k in by_k), -along], axis=2),
-                np.stack([-along, *(f / _STEP for f in by_friction)], axis=2),
-            )
-        )
-    return Simulated(*(_stacked(list(part)) for part in zip(*parts, strict=True)))
+def by_friction(
+    joint: Joint,
+    at: list[Bench],
+    friction: Float[ndarray, " parameter"],
+    value: Float[ndarray, " number"],
+    slope: Float[ndarray, " number"],
+) -> Float[ndarray, "number parameter"]:
+    """Slopes by the parameters in the order of `FRICTION`; value and slope: from `along`."""
+    steps = _STEP * np.eye(len(friction))[1:]
+    changed = [(along(joint, at, friction + step)[0] - value) / _STEP for step in steps]
+    return np.stack([-slope, *changed], axis=1)
+
+
+def by_level(
+    joint: Joint,
+    at: list[Bench],
+    friction: Float[ndarray, " parameter"],
+    value: Float[ndarray, " number"],
+    slope: Float[ndarray, " number"],
+) -> Float[ndarray, "number 3"]:
+    """Slopes by (ln kn, ln kt, ln F) of each point's level; value and slope: from `along`."""
+    changed = [
+        _stacked([_curve(joint, one, one.systems[k], friction)[0] for one in at]) for k in (1, 2)
+    ]
+    return np.stack([*((one - value) / _STEP for one in changed), -slope], axis=1)
 
 
 def by_unevenness(
