@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
+from bladeroot import artifacts
 from jaxtyping import Float
 from numpy import ndarray
 
@@ -162,5 +163,4 @@ def _dataset(made: dict, record: dict, bench: dict, sheet: pd.DataFrame, seen: d
 
 
 def save(dataset: xr.Dataset, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    dataset.to_netcdf(path, engine="netcdf4")
+    artifacts.save(dataset, path)

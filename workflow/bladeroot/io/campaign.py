@@ -92,7 +92,7 @@ def load_campaign(folder: str | Path) -> Campaign:
     """Load and check a campaign folder. Raises CampaignError with a line for every fault."""
     folder = Path(folder)
     if not is_there(folder.is_dir):
-        raise CampaignError(f"campaign folder not found: {short(str(folder))}")
+        raise CampaignError(f"campaign folder not found: {short(str(folder), 400)}")
     if not is_id(folder.name):
         raise CampaignError(
             f"a campaign folder's name must be {ID_TOLD}, got {short(folder.name)!r}"

@@ -17,9 +17,9 @@ def is_id(name: str) -> bool:
     return len(name) <= LONGEST_NAME and bool(_ID.fullmatch(name))
 
 
-def short(text: str) -> str:
+def short(text: str, most: int = 80) -> str:
     """As much of a text as a message can bear."""
-    return text if len(text) <= 80 else f"{text[:80]}..."
+    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def is_there(asked: Callable[[], bool]) -> bool:
