@@ -15,9 +15,9 @@ import secrets
 from collections import Counter
 
 import numpy as np
+from bladeroot.decay.cut import cut
+from bladeroot.decay.freevib import freevib
 from bladeroot.quality.integrity import judge
-from bladeroot.ringdown.cut import cut
-from bladeroot.ringdown.freevib import freevib
 
 WRONG_PPM = 500.0
 # These compare a property with a requirement, and tell of no second mode.

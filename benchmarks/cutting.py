@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from bladeroot.ringdown.cut import cut
+from bladeroot.decay.cut import cut
 from scipy.signal import hilbert
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "unit"))

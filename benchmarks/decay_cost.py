@@ -23,9 +23,9 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from bladeroot.decay.cut import cut
+from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
-from bladeroot.ringdown.cut import cut
-from bladeroot.ringdown.freevib import freevib
 from bladeroot.signal.spectrum import white_noise
 from scipy import signal
 from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
@@ -70,7 +70,7 @@ def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], o
     }
     if judge := _optional("bladeroot.quality.integrity", "judge"):
         calls["integrity"] = lambda: judge(made["cut"], velocity, EXPECTED_HZ)
-    if peak_fit := _optional("bladeroot.ringdown.pff", "peak_fit"):
+    if peak_fit := _optional("bladeroot.decay.pff", "peak_fit"):
         calls["peak_fit"] = lambda: peak_fit(velocity, sampling_Hz, EXPECTED_HZ, noise)
     return calls
 

@@ -14,8 +14,8 @@ import tracemalloc
 
 import numpy as np
 import xarray as xr
+from bladeroot.decay.cut import cut
 from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
-from bladeroot.ringdown.cut import cut
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, hilbert, lfilter
 

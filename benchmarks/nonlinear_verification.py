@@ -18,13 +18,13 @@ from itertools import pairwise
 
 import numpy as np
 import xarray as xr
+from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
 from bladeroot.nonlinear.one_step import exact, hysteretic
 from bladeroot.nonlinear.system import system_of
 from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
-from bladeroot.ringdown.freevib import freevib
 from bladeroot.rom.joint import joint_of_reduced
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import PchipInterpolator

@@ -14,8 +14,8 @@ import secrets
 from dataclasses import dataclass
 
 import numpy as np
+from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
-from bladeroot.ringdown.freevib import freevib
 from bladeroot.signal.spectrum import white_noise
 from bound import decaying_sinusoid
 from scipy.optimize import brentq

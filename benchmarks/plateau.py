@@ -8,9 +8,9 @@ import time
 
 import numpy as np
 import scipy.signal
+from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
 from bladeroot.pooling.components import pool
-from bladeroot.ringdown.freevib import freevib
 
 SAMPLING_HZ, COUNT, FREQUENCY_HZ, START = 25600.0, 102_400, 250.0, 0.5
 LARGEST = START / (2.0 * np.pi * FREQUENCY_HZ)

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 import yaml
+from bladeroot.decay.cut import cut
 from bladeroot.quality.integrity import bridged, judge
-from bladeroot.ringdown.cut import cut
 from scipy.signal import hilbert
 
 ROOT = Path(__file__).resolve().parents[1] / "resources"

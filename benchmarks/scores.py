@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import peers
+from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.plateau.plateau import plateau
-from bladeroot.ringdown.freevib import freevib, no_decay
 from bladeroot.signal.spectrum import white_noise
 from bound import plateau_bound
 from synthetic import EXPECTED_HZ, HIGHEST, LOWEST, SAMPLING_HZ, Case

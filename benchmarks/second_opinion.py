@@ -12,9 +12,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from bladeroot.ringdown.agreement import THRESHOLD, compare
-from bladeroot.ringdown.estimate import ESTIMATORS
-from bladeroot.ringdown.pff import peak_fit
+from bladeroot.decay.agreement import THRESHOLD, compare
+from bladeroot.decay.estimate import ESTIMATORS
+from bladeroot.decay.pff import peak_fit
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "unit"))
 from decay_bench import ring_down

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from bladeroot.ringdown.estimate import estimate
-from bladeroot.ringdown.ringdown import ringdown
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.ringdown import ringdown
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"estimator": "blocks", "damping": "hysteretic"}

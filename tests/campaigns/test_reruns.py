@@ -88,11 +88,11 @@ def test_a_new_force_redoes_the_maps_and_no_structure(restored):
 @pytest.mark.parametrize(
     ("module", "first", "never"),
     [
-        ("ringdown/freevib.py", "ringdown", ["bench", "reduced"]),
+        ("decay/freevib.py", "ringdown", ["bench", "reduced"]),
         ("stiffness/interpolation.py", "fe_forces", ["stick", "frequency_maps"]),
         ("rom/reduction.py", "reduced", ["mesh", "prestress"]),
         ("rom/greedy.py", "parametric", ["reduced", "ringdown"]),
-        ("ringdown/cut.py", "ringdown", ["bench", "reduced"]),
+        ("decay/cut.py", "ringdown", ["bench", "reduced"]),
         ("io/readers/netcdf.py", "ringdown", ["bench", "reduced"]),
     ],
 )

@@ -1,8 +1,8 @@
 """The campaigns of the benchmark of scale are sound, and their records are what they say."""
 
 import scale
+from bladeroot.decay.ringdown import ringdown
 from bladeroot.io.campaign import load_campaign
-from bladeroot.ringdown.ringdown import ringdown
 
 
 def test_a_campaign_is_sound_and_a_record_of_it_is_analysed(tmp_path):

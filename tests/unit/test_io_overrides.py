@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.band import in_band
+from bladeroot.decay.ringdown import analyse
 from bladeroot.io.overrides import overruled
 from bladeroot.io.recording import Recording
-from bladeroot.ringdown.band import in_band
-from bladeroot.ringdown.ringdown import analyse
 
 RATE, F, DECAY = 2000.0, 50.0, 3.0
 KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction": "", "load": 0.0,

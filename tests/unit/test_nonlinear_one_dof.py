@@ -7,10 +7,10 @@ single harmonic describes it. The same slider made fifty times weaker is describ
 import numpy as np
 import pytest
 from bladeroot.contact.laws import closed_forms
+from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.one_step import exact, newmark
 from bladeroot.nonlinear.time_integration import free_decay
-from bladeroot.ringdown.freevib import freevib
 from nonlinear_systems import MASS, SPRING, sliding_mass
 
 CONTACT = 0.02 * SPRING

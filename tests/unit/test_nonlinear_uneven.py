@@ -7,6 +7,7 @@ import pytest
 from bladeroot.contact.laws import closed_forms
 from bladeroot.contact.laws.coulomb import coulomb
 from bladeroot.contact.laws.jenkins import jenkins
+from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
@@ -16,7 +17,6 @@ from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_c
 from bladeroot.nonlinear.system import system_of
 from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.nonlinear.uneven import Uneven, edge_distance, relative_pressure, uneven_sliders
-from bladeroot.ringdown.freevib import freevib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof

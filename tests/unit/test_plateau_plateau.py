@@ -4,11 +4,11 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.mixture import NORMAL, Mixture
 from bladeroot.plateau.plateau import plateau
 from bladeroot.plateau.record import record_plateau
 from bladeroot.plateau.stretch import grouped, integral, lines_below, over_cells
-from bladeroot.ringdown.freevib import freevib
 from decay_bench import ring_down, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
 from hypothesis import given, settings

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.spectra import before_and_after, followed_mode
 from bladeroot.pooling.curves import mean_curves
-from bladeroot.ringdown.freevib import freevib, no_decay
-from bladeroot.ringdown.spectra import before_and_after, followed_mode
 
 
 def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B", hold=""):

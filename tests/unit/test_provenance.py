@@ -126,9 +126,9 @@ def hash_of(folder, *files):
 # A registry's folder, a file in it, a script that uses it, and one that does not.
 REGISTRIES = [
     ("mechanisms", "drift.py", "diagnosis", "theory"),
-    ("records/readers", "wav.py", "ringdown", "theory"),
-    ("records/findings", "spike.py", "ringdown", "theory"),
-    ("rig/effects", "drift.py", "../bladeroot/bench/tuning", "diagnosis"),
+    ("io/readers", "wav.py", "ringdown", "theory"),
+    ("quality/findings", "spike.py", "ringdown", "theory"),
+    ("bench/effects", "drift.py", "../bladeroot/bench/tuning", "diagnosis"),
     ("rom/external/readers", "calculix.py", "matrices_reduced", "theory"),
 ]
 

@@ -205,6 +205,7 @@ def test_wrong_matrices_are_refused_in_one_line(change, told):
         ({"interface": ("a", "b")}, "must name 1 interfaces"),
     ],
 )
+@pytest.mark.wrong_shape
 def test_wrong_pairs_are_refused_in_one_line(change, told):
     K, M, pairs = two_masses()
     given = {name: getattr(pairs, name) for name in ("first", "second", "normal", "area")}

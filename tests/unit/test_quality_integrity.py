@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.decay.cut import cut, rejected
 from bladeroot.io.recording import Recording, velocity
 from bladeroot.quality.finding import CONSEQUENCES
 from bladeroot.quality.findings import coloured_noise
 from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
 from bladeroot.quality.sight import Sight
-from bladeroot.ringdown.cut import cut, rejected
 from bladeroot.signal.spectrum import white_noise
 from decay_bench import START, ring_down, shaken
 from hypothesis import given, settings

@@ -12,7 +12,7 @@ ALLOWED = {
     "io": {"signal"},
     "quality": {"signal", "io"},
     "plateau": {"signal"},
-    "ringdown": {"signal", "io", "quality", "plateau"},
+    "decay": {"signal", "io", "quality", "plateau"},
     "pooling": {"plateau"},
     "fem": set(),
     "rom": {"fem"},
@@ -23,11 +23,11 @@ ALLOWED = {
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),
-    "reproduction": {"ringdown", "plateau", "fem", "rom", "contact", "stiffness"},
+    "reproduction": {"decay", "plateau", "fem", "rom", "contact", "stiffness"},
     "figures": set(),
     "report": set(),
     "command": {"artifacts", "__version__", "io", "signal", "public"},
-    "public": {"artifacts", "io", "ringdown", "fem", "rom", "inference"},
+    "public": {"artifacts", "io", "decay", "fem", "rom", "inference"},
 }
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share
 # what checks files, what artifacts say of the load, and words.

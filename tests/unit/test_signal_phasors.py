@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.ringdown.other_lines import find_lines, remainder
+from bladeroot.decay.other_lines import find_lines, remainder
 from bladeroot.signal.phasors import Stretch, corrected, fit_frames, gather, refined
 from bladeroot.signal.scatter import noise_ratio, without_knocks
 

@@ -4,12 +4,12 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
 from bladeroot.figures import amplitude_force
 from bladeroot.figures import decay as decay_figures
 from bladeroot.figures import records as record_figures
 from bladeroot.figures import spectra as spectrum_figures
 from bladeroot.figures.style import svg
-from bladeroot.ringdown.spectra import FADE_CYCLES, before_and_after
 
 
 def main(batches, curves, folder):

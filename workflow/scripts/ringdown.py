@@ -5,7 +5,7 @@ import traceback
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.ringdown.ringdown import not_analysed, ringdown
+from bladeroot.decay.ringdown import not_analysed, ringdown
 
 STAGES = ("records", "decay", "plateau")
 

@@ -19,7 +19,7 @@ from bladeroot.figures.style import (
 def spectra(found: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
     """One panel a record: the free decay, the mode that was followed, and what it leaves over.
 
-    found: dims line, as from `bladeroot.ringdown.spectra.before_and_after`, with the attribute
+    found: dims line, as from `bladeroot.decay.spectra.before_and_after`, with the attribute
     `reason`; that and not_shown as from `bladeroot.figures.records.worth_showing`.
     """
     if not found:

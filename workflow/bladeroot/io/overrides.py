@@ -33,7 +33,7 @@ def windowed(
 ) -> xr.Dataset:
     """A cut with the start and the end (s in the raw record) that a person gives.
 
-    decay: from `bladeroot.ringdown.cut.cut`; a side that is not given stays, or is the record's own
+    decay: from `bladeroot.decay.cut.cut`; a side that is not given stays, or is the record's own
     where nothing was found. whole: the record it was cut from, m/s. What the cut found amiss is
     then a person's to judge, unless nothing is left.
     """

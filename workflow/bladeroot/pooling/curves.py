@@ -27,7 +27,7 @@ def mean_curves(
 ) -> xr.Dataset:
     """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
 
-    decays: as from `bladeroot.ringdown.freevib.freevib`, with mode, force_N and simulated in the
+    decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
     is its own level plus a change with amplitude that all share: levels are taken off before the
     mean and their mean is put back, so that a record that begins or ends makes no step. The levels

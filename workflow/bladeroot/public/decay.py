@@ -9,10 +9,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.ringdown import analyse
 from bladeroot.io.read import read
 from bladeroot.io.recording import Recording, recording
 from bladeroot.io.units import SI
-from bladeroot.ringdown.ringdown import analyse
 
 Source = str | Path | xr.DataArray | Float[ndarray, " sample"]
 

@@ -43,11 +43,11 @@ def judge(
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
-    alone: Float[ndarray, " whole"] | None = None,
+    alone: Float[ndarray, " alone"] | None = None,
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
-    Added to what `ringdown.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
+    Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
     hum and a wandering baseline are taken off `velocity`, and `noise_velocity` becomes what
     coloured noise amounts to around the mode. A record is rejected where a finding drops it or
@@ -60,7 +60,7 @@ def judge(
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
-        alone: `whole` with the mode by itself (`ringdown.components`), if others were taken off.
+        alone: `whole` with the mode by itself (`decay.components`), if others were taken off.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
     velocity = decay["velocity"].values

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.contact.laws import closed_forms
+from bladeroot.decay.freevib import freevib
 from bladeroot.reproduction.one_dof import Slider, free_decay
-from bladeroot.ringdown.freevib import freevib
 
 SAMPLING = 51200.0  # Hz
 START = 100.0  # times the critical amplitude

@@ -49,7 +49,7 @@ def amplitude(
     """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
 
     joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force,
-    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.ringdown.estimate`, by
+    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
     record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
     largest effect.
 

@@ -39,7 +39,7 @@ def softening_of(
 ) -> Softening:
     """Points of the given levels (mode, force as read in N).
 
-    decays: from `bladeroot.ringdown.estimate`, by record. stick: from `bladeroot.pooling.stick`.
+    decays: from `bladeroot.decay.estimate`, by record. stick: from `bladeroot.pooling.stick`.
     Only records that reach their plateau count, and points at which the frequency has clearly
     fallen.
     """

@@ -6,7 +6,7 @@ and the load, which causes move; how clampings scatter; and of which causes it c
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import xarray as xr
 from jaxtyping import Float, Int
@@ -27,6 +27,7 @@ class Said:
     gradient: Float[ndarray, "record 3"]
 
 
+@runtime_checkable
 class OfRecords(Protocol):
     """A simulation of the records of one campaign.
 
@@ -52,6 +53,7 @@ class OfRecords(Protocol):
         """
 
 
+@runtime_checkable
 class Simulation(Protocol):
     """A simulation before it is asked of any records.
 

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.close_modes import (
+from bladeroot.decay.close_modes import (
     CLOSE,
     SPOILT_BEATS,
     near_waves,
@@ -12,8 +12,8 @@ from bladeroot.ringdown.close_modes import (
     widened,
     within,
 )
-from bladeroot.ringdown.other_lines import find_lines
-from bladeroot.ringdown.rough import cut_frames, parts, roughly
+from bladeroot.decay.other_lines import find_lines
+from bladeroot.decay.rough import cut_frames, parts, roughly
 from bladeroot.signal.carrier import strongest_line
 from bladeroot.signal.phasors import (
     Frames,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot import artifacts
+from bladeroot.decay.estimate import estimate
 from bladeroot.plateau.record import record_plateau
-from bladeroot.ringdown.estimate import estimate
 from decay_bench import START, ring_down
 
 

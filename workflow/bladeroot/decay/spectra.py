@@ -26,7 +26,7 @@ def before_and_after(
     """Amplitude spectra before and after the mode was separated.
 
     The mode's velocity is Re[Y'] of the displacement's log-phasors Y in `decay` (dim block, from
-    `bladeroot.ringdown.freevib.freevib`), interpolated between the blocks.
+    `bladeroot.decay.freevib.freevib`), interpolated between the blocks.
 
     Returns:
         dim line: frequency (Hz) and the spectra `whole`, `mode` and `rest` in m/s, each the largest

@@ -5,10 +5,10 @@ import warnings
 
 import numpy as np
 import pytest
+from bladeroot.decay.cut import cut
+from bladeroot.decay.estimate import estimate
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import bridged, judge
-from bladeroot.ringdown.cut import cut
-from bladeroot.ringdown.estimate import estimate
 
 RATE, MODE, COUNT = 8000.0, 400.0, 12000
 TIME = np.arange(COUNT) / RATE

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.rough import roughly
+from bladeroot.decay.rough import roughly
 from bladeroot.signal.phasors import Phasors
 from bladeroot.signal.smooth import Spline
 

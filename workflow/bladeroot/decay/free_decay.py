@@ -5,12 +5,12 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.components import Separated, onset, separated
+from bladeroot.decay.cut import coarse, cut
+from bladeroot.decay.release import Release
 from bladeroot.io.overrides import windowed
 from bladeroot.io.recording import Recording, velocity
 from bladeroot.quality.integrity import bridged, judge
-from bladeroot.ringdown.components import Separated, onset, separated
-from bladeroot.ringdown.cut import coarse, cut
-from bladeroot.ringdown.release import Release
 from bladeroot.signal.lines import TOLERANCE, magnitudes
 
 # Of a line so many times as loud as the mode, the release is taken where the mode shows none.
@@ -28,7 +28,7 @@ def free_decay(
 ) -> xr.Dataset:
     """The free decay of one mode, cut, without what else rings, with its findings and its mask.
 
-    Arguments as of `ringdown.cut.cut` and `quality.integrity.judge`. window: start and end (s in
+    Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: start and end (s in
     the recording) that a person gives, None where the cut's own holds.
     """
     motion = velocity(recording, expected_Hz)

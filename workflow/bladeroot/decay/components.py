@@ -7,8 +7,8 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.ringdown.component_lines import ABOUT, more_lines, moved, overtones, told_apart
-from bladeroot.ringdown.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.component_lines import ABOUT, more_lines, moved, overtones, told_apart
+from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.signal.lines import loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
@@ -70,7 +70,7 @@ def separated(
     noise. modes_Hz: where other modes are expected; those close to this one are told from it.
     first: the sample in which the decay begins, moved on where a blow's contact lasts longer.
 
-    All components are followed at once (`ringdown.envelope_model`), first with none of their
+    All components are followed at once (`decay.envelope_model`), first with none of their
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """

@@ -16,7 +16,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.ringdown.peaks import (
+from bladeroot.decay.peaks import (
     BRIDGE,
     DELAY,
     REACH,

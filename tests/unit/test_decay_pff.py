@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from bladeroot.ringdown.agreement import _mean_around, compare
-from bladeroot.ringdown.freevib import freevib, no_decay
-from bladeroot.ringdown.peaks import DELAY, bridged, correlation, extrema
-from bladeroot.ringdown.pff import no_peaks, peak_fit
+from bladeroot.decay.agreement import _mean_around, compare
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.peaks import DELAY, bridged, correlation, extrema
+from bladeroot.decay.pff import no_peaks, peak_fit
 from decay_bench import ring_down
-from test_ringdown_thesis_filters import RATE, hysteretic, viscous
+from test_decay_thesis_filters import RATE, hysteretic, viscous
 
 
 def test_extrema_of_a_cosine():

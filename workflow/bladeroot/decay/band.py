@@ -1,5 +1,7 @@
 """A decay inside a band of frequencies that a person gives."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -13,7 +15,7 @@ REACH = 2.0
 def in_band(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
-    band_Hz: tuple[float, float],
+    band_Hz: Sequence[float],
     own_Hz: float,
 ) -> tuple[Float[ndarray, " sample"], int]:
     """The decay without what lies outside the band, and how many samples at each end are not it.

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.close_modes import BEATS, widened
+from bladeroot.decay.cut import cut
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.freevib import freevib
+from bladeroot.decay.rough import parts
 from bladeroot.quality.integrity import judge
-from bladeroot.ringdown.close_modes import BEATS, widened
-from bladeroot.ringdown.cut import cut
-from bladeroot.ringdown.estimate import estimate
-from bladeroot.ringdown.freevib import freevib
-from bladeroot.ringdown.rough import parts
 from bladeroot.signal.phasors import Phasors
 from bladeroot.signal.smooth import coarse
-from test_ringdown_beating import two_modes
+from test_decay_beating import two_modes
 
 
 def curve(ratio, size, other_loss):

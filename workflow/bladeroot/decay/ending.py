@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.release import FEWEST, OVERLAP, REACH, log_points
+from bladeroot.decay.release import FEWEST, OVERLAP, REACH, log_points
 from bladeroot.signal.envelope import FRAME_STEPS, Envelope
 from bladeroot.signal.turning import kinks
 

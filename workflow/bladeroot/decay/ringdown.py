@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bladeroot.decay.cut import rejected
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.free_decay import free_decay
 from bladeroot.io.overrides import kept, overruled, with_override
 from bladeroot.io.read import read
 from bladeroot.io.recording import Recording
 from bladeroot.plateau.record import record_plateau
 from bladeroot.quality.integrity import judge
-from bladeroot.ringdown.cut import rejected
-from bladeroot.ringdown.estimate import estimate
-from bladeroot.ringdown.free_decay import free_decay
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
@@ -32,8 +32,8 @@ def ringdown(
         known: what the sheet says of it (SAID and FACTS), with `other_modes_Hz`, the expected
             frequencies of the campaign's other modes, `simulated`, and what a person overrules
             (`bladeroot.io.overrides`).
-        cutting: section `record` of the configuration, as of `bladeroot.ringdown.cut.cut`.
-        estimation: section `decay`, as of `bladeroot.ringdown.estimate.estimate`.
+        cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
+        estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
 
     A record that cannot be read or used comes back without points, rejected with a reason.
     """

@@ -7,8 +7,8 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.alone import alone
-from bladeroot.ringdown.track import Taken, follow
+from bladeroot.decay.alone import alone
+from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.smooth import Spline
 
 POINT = (

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.beating import beat, without_beat
+from bladeroot.decay.cut import cut
 from bladeroot.quality.integrity import judge
-from bladeroot.ringdown.beating import beat, without_beat
-from bladeroot.ringdown.cut import cut
 from bladeroot.signal.envelope import Envelope
 
 COUNT = 600

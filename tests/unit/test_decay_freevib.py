@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.freevib import freevib, natural, no_decay, within_band
 from bladeroot.plateau.plateau import plateau
-from bladeroot.ringdown.freevib import freevib, natural, no_decay, within_band
 from decay_bench import START, backbone, ring_down, slider
 
 

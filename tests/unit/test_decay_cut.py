@@ -4,8 +4,8 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from bladeroot.decay.cut import cut, rejected
 from bladeroot.quality.integrity import bridged, judge
-from bladeroot.ringdown.cut import cut, rejected
 from decay_bench import START, ring_down, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as some

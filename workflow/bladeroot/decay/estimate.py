@@ -1,14 +1,16 @@
 """All that is estimated of one free decay: the curves, the second opinion, the source's bounds."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
-from bladeroot.ringdown.agreement import compare
-from bladeroot.ringdown.band import in_band
-from bladeroot.ringdown.error_bounds import published
-from bladeroot.ringdown.freevib import freevib, no_decay
-from bladeroot.ringdown.pff import no_peaks, peak_fit
-from bladeroot.ringdown.thesis_filters import thesis_freevib
+from bladeroot.decay.agreement import compare
+from bladeroot.decay.band import in_band
+from bladeroot.decay.error_bounds import published
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.pff import no_peaks, peak_fit
+from bladeroot.decay.thesis_filters import thesis_freevib
 
 ESTIMATORS = {"blocks": freevib, "thesis": thesis_freevib}
 
@@ -17,12 +19,12 @@ def estimate(
     cut: xr.Dataset,
     estimator: str = "blocks",
     damping: str = "hysteretic",
-    band_Hz: tuple[float, float] | None = None,
+    band_Hz: Sequence[float] | None = None,
 ) -> xr.Dataset:
     """Curves of a record with its peaks beside them and their differences.
 
     Args:
-        cut: free decay as from `ringdown.cut.cut`, with `expected_Hz` in its attributes.
+        cut: free decay as from `decay.cut.cut`, with `expected_Hz` in its attributes.
         estimator: "blocks" (`freevib`) or "thesis" (`thesis_freevib`).
         damping: law of damping, "hysteretic" or "viscous".
         band_Hz: a person's band, outside which nothing counts.

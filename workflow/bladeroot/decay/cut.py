@@ -12,9 +12,9 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.ringdown.beating import beat, without_beat
-from bladeroot.ringdown.ending import RISE, find_end, running_power, strikes
-from bladeroot.ringdown.release import Release, find_release
+from bladeroot.decay.beating import beat, without_beat
+from bladeroot.decay.ending import RISE, find_end, running_power, strikes
+from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
 from bladeroot.signal.spectrum import quantum, white_noise
 from bladeroot.signal.turning import clean_falls

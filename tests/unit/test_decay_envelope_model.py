@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.ringdown.envelope_model import ALIVE, _splines, _stiffness, demodulated
+from bladeroot.decay.envelope_model import ALIVE, _splines, _stiffness, demodulated
 
 RATE, SPACING, SAMPLES = 100.0, 20, 205
 LINES = np.array([7.0, 19.0])

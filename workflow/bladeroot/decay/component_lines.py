@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.ringdown.envelope_model import Envelopes
+from bladeroot.decay.envelope_model import Envelopes
 from bladeroot.signal.lines import magnitudes
 from bladeroot.signal.runs import medians
 

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.other_lines import remainder
+from bladeroot.decay.other_lines import remainder
 from bladeroot.signal.carrier import rough_phasors
 from bladeroot.signal.phasors import Phasors, Stretch
 from bladeroot.signal.scatter import noise_ratio

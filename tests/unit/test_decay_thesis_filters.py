@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.thesis_filters import design, thesis_freevib
 from bladeroot.plateau.plateau import plateau
-from bladeroot.ringdown.thesis_filters import design, thesis_freevib
 from decay_bench import ring_down, slider
 
 RATE = 12800.0

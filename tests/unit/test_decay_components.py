@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.components import onset, separated
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.free_decay import free_decay
 from bladeroot.io.recording import recording
-from bladeroot.ringdown.components import onset, separated
-from bladeroot.ringdown.estimate import estimate
-from bladeroot.ringdown.free_decay import free_decay
 from decay_bench import ring_down
 
 RATE = 6400.0

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.alone import alone, loud_lines
+from bladeroot.decay.cut import cut
+from bladeroot.decay.estimate import estimate
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import judge
-from bladeroot.ringdown.alone import alone, loud_lines
-from bladeroot.ringdown.cut import cut
-from bladeroot.ringdown.estimate import estimate
 from decay_bench import ring_down, slider
 
 RATE, NOISE, OWN_HZ, DECLINE = 5120.0, 6e-5, 243.4, 3.9

@@ -20,9 +20,9 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.ringdown.error_bounds import two_points
-from bladeroot.ringdown.freevib import POINT, decay_dataset, natural
-from bladeroot.ringdown.peaks import BRIDGE, bridged
+from bladeroot.decay.error_bounds import two_points
+from bladeroot.decay.freevib import POINT, decay_dataset, natural
+from bladeroot.decay.peaks import BRIDGE, bridged
 
 RIPPLE_DB = 80.0
 TRAPEZOID = (1 / 12, 11 / 720, 191 / 60480)  # corrections in even differences
