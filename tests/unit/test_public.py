@@ -26,9 +26,9 @@ def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path
     path = tmp_path / "a.csv"
     np.savetxt(path, np.c_[time, v], delimiter=",", header="time_s,velocity_m/s", comments="")
     made = [
-        br.ringdown(v, mode_Hz=210, sampling_Hz=RATE),
-        br.ringdown(array, mode_Hz=210),
-        br.ringdown(path, mode_Hz=210),
+        br.ringdown(v, mode_Hz=210.0, sampling_Hz=RATE),
+        br.ringdown(array, mode_Hz=210.0),
+        br.ringdown(path, mode_Hz=210.0),
     ]
     for one in made:
         assert one.verdict == "usable"
@@ -42,7 +42,7 @@ def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path
 
 def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():
     noise = np.random.default_rng(0).standard_normal(20_000)
-    found = br.ringdown(1e-3 * noise, mode_Hz=300, sampling_Hz=RATE)
+    found = br.ringdown(1e-3 * noise, mode_Hz=300.0, sampling_Hz=RATE)
     assert found.verdict.startswith("rejected: ")
     assert np.isnan(found.stick_frequency[0])
 

@@ -50,7 +50,7 @@ def analyse(
     """The same of a recording in SI units, for which `known` need not hold SAID."""
     others = tuple(known["other_modes_Hz"])
     window = known.get("start_s"), known.get("end_s")
-    decay = free_decay(recording, known["expected_Hz"], others, **cutting, window=window)
+    decay = free_decay(recording, float(known["expected_Hz"]), others, **cutting, window=window)
     decay = kept(decay) if known.get("keep") else decay
     return _with_curves(decay, known, estimation)
 
@@ -68,6 +68,7 @@ def _with_curves(
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     decay = with_override(decay, overruled(known))
     decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
+    decay.attrs["expected_Hz"] = float(known["expected_Hz"])  # a sheet may say 540
     decay.attrs["simulated"] = int(known["simulated"])
     curves = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
     return decay, curves, record_plateau(curves)

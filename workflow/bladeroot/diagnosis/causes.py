@@ -4,14 +4,13 @@ They act on each other as on the specimen: a law of the axial force goes by the 
 not by what the gauge says, and changed matrices move frequencies by the stiffness that there is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
 
 _FORCE = COORDINATES.index("force")
@@ -35,7 +34,7 @@ def causes(
     mechanisms: Sequence[Mechanism],
     theta: Float[ndarray, " parameter"],
     records: Records,
-    structures: Structures,
+    structures: Callable[[Mechanism, ndarray, ndarray, ndarray], tuple[ndarray, ndarray]],
     ln_k: Float[ndarray, "2 record"],
 ) -> Causes:
     """At coordinates `theta` of all mechanisms in order; ln_k: ln kn, ln kt without them."""
