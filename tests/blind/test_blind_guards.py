@@ -17,8 +17,15 @@ SEED = 4400
 # Run before the diagnosis: its catalogue without one mechanism.
 REMOVED = """\
 import bladeroot.mechanisms.catalogue as shipped
-_all = shipped.catalogue
-shipped.catalogue = lambda folder=None: tuple(m for m in _all(folder) if m.id != {name!r})
+_all = shipped.usable_catalogue
+
+
+def _without(folder=None):
+    found, faults = _all(folder)
+    return tuple(m for m in found if m.id != {name!r}), faults
+
+
+shipped.usable_catalogue = _without
 """
 # A user's file that takes the shipped mechanism's place, with its law bent.
 BENT = """\
@@ -30,14 +37,20 @@ def bent(records, *values):
     return shipped.{hook}(replace(records, {field}={law}), *values)
 
 
-MECHANISM = replace(shipped, {hook}=bent)
+MECHANISM = replace(shipped, {hook}=bent, forms=())
 """
 SHUFFLED = """\
 import random
 import bladeroot.mechanisms.catalogue as shipped
-_all = shipped.catalogue
-shipped.catalogue = lambda folder=None: tuple(random.Random({seed}).sample(
-    list(_all(folder)), len(_all(folder))))
+_all = shipped.usable_catalogue
+
+
+def _shuffled(folder=None):
+    found, faults = _all(folder)
+    return tuple(random.Random({seed}).sample(list(found), len(found))), faults
+
+
+shipped.usable_catalogue = _shuffled
 """
 
 
