@@ -31,8 +31,11 @@ SOURCES = {
     "ends at once": ("import os\nos._exit(0)", "ends the program"),
     "ends well": ("import os\nos._exit(3)", "ends the program"),
     "kills itself": ("import os\nos.kill(os.getpid(), 9)", "SIGKILL"),
-    "aborts": ("import os\nos.abort()", "SIGABRT"),
-    "crashes": ("import ctypes\nctypes.string_at(0)", "SIGSEGV"),
+    "aborts": ("import faulthandler, os\nfaulthandler.disable()\nos.abort()", "SIGABRT"),
+    "crashes": (
+        "import ctypes, faulthandler\nfaulthandler.disable()\nctypes.string_at(0)",
+        "SIGSEGV",
+    ),
     "never ends": ("while True:\n    pass", "does not end"),
     "sleeps": ("import time\ntime.sleep(1e6)", "does not end"),
     "never ends in C": ("sum(range(10**15))", "does not end"),
