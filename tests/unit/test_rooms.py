@@ -19,7 +19,7 @@ ALLOWED = {
     "contact": set(),
     "nonlinear": {"contact", "rom"},
     "inference": set(),
-    "stiffness": {"rom", "nonlinear"},
+    "stiffness": {"rom", "nonlinear", "inference"},
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),

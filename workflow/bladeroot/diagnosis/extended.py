@@ -21,7 +21,7 @@ from bladeroot.stiffness.posterior import Law, posterior
 from bladeroot.stiffness.priors import CORRELATION, LN_K, REFERENCE_FORCE, SCATTER, SMOOTH_EXPONENT
 
 _SCALES = {(False, False): "", (True, False): "ln ", (False, True): "logit "}  # of a parameter
-_BASE = 3  # parameters of the baseline's law: ln kn, ln kt, exponent
+DRAWS = 1000  # each asks for a covariance of all records
 _STIFFNESS = ("ln_kn", "ln_kt")
 
 
@@ -31,6 +31,7 @@ def extended_joint(
     extension: Extension,
     settings: Settings,
     forces: Sequence[float],
+    draws: int = DRAWS,
 ) -> xr.Dataset:
     """Posterior of (ln kn, ln kt) with the causes, beside the evidence without.
 
@@ -66,7 +67,7 @@ def extended_joint(
         "ln_frequency": data.ln_f,
     }
     ends = (float(told["force"].min()), float(told["force"].max()))
-    found = posterior(laws, law, forces, ends, told)
+    found = posterior(laws, law, forces, ends, told, draws)
     left = [one.id for one, _ in extension.causes if one not in causes]
     return found.assign_attrs(
         named,

@@ -16,9 +16,9 @@ from scipy.special import gammaln, logsumexp
 from bladeroot.inference.gaussian import Fit, Problem
 
 DRAWS = 4000  # that are handed out
-# Draws are added until they are worth so many independent ones, or so many were asked for. The
-# quantiles of 68 % then move by 0.03 of a standard deviation from seed to seed.
-_WANTED, _MOST = 2000, 16000
+# Draws are added until this part of those handed out is independent, or so many times were asked
+# for. Of 2,000 the quantiles of 68 % move by 0.03 of a standard deviation from seed to seed.
+_WANTED, _MOST = 0.5, 4
 _ROUNDS, _LEARN = 4, 500  # of learning, and the draws of each
 _STEPS = 2  # of Gauss and Newton, to the rest
 _FREEDOM = 5.0  # of each part (multivariate t): heavier tails than the posterior's
@@ -53,15 +53,15 @@ def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) 
     outer[count:, count:] = fit.scales_covariance
     centre = np.concatenate([fit.parameters[bent], fit.scales])
     mixture = _Mixture(np.ones(1), centre[None], _WIDER**2 * outer[None])
-    proposed = 0
+    proposed, learn = 0, min(_LEARN, draws)
     for _ in range(_ROUNDS):
-        points, _, log = _proposed(fit, bent, mixture, _LEARN, rng)
-        proposed += _LEARN
-        if _effective(log) > _ENOUGH * _LEARN:
+        points, _, log = _proposed(fit, bent, mixture, learn, rng)
+        proposed += learn
+        if _effective(log) > _ENOUGH * learn:
             break
         mixture = mixture.learnt(points, _weights(log))
     points, parameters, log = _proposed(fit, bent, mixture, draws, rng)
-    while len(log) < _MOST and _effective(log) < _WANTED:
+    while len(log) < _MOST * draws and _effective(log) < _WANTED * draws:
         more = _proposed(fit, bent, mixture, draws, rng)
         points, parameters, log = (
             np.concatenate(pair) for pair in zip((points, parameters, log), more, strict=True)

@@ -9,9 +9,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
+from bladeroot.inference.least_squares import FE_BIAS, NOTABLE, fit_stiffness, ln_range
 from bladeroot.public.joint import Joint
-from bladeroot.stiffness.least_squares import NOTABLE, fit_stiffness, ln_range
-from bladeroot.stiffness.priors import FE_BIAS
 
 RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
 

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.inference.gaussian import Fit
-from bladeroot.inference.sampling import Draws, sample
+from bladeroot.inference.sampling import DRAWS, Draws, sample
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.region import share_within
 
@@ -83,14 +83,15 @@ def posterior(
     forces: Sequence[float],
     range_N: tuple[float, float],
     levels: Mapping[str, ndarray],
+    count: int = DRAWS,
 ) -> xr.Dataset:
     """Every law beside the others, and the chosen one in full.
 
     forces: N, where kn and kt are wanted. range_N: of the curve over the force. levels: mode,
-    force (N) and ln frequency of the data's first entries.
+    force (N) and ln frequency of the data's first entries. count: of draws.
     """
     law = laws[chosen]
-    draws = sample(law.fit, _BENT)
+    draws = sample(law.fit, _BENT, count)
     parts = [
         _laws(laws),
         _parameters(law, draws),

@@ -20,8 +20,6 @@ BEND = (0.0, 0.25, "no law known to us bends; room for full contact reached only
 # ln of the scatter of k between clampings.
 SCATTER = (np.log(0.04), 0.6, "re-clamping changes k by 2 to 14 %")
 CORRELATION = (0.5, 0.7, "atanh of the correlation of kn and kt between clampings")
-# Relative error of a model's frequency, unless known.
-FE_BIAS = 0.005
 # A model that is wrong by so much at 12 kN is wrong by this part of it more a unit of ln F: 1 % of
 # modulus moves 1B by 0.39 to 0.44 % between 1.8 and 24 kN.
 BIAS_TILT = 0.05

@@ -11,15 +11,20 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.special import ndtri
 
+from bladeroot.inference.least_squares import (
+    FE_BIAS,
+    NOTABLE,
+    StiffnessFit,
+    fit_stiffness,
+    ln_range,
+)
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.grid_search import grid_search
-from bladeroot.stiffness.least_squares import StiffnessFit, fit_stiffness, ln_range
 from bladeroot.stiffness.map import MODES, all_frequencies, surface_of_map
-from bladeroot.stiffness.priors import FE_BIAS
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 
 SOURCES = ("measurement", "finite elements")
@@ -72,7 +77,7 @@ def search(
     rootless = pair and not len(roots)
     fitted = None
     if known.any() and not pair:
-        fitted = _fitted(surface, target, std, bias, known, log_axis)
+        fitted = fit_modes(surface, target, std, bias, known, log_axis)
     parts = [
         _targets(measured, bias, offset, modes),
         _estimate(surface, roots, fitted, target, std, bias, known, modes),
@@ -100,8 +105,18 @@ def search(
     )
 
 
-def _fitted(surface, target, std, bias, known, log_axis) -> StiffnessFit:
-    """Weighted least squares of the modes that were measured; the prior is as wide as the box."""
+def fit_modes(
+    surface: Surface,
+    target: Float[ndarray, " mode"],
+    std: Float[ndarray, " mode"],
+    bias: Float[ndarray, " mode"],
+    known: Bool[ndarray, " mode"],
+    log_axis: Float[ndarray, " k"],
+) -> StiffnessFit:
+    """Weighted least squares of the modes that are known; the prior is as wide as the box.
+
+    target, std: Hz. bias: fraction. log_axis: of the box, in ln k.
+    """
 
     def frequencies(ln_k: ndarray) -> tuple[ndarray, ndarray, bool]:
         inside = np.clip(ln_k, log_axis[0], log_axis[-1])
@@ -255,6 +270,12 @@ def _estimate(surface, roots, fitted, target, std, bias, known, modes) -> xr.Dat
                 np.nan if fitted is None or fitted.freedom < 1 else fitted.probability,
                 "1",
                 "of a larger chi-square, were the model right",
+            ),
+            "fits": _var(
+                (),
+                int(fitted is None or fitted.probability >= NOTABLE),
+                "1",
+                "0 where the model does not give more modes than unknowns within their errors",
             ),
         },
         coords={"source": list(SOURCES), "stiffness": list(STIFFNESS), "mode": modes},

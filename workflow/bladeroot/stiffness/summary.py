@@ -27,6 +27,7 @@ COLLECTED = (
     "chi_square",
     "freedom",
     "probability",
+    "fits",
     "status",
     "needed_bias",
     "needed_bias_at_edge",

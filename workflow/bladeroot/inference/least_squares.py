@@ -17,6 +17,7 @@ from bladeroot.inference.gaussian import Fit, Prior, Problem, State, best_fit
 
 _STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
 _LEAST_GAIN = 1e-8  # nats
+FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
 NOTABLE = 0.05  # probability of a larger misfit, below which the model is said not to fit
 
 # ln f of the modes at ln k, their slopes, and whether the model holds there.
