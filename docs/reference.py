@@ -178,7 +178,7 @@ def finding_page() -> str:
     """Every check of a record: what it looks at, its statistic and threshold."""
     parts = [
         "# Checks of a record\n\nOne file each in `workflow/bladeroot/quality/findings/`; what "
-        "they do to a record, and how often they are wrong, is told in [findings](../findings.md).\n"
+        "they do to a record, and how often they are wrong, is in [findings](../findings.md).\n"
     ]
     for module in _modules(findings):
         parts.append(f"## {_id(module)}\n\n{module.__doc__.strip()}\n")
