@@ -96,7 +96,8 @@ def test_look_shows_channels_lines_and_the_curve(folder):
 def test_look_says_in_one_line_what_it_lacks(folder):
     done = called("look", folder / "blow 1.csv")
     assert done.exit_code == 1
-    assert "expected one channel" in done.stderr
+    assert "expected a unit" in done.stderr
+    assert "looking at channel 2: top" in done.output
     assert len(done.stderr.strip().splitlines()) == 1
 
 
