@@ -204,8 +204,8 @@ def effect_page() -> str:
 def variable_page() -> str:
     """Every variable of every artifact, as `list_variables.py` found them in finished results."""
     parts = [
-        "# Variables\n\nWhat the NetCDF files of `results/` hold; units are SI. Attributes of each file "
-        "say campaign, settings and versions.\n"
+        "# Variables\n\nWhat the NetCDF files of `results/` hold; units are SI. Attributes of each "
+        "file say campaign, settings and versions.\n"
     ]
     last = ""
     with (HERE / "variables.csv").open(encoding="utf-8", newline="") as file:
