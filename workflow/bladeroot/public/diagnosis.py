@@ -36,7 +36,7 @@ class Verdict:
 
     @property
     def answer(self) -> str:
-        """cause-named, ambiguous, unexplained, nothing-missing or insufficient-data."""
+        """named, ambiguous, unexplained, nothing-missing or insufficient-data."""
         return self.said["answer"]
 
     @property
