@@ -4,7 +4,7 @@
 
 Takes a campaign's stick frequencies and curves as the workflow left them, and the joint posterior's
 MAP estimate with curves under its own law. There it prints the standard deviations of ln kn and
-ln kt at 12 kN that the information gives, with one thing known better in each row: the simulated curves,
+ln kt at 12 kN that the information gives, with one thing known better in each row: the curves,
 where on the flanks the pressure is high, the clampings' friction, the friction's own parameters,
 the model's bias, the gauge. No row is reachable by another inference from the same data under the
 same trust.
