@@ -121,6 +121,7 @@ def test_from_a_campaign_by_its_verdict_to_the_joint_posterior(named, tmp_path):
     own = found.sel(parameter="load-dependent-stiffness exponent")
     off = float(own["posterior_mean"]) - EXPONENT
     assert abs(off) < 4.0 * float(own["posterior_std"])
+    assert found["posterior_mean"].attrs["units"] == "mixed"
     without, with_cause = found["log_evidence"].values
     assert with_cause > without + 5.0
     rise = np.log(found["k_quantile"].sel(quantile=0.5)).diff("force").squeeze()

@@ -68,6 +68,10 @@ def extended_joint(
     }
     ends = (float(told["force"].min()), float(told["force"].max()))
     found = posterior(laws, law, forces, ends, told, draws)
+    # The joint inference counts a bias from the model, the diagnosis from the measurement.
+    turned = found["parameter"].str.contains("^(?:bias|tilt)_")
+    for name in ("prior_mean", "mode_value", "posterior_mean"):
+        found[name] = found[name].where(~turned, -found[name]).assign_attrs(found[name].attrs)
     left = [one.id for one, _ in extension.causes if one not in causes]
     return found.assign_attrs(
         named,
