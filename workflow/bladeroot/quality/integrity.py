@@ -22,6 +22,7 @@ from bladeroot.quality.sight import Sight
 FEWEST_CYCLES = 8
 
 # What these find in a mode's course may also be what others left there: beside others they warn.
+LEFTOVER = "leftover"
 OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
 HARD = ("mask", "drop")
 
@@ -87,7 +88,7 @@ def judge(
                 text = (
                     finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
                 )
-                finding = replace(finding, consequence="warn", text=text)
+                name, finding = LEFTOVER, replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
                 for first, last in finding.spans:
