@@ -28,10 +28,11 @@ class Reflection:
     sign: Float[ndarray, " dof"]
 
 
-def reflections(nodes: Float[ndarray, "node 3"], *matrices: sp.csr_array) -> list[Reflection]:
+def reflections(nodes: Float[ndarray, "node axis"], *matrices: sp.csr_array) -> list[Reflection]:
     """Reflections in planes normal to X, Y, Z that map the nodes on each other and keep matrices.
 
     Found by the nodes' positions, then tried on each matrix (dof, dof) with a random displacement.
+    A fourth coordinate, which no reflection turns, tells nodes in one place apart.
     """
     found = []
     for axis in range(3):
@@ -41,12 +42,13 @@ def reflections(nodes: Float[ndarray, "node 3"], *matrices: sp.csr_array) -> lis
         sign = np.ones((len(nodes), 3))
         sign[:, axis] = -1.0
         one = Reflection((3 * mirror[:, None] + np.arange(3)).ravel(), sign.ravel())
-        if all(_keeps(one, matrix) for matrix in matrices):
+        if all(keeps(one, matrix) for matrix in matrices):
             found.append(one)
     return found
 
 
-def _keeps(one: Reflection, matrix: sp.csr_array) -> bool:
+def keeps(one: Reflection, matrix: sp.csr_array) -> bool:
+    """Whether a reflection leaves a matrix (dof, dof) as it is, but for rounding."""
     trial = np.random.default_rng(0).standard_normal(matrix.shape[0])
     force = matrix @ trial
     away = matrix @ _reflected(one, trial) - _reflected(one, force)
