@@ -25,6 +25,7 @@ rule amplitude:
     benchmark:
         "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["amplitude"]
     resources:
         **needs("amplitude"),
     params:

@@ -38,6 +38,7 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
             threads: 1
+            priority: PRIORITY["bench"]
             resources:
                 **needs("bench"),
             params:

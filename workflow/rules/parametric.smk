@@ -12,6 +12,7 @@ rule parametric:
     benchmark:
         "results/benchmarks/parametric/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["parametric"]
     resources:
         **needs("parametric"),
     params:
@@ -34,6 +35,7 @@ use rule parametric as parametric_equal_nodes with:
         "results/logs/parametric_equal_nodes/{structure}.log",
     benchmark:
         "results/benchmarks/parametric_equal_nodes/{structure}.tsv"
+    priority: 0
     params:
         settings=settings("parametric"),
         springs="equal",
@@ -65,6 +67,7 @@ rule accuracy:
     benchmark:
         "results/benchmarks/accuracy/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["accuracy"]
     resources:
         **needs("accuracy"),
     params:

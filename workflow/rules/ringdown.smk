@@ -46,6 +46,7 @@ for campaign in CAMPAIGNS.values():
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
             threads: 1
+            priority: PRIORITY["ringdown"]
             resources:
                 **needs("ringdown"),
             params:

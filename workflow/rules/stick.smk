@@ -20,6 +20,7 @@ rule stick:
     benchmark:
         "results/benchmarks/stick/{campaign}.tsv"
     threads: 1
+    priority: PRIORITY["stick"]
     resources:
         **needs("stick"),
     params:

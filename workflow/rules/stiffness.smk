@@ -72,6 +72,7 @@ rule joint:
     benchmark:
         "results/benchmarks/joint/{campaign}/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["joint"]
     resources:
         **needs("joint"),
     params:

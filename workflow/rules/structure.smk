@@ -15,6 +15,7 @@ rule mesh:
     benchmark:
         "results/benchmarks/mesh/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["mesh"]
     resources:
         **needs("mesh"),
     params:
@@ -37,6 +38,7 @@ rule prestress:
     benchmark:
         "results/benchmarks/prestress/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["prestress"]
     resources:
         **needs("prestress"),
     params:
@@ -90,6 +92,7 @@ rule reduced:
     benchmark:
         "results/benchmarks/reduced/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["reduced"]
     resources:
         **needs("reduced"),
     params:
@@ -117,6 +120,7 @@ rule checks:
     benchmark:
         "results/benchmarks/checks/{structure}.tsv"
     threads: 1
+    priority: PRIORITY["checks"]
     resources:
         **needs("checks"),
     params:

@@ -170,7 +170,10 @@ def full_modes(
     solves = [factor(stiffness) for stiffness, _ in problems]
     _, found = sector_eigenpairs(problems, solves, _MODES)
     column = find_modes(full.seen, whole_shapes(parts, found)[full.view], names)
-    values, shapes = np.empty((len(points), len(names))), np.empty((len(points), len(names)), object)
+    values, shapes = (
+        np.empty((len(points), len(names))),
+        np.empty((len(points), len(names)), object),
+    )
     for place in {found[column[name]][0] for name in names}:
         own = [mode for mode, (sector, _) in enumerate(found) if sector == place]
         mine = [k for k, name in enumerate(names) if found[column[name]][0] == place]
