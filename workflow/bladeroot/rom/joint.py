@@ -98,9 +98,9 @@ def energy(
 ) -> Float[ndarray, " mode"]:
     """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
     kn, kt = np.exp(point[:2])
-    body = joint.stiffness + point[2] * joint.geometric
+    load = joint.stiffness @ shapes + point[2] * (joint.geometric @ shapes)
     return (
-        np.einsum("dm,dm->m", shapes, body @ shapes)
+        (shapes * load).sum(axis=0)
         + kn * ((joint.gap @ shapes) ** 2).sum(axis=0)
         + kt * ((joint.slip @ shapes) ** 2).sum(axis=0)
     )
