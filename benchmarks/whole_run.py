@@ -2,8 +2,8 @@
 
     python benchmarks/whole_run.py [--base COMMIT] [--rounds N] [--json FILE]
 
-Each commit runs in clones of its own, in turn: the campaign `thesis` alone and the default run, in a
-clean clone whose compiled code is not kept from before, then a second run, one after a changed
+Each commit runs in clones of its own, in turn: the campaign `thesis` alone and the default run, in
+a clean clone whose compiled code is not kept from before, then a second run, one after a changed
 setting of the diagnosis and one after an added record. Ten minutes a round for the first commit and
 half of that for the second; on an idle machine the wall seconds say what the targets ask.
 """

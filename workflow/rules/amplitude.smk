@@ -24,8 +24,8 @@ rule amplitude:
         "results/logs/amplitude/{campaign}/{structure}.log",
     benchmark:
         "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["amplitude"]
+    threads: 1
     resources:
         **needs("amplitude"),
     params:

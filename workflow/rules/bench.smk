@@ -37,8 +37,8 @@ for campaign in CAMPAIGNS.values():
                 f"results/logs/bench/{campaign.name}/{batch}.log",
             benchmark:
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
-            threads: 1
             priority: PRIORITY["bench"]
+            threads: 1
             resources:
                 **needs("bench"),
             params:

@@ -11,8 +11,8 @@ rule parametric:
         "results/logs/parametric/{structure}.log",
     benchmark:
         "results/benchmarks/parametric/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["parametric"]
+    threads: 1
     resources:
         **needs("parametric"),
     params:
@@ -66,8 +66,8 @@ rule accuracy:
         "results/logs/accuracy/{structure}.log",
     benchmark:
         "results/benchmarks/accuracy/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["accuracy"]
+    threads: 1
     resources:
         **needs("accuracy"),
     params:

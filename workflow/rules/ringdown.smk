@@ -38,8 +38,8 @@ for campaign in CAMPAIGNS.values():
                 f"results/logs/ringdown/{campaign.name}/{batch}.log",
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
-            threads: 1
             priority: PRIORITY["ringdown"]
+            threads: 1
             resources:
                 **needs("ringdown"),
             params:

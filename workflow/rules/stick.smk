@@ -19,8 +19,8 @@ rule stick:
         "results/logs/stick/{campaign}.log",
     benchmark:
         "results/benchmarks/stick/{campaign}.tsv"
-    threads: 1
     priority: PRIORITY["stick"]
+    threads: 1
     resources:
         **needs("stick"),
     params:

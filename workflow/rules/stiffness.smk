@@ -71,8 +71,8 @@ rule joint:
         "results/logs/joint/{campaign}/{structure}.log",
     benchmark:
         "results/benchmarks/joint/{campaign}/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["joint"]
+    threads: 1
     resources:
         **needs("joint"),
     params:

@@ -14,8 +14,8 @@ rule mesh:
         "results/logs/mesh/{structure}.log",
     benchmark:
         "results/benchmarks/mesh/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["mesh"]
+    threads: 1
     resources:
         **needs("mesh"),
     params:
@@ -37,8 +37,8 @@ rule prestress:
         "results/logs/prestress/{structure}.log",
     benchmark:
         "results/benchmarks/prestress/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["prestress"]
+    threads: 1
     resources:
         **needs("prestress"),
     params:
@@ -91,8 +91,8 @@ rule reduced:
         "results/logs/reduced/{structure}.log",
     benchmark:
         "results/benchmarks/reduced/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["reduced"]
+    threads: 1
     resources:
         **needs("reduced"),
     params:
@@ -119,8 +119,8 @@ rule checks:
         "results/logs/checks/{structure}.log",
     benchmark:
         "results/benchmarks/checks/{structure}.tsv"
-    threads: 1
     priority: PRIORITY["checks"]
+    threads: 1
     resources:
         **needs("checks"),
     params:
