@@ -17,6 +17,8 @@ from numpy import ndarray
 from bladeroot.fem.linear import factor, lowest_eigenpairs
 from bladeroot.fem.modes import mirror_nodes
 
+Matrix = sp.csr_array | Float[ndarray, "_ _"]  # sectors differ in size
+
 _MARGIN = 2  # modes of a sector beyond its even share that are sought at first
 
 
@@ -47,7 +49,7 @@ def reflections(nodes: Float[ndarray, "node axis"], *matrices: sp.csr_array) -> 
     return found
 
 
-def keeps(one: Reflection, matrix: sp.csr_array) -> bool:
+def keeps(one: Reflection, matrix: Matrix) -> bool:
     """Whether a reflection leaves a matrix (dof, dof) as it is, but for rounding."""
     trial = np.random.default_rng(0).standard_normal(matrix.shape[0])
     force = matrix @ trial
@@ -132,11 +134,11 @@ def symmetric_eigenpairs(
 
 
 def sector_eigenpairs(
-    within: Sequence[tuple[sp.csr_array, sp.csr_array]],
+    within: Sequence[tuple[Matrix, Matrix]],
     solves: Sequence,
     count: int,
     shift: float = 0.0,
-) -> tuple[Float[ndarray, " mode"], list[tuple[int, Float[ndarray, " own"]]]]:
+) -> tuple[Float[ndarray, " mode"], list[tuple[int, Float[ndarray, " _"]]]]:
     """The lowest of all sectors' eigenpairs, ascending, each with its sector and its shape there.
 
     within: stiffness and mass of each sector; solves: by its factor of stiffness - shift * mass.
@@ -169,7 +171,7 @@ def sector_eigenpairs(
 
 
 def whole_shapes(
-    parts: Sequence[Sector], found: Sequence[tuple[int, Float[ndarray, " own"]]]
+    parts: Sequence[Sector], found: Sequence[tuple[int, Float[ndarray, " _"]]]
 ) -> Float[ndarray, "dof mode"]:
     """Shapes of sectors as displacements of all dofs."""
     return np.column_stack([parts[place].columns @ shape for place, shape in found])

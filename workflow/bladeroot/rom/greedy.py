@@ -114,7 +114,7 @@ def _worst(
     training: Float[ndarray, "point 3"],
     tolerance: float,
     missed: Int[ndarray, " missed"],
-) -> tuple[set[int], Int[ndarray, " missed"]]:
+) -> tuple[set[int], Int[ndarray, " above"]]:
     """The training point where the bound is largest, if above the tolerance, and all that miss it.
 
     A basis only grows: those that met the tolerance before are asked again once all others do.
