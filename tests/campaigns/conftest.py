@@ -1,28 +1,31 @@
-"""The small house that the whole-run tests share."""
+"""The houses that the tests of campaigns share."""
 
-import shutil
+from dataclasses import replace
 
 import pytest
-from house import House, copy_house
+from house import House, copy_house, floors_lab, poor_lab
 
 
 @pytest.fixture(scope="session")
-def house(tmp_path_factory) -> House:
-    """A house whose small campaign has run to the end. Tests leave it as they found it."""
+def labs(tmp_path_factory) -> dict:
+    """Campaign folders of recorded files, by name."""
+    folder = tmp_path_factory.mktemp("labs")
+    return {"poor": poor_lab(folder / "poor"), "floors": floors_lab(folder / "floors")}
+
+
+@pytest.fixture(scope="session")
+def house(tmp_path_factory, labs) -> House:
+    """A house in which the small campaign and the labs have run to the end, in one run.
+
+    Tests leave it as they found it; its own configuration has the small campaign alone.
+    """
     made = copy_house(tmp_path_factory.mktemp("house"))
-    made.run()
-    return made
+    campaigns = ",".join(["small", *map(str, labs.values())])
+    done = made.run("--config", f"campaigns={campaigns}")
+    return replace(made, said=done.stdout + done.stderr)
 
 
-@pytest.fixture
-def visited(house):
-    """The finished house for a test that runs other campaigns in it: what they make goes after."""
-    results = house.folder / "results"
-
-    def folders():
-        return {path for pattern in ("*", "structures/*") for path in results.glob(pattern)}
-
-    before = folders()
-    yield house
-    for path in folders() - before:
-        shutil.rmtree(path)
+@pytest.fixture(scope="session")
+def bare(tmp_path_factory) -> House:
+    """A house in which nothing has run, for what must end before any job."""
+    return copy_house(tmp_path_factory.mktemp("bare"))

@@ -25,16 +25,15 @@ def lab(folder, structures):
     return folder
 
 
-def test_pairs_that_do_not_coincide_are_told_before_any_job(tmp_path):
-    house = copy_house(tmp_path / "house")
+def test_pairs_that_do_not_coincide_are_told_before_any_job(bare, tmp_path):
     folder = lab(tmp_path / "lab", "[own]")
     nodes = folder / "own" / "Xn_nodes.csv"
     nodes.write_text(nodes.read_text().replace(",-0.013", ",-0.0131"))
-    done = house.run("--config", f"campaigns={folder}", check=False)
+    done = bare.run("--config", f"campaigns={folder}", check=False)
     lines = [line for line in done.stderr.splitlines() if line.startswith("bad input: ")]
     assert len(lines) == 1
     assert "expected contact nodes that coincide within 0.001 mm, got 0.1 mm" in lines[0]
-    assert not (house.folder / "results").exists()
+    assert not (bare.folder / "results").exists()
 
 
 @pytest.mark.slow
