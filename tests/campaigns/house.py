@@ -102,18 +102,11 @@ def lab(folder: Path, rows: list[str], description: str | None = None) -> Path:
     return folder
 
 
-def poor_lab(folder: Path) -> Path:
-    """A structure, one mode, one force, every raw file spoilt."""
-    lab(folder, ["record,file,mode,force_N", "a,a.csv,1B,12000", "b,b.csv,1B,12000"])
-    (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
-    (folder / "b.csv").touch()
-    return folder
-
-
 def floors_lab(folder: Path) -> Path:
     """Two modes, two sensors, two places of the blow, a spoilt file; no load, no structure."""
     sheet = ["record,file,mode,channel,group,unit", "bad,bad.csv,low,top,blow 1,m/s"]
-    sheet += [f"b{k},b{k}.csv,all,top;foot,blow {k % 2 + 1},m/s" for k in range(4)]
+    seen = ("top;foot", "top;foot", "top", "top")
+    sheet += [f"b{k},b{k}.csv,all,{seen[k]},blow {k % 2 + 1},m/s" for k in range(4)]
     modes = "modes:\n  low: {expected_Hz: 20}\n  high: {expected_Hz: 55}\n"
     lab(folder, sheet, "title: Two floors\n" + modes)
     (folder / "bad.csv").write_text("time_s,top,foot\n0,nan,1\n")

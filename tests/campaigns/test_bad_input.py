@@ -1,5 +1,6 @@
 """Bad input: told in one line a fault before any job, or by name when it shows only later."""
 
+import pytest
 from house import SMALL, lab
 
 
@@ -54,8 +55,17 @@ def test_mechanisms_that_are_not_there_or_no_python_end_the_run(bare, tmp_path):
     assert refused(bare, *asked) == [f"bad input: {fault}"]
 
 
-def test_without_any_stick_frequency_there_is_still_a_report(house):
-    """Nothing to infer, and the report says so and names the rejected files."""
+@pytest.mark.slow
+def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
+    """One mode, one force, every raw file spoilt: nothing to infer, and the report says so."""
+    sheet = ["record,file,mode,force_N", "a,a.csv,1B,12000", "b,b.csv,1B,12000"]
+    folder = lab(tmp_path / "poor", sheet)
+    (folder / "a.csv").write_text("time_s,velocity_m/s\n0,1\n")
+    (folder / "b.csv").touch()
+    mesh = house.folder / "results" / "structures" / "tiny" / "mesh.nc"
+    made = mesh.stat().st_mtime_ns
+    house.run("--config", f"campaigns={folder}")
+    assert mesh.stat().st_mtime_ns == made  # its structure was there
     page = (house.folder / "results" / "poor" / "report.html").read_text()
     assert "No record reached its stick plateau" in page
     assert "at least 64 samples" in page

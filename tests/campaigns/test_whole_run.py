@@ -53,8 +53,7 @@ def test_a_search_ends_in_a_root_or_says_by_how_much_the_model_must_move(house):
 def test_simulated_records_are_labelled_everywhere(house):
     folder = house.folder / "results"
     assert "Simulated records" in (folder / "small" / "report.html").read_text()
-    for lab in ("poor", "floors"):
-        assert "Simulated records" not in (folder / lab / "report.html").read_text()
+    assert "Simulated records" not in (folder / "floors" / "report.html").read_text()
     for raw in (folder / "bench" / "small").glob("*.nc"):
         with xr.open_dataset(raw) as record:
             assert "SIMULATED" in record.attrs["title"]
@@ -89,11 +88,11 @@ def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
     xr.testing.assert_equal(xr.load_dataset(tmp_path / "stick.nc"), load(house, "small/stick.nc"))
 
 
-def test_a_specimen_of_which_nothing_is_invented(house, labs):
+def test_a_specimen_of_which_nothing_is_invented(house, floors):
     """No load, no gauge, no structure: a report, and who is rejected."""
     assert "rejected: bad of floors: " in house.said
     results = house.folder / "results" / "floors"
-    assert (results / "decay" / "b3-high-foot.nc").is_file()
+    assert (results / "decay" / "b1-high-foot.nc").is_file()
     stick = xr.load_dataset(results / "stick.nc")
     assert set(stick["group"].values) == {"blow 1", "blow 2"}
     said = json.loads((results / "diagnosis" / "verdict.json").read_text())
@@ -102,7 +101,7 @@ def test_a_specimen_of_which_nothing_is_invented(house, labs):
     page = re.sub(r"<svg.*?</svg>|<style.*?</style>", "", (results / "report.html").read_text(),
                   flags=re.DOTALL)  # fmt: skip
     assert not re.search(r"\b(axial|gauge|structures?|flanks?|forces?)\b|kN", page)
-    assert set(house.planned("--forceall", "--config", f"campaigns={labs['floors']}")) == {
+    assert set(house.planned("--forceall", "--config", f"campaigns={floors}")) == {
         "ringdown", "curves", "stick", "integrity", "figures_records", "figures_stick",
         "observations", "diagnosis", "verdict", "figures_diagnosis", "report",
     }  # fmt: skip

@@ -16,9 +16,9 @@ RATE = 25600.0  # Hz
 
 
 def course(alpha, omega, time, level):
-    """ln A and phase at `time` of a decay from amplitude 1, for rates alpha(A) < 0, omega(A) in 1/s.
+    """ln A and phase at `time` of a decay from amplitude 1, for alpha(A) < 0, omega(A) in 1/s.
 
-    level: ln A, falling from 0, at the kinks of the laws too; quadrature between its values. Beyond
+    level: ln A, falling from 0, at the kinks of the laws too; quadrature between them. Beyond
     its end the last rates hold.
     """
     a, step = np.exp(level), -np.diff(level)

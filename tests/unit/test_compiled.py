@@ -45,7 +45,9 @@ def run(library, **environment):
         "from bladeroot.room.caller import call\n"
         "print(call(1.0), sum(call.stats.cache_hits.values()))"
     )
-    base = {"PYTHONPATH": str(library), "PATH": os.environ["PATH"], "HOME": str(library)}
+    # Python itself keeps a source that was rewritten within a second and has the same length
+    base = {"PYTHONPATH": str(library), "PATH": os.environ["PATH"], "HOME": str(library),
+            "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-c", command], env=base | environment, capture_output=True, text=True
     )

@@ -28,7 +28,7 @@ def test_verdicts():
     check_verdicts(50, first=0, most=2)
 
 
-@pytest.mark.slow
+@pytest.mark.suite
 def test_verdicts_on_many():
     check_verdicts(500, first=1000, most=10)  # 2 %
 

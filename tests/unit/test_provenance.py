@@ -110,7 +110,9 @@ def whole(tmp_path_factory):
     """A copy of the whole library with its scripts and schemas."""
     folder = tmp_path_factory.mktemp("whole")
     for name in ("bladeroot", "scripts", "schemas"):
-        shutil.copytree(LIBRARY.parent / name, folder / name)
+        shutil.copytree(
+            LIBRARY.parent / name, folder / name, ignore=shutil.ignore_patterns("__pycache__")
+        )
     return folder
 
 

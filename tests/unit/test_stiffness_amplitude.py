@@ -219,8 +219,6 @@ def campaign(monkeypatch):
     ("lasers", "reason"),
     [
         (LASERS, "the contacts of 1B and 2B did not settle"),
-        ({"1B": 0.0, "2B": 0.0}, "the contacts of 1B did not settle"),
-        ({"1B": 0.0, "2B": 1.0}, "the contacts of 1B did not settle"),
         ({"1B": 1.0, "2B": 0.0}, "1B: the laser must stand on the beam"),
     ],
 )
