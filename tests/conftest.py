@@ -1,4 +1,4 @@
-"""Two processes share the tests: a file stays together, and so do all that use the small house.
+"""Two processes share the tests: a file stays together, and so do all that use one house.
 
 Tiers: `pytest` (quick), `pytest -m slow` (the rest of what CI runs), `pytest -m suite` (long suites
 on demand). With the arrays' shapes checked, tests that give a wrong one are left out.
@@ -33,9 +33,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Put a test into its group for `--dist loadgroup`: what a fixture makes is made once."""
-    shared = {"house", "bare"} & set(getattr(item, "fixturenames", ()))
-    name = "house" if shared else str(item.path.relative_to(TESTS))
-    item.add_marker(pytest.mark.xdist_group(name))
+    shared = [name for name in ("house", "bare") if name in getattr(item, "fixturenames", ())]
+    item.add_marker(pytest.mark.xdist_group(*shared[:1] or [str(item.path.relative_to(TESTS))]))
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
