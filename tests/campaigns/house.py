@@ -11,6 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.external.export import export_matrices
+from bladeroot.rom.file import load_structure
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
@@ -44,14 +48,23 @@ class House:
         # One BLAS thread, as in the workflow's jobs: another number rounds differently. What is
         # compiled is found by the code's hash, so that all houses and tests share it.
         compiled = ROOT / "workflow" / "bladeroot" / "__pycache__"
-        return {**os.environ, "OMP_NUM_THREADS": "1", "NUMBA_CACHE_DIR": str(compiled)}
+        own = {
+            "OMP_NUM_THREADS": "1",
+            "NUMBA_CACHE_DIR": compiled,
+            "PYTHONPATH": self.folder / "no",
+        }
+        return os.environ | {name: str(value) for name, value in own.items()}
 
     def planned(self, *options: str) -> Counter:
-        """The stages (with how many jobs each) that the next run would do: Snakemake's job table.
+        """The stages (with how many jobs each) that the next run would do."""
+        return self.jobs(self.run("--dry-run", *options).stdout)
+
+    @staticmethod
+    def jobs(text: str) -> Counter:
+        """Snakemake's job table of a dry run.
 
         Where a stage's batches have rules of their own, what stands before the dot is the stage.
         """
-        text = self.run("--dry-run", *options).stdout
         table = re.search(r"^job +count\n[- ]+\n(.*?)^total", text, re.MULTILINE | re.DOTALL)
         if table is None:
             assert "Nothing to be done" in text
@@ -87,6 +100,9 @@ def copy_house(folder: Path) -> House:
     shutil.move(folder / "resources" / "campaigns" / "small" / "tiny.yaml", structures)
     shutil.copy(SMALL / "config.yaml", folder / "config" / "config.yaml")
     house = House(folder)
+    # another library is installed: a house takes the one that it holds
+    (folder / "no" / "bladeroot").mkdir(parents=True)
+    (folder / "no" / "bladeroot" / "__init__.py").write_text("raise ImportError('of another')\n")
     # How well a posterior is drawn is tested on the function; here chains were half of a run.
     house.edit("workflow/bladeroot/stiffness/sampler.py", "STEPS, THIN = 1000", "STEPS, THIN = 200")
     return house
@@ -99,6 +115,18 @@ def lab(folder: Path, rows: list[str], description: str | None = None) -> Path:
     text = simulated.replace("bench: bench.yaml\n", "") if description is None else description
     (folder / "campaign.yaml").write_text(text)
     (folder / "records.csv").write_text("\n".join(rows) + "\n")
+    return folder
+
+
+def matrices_lab(folder: Path, structures: str) -> Path:
+    """Published stick frequencies, with the small structure's matrices as of another program."""
+    folder.mkdir()
+    structure = load_structure(SMALL / "tiny.yaml")
+    mesh = build_mesh(structure)
+    export_matrices(structure, mesh, prestress(structure, mesh), folder, "own", "hb")
+    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    (folder / "campaign.yaml").write_text(description.replace("[tiny]", structures))
+    shutil.copy(ROOT / "resources" / "campaigns" / "thesis" / "stick.csv", folder)
     return folder
 
 

@@ -1,7 +1,7 @@
 """Bad input: told in one line a fault before any job, or by name when it shows only later."""
 
 import pytest
-from house import SMALL, lab
+from house import SMALL, lab, matrices_lab
 
 
 def refused(house, *options):
@@ -14,7 +14,7 @@ def refused(house, *options):
 
 
 def test_one_line_a_fault_of_each_campaign_and_no_job(bare, tmp_path):
-    """A sheet, a structure's file, a bench's file, and folders that are not there."""
+    """A sheet, files of a structure, of a bench and of matrices, and folders that are not there."""
     head = "record,file,mode,force_N"
     sheet = lab(tmp_path / "sheet", [head, "r001,r001.nc,7B,12000"])
     (sheet / "r001.nc").touch()
@@ -26,8 +26,11 @@ def test_one_line_a_fault_of_each_campaign_and_no_job(bare, tmp_path):
     bench = lab(tmp_path / "bench1", simulated, (SMALL / "campaign.yaml").read_text())
     moved = (SMALL / "bench.yaml").read_text().replace("seed: 7", "seed: -7")
     (bench / "bench.yaml").write_text(moved)
+    matrices = matrices_lab(tmp_path / "matrices", "[own]")
+    nodes = matrices / "own" / "Xn_nodes.csv"
+    nodes.write_text(nodes.read_text().replace(",-0.013", ",-0.0131"))
     none = f"{tmp_path}/none"
-    asked = ",".join(map(str, (none, "own/none", sheet, structure, bench)))
+    asked = ",".join(map(str, (none, "own/none", sheet, structure, bench, matrices)))
     told = refused(bare, "--config", f"campaigns={asked}")
     expected = (
         f"campaign folder not found: {none}",
@@ -35,6 +38,7 @@ def test_one_line_a_fault_of_each_campaign_and_no_job(bare, tmp_path):
         "mode must be one of 1B, 2B",
         "beam.width_mm",
         "seed",
+        "expected contact nodes that coincide within 0.001 mm, got 0.1 mm",
     )
     assert len(told) == len(expected)
     assert all(part in line for part, line in zip(expected, told, strict=True))

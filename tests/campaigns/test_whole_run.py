@@ -6,6 +6,7 @@ import re
 import subprocess
 
 import numpy as np
+import pytest
 import xarray as xr
 
 
@@ -76,19 +77,25 @@ def test_snakemakes_own_report_has_captions_and_categories(house):
     assert (house.folder / "archive.zip").stat().st_size > 10_000
 
 
-def test_a_stage_runs_alone_without_snakemake(house, tmp_path):
+@pytest.fixture(scope="module")
+def plan(house, floors) -> str:
+    """A dry run of all that the floors need."""
+    options = ("--dry-run", "--printshellcmds", "--forceall")
+    return house.run(*options, "--config", f"campaigns={floors}").stdout
+
+
+def test_a_stage_runs_alone_without_snakemake(house, plan, tmp_path):
     """As Snakemake prints it for a person who debugs it."""
-    made = "results/small/stick.nc"
-    asked = house.run("--dry-run", "--printshellcmds", "--force", made).stdout
-    command = re.search(r"^Shell command: (.*stick\.py.*)$", asked, re.MULTILINE).group(1)
+    made = "results/floors/stick.nc"
+    command = re.search(r"^Shell command: (.*stick\.py.*)$", plan, re.MULTILINE).group(1)
     command = command.replace(made, str(tmp_path / "stick.nc"))
     command = command.replace("results/logs", str(tmp_path))
     (tmp_path / "stick").mkdir(parents=True)
     subprocess.run(command, shell=True, check=True, env=house.environment, cwd=house.folder)
-    xr.testing.assert_equal(xr.load_dataset(tmp_path / "stick.nc"), load(house, "small/stick.nc"))
+    xr.testing.assert_equal(xr.load_dataset(tmp_path / "stick.nc"), load(house, "floors/stick.nc"))
 
 
-def test_a_specimen_of_which_nothing_is_invented(house, floors):
+def test_a_specimen_of_which_nothing_is_invented(house, plan):
     """No load, no gauge, no structure: a report, and who is rejected."""
     assert "rejected: bad of floors: " in house.said
     results = house.folder / "results" / "floors"
@@ -101,7 +108,7 @@ def test_a_specimen_of_which_nothing_is_invented(house, floors):
     page = re.sub(r"<svg.*?</svg>|<style.*?</style>", "", (results / "report.html").read_text(),
                   flags=re.DOTALL)  # fmt: skip
     assert not re.search(r"\b(axial|gauge|structures?|flanks?|forces?)\b|kN", page)
-    assert set(house.planned("--forceall", "--config", f"campaigns={floors}")) == {
+    assert set(house.jobs(plan)) == {
         "ringdown", "curves", "stick", "integrity", "figures_records", "figures_stick",
         "observations", "diagnosis", "verdict", "figures_diagnosis", "report",
     }  # fmt: skip

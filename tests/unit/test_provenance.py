@@ -111,7 +111,7 @@ def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("whole")
     for name in ("bladeroot", "scripts"):
         shutil.copytree(
-            LIBRARY.parent / name, folder / name, ignore=shutil.ignore_patterns("__pycache__")
+            LIBRARY.parent / name, folder / name, ignore=shutil.ignore_patterns("compiled", "*.pyc")
         )
     return folder
 
