@@ -16,7 +16,7 @@ from bladeroot.io.units import SI, quantity_of
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
-# The name of a cell of MATLAB up to its row: rows are measured one after the other, columns at once.
+# The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
 _CELL = re.compile(r".*\{\d+")
 # A frequency only serves to look at spectra of files that do not say theirs.
 _ANY_RATE = 1.0
@@ -132,6 +132,16 @@ def at_once(channels: Sequence[Entry]) -> list[tuple[Entry, ...]]:
         cell = _CELL.match(entry.name)
         rows.setdefault(cell[0] if cell else "", []).append(entry)
     return [tuple(row) for row in rows.values()]
+
+
+def _identifier(stem: str, taken: set[str]) -> str:
+    """A record's id from a file's name: letters, digits, - and _, and no other's."""
+    name = re.sub(r"[^A-Za-z0-9_-]+", "_", stem).strip("_-") or "record"
+    unique, k = name, 2
+    while unique in taken:
+        unique, k = f"{name}_{k}", k + 1
+    taken.add(unique)
+    return unique
 
 
 def _counted(count: int, name: str) -> str:
