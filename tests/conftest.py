@@ -34,7 +34,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Put a test into its group for `--dist loadgroup`: what a fixture makes is made once."""
     shared = [name for name in ("house", "bare") if name in getattr(item, "fixturenames", ())]
-    item.add_marker(pytest.mark.xdist_group(*shared[:1] or [str(item.path.relative_to(TESTS))]))
+    path = item.path.relative_to(TESTS)
+    item.add_marker(pytest.mark.xdist_group(*shared[:1] or [str(path)]))
+    if path.parts[0] == "unit":
+        item.add_marker("unit")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
