@@ -7,7 +7,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.component_lines import ABOUT, more_lines, moved, overtones, told_apart
+from bladeroot.decay.component_lines import ABOUT, LEAST, more_lines, moved, overtones, told_apart
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.signal.lines import loudest, mode_Hz
 
@@ -25,6 +25,8 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # Its contact lasts as long as the components leave over this many times what they do later; the
 # start is moved so many times at most.
 STRUCK, BLOWS = 1.7, 4
+# A free decay grows by no more than this factor, and so many times the noise of an interval.
+GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
@@ -102,11 +104,12 @@ def separated(
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast])[: MOST + 1]
     lines = np.concatenate([lines, overtones(found, lines)])
-    if lines.size == 1 and not base_Hz:
+    if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        struck = _struck(x - found.waves(), found.spacing)
+        rest = x - found.waves()
+        struck = _struck(rest, found.spacing) or _grows(found, rest)
         if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
             break
         first += struck
@@ -166,6 +169,20 @@ def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> i
     while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
         at += 1
     return at * length
+
+
+def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
+    """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
+    size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
+    top = int(np.argmax(size)) if size.size else 0
+    noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
+    return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
+
+
+def _sways(found: Envelopes) -> bool:
+    """Whether the baseline moves by more than a line that counts."""
+    mode = np.sqrt(np.mean(np.abs(found.envelope(0)) ** 2))
+    return bool(np.std(found.waves([])) > LEAST * mode)
 
 
 def _slowest(base_Hz: float, own_Hz: float) -> float:

@@ -54,7 +54,7 @@ def rough_phasors(
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
     frames = fit_frames(
-        velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], (), usable
+        velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], usable
     )
     if frames.time.size < 8:
         raise ValueError(
