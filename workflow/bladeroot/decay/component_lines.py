@@ -26,7 +26,12 @@ FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
 OVERTONES, NEAREST = 0.3, 0.05
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
-CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.03, 8.0
+CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
+# A beat is looked for in so many first intervals, before the mode has fallen to that part; so many
+# beats must fit in. Its line is higher than one on the other side of zero by that factor, than the
+# median one by the other, and swings the logarithm by that much; degree of the trend taken off.
+BEATEN, ALIVE, FEWEST_BEATS = (24, 48, 96, 192, 384), 0.02, 3.0
+ONE_SIDED, CLEAR_BEAT, SWING, BENT = 2.5, 10.0, 0.01, 3
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -127,6 +132,33 @@ def told_apart(
             found[n] = float(frequency[k])
             used.add(k)
     return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
+
+
+def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
+    """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats.
+
+    A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)) to the log-envelope: lines
+    on one side of zero only, which no knock, bend or law of amplitude makes.
+    """
+    z = found.envelope(0)
+    weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max())
+    best, line = CLEAR_BEAT, []
+    for count in BEATEN:
+        if count > (weak[0] if weak.size else z.size):
+            break
+        log = np.log(np.maximum(np.abs(z[:count]), 1e-300)) + 1j * np.unwrap(np.angle(z[:count]))
+        trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, count), BENT)
+        taper = np.hanning(count)
+        log = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
+        level = np.abs(fft.fft(log, 4 * count)) / taper.sum()
+        turns = fft.fftfreq(level.size)
+        seen = np.abs(turns) * count >= FEWEST_BEATS
+        k = int(np.argmax(np.where(seen, level, 0.0)))
+        one_sided = level[k] > max(SWING, ONE_SIDED * level[-k])
+        if one_sided and level[k] > best * np.median(level[seen]):
+            best = float(level[k] / np.median(level[seen]))
+            line = [float(found.lines_Hz[0] + turns[k] * sampling_Hz / found.spacing)]
+    return line
 
 
 def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:

@@ -7,7 +7,15 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.component_lines import ABOUT, LEAST, more_lines, moved, overtones, told_apart
+from bladeroot.decay.component_lines import (
+    ABOUT,
+    LEAST,
+    beating_line,
+    more_lines,
+    moved,
+    overtones,
+    told_apart,
+)
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.signal.lines import loudest, mode_Hz
 
@@ -85,7 +93,7 @@ def separated(
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
-    trimmed = False
+    trimmed = beaten = False
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
@@ -95,6 +103,8 @@ def separated(
             x, known = x[:last], None if known is None else known[:last]
             if last < found.samples:
                 continue
+        if not more and not beaten:
+            more, beaten = beating_line(found, sampling_Hz), True
         if not more:
             break
         # a baseline can follow what its knots resolve
@@ -103,6 +113,8 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast])[: MOST + 1]
+    if lines.size > found.lines_Hz.size:
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
     lines = np.concatenate([lines, overtones(found, lines)])
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))

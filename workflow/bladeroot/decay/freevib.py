@@ -10,11 +10,13 @@ from numpy import ndarray
 from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors
+from bladeroot.signal.runs import runs
 from bladeroot.signal.smooth import Spline
 
-# A free decay falls: where ln A rises by so many standard errors among so many first blocks, it has
-# not begun. It is then taken to begin later, so many times at most, if so many cycles are left.
-GROWS, FIRST, STARTS, LEFT = 3.0, 24, 4, 16.0
+# A free decay falls: where ln A rises by so many standard errors, among so many first blocks or
+# later, something drives it, and the deepest fall before or after counts, so many times at most, if
+# so many cycles are left. What grows more often than that beats. Blocks that are looked at.
+GROWS, FIRST, PARTS, LEFT, BEATS, LOOKED_AT = (3.0, 5.0), 24, 4, 16.0, 2, 100
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
@@ -90,13 +92,13 @@ def freevib(
             for x in (alone.velocity, usable)
         )
         taken = alone.time - begin_s, alone.widening, alone.doubt
-    for _ in range(STARTS):
+    for _ in range(PARTS):
         blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
-        driven_s = _driven(blocks, fit)
-        first = int(driven_s * sampling_Hz)
-        if not first or (velocity.size - first) * expected_Hz < LEFT * sampling_Hz:
+        free = _free(blocks, fit)
+        first, stop = (int(np.clip(t * sampling_Hz, 0, velocity.size)) for t in free)
+        if stop - first == velocity.size or (stop - first) * expected_Hz < LEFT * sampling_Hz:
             break
-        velocity, usable = (None if x is None else x[first:] for x in (velocity, usable))
+        velocity, usable = (None if x is None else x[first:stop] for x in (velocity, usable))
         taken = taken[0] - first / sampling_Hz, *taken[1:]
         begin_s += first / sampling_Hz
     first, last = _trusted(blocks.std)
@@ -151,12 +153,27 @@ def natural(
     return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
 
 
-def _driven(blocks: Phasors, fit: Spline) -> float:
-    """Time (s) until which the amplitude clearly grows at the start: something drives it still."""
-    time = blocks.time[:FIRST]
-    value, std = fit.value(time)[1, 0], fit.std(time)[1, 0]
-    grows = np.flatnonzero(value > GROWS * std)
-    return float(blocks.time[min(grows[-1] + 2, blocks.time.size - 1)]) if grows.size else 0.0
+def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
+    """First and last time (s) of the deepest fall between times at which the amplitude grows."""
+    at = np.unique(np.linspace(0, blocks.time.size - 1, LOOKED_AT).round().astype(int))
+    at = np.union1d(at, np.arange(min(FIRST, blocks.time.size)))
+    time = blocks.time[at]
+    slope, std = fit.value(time)[1, 0], fit.std(time)[1, 0]
+    grows = runs(slope > np.where(at < FIRST, GROWS[0], GROWS[1]) * std)
+    later = [span for span in grows if span[0] >= FIRST]
+    if len(later) > BEATS:
+        grows = grows[: len(grows) - len(later)]
+    if not len(grows):
+        return 0.0, np.inf
+    level, last = blocks.log.real, blocks.time.size - 1
+    starts = [0, *(min(at[b - 1] + margin, last) for _, b in grows)]
+    stops = [*(max(at[a] - margin, 0) for a, _ in grows), last]
+    falls = [level[a] - level[b] if b > a else 0.0 for a, b in zip(starts, stops, strict=True)]
+    k = int(np.argmax(falls))
+    return (
+        float(blocks.time[starts[k]]) if k else 0.0,
+        float(blocks.time[stops[k]]) if k < len(grows) else np.inf,
+    )
 
 
 def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:
