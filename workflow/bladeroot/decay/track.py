@@ -133,16 +133,18 @@ def _gathered(
     return Phasors(blocks.time[free], blocks.log[free], doubted[free])
 
 
-def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> int:
-    """Number of first blocks in which what a blow set going still rings; a spline would follow.
+def _struck(log: Complex[ndarray, " block"], most: int = 24, reach: int = 6) -> int:
+    """Number of first blocks in which what set the mode going still acts; a spline would follow.
 
-    There the log-phasor bends far more than anywhere in the blocks after it.
+    There the log-phasor bends far more than anywhere in the blocks after the next.
     """
-    bend = np.abs(np.diff(log[: most + reach + 2], n=2))
-    for first in range(min(most, bend.size - reach)):
-        if bend[first] < STRUCK * bend[first + 1 : first + 1 + reach].max():
-            return first
-    return most if bend.size == most + reach else 0
+    bend = np.abs(np.diff(log[: most + reach + 3], n=2))
+    last = [
+        first
+        for first in range(bend.size - reach - 1)
+        if bend[first] > STRUCK * bend[first + 2 : first + 2 + reach].max()
+    ]
+    return last[-1] + 2 if last else 0
 
 
 def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
