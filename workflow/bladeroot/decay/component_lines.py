@@ -89,7 +89,9 @@ def _peaks(
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
     peak &= frequency < 0.48 * sampling_Hz
     # within the resolution of a stretch what leaks from the mode looks like a line
-    peak &= np.abs(frequency - own_Hz) > max(APART * own_Hz, 8.0 * width)
+    others_Hz = found.lines_Hz[1:]
+    nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
+    peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
     until = max(size // found.spacing, 1)
     others = range(1, found.lines_Hz.size)
     loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[:until]) ** 2))) for k in others]
@@ -97,7 +99,8 @@ def _peaks(
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
         skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < FAINT * np.array(loud))
-        if skirt.any() or away.min() <= max(SAME * min(frequency[k], own_Hz), 2.0 * width):
+        same = min(SAME * min(frequency[k], own_Hz), 0.3 * nearest)
+        if skirt.any() or away.min() <= max(same, 2.0 * width):
             continue
         # a parabola through the logarithms: a third of a step at most is left
         before, at, after = np.log(level[k - 1 : k + 2])
@@ -159,6 +162,25 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
             best = float(level[k] / np.median(level[seen]))
             line = [float(found.lines_Hz[0] + turns[k] * sampling_Hz / found.spacing)]
     return line
+
+
+def meant(
+    lines: Float[ndarray, " line"], close: int, expected_Hz: float, modes_Hz: tuple[float, ...]
+) -> Float[ndarray, " line"]:
+    """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
+
+    The one nearer to where it is expected, where other modes near by are left the other.
+    """
+    near = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+
+    def off(own: float, other: float) -> float:
+        theirs = min((abs(np.log(other / one)) for one in near), default=0.0)
+        return abs(np.log(own / expected_Hz)) + theirs
+
+    if off(lines[close], lines[0]) < off(lines[0], lines[close]):
+        lines = lines.copy()
+        lines[[0, close]] = lines[[close, 0]]
+    return lines
 
 
 def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:

@@ -11,6 +11,7 @@ from bladeroot.decay.component_lines import (
     ABOUT,
     LEAST,
     beating_line,
+    meant,
     more_lines,
     moved,
     overtones,
@@ -104,7 +105,11 @@ def separated(
             if last < found.samples:
                 continue
         if not more and not beaten:
-            more, beaten = beating_line(found, sampling_Hz), True
+            beaten, close = True, beating_line(found, sampling_Hz)
+            if close:
+                lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
+                own_Hz = float(lines[0])
+                continue
         if not more:
             break
         # a baseline can follow what its knots resolve
@@ -136,7 +141,7 @@ def separated(
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
-    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(own_Hz / (SHARE * nearest))
+    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
