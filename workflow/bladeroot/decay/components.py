@@ -191,7 +191,9 @@ def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> i
 def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
     size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
-    top = int(np.argmax(size)) if size.size else 0
+    if not size.size:
+        return 0
+    top = int(np.argmax(size))
     noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
     return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
 

@@ -35,7 +35,7 @@ LATE = 16
 LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
 # many steps high then follows them, not the mode.
-BLURRED, STEPS = 0.45, 4.0
+BLURRED, STEPS = 0.45, 8.0
 
 
 def cut(

@@ -15,6 +15,9 @@ THRESHOLD = 5.0
 # A second line in the band with more than this part of the first leaves open which is the mode; if
 # it lies less than half as far from the expected frequency, with more than the other part.
 SECOND, NEARER = 0.5, 0.1
+# A mode that far (relative) from where it is expected may be another one. Sheets state frequencies
+# to some per cent, and few joints soften by more.
+FAR = 0.06
 
 
 def find(sight: Sight) -> Finding | None:
@@ -54,6 +57,9 @@ def find(sight: Sight) -> Finding | None:
         # the strongest may be the mode all the same, unless the sheet has another one there
         known = any(abs(sight.own_Hz - mode) < off for mode in sight.modes_Hz)
         return Finding(statistic, THRESHOLD, "drop" if known else "warn", text)
+    if ratio <= THRESHOLD and off > FAR * sight.expected_Hz:
+        text = f"the mode lies at {sight.own_Hz:.5g} Hz, expected at {sight.expected_Hz:.5g} Hz"
+        return Finding(THRESHOLD * off / (FAR * sight.expected_Hz), THRESHOLD, "warn", text)
     text = (
         f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
         f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"
