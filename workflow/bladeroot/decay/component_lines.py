@@ -137,14 +137,16 @@ def told_apart(
     return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
 
 
-def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
+def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]:
     """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats.
+
+    seen: first intervals that are looked at.
 
     A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)) to the log-envelope: lines
     on one side of zero only, which no knock, bend or law of amplitude makes.
     """
-    z = found.envelope(0)
-    weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max())
+    z = found.envelope(0)[:seen]
+    weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
     best, line = CLEAR_BEAT, []
     for count in BEATEN:
         if count > (weak[0] if weak.size else z.size):
@@ -155,11 +157,11 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
         log = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
         level = np.abs(fft.fft(log, 4 * count)) / taper.sum()
         turns = fft.fftfreq(level.size)
-        seen = np.abs(turns) * count >= FEWEST_BEATS
-        k = int(np.argmax(np.where(seen, level, 0.0)))
+        apart = np.abs(turns) * count >= FEWEST_BEATS
+        k = int(np.argmax(np.where(apart, level, 0.0)))
         one_sided = level[k] > max(SWING, ONE_SIDED * level[-k])
-        if one_sided and level[k] > best * np.median(level[seen]):
-            best = float(level[k] / np.median(level[seen]))
+        if one_sided and level[k] > best * np.median(level[apart]):
+            best = float(level[k] / np.median(level[apart]))
             line = [float(found.lines_Hz[0] + turns[k] * sampling_Hz / found.spacing)]
     return line
 

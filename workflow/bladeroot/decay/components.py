@@ -9,6 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from bladeroot.decay.component_lines import (
     ABOUT,
+    APART,
     LEAST,
     beating_line,
     meant,
@@ -94,6 +95,8 @@ def separated(
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
+    if abs(own_Hz / expected_Hz - 1.0) > APART:  # it has moved so far that others may be its own
+        return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
@@ -105,7 +108,7 @@ def separated(
             if last < found.samples:
                 continue
         if not more and not beaten:
-            beaten, close = True, beating_line(found, sampling_Hz)
+            beaten, close = True, beating_line(found, sampling_Hz, _seen(found, known))
             if close:
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
                 own_Hz = float(lines[0])
@@ -126,7 +129,7 @@ def separated(
     for _ in range(BLOWS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
         rest = x - found.waves()
-        struck = _struck(rest, found.spacing) or _grows(found, rest)
+        struck = _struck(rest, found.spacing) or _grows(found, rest, known)
         if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
             break
         first += struck
@@ -188,9 +191,23 @@ def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> i
     return at * length
 
 
-def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
+def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
+    """Intervals before the first one of which half cannot be used."""
+    whole = found.samples // found.spacing
+    if usable is None:
+        return whole
+    share = usable[: whole * found.spacing].reshape(whole, -1).mean(axis=1)
+    return int(np.argmax(share < 0.5)) if (share < 0.5).any() else whole
+
+
+def _grows(
+    found: Envelopes, rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+) -> int:
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
-    size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
+    half = found.samples // found.spacing // 2
+    size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
+    if usable is not None:
+        rest = rest[usable]
     if not size.size:
         return 0
     top = int(np.argmax(size))

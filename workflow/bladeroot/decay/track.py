@@ -133,7 +133,7 @@ def _gathered(
     return Phasors(blocks.time[free], blocks.log[free], doubted[free])
 
 
-def _struck(log: Complex[ndarray, " block"], most: int = 24, reach: int = 6) -> int:
+def _struck(log: Complex[ndarray, " block"], most: int = 8, reach: int = 6) -> int:
     """Number of first blocks in which what set the mode going still acts; a spline would follow.
 
     There the log-phasor bends far more than anywhere in the blocks after the next.
