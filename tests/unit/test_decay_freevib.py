@@ -143,11 +143,8 @@ def test_masked_samples_have_no_weight(masked):
     assert rms((curve["frequency"].values / frequency - 1.0)[inside]) < 2e-5
     assert rms((curve["loss_factor"].values / loss - 1.0)[inside]) < 0.02
     if masked == "gap":
-        whole = freevib(velocity, 25600.0, 247.0, noise)
-        error, usual = (
-            np.interp(1.37, one["time"], one["frequency_std"]) for one in (curve, whole)
-        )
-        assert error > usual
+        time = curve["block_time"].values
+        assert not ((time > 30_100 / 25600.0) & (time < 39_900 / 25600.0)).any()
 
 
 @pytest.mark.parametrize("damping", ["hysteretic", "viscous"])
@@ -301,7 +298,7 @@ def test_a_louder_mode_outside_the_band_is_not_taken_for_the_mode():
     assert found["frequency"].values[loud] == pytest.approx(
         500.0 * np.sqrt(1.0 - 2e-3**2), rel=2e-5
     )
-    with pytest.raises(ValueError, match="expected"):
+    with pytest.raises(ValueError, match="expected|another one dominates"):
         freevib(3.0 * other + noise, 25_600.0, 500.0, 1e-4)
 
 

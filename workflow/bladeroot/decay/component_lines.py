@@ -6,7 +6,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import magnitudes
+from bladeroot.signal.lines import TOLERANCE, magnitudes
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
@@ -21,6 +21,8 @@ SKIRT, FAINT = 0.35, 0.03
 # Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
 # longer by a factor. Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
+# In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
+AUDIBLE = 0.08
 # Harmonics of lines from this part of the mode's amplitude on may lie nearer, but not nearer than
 # the other part of its frequency.
 OVERTONES, NEAREST = 0.3, 0.05
@@ -183,6 +185,22 @@ def meant(
         lines = lines.copy()
         lines[[0, close]] = lines[[close, 0]]
     return lines
+
+
+def elsewhere_first(
+    x: Float[ndarray, " sample"], sampling_Hz: float, own_Hz: float, modes_Hz: tuple[float, ...]
+) -> bool:
+    """Whether the mode rang elsewhere while it was loud: its line is not there in the first cycles.
+
+    A line near by, no known mode's, has nearly all of the motion then.
+    """
+    frequency, level = magnitudes(x[: int(FIRST_CYCLES * sampling_Hz / own_Hz)], sampling_Hz)
+    off = np.abs(frequency / own_Hz - 1.0)
+    other = (off >= APART) & (off < TOLERANCE)
+    for mode in modes_Hz:
+        other &= np.abs(frequency / mode - 1.0) > ABOUT
+    own = level.max(where=off < 0.5 * APART, initial=0.0)
+    return bool(own < AUDIBLE * level.max(where=other, initial=0.0))
 
 
 def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:

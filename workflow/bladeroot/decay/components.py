@@ -12,6 +12,7 @@ from bladeroot.decay.component_lines import (
     APART,
     LEAST,
     beating_line,
+    elsewhere_first,
     meant,
     more_lines,
     moved,
@@ -95,7 +96,9 @@ def separated(
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
-    if abs(own_Hz / expected_Hz - 1.0) > APART:  # it has moved so far that others may be its own
+    # it has moved so far that others may be its own
+    far = abs(own_Hz / expected_Hz - 1.0) > APART
+    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
     for turn in range(ROUNDS):
