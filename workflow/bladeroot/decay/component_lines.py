@@ -1,7 +1,7 @@
 """Which lines a decay holds besides its mode: found in what the known ones leave over."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
@@ -31,9 +31,10 @@ OVERTONES, NEAREST = 0.3, 0.05
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
 # A beat is looked for in so many first intervals, before the mode has fallen to that part; so many
 # beats must fit in. Its line is higher than one on the other side of zero by that factor, than the
-# median one by the other, and swings the logarithm by that much; degree of the trend taken off.
-BEATEN, ALIVE, FEWEST_BEATS = (24, 48, 96, 192, 384), 0.02, 3.0
-ONE_SIDED, CLEAR_BEAT, SWING, BENT = 2.5, 10.0, 0.01, 3
+# median one by the other (by the third half a stretch later), and swings the logarithm by that
+# much; degree of the trend taken off.
+BEATEN, ALIVE, FEWEST_BEATS = (20, 40, 80, 160, 266), 0.02, 3.0
+ONE_SIDED, CLEAR_BEAT, AGAIN, SWING, BENT = 2.5, 10.0, 3.0, 0.01, 3
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -149,23 +150,34 @@ def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]
     """
     z = found.envelope(0)[:seen]
     weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
+    z = z[: weak[0]] if weak.size else z
+    log = np.log(np.maximum(np.abs(z), 1e-300)) + 1j * np.unwrap(np.angle(z))
     best, line = CLEAR_BEAT, []
     for count in BEATEN:
-        if count > (weak[0] if weak.size else z.size):
+        if count + count // 2 > log.size:
             break
-        log = np.log(np.maximum(np.abs(z[:count]), 1e-300)) + 1j * np.unwrap(np.angle(z[:count]))
-        trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, count), BENT)
-        taper = np.hanning(count)
-        log = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
-        level = np.abs(fft.fft(log, 4 * count)) / taper.sum()
-        turns = fft.fftfreq(level.size)
-        apart = np.abs(turns) * count >= FEWEST_BEATS
-        k = int(np.argmax(np.where(apart, level, 0.0)))
-        one_sided = level[k] > max(SWING, ONE_SIDED * level[-k])
-        if one_sided and level[k] > best * np.median(level[apart]):
-            best = float(level[k] / np.median(level[apart]))
-            line = [float(found.lines_Hz[0] + turns[k] * sampling_Hz / found.spacing)]
+        clear, turns = _one_sided(log[:count])
+        again, then = _one_sided(log[count // 2 : count // 2 + count])
+        # a beat goes on, a bend of the mode's own laws does not
+        if clear > best and again > AGAIN and abs(turns - then) * count < 1.5:
+            best = clear
+            line = [float(found.lines_Hz[0] + turns * sampling_Hz / found.spacing)]
     return line
+
+
+def _one_sided(log: Complex[ndarray, " interval"]) -> tuple[float, float]:
+    """How clear the strongest line on one side of zero is beside a smooth course, and its turns."""
+    count = log.size
+    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, count), BENT)
+    taper = np.hanning(count)
+    rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
+    level = np.abs(fft.fft(rest, 4 * count)) / taper.sum()
+    turns = fft.fftfreq(level.size)
+    apart = np.abs(turns) * count >= FEWEST_BEATS
+    k = int(np.argmax(np.where(apart, level, 0.0)))
+    if level[k] < max(SWING, ONE_SIDED * level[-k]):
+        return 0.0, 0.0
+    return float(level[k] / max(np.median(level[apart]), 1e-300)), float(turns[k])
 
 
 def meant(

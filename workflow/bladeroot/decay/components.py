@@ -47,6 +47,8 @@ ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
+# A mode whose frequency moves looks like two lines, of which one grows by that factor.
+BORN = 1.3
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -101,8 +103,16 @@ def separated(
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
+    close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
+        size = np.abs(found.envelope(0))
+        if (
+            close and size.max() > BORN * size[0]
+        ):  # one mode that moves, not two: one dies, one grows
+            lines, close = before, []
+            own_Hz = float(lines[0])
+            continue
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
         if not trimmed and (turn or not more):
@@ -113,6 +123,7 @@ def separated(
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz, _seen(found, known))
             if close:
+                before = lines
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
                 own_Hz = float(lines[0])
                 continue

@@ -1,9 +1,10 @@
 """From samples to independent log-phasors: frames of whole cycles, gathered where they are weak.
 
 A record is cut into frames of equal length; each is fitted by least squares with a cosine, a sine
-and a constant, so that frames at the very ends are as good as any other and need no filter. As frames of one length share their matrix, the whole record is one
-matrix product. For white noise the frames are independent with a known standard error:
-everything that follows (derivatives, plateau) is then ordinary weighted regression.
+and a constant, so that frames at the very ends are as good as any other and need no filter. As
+frames of one length share their matrix, the whole record is one matrix product. For white noise the
+frames are independent with a known standard error: everything that follows (derivatives, plateau)
+is then ordinary weighted regression.
 """
 
 from collections.abc import Sequence
