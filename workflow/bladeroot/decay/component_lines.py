@@ -1,12 +1,12 @@
 """Which lines a decay holds besides its mode: found in what the known ones leave over."""
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import TOLERANCE, magnitudes
+from bladeroot.signal.lines import TOLERANCE, magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
@@ -29,12 +29,11 @@ OVERTONES, NEAREST = 0.3, 0.05
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
-# A beat is looked for in so many first intervals, before the mode has fallen to that part; so many
-# beats must fit in. Its line is higher than one on the other side of zero by that factor, than the
-# median one by the other (by the third half a stretch later), and swings the logarithm by that
-# much; degree of the trend taken off.
-BEATEN, ALIVE, FEWEST_BEATS = (20, 40, 80, 160, 266), 0.02, 3.0
-ONE_SIDED, CLEAR_BEAT, AGAIN, SWING, BENT = 2.5, 10.0, 3.0, 0.01, 3
+# A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
+# is over the median one by that factor (by the other one half a stretch later), and swings the
+# logarithm by that much.
+BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
+CLEAR_BEAT, AGAIN, SWING = 10.0, 3.0, 0.01
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -86,8 +85,7 @@ def _peaks(
     chunk = min(64, level.size)
     floor = np.repeat(medians(level[: level.size // chunk * chunk].reshape(-1, chunk)), chunk)
     floor = np.concatenate([floor, np.full(level.size - floor.size, floor[-1])])
-    peak = np.zeros(level.size, bool)
-    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
     peak &= frequency < 0.48 * sampling_Hz
@@ -127,10 +125,9 @@ def told_apart(
     frequency, level = magnitudes(x[:count], sampling_Hz)
     wanted = [expected_Hz, *close]
     inside = np.abs(frequency / expected_Hz - 1.0) < 1.2 * CLOSE
-    peak = np.zeros(level.size, bool)
-    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:]) & inside[1:-1]
-    peaks = np.flatnonzero(peak & (level > HEARD * level.max(where=inside, initial=0.0)))
-    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in peaks]
+    heard = level > HEARD * level.max(where=inside, initial=0.0)
+    seen = np.flatnonzero(peaks(level) & inside & heard)
+    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in seen]
     found: dict[int, float] = {}
     used: set[int] = set()
     for size, n, k in sorted(off):
@@ -144,9 +141,6 @@ def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]
     """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats.
 
     seen: first intervals that are looked at.
-
-    A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)) to the log-envelope: lines
-    on one side of zero only, which no knock, bend or law of amplitude makes.
     """
     z = found.envelope(0)[:seen]
     weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
@@ -156,28 +150,13 @@ def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]
     for count in BEATEN:
         if count + count // 2 > log.size:
             break
-        clear, turns = _one_sided(log[:count])
-        again, then = _one_sided(log[count // 2 : count // 2 + count])
+        clear, turns = one_sided(log[:count], SWING)
+        again, then = one_sided(log[count // 2 : count // 2 + count], SWING)
         # a beat goes on, a bend of the mode's own laws does not
         if clear > best and again > AGAIN and abs(turns - then) * count < 1.5:
             best = clear
             line = [float(found.lines_Hz[0] + turns * sampling_Hz / found.spacing)]
     return line
-
-
-def _one_sided(log: Complex[ndarray, " interval"]) -> tuple[float, float]:
-    """How clear the strongest line on one side of zero is beside a smooth course, and its turns."""
-    count = log.size
-    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, count), BENT)
-    taper = np.hanning(count)
-    rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
-    level = np.abs(fft.fft(rest, 4 * count)) / taper.sum()
-    turns = fft.fftfreq(level.size)
-    apart = np.abs(turns) * count >= FEWEST_BEATS
-    k = int(np.argmax(np.where(apart, level, 0.0)))
-    if level[k] < max(SWING, ONE_SIDED * level[-k]):
-        return 0.0, 0.0
-    return float(level[k] / max(np.median(level[apart]), 1e-300)), float(turns[k])
 
 
 def meant(

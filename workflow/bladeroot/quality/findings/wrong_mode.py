@@ -5,7 +5,7 @@ import numpy as np
 from bladeroot.quality.finding import Finding
 from bladeroot.quality.findings.sampling_rate import outside
 from bladeroot.quality.sight import Sight
-from bladeroot.signal.lines import TOLERANCE, peak_Hz
+from bladeroot.signal.lines import TOLERANCE, peak_Hz, peaks
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
@@ -37,9 +37,7 @@ def find(sight: Sight) -> Finding | None:
     apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
         0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
     )
-    peaks = np.zeros(level.size, bool)
-    peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
-    second = np.where(apart & peaks, within, 0.0)
+    second = np.where(apart & peaks(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
     off = abs(sight.own_Hz - sight.expected_Hz)
     close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
