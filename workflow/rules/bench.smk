@@ -23,7 +23,7 @@ for campaign in CAMPAIGNS.values():
             name:
                 f"bench.{campaign.name}.{batch}"
             input:
-                bench=local(bench_of(campaign)),
+                bench=read_for_meaning(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
                 raw=[
@@ -41,6 +41,7 @@ for campaign in CAMPAIGNS.values():
             resources:
                 **needs("bench"),
             params:
+                bench=meaning(bench_of(campaign)),
                 rows=canonical_json(rows),
                 folder=folder_of_output,
                 code=code("bench"),

@@ -27,7 +27,7 @@ rule ledger:
                 structure, "map", forces_of(CAMPAIGNS[w.campaign])
             )
         ],
-        printed=local(
+        printed=given(
             sorted((ROOT / "resources" / "thesis").glob("*.csv"))
             + sorted((ROOT / "resources" / "thesis").glob("*.yaml"))
         ),
