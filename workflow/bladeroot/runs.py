@@ -83,7 +83,7 @@ class Run:
             self._starting = None
 
     def alone(self) -> bool:
-        """Whether no run lives here; another machine's lock, which may not be seen, counts as one."""
+        """Whether no run lives here; another machine's sign counts as one, seen locked or not."""
         return not any(self._lives(sign) for sign in self._folder.glob("running-*"))
 
     def _sign(self) -> int | None:

@@ -88,10 +88,25 @@ def identity(path: str | Path) -> list[int] | None:
 
 
 def state(
-    place: Path, rule: str, inputs: dict[str, str], outputs: dict[str, str], settings: list[str]
+    place: Path,
+    rule: str,
+    inputs: dict[str, str],
+    outputs: dict[str, str],
+    settings: list[str],
+    config: dict,
 ) -> None:
-    """Write a job's statement: content hashes by path, and its parameters as texts."""
-    stated = {"rule": rule, "inputs": inputs, "outputs": outputs, "settings": settings}
+    """Write a job's statement.
+
+    inputs, outputs: content hashes by path. settings: its parameters, the hash of its code among
+    them. config: what the run was given by `--config`.
+    """
+    stated = {
+        "rule": rule,
+        "inputs": inputs,
+        "outputs": outputs,
+        "settings": settings,
+        "config": config,
+    }
     artifacts.save_text(json.dumps(stated, indent=1), place)
 
 
@@ -167,10 +182,14 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
             contents.set_time(path, 0)
     newest = max((_time(path) for one in stated for path in one["inputs"]), default=0)
     if any(_older_than_inputs(one, why) for one in stated):
-        now = max(time.time(), newest)
+        newest = max(time.time(), newest)
         for path, reason in why.items():
             if not reason:
-                contents.set_time(path, now)
+                contents.set_time(path, newest)
+    # to Snakemake a job's benchmark is an output, too
+    for path in (results / "benchmarks").rglob("*.tsv"):
+        if _time(path) < newest:
+            contents.set_time(path, newest)
     contents.keep()
     return late
 

@@ -88,6 +88,7 @@ class Stated(logging.Handler):
                 inputs,
                 {str(file): CONTENTS.of(file) for file in job.output},
                 list(map(str, job.non_derived_params)),
+                dict(workflow.config_settings.config),
             )
         except (ValueError, OSError) as error:
             print(f"{place}: {error}; its job is done again", file=sys.stderr)
