@@ -4,6 +4,7 @@ A Sphinx extension; it writes `generated/*.md` before the pages are read, and tu
 the clone's documents, which work there, into links between pages.
 """
 
+import csv
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -86,6 +87,7 @@ def write(folder: Path) -> None:
         "mechanisms.md": mechanism_page(),
         "findings.md": finding_page(),
         "effects.md": effect_page(),
+        "variables.md": variable_page(),
     }
     for document, page in PAGES.items():
         if page.startswith("generated/"):
@@ -178,7 +180,7 @@ def finding_page() -> str:
     """Every check of a record: what it looks at, its statistic and threshold."""
     parts = [
         "# Checks of a record\n\nOne file each in `workflow/bladeroot/quality/findings/`; what "
-        "they do to a record, and how often they are wrong, is told in [findings](../findings.md).\n"
+        "they do to a record, and how often they are wrong, is in [findings](../findings.md).\n"
     ]
     for module in _modules(findings):
         parts.append(f"## {_id(module)}\n\n{module.__doc__.strip()}\n")
@@ -197,6 +199,24 @@ def effect_page() -> str:
         parts.append(f"- class: {module.CLASS}\n- smallest size hidden: {module.BOUND:g} "
                      f"{module.UNIT}\n")  # fmt: skip
     return "\n".join(parts)
+
+
+def variable_page() -> str:
+    """Every variable of every artifact, as `list_variables.py` found them in finished results."""
+    parts = [
+        "# Variables\n\nWhat the NetCDF files of `results/` hold; units are SI. Attributes of each "
+        "file say campaign, settings and versions.\n"
+    ]
+    last = ""
+    with (HERE / "variables.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            if row["artifact"] != last:
+                last = row["artifact"]
+                parts.append(f"\n## {last.replace('<', chr(92) + '<')}\n")
+                parts.append("| variable | dims | unit | meaning | source |\n|---|---|---|---|---|")
+            cells = (row[key].replace("|", "\\|") for key in ("dims", "units", "meaning", "source"))
+            parts.append(f"| `{row['variable']}` | {' | '.join(cells)} |")
+    return "\n".join(parts) + "\n"
 
 
 def _modules(package) -> Iterator:
