@@ -19,6 +19,8 @@ FOLDER = "provenance"
 # Folders of results/ whose files no job takes as an input, and endings of what jobs make.
 _BESIDE = (FOLDER, "logs", "benchmarks")
 _MADE = {".nc", ".svg", ".html", ".json", ".vtu"}
+# Seconds; of nothing Snakemake takes as no time at all.
+_LONG_AGO = 1.0
 # Stands for the content of a file that changed while a job read it.
 UNSURE = "changed while it was read"
 
@@ -57,12 +59,14 @@ class Contents:
 
     def set_time(self, path: str | Path, seconds: float) -> None:
         """Give a file, or a folder and Snakemake's mark in it, a time of change."""
+        if _time(path) == seconds:
+            return
         known = self._known.get(str(path))
         same = known is not None and known[0] == identity(path)
         for one in (path, os.path.join(path, ".snakemake_timestamp")):
             with suppress(OSError):
                 os.utime(one, (seconds, seconds))
-        if same:
+        if same and identity(path):
             self._known[str(path)] = identity(path), known[1]
             self._read += 1
 
@@ -165,22 +169,20 @@ def _hidden(path: str) -> bool:
 def settle(results: Path, contents: Contents) -> dict[str, str]:
     """Give outputs the times by which Snakemake then decides as the statements say.
 
-    What is outdated becomes older than anything; what is current, no older than its inputs. An
-    empty file is removed, and so is one that has no input to be older than. Returns why each
-    outdated output is so.
+    What is outdated becomes older than its inputs; what is current, no older than them. Returns why
+    each outdated output is so.
     """
     stated = statements(results)
     why = outdated(stated, contents)
     late = {path: reason for path, reason in why.items() if reason}
     late |= dict.fromkeys(unstated(results, why), "nothing says what it was made of")
-    from_nothing = {path for one in stated if not one["inputs"] for path in one["outputs"]}
     for path in late:
-        if os.path.isfile(path) and (not os.path.getsize(path) or path in from_nothing):
-            with suppress(OSError):
-                os.unlink(path)
-        elif os.path.getmtime(path) != 0:
-            contents.set_time(path, 0)
-    newest = max((_time(path) for one in stated for path in one["inputs"]), default=0)
+        contents.set_time(path, _LONG_AGO)
+    newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
+    newest = max(newest, 2 * _LONG_AGO)
+    for path in _inputs_of(late, stated) - late.keys():
+        if _time(path) <= _LONG_AGO:  # as some archives leave it
+            contents.set_time(path, newest)
     if any(_older_than_inputs(one, why) for one in stated):
         newest = max(time.time(), newest)
         for path, reason in why.items():
@@ -192,6 +194,11 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
             contents.set_time(path, newest)
     contents.keep()
     return late
+
+
+def _inputs_of(outputs: dict[str, str], stated: list[dict]) -> set[str]:
+    of_them = (one for one in stated if outputs.keys() & one["outputs"].keys())
+    return {path for one in of_them for path in one["inputs"]}
 
 
 def _older_than_inputs(one: dict, why: dict[str, str]) -> bool:

@@ -52,6 +52,9 @@ rule ledger:
 
 
 rule figures_slider:
+    input:
+        # it draws closed forms alone; an output is outdated by being older than an input
+        given(SCRIPTS / "figures_slider.py"),
     output:
         slider=report(
             "results/{campaign}/figures/slider.svg",
