@@ -9,7 +9,11 @@ def rows_by_batch(campaign):
     """The sheet's rows of each batch of clampings; more clampings change no other batch."""
     made = batches({row["hold"] for row in campaign.records}, BENCH_CLAMPINGS)
     return {
-        batch: [row for row in campaign.records if row["hold"] in holds]
+        # by name: another order of the sheet is the same work
+        batch: sorted(
+            (row for row in campaign.records if row["hold"] in holds),
+            key=lambda row: row["record"],
+        )
         for batch, holds in made.items()
     }
 
