@@ -211,7 +211,7 @@ TABLE = [
     ("config, older time", put_older(CONFIG, "end: noise", "end: 0.2"), "ringdown"),
     ("estimator", put(CONFIG, "estimator: blocks", "estimator: thesis"), "ringdown"),
     ("damping", put(CONFIG, "damping: hysteretic", "damping: viscous"), "ringdown"),
-    ("table error, of a table alone", put(CONFIG, "table_error: stated", "table_error: shifted"), "stick"),
+    ("table error, of a table alone", put(CONFIG, "table_error: stated", "table_error: scatter"), "stick"),
     ("box of stiffness", put(CONFIG, "[0.1, 1000]", "[0.1, 900]"), "parametric"),
     ("box of forces", put(CONFIG, "force_kN: [0, 30]", "force_kN: [0, 31]"), "parametric"),
     ("a force more", put(CONFIG, "[12, 16]", "[12, 14, 16]"), "accuracy frequency_maps search fe_forces joint", "amplitude stiffness figures"),
