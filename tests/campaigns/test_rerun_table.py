@@ -3,6 +3,7 @@
 A case's second column is what must be done again by itself, its third what also may; what stands on
 them follows, as the house's own statements say. Nothing else may be done.
 """
+# ruff: noqa: E501
 
 import json
 import os

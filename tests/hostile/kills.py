@@ -2,9 +2,10 @@
 
     python tests/hostile/kills.py FOLDER [--random 200] [--aimed 20] [--seed 1]
 
-FOLDER gets the small house, if it is not there, and keeps it. A trial deletes some of its results, starts
-a run, kills it with all that it started (or alone, so that its jobs outlive it), gives the command once
-more and compares every result byte by byte with those of the run that nobody disturbed.
+FOLDER gets the small house, if it is not there, and keeps it. A trial deletes some of its results,
+starts a run, kills it with all that it started (or alone, so that its jobs outlive it), gives the
+command once more (or twice at once) and compares every result byte by byte with those of the run
+that nobody disturbed.
 """
 
 import argparse

@@ -9,11 +9,10 @@ from pathlib import Path
 from bladeroot import statement
 from bladeroot.command.run import CHECKOUT
 
-_JOB = re.compile(r"^(?:local)?rule (\S+):\n((?: {4}.*\n)+)", re.MULTILINE)
-# Snakemake's reasons that begin with a job itself, in our words.
+_JOB = re.compile(r"^Job \d+: (.*)\nReason: (.*)", re.MULTILINE)
+# Snakemake's reasons that begin with a job itself; what files hold is told from statements.
 _WORDS = {
-    "Missing output files": "missing",
-    "Updated input files": "changed since",
+    "Missing output files": "is not there",
     "Set of input files has changed": "other inputs than before",
     "Params have changed": "other settings or code than before",
     "Code has changed": "another command than before",
@@ -34,30 +33,31 @@ def why_not_current(target: str) -> list[str]:
     made = [one for one in stated if target in one["outputs"]]
     if not made:
         raise ValueError(f"nothing states how {target} was made ({results / statement.FOLDER})")
-    content = statement.outdated(stated, statement.Contents())
     text = _plan(target, made[-1].get("config", {}))
     if "Nothing to be done" in text:
         return []
-    lines = []
-    for rule, block in _JOB.findall(text):
-        reason = re.search(r"reason: (.*)", block, re.IGNORECASE)
-        output = re.search(r"output: (.*)", block)
-        for said, ours in _WORDS.items():
-            if reason and said.lower() in reason[1].lower():
-                lines.append(f"{rule}: {_told(output[1].split(', '), content) or ours}")
-                break
-    return lines
+    content = statement.outdated(stated, statement.Contents())
+    lines = [f"{path}: {content[path]}" for path in _behind(target, stated) if content.get(path)]
+    for stage, reason in _JOB.findall(text):
+        lines += [f"{stage}: {ours}" for said, ours in _WORDS.items() if said in reason]
+    return lines or ["what it stands on is not current"]
 
 
-def _told(outputs: list[str], content: dict[str, str]) -> str:
-    """The first output that its statement calls outdated, with why."""
-    return next((f"{path}: {content[path]}" for path in outputs if content.get(path)), "")
+def _behind(target: str, stated: list[dict]) -> list[str]:
+    """A target and all that it stands on, as the statements have it."""
+    found = [target]
+    for path in found:
+        for one in stated:
+            if path in one["outputs"]:
+                found += [source for source in one["inputs"] if source not in found]
+    return found
 
 
 def _plan(target: str, config: dict) -> str:
     asked = [
         sys.executable, "-m", "snakemake", "--dry-run", target,
-        "--snakefile", str(CHECKOUT / "Snakefile"), "--workflow-profile", str(CHECKOUT / "profiles" / "default"),
+        "--snakefile", str(CHECKOUT / "Snakefile"),
+        "--workflow-profile", str(CHECKOUT / "profiles" / "default"),
     ]  # fmt: skip
     if config:
         asked += ["--config", *(f"{key}={json.dumps(value)}" for key, value in config.items())]
