@@ -240,7 +240,7 @@ TABLE = [
     ("pff", code("decay/pff.py"), "ringdown"),
     ("spectra", code("decay/spectra.py"), "figures_records"),
     ("pooled curves", code("pooling/curves.py"), "curves", "integrity"),
-    ("interpolation", code("stiffness/interpolation.py"), "fe_forces", "joint amplitude"),
+    ("interpolation", code("stiffness/interpolation.py"), "fe_forces", "joint amplitude diagnosis"),
     ("sampler", code("stiffness/sampler.py"), "joint amplitude", "diagnosis figures"),
     ("theory", code("contact/theory.py"), "theory"),
     ("law of friction", code("contact/laws/iwan.py"), "amplitude shortfall"),
