@@ -8,7 +8,7 @@ configfile: f"{workflow.basedir}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/locks.smk"
+include: "workflow/rules/current.smk"
 include: "workflow/rules/tell.smk"
 include: "workflow/rules/resources.smk"
 
@@ -40,14 +40,13 @@ include: "workflow/rules/export_tables.smk"
 
 
 onstart:
-    sign_in()
+    if RUN:
+        RUN.started()
 
 
 onsuccess:
-    sign_out()
     tell_results()
 
 
 onerror:
-    sign_out()
     tell_failures(log)

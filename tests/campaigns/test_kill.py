@@ -7,6 +7,7 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
+from bladeroot import runs
 from house import copy_house
 
 
@@ -57,19 +58,15 @@ def test_a_killed_run_goes_on_and_ends_in_the_same_numbers(house, tmp_path):
 
 def test_a_lock_whose_run_lives_is_respected(house):
     """Only the lock of a dead run is removed: two runs at once would spoil each other."""
-    locks = house.folder / ".snakemake" / "locks"
-    locks.mkdir(parents=True, exist_ok=True)
-    runs = house.folder / ".snakemake" / "bladeroot_runs"
-    runs.mkdir(exist_ok=True)
-    living = psutil.Process()
-    outputs = "\n".join(str(path) for path in artifacts(house.folder))
-    (locks / "0.output.lock").write_text(outputs)
-    (runs / "999999999").write_text("1.0")  # a dead run beside a living one
-    (runs / str(living.pid)).write_text(str(living.create_time()))
+    lock = house.folder / ".snakemake" / "locks" / "0.output.lock"
+    lock.parent.mkdir(parents=True, exist_ok=True)
+    lock.write_text("\n".join(str(path) for path in artifacts(house.folder)))
+    living = runs.Run(house.folder / ".snakemake")
+    living.begin(print)
+    living.started()
     refused = house.run("--forceall", check=False)
     assert refused.returncode != 0
     assert "lock" in (refused.stdout + refused.stderr).lower()
-    (runs / str(living.pid)).write_text(str(living.create_time() - 1e6))
-    assert house.run("--dry-run").returncode == 0
-    assert not (locks / "0.output.lock").exists()
-    assert not list(runs.iterdir())
+    living.end()
+    assert house.run().returncode == 0
+    assert not lock.exists()

@@ -1,4 +1,4 @@
-"""What a change makes Snakemake do again: exactly what depends on it. Read from its job table."""
+"""How many jobs a change makes Snakemake do again; test_rerun_table.py has which, a case a line."""
 
 import pytest
 

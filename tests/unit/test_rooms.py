@@ -27,7 +27,7 @@ ALLOWED = {
     "reproduction": {"decay", "plateau", "fem", "rom", "contact", "stiffness"},
     "figures": set(),
     "report": set(),
-    "command": {"artifacts", "__version__", "io", "signal", "public"},
+    "command": {"artifacts", "statement", "__version__", "io", "signal", "public"},
     "public": {
         "artifacts",
         "io",

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import shlex
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -138,9 +139,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     folder that cannot be written to, a name that is too long.
     """
     whole = Path(path)
-    # not longer than the longest name that is allowed
-    short = hashlib.sha256(whole.name.encode()).hexdigest()[:16]
-    part = whole.with_name(f".{short}.{os.getpid()}.part")
+    part = _part(whole)
     try:
         try:
             whole.parent.mkdir(parents=True, exist_ok=True)
@@ -155,6 +154,32 @@ def whole_file(path: str | Path) -> Iterator[Path]:
         raise ValueError(
             f"{path} cannot be written: {_reason(error)}; what was there before is left as it was"
         ) from error
+
+
+def _part(whole: Path) -> Path:
+    """The temporary name, not longer than the longest that is allowed."""
+    short = hashlib.sha256(whole.name.encode()).hexdigest()[:16]
+    return whole.with_name(f".{short}.{os.getpid()}.part")
+
+
+@contextmanager
+def whole_folder(path: str | Path) -> Iterator[Path]:
+    """As `whole_file`, for a folder: an empty one to fill, which then takes the place of `path`."""
+    whole = Path(path)
+    part = _part(whole)
+    try:
+        try:
+            part.mkdir(parents=True)
+            yield part
+            for one in part.rglob("*"):
+                _to_disk(one)
+            shutil.rmtree(whole, ignore_errors=True)
+            os.replace(part, whole)
+            _to_disk(whole.parent)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    except OSError as error:
+        raise ValueError(f"{path} cannot be written: {_reason(error)}") from error
 
 
 def _to_disk(path: Path) -> None:

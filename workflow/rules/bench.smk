@@ -9,7 +9,11 @@ def rows_by_batch(campaign):
     """The sheet's rows of each batch of clampings; more clampings change no other batch."""
     made = batches({row["hold"] for row in campaign.records}, BENCH_CLAMPINGS)
     return {
-        batch: [row for row in campaign.records if row["hold"] in holds]
+        # by name: another order of the sheet is the same work
+        batch: sorted(
+            (row for row in campaign.records if row["hold"] in holds),
+            key=lambda row: row["record"],
+        )
         for batch, holds in made.items()
     }
 
@@ -23,7 +27,7 @@ for campaign in CAMPAIGNS.values():
             name:
                 f"bench.{campaign.name}.{batch}"
             input:
-                bench=local(bench_of(campaign)),
+                bench=read_for_meaning(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
                 raw=[
@@ -42,6 +46,7 @@ for campaign in CAMPAIGNS.values():
             resources:
                 **needs("bench"),
             params:
+                bench=meaning(bench_of(campaign)),
                 rows=canonical_json(rows),
                 folder=folder_of_output,
                 code=code("bench"),

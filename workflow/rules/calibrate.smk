@@ -6,9 +6,9 @@ CALIBRATION = ROOT / "resources" / "structures" / "calibration"
 
 rule calibrate:
     input:
-        asked=local(CALIBRATION / "{structure}.yaml"),
+        asked=lambda w: read_for_meaning(CALIBRATION / f"{w.structure}.yaml"),
         structure=structure_file,
-        tables=local(
+        tables=given(
             expand(
                 ROOT / "resources" / "thesis" / "table_{table}.csv",
                 table=["2_2", "3_1", "3_2", "4_1", "4_2", "4_3", "4_4", "5_1", "5_2"],
@@ -24,6 +24,8 @@ rule calibrate:
     resources:
         **needs("calibrate"),
     params:
+        structure=structure_meaning,
+        asked=lambda w: meaning(CALIBRATION / f"{w.structure}.yaml"),
         code=code("calibrate"),
     message:
         "unpublished dimensions of {wildcards.structure} from the thesis's tables"

@@ -51,7 +51,7 @@ def simulation_file(wildcards):
         return made(rules.parametric.output.parametric, structure=wildcards.structure)
     campaign = CAMPAIGNS[wildcards.campaign]
     if wildcards.structure == "table":
-        return local(campaign.folder / campaign.description["simulation"])
+        return given(campaign.folder / campaign.description["simulation"])
     return []
 
 
@@ -59,7 +59,7 @@ rule diagnosis:
     input:
         observations=rules.observations.output.observations,
         parametric=simulation_file,
-        mechanisms=local(MECHANISMS),
+        mechanisms=given(MECHANISMS),
     output:
         diagnosis="results/{campaign}/diagnosis/{structure}.nc",
         verdict="results/{campaign}/diagnosis/{structure}.json",

@@ -19,7 +19,7 @@ rule nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.joint.output.joint,
-        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
+        parameters=given(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
     output:
         nonlinear="results/{campaign}/nonlinear/{structure}.nc",
     log:

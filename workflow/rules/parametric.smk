@@ -71,6 +71,7 @@ rule accuracy:
     resources:
         **needs("accuracy"),
     params:
+        structure=structure_meaning,
         forces=forces_used,
         code=code("accuracy"),
     message:

@@ -115,7 +115,7 @@ rule figures:
         stiffness=rules.stiffness.output.stiffness,
         joints=joints,
         theory=rules.theory.output.theory,
-        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
         mesh=lambda w: made(
             rules.mesh.output.mesh, structure=structures_of(CAMPAIGNS[w.campaign])[0]
         ),
@@ -179,7 +179,7 @@ rule figures:
 rule figures_thesis_search:
     input:
         searches=thesis_searches,
-        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         solution_sets=report(
             "results/{campaign}/figures/solution_sets.svg",
@@ -367,13 +367,13 @@ rule report:
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),
-        thesis=local(
+        thesis=given(
             expand(
                 ROOT / "resources" / "thesis" / "{name}",
                 name=["table_5_1.csv", "errata.yaml"],
             )
         ),
-        page=local(
+        page=given(
             expand(
                 ROOT / "workflow" / "bladeroot" / "report" / "page.{ending}",
                 ending=["html.j2", "css"],

@@ -10,7 +10,7 @@ RINGDOWN_BATCH = 32
 def raw_file(campaign, row):
     if campaign.simulated:
         return f"results/bench/{campaign.name}/{row['record']}.nc"
-    return local(campaign.folder / row["file"])
+    return given(campaign.folder / row["file"])
 
 
 def as_it_stands(text):

@@ -97,7 +97,7 @@ rule stiffness:
     input:
         searches=searches,
         fe_forces=rules.fe_forces.output.fe_forces,
-        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         stiffness="results/{campaign}/stiffness.nc",
     log:
@@ -121,7 +121,7 @@ rule thesis_search:
     input:
         parametric=rules.parametric_equal_nodes.output.parametric,
         fe_forces=rules.fe_forces.output.fe_forces,
-        tables=local(
+        tables=given(
             expand(
                 ROOT / "resources" / "thesis" / "{name}.csv",
                 name=["table_5_1", "table_5_2"],

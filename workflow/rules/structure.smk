@@ -1,10 +1,6 @@
 # The finite-element structure, once for all forces and campaigns: mesh, prestress, reduction, checks.
 
 
-def structure_file(wildcards):
-    return local(STRUCTURES[wildcards.structure])
-
-
 rule mesh:
     input:
         structure=structure_file,
@@ -19,6 +15,7 @@ rule mesh:
     resources:
         **needs("mesh"),
     params:
+        structure=structure_meaning,
         code=code("mesh"),
     message:
         "mesh of {wildcards.structure}"
@@ -42,6 +39,7 @@ rule prestress:
     resources:
         **needs("prestress"),
     params:
+        structure=structure_meaning,
         code=code("prestress"),
     message:
         "static stress of {wildcards.structure} under axial force (4.2)"
@@ -71,6 +69,7 @@ rule shapes:
     resources:
         **needs("shapes"),
     params:
+        structure=structure_meaning,
         code=code("shapes"),
     message:
         "mode shapes of the free beam of {wildcards.structure}"
@@ -96,6 +95,7 @@ rule reduced:
     resources:
         **needs("reduced"),
     params:
+        structure=structure_meaning,
         code=code("reduced"),
     message:
         "Craig-Bampton reduction of {wildcards.structure} (4.3-4.12)"
@@ -107,7 +107,7 @@ rule reduced:
 rule checks:
     input:
         structure=structure_file,
-        tables=local(
+        tables=given(
             expand(
                 ROOT / "resources" / "thesis" / "table_{table}.csv",
                 table=["2_2", "4_1", "4_2", "4_4"],
@@ -124,6 +124,7 @@ rule checks:
     resources:
         **needs("checks"),
     params:
+        structure=structure_meaning,
         code=code("checks"),
     message:
         "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"

@@ -4,8 +4,8 @@
 rule theory:
     input:
         stiffness=rules.stiffness.output.stiffness,
-        parameters=local(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
-        published=local(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        parameters=given(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
+        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
     output:
         theory="results/{campaign}/theory.nc",
     log:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from bladeroot import runs
+
 
 def run(stage: Callable[..., None], **options: str) -> None:
     """Call `stage` with one string (or list, for `nargs` given as "many") per option.
@@ -28,6 +30,7 @@ def run(stage: Callable[..., None], **options: str) -> None:
             nargs={"many": "+", "any": "*"}.get(text.partition(":")[0]),
             required=not text.startswith("optional:"),
         )
+    runs.work()
     try:
         stage(**vars(parser.parse_args()))
     except (ValueError, OSError) as error:

@@ -1,8 +1,5 @@
 """The full matrices of a dovetail as files of kind matrices -> a folder."""
 
-import shutil
-from pathlib import Path
-
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.rom.external.export import export_matrices
@@ -10,20 +7,16 @@ from bladeroot.rom.file import load_structure
 
 
 def main(structure, mesh, prestress, form, output):
-    whole = Path(output)
-    part = whole.with_name(f".{whole.name}.part")
-    shutil.rmtree(part, ignore_errors=True)
     dovetail = load_structure(structure)
-    export_matrices(
-        dovetail,
-        artifacts.load(mesh),
-        artifacts.load(prestress),
-        part,
-        f"{dovetail.name}-{form}",
-        form,
-    )
-    shutil.rmtree(whole, ignore_errors=True)
-    part.rename(whole)
+    with artifacts.whole_folder(output) as folder:
+        export_matrices(
+            dovetail,
+            artifacts.load(mesh),
+            artifacts.load(prestress),
+            folder,
+            f"{dovetail.name}-{form}",
+            form,
+        )
 
 
 if __name__ == "__main__":

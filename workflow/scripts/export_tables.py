@@ -1,11 +1,13 @@
 """Curves, stick frequencies and verdict of a campaign as CSV, MATLAB and universal file."""
 
 from _cli import run
+from bladeroot import artifacts
 from bladeroot.public.export import export
 
 
 def main(results, folder):
-    export(results, folder)
+    with artifacts.whole_folder(folder) as part:
+        export(results, part)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
-"""Whether a campaign's files are right, before any work."""
+"""Whether a campaign's files are right, before any work, and whether a result is current."""
 
+import os
+import sys
 from pathlib import Path
 
 import click
@@ -8,9 +10,16 @@ from bladeroot.io.campaign import load_campaign
 
 
 @click.command()
-@click.argument("campaign", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("campaign", type=click.Path(exists=True, path_type=Path))
 def command(campaign: Path) -> None:
-    """Check campaign.yaml, the sheet and the files that they name, a line a fault."""
+    """Check campaign.yaml, the sheet and the files that they name, a line a fault.
+
+    Of a file in results/ (or a campaign's folder there, which stands for its report) say whether it
+    is what its inputs, settings and code would make now, and why not.
+    """
+    if "results" in campaign.parts and not (campaign / "campaign.yaml").exists():
+        _tell_currency(campaign / "report.html" if campaign.is_dir() else campaign)
+        return
     made = load_campaign(campaign)
     for line in made.warnings:
         click.echo(f"warning: {line}", err=True)
@@ -20,3 +29,15 @@ def command(campaign: Path) -> None:
     )
     left = f", {len(made.excluded)} excluded" if made.excluded else ""
     click.echo(f"{made.name}: {rows}{left}, modes {modes}: nothing wrong")
+
+
+def _tell_currency(result: Path) -> None:
+    from bladeroot.command.currency import why_not_current
+
+    reasons = why_not_current(os.path.relpath(result))
+    if not reasons:
+        click.echo(f"{result}: current")
+        return
+    for line in reasons:
+        click.echo(f"{result}: not current: {line}")
+    sys.exit(1)

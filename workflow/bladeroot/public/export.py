@@ -15,6 +15,8 @@ CURVE = ("time", "amplitude", "frequency", "frequency_std", "loss_factor", "loss
 UNITS = {"s": "s", "m": "m", "Hz": "Hz", "1": ""}
 # MATLAB's names of variables hold so many letters.
 _MATLAB_NAME = 31
+# Bytes of text at the head of a MATLAB file.
+_MATLAB_HEAD = 116
 
 
 def export(results: str | Path, folder: str | Path) -> list[Path]:
@@ -48,11 +50,14 @@ def export(results: str | Path, folder: str | Path) -> list[Path]:
 
 
 def _tables(results: Path) -> Iterator[tuple[str, pd.DataFrame]]:
-    decays = [artifacts.load(path) for path in sorted((results / "decay").glob("*.nc"))]
-    if decays:
-        yield "curves", curve_table(decays)
-    if (results / "stick.nc").is_file():
-        stick = artifacts.load(results / "stick.nc")
+    stick = artifacts.load(results / "stick.nc") if (results / "stick.nc").is_file() else None
+    places = sorted((results / "decay").glob("*.nc"))
+    if stick is not None and "record" in stick.dims:
+        # what a removed record left in results/ is not the campaign's
+        places = [place for place in places if place.stem in stick["record"].values]
+    if places:
+        yield "curves", curve_table([artifacts.load(place) for place in places])
+    if stick is not None:
         for name, dim in (("stick", "record"), ("stick_pooled", "level")):
             if dim in stick.dims:
                 yield name, _table_over(stick, dim)
@@ -119,6 +124,9 @@ def _save_matlab(tables: Mapping[str, pd.DataFrame], path: Path) -> None:
         structs[name] = columns
     with artifacts.whole_file(path) as part, part.open("wb") as file:
         savemat(file, structs, oned_as="column")
+        # MATLAB's head of text, which has the time of day: the same results are the same bytes
+        file.seek(0)
+        file.write(b"MATLAB 5.0 MAT-file, bladeroot".ljust(_MATLAB_HEAD))
 
 
 def _save_universal(curves: pd.DataFrame, path: Path) -> None:

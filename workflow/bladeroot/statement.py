@@ -1,0 +1,215 @@
+"""What a job states of the files that it read and made: the hash of their content, a file a job.
+
+By it the next run knows what is current, whatever the files' times say, and so does
+`bladeroot check`. Statements lie with the results and travel with them. Settings, code and the set
+of inputs are Snakemake's to compare; its records lie beside the statements.
+"""
+
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from bladeroot import artifacts
+
+FOLDER = "provenance"
+# Folders of results/ whose files no job takes as an input, and endings of what jobs make.
+_BESIDE = (FOLDER, "logs", "benchmarks")
+_MADE = {".nc", ".svg", ".html", ".json", ".vtu"}
+# Seconds; of nothing Snakemake takes as no time at all.
+_LONG_AGO = 1.0
+# Stands for the content of a file that changed while a job read it.
+UNSURE = "changed while it was read"
+
+
+class Contents:
+    """Hashes of files' contents, remembered as long as a file is the same one to the system.
+
+    place: a file that keeps them from run to run; without it, or where it is damaged, files are
+    read again.
+    """
+
+    def __init__(self, place: str | Path | None = None) -> None:
+        """Of what `place` knows, and nothing where it is damaged."""
+        self._place = Path(place) if place else None
+        self._known, self._read = {}, 0
+        with suppress(OSError, ValueError, AttributeError, TypeError):
+            known = json.loads(self._place.read_text(encoding="utf-8"))
+            self._known = {str(path): (list(who), str(what)) for path, (who, what) in known.items()}
+
+    def of(self, path: str | Path) -> str:
+        """Hash of a file, or of all files of a folder with their names; "" where there is none."""
+        if os.path.isdir(path):
+            inside = sorted(one for one in Path(path).rglob("[!.]*") if one.is_file())
+            said = [f"{one.relative_to(path)} {self.of(one)}" for one in inside]
+            return hashlib.sha256("\n".join(said).encode()).hexdigest()
+        who = identity(path)
+        if who is None:
+            return ""
+        known = self._known.get(str(path))
+        if known is None or known[0] != who:
+            with open(path, "rb") as file:
+                known = who, hashlib.file_digest(file, "sha256").hexdigest()
+            self._known[str(path)] = known
+            self._read += 1
+        return known[1]
+
+    def set_time(self, path: str | Path, seconds: float) -> None:
+        """Give a file, or a folder and Snakemake's mark in it, a time of change."""
+        if _time(path) == seconds:
+            return
+        known = self._known.get(str(path))
+        same = known is not None and known[0] == identity(path)
+        for one in (path, os.path.join(path, ".snakemake_timestamp")):
+            with suppress(OSError):
+                os.utime(one, (seconds, seconds))
+        if same and identity(path):
+            self._known[str(path)] = identity(path), known[1]
+            self._read += 1
+
+    def keep(self) -> None:
+        """Write down what is known for the next run, if it is more than before."""
+        if self._place and self._read:
+            # they only save time
+            with suppress(ValueError):
+                artifacts.save_text(json.dumps(self._known), self._place)
+
+
+def identity(path: str | Path) -> list[int] | None:
+    """What changes when a file is written, replaced or moved; None where it is not there.
+
+    The time of change alone can be set back (mv, cp -p, unzip), and a file that is moved with its
+    folder keeps all its times.
+    """
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return [found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns]
+
+
+def state(
+    place: Path,
+    rule: str,
+    inputs: dict[str, str],
+    outputs: dict[str, str],
+    settings: list[str],
+    config: dict,
+) -> None:
+    """Write a job's statement.
+
+    inputs, outputs: content hashes by path. settings: its parameters, the hash of its code among
+    them. config: what the run was given by `--config`.
+    """
+    stated = {
+        "rule": rule,
+        "inputs": inputs,
+        "outputs": outputs,
+        "settings": settings,
+        "config": config,
+    }
+    artifacts.save_text(json.dumps(stated, indent=1), place)
+
+
+def statements(results: Path) -> list[dict]:
+    """All statements; one that is damaged says nothing, and its job is done again."""
+    found = []
+    for place in sorted((results / FOLDER).rglob("*.json")):
+        with suppress(OSError, ValueError):
+            stated = json.loads(place.read_text(encoding="utf-8"))
+            if isinstance(stated, dict) and {"rule", "inputs", "outputs"} <= stated.keys():
+                found.append(stated)
+    return found
+
+
+def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
+    """Of each output that is there: "" if a statement holds, else why none does.
+
+    A file whose batch has another name now has two statements; one that holds is enough. An input
+    that is not there is made again or asked for by name, which is not for a statement to say.
+    """
+    why = {}
+    for one in stated:
+        changed = [
+            path for path, said in one["inputs"].items() if contents.of(path) not in ("", said)
+        ]
+        for output, said in one["outputs"].items():
+            if why.get(output) == "" or not os.path.exists(output):
+                continue
+            if os.path.isfile(output) and not os.path.getsize(output):
+                why[output] = "it is empty"
+            elif contents.of(output) != said:
+                why[output] = "it was altered or replaced after it was made"
+            else:
+                why[output] = f"{changed[0]} has changed since" if changed else ""
+    return why
+
+
+def unstated(results: Path, known: Iterable[str]) -> list[str]:
+    """What looks like an output and no statement names: of another version, or of a cut-off job."""
+    named, found = set(known), []
+    for folder, inside, files in os.walk(results):
+        if Path(folder) == results:
+            inside[:] = [name for name in inside if name not in _BESIDE]
+        if folder in named:  # an output that is a folder
+            inside.clear()
+            continue
+        paths = (os.path.join(folder, name) for name in files if Path(name).suffix in _MADE)
+        found += [path for path in paths if path not in named and not _hidden(path)]
+    return found
+
+
+def _hidden(path: str) -> bool:
+    return os.path.basename(path).startswith(".")
+
+
+def settle(results: Path, contents: Contents) -> dict[str, str]:
+    """Give outputs the times by which Snakemake then decides as the statements say.
+
+    What is outdated becomes older than its inputs; what is current, no older than them. Returns why
+    each outdated output is so.
+    """
+    stated = statements(results)
+    why = outdated(stated, contents)
+    late = {path: reason for path, reason in why.items() if reason}
+    late |= dict.fromkeys(unstated(results, why), "nothing says what it was made of")
+    for path in late:
+        contents.set_time(path, _LONG_AGO)
+    newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
+    newest = max(newest, 2 * _LONG_AGO)
+    for path in _inputs_of(late, stated) - late.keys():
+        if _time(path) <= _LONG_AGO:  # as some archives leave it
+            contents.set_time(path, newest)
+    if any(_older_than_inputs(one, why) for one in stated):
+        newest = max(time.time(), newest)
+        for path, reason in why.items():
+            if not reason:
+                contents.set_time(path, newest)
+    # to Snakemake a job's benchmark is an output, too
+    for path in (results / "benchmarks").rglob("*.tsv"):
+        if _time(path) < newest:
+            contents.set_time(path, newest)
+    contents.keep()
+    return late
+
+
+def _inputs_of(outputs: dict[str, str], stated: list[dict]) -> set[str]:
+    of_them = (one for one in stated if outputs.keys() & one["outputs"].keys())
+    return {path for one in of_them for path in one["inputs"]}
+
+
+def _older_than_inputs(one: dict, why: dict[str, str]) -> bool:
+    """Whether a current output of a job is older than one of its inputs."""
+    oldest = min((_time(path) for path in one["outputs"] if why.get(path) == ""), default=None)
+    return oldest is not None and oldest < max(map(_time, one["inputs"]), default=0)
+
+
+def _time(path: str) -> float:
+    """Time of change; Snakemake takes that of the mark in a folder."""
+    mark = os.path.join(path, ".snakemake_timestamp")
+    with suppress(OSError):
+        return os.path.getmtime(mark if os.path.isdir(path) else path)
+    return 0.0

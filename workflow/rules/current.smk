@@ -1,0 +1,118 @@
+# What is current: decided by content, before Snakemake looks at times (CONTRIBUTING.md, "What is done again").
+import atexit
+import logging
+import shutil
+
+from snakemake.logging import logger
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from bladeroot import runs, statement
+
+RESULTS = Path("results")
+CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")
+
+
+def keep_records_with_results():
+    """Snakemake's records of parameters and inputs travel with the results, and outlive .snakemake."""
+    kept, usual = (
+        RESULTS / statement.FOLDER / "snakemake",
+        Path(".snakemake") / "metadata",
+    )
+    if usual.is_symlink():
+        kept.mkdir(parents=True, exist_ok=True)
+        return
+    if usual.is_dir() and kept.is_dir():
+        shutil.rmtree(usual)  # a copy that followed the link
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    usual.parent.mkdir(exist_ok=True)
+    if usual.is_dir():
+        usual.rename(kept)
+    kept.mkdir(exist_ok=True)
+    usual.symlink_to(Path("..") / kept)
+
+
+def settle():
+    """Have the times of outputs say what their statements say."""
+    late = statement.settle(RESULTS, CONTENTS)
+    for path, why in list(late.items())[:3]:
+        print(f"not current: {path}: {why}", file=sys.stderr)
+    if len(late) > 3:
+        print(f"not current: {len(late) - 3} more (bladeroot check)", file=sys.stderr)
+
+
+class Stated(logging.Handler):
+    """Writes a job's statement as it ends, if its inputs are then what they were as it began."""
+
+    def __init__(self):
+        super().__init__(logging.INFO)
+        self.jobs, self.began = {}, {}
+
+    def job(self, number):
+        if number not in self.jobs:
+            self.jobs = {job.jobid: job for job in workflow.dag.jobs}
+        return self.jobs[number]
+
+    def emit(self, record):
+        event = getattr(record, "event", None)
+        if event == LogEvent.JOB_STARTED:
+            for number in record.jobs:
+                self.began[number] = {
+                    file: statement.identity(file) for file in self.read(number)
+                }
+        elif event == LogEvent.JOB_FINISHED:
+            self.state(record.job_id)
+
+    def read(self, number):
+        """Inputs that count by their bytes; of the others a parameter says what they mean."""
+        return [str(file) for file in self.job(number).input if not file.is_ancient]
+
+    def state(self, number):
+        job, began = self.job(number), self.began.pop(number, {})
+        if not job.log:
+            return
+        inputs = {
+            file: (
+                CONTENTS.of(file)
+                if statement.identity(file) == began.get(file)
+                else statement.UNSURE
+            )
+            for file in self.read(number)
+        }
+        place = (
+            RESULTS / statement.FOLDER / Path(job.log[0]).relative_to("results/logs")
+        )
+        try:
+            statement.state(
+                place.with_suffix(".json"),
+                job.rule.name,
+                inputs,
+                {str(file): CONTENTS.of(file) for file in job.output},
+                list(map(str, job.non_derived_params)),
+                dict(workflow.config_settings.config),
+            )
+        except (ValueError, OSError) as error:
+            print(f"{place}: {error}; its job is done again", file=sys.stderr)
+
+
+def begin():
+    """Sign in, tidy up after dead runs, and settle what is current."""
+    run = runs.Run()
+    if workflow.dryrun:
+        if run.alone():
+            settle()
+        return None
+    alone = run.begin(lambda line: print(line, file=sys.stderr))
+    atexit.register(run.end)
+    atexit.register(CONTENTS.keep)
+    if alone:
+        runs.remove_what_is_left()
+        settle()
+    logger.addHandler(Stated())
+    return run
+
+
+# With a storage plugin results are elsewhere, and Snakemake decides by itself.
+RUN = None
+if workflow.is_main_process and not workflow.storage_settings.default_storage_prefix:
+    keep_records_with_results()
+    RUN = begin()
