@@ -80,8 +80,10 @@ def _mode_cards(facts: Mapping, stick: xr.Dataset) -> list[tuple[str, str, list[
             continue
         loss = _range(100.0 * here["loss_factor"].values, 2)
         where = words.load and f"{_range(words.factor * here['force'].values, 3)} {words.unit}"
-        records = int(np.nansum(here["records"].values)) if "records" in here else 0
-        count = f"{records} record{'s' * (records != 1)}" if records else ""
+        count = f"{here.sizes['level']} levels"
+        if facts["entry"] == "records":
+            records = int(np.nansum(here["records"].values))
+            count = f"{records} record{'s' * (records != 1)}"
         lines = [f"loss factor {loss} %", ", ".join(filter(None, [where, count]))]
         cards.append((f"mode {mode}", f"{_hertz(here)} Hz", [line for line in lines if line]))
     if len(modes) > _CARDS:
@@ -142,8 +144,10 @@ def _stages(
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
     for said in verdicts:
         causes = listed([plain(cause["mechanism"]) for cause in said["causes"]])
-        best = next(iter(said["probabilities"].items()), None)
-        sure = f"{plain(best[0]).replace('+', ' + ')}: {chance(best[1])}" if best else NONE
+        odds = {"+".join(c["credible_set"]): c["probability"] for c in said["causes"]}
+        odds = odds or dict(list(said["probabilities"].items())[:1])
+        texts = [f"{plain(name).replace('+', ' or ')} {chance(p)}" for name, p in odds.items()]
+        sure = listed(texts) or NONE
         name = f"diagnosis{', ' + said['structure'] if said['structure'] else ''}"
         answer = ANSWERS[said["answer"]] + (f": {causes}" if causes else "")
         rows.append((Link(name, "diagnosis"), answer, sure))

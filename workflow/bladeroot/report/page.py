@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import resources
 
 import jinja2
@@ -131,11 +132,7 @@ def render(
     """A whole HTML page, which needs no other file but the plotting library, and that only to
     make its figures live.
     """
-    files = resources.files(__package__)
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
-    for kind in (Table, Picture, Box, Cards):
-        environment.tests[kind.__name__.lower()] = lambda part, kind=kind: isinstance(part, kind)
-    template = environment.from_string((files / "page.html.j2").read_text(encoding="utf-8"))
+    template, style, script = _look()
     return template.render(
         title=title,
         subtitle=subtitle,
@@ -144,6 +141,20 @@ def render(
         footer=footer,
         place=place or Place(),
         has_live=any(isinstance(p, Picture) and p.live for s in sections for p in s.parts),
-        style=(files / "page.css").read_text(encoding="utf-8"),
-        script=(files / "page.js").read_text(encoding="utf-8"),
+        style=style,
+        script=script,
     )
+
+
+@cache
+def _look() -> tuple[jinja2.Template, str, str]:
+    """The page's template, style and script."""
+    files = resources.files(__package__)
+    template, *others = (
+        (files / name).read_text(encoding="utf-8")
+        for name in ("page.html.j2", "page.css", "page.js")
+    )
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
+    for kind in (Table, Picture, Box, Cards):
+        environment.tests[kind.__name__.lower()] = lambda part, kind=kind: isinstance(part, kind)
+    return (environment.from_string(template), *others)
