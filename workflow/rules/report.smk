@@ -44,7 +44,8 @@ def report_facts(wildcards):
             "settings": {
                 name: canonical_json(part)
                 for name, part in config.items()
-                if name != "campaigns"
+                if name in ("record", "decay", "stick", "diagnosis")
+                or (structures_of(campaign) and name != "campaigns")
             },
             "command": f"snakemake -j2 --config campaigns={os.path.relpath(campaign.folder)}",
         }

@@ -21,6 +21,7 @@ from bladeroot.report.contents import LIBRARY, Material, report
 
 def main(results, structures, batches, modes, calibrations, sources, thesis, folder, facts):
     known, home = json.loads(facts), Path(results)
+    library = _library()
     of_the_thesis = known["description"].get("published") == "thesis"
     names = ["stick"] + ["fe_forces", "stiffness", "theory"] * bool(known["structures"])
     names += ["score"] * known["simulated"] + ["integrity", "curves"] * bool(batches)
@@ -77,7 +78,6 @@ def main(results, structures, batches, modes, calibrations, sources, thesis, fol
     for place, page in pages.items():
         artifacts.save_text(page, home / place)
     artifacts.save_json(made, chapters / "provenance.json")
-    library = Path(find_spec("plotly").origin).parent / "package_data" / LIBRARY
     with artifacts.whole_file(chapters / LIBRARY) as part:
         shutil.copyfile(library, part)
 
@@ -122,6 +122,14 @@ def _hashes(paths, folder):
             name = path.relative_to(folder) if path.is_relative_to(folder) else path.name
             found[str(name)] = hashlib.file_digest(source, "sha256").hexdigest()
     return found
+
+
+def _library():
+    """The plotting library for the pages, as its package for Python brings it."""
+    package = find_spec("plotly")
+    if package is None:
+        raise ValueError("plotly is not installed; pip install -r environment.txt installs it")
+    return Path(package.origin).parent / "package_data" / LIBRARY
 
 
 def _inline(path):

@@ -10,7 +10,7 @@ from numpy import ndarray
 # Points of curves are drawn up to these relative standard errors; the artifacts hold them all.
 DRAWN = {"frequency": 1e-3, "loss_factor": 0.2}
 AMPLITUDE = "amplitude at the sensor / µm"
-_POINTS = 160  # of a curve: more are closer together than a pixel, and make the page larger
+_POINTS = 100  # of a curve: more are closer together than a pixel, and make the page larger
 
 
 @dataclass(frozen=True)

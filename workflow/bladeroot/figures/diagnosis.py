@@ -145,12 +145,18 @@ def _frequency(here: xr.Dataset, factor: float, panel: int, above: bool) -> list
     return traces
 
 
+def stage_names(one: xr.Dataset) -> dict[str, str]:
+    """What a simulation is called before and after its causes are part of it."""
+    if one.attrs.get("kind") == "none":
+        return {"before": "a linear mode", "after": "with the cause"}
+    return {"before": "simulated as it was", "after": "simulated with the cause"}
+
+
 def _stages(one: xr.Dataset) -> dict[str, tuple[str, str, str]]:
     """Colour, line and name of the simulation as it was, and with causes where there are any."""
-    made = {"before": (BEFORE, "--", "simulated as it was")}
-    return made | (
-        {"after": (AFTER, "-", "simulated with the cause")} if one.attrs["named"] else {}
-    )
+    name = stage_names(one)
+    made = {"before": (BEFORE, "--", name["before"])}
+    return made | ({"after": (AFTER, "-", name["after"])} if one.attrs["named"] else {})
 
 
 def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:

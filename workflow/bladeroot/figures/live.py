@@ -39,9 +39,10 @@ def words(text: str) -> str:
     return html.escape(text, quote=False).replace("%{", "%\u200b{")
 
 
-def _numbers(values: ndarray | Iterable[float]) -> list[float | None]:
-    """To seven digits, None where nothing is known."""
-    return [float(f"{v:.7g}") if math.isfinite(v) else None for v in np.asarray(values, float)]
+def _numbers(values: ndarray | Iterable[float], digits: int = 7) -> list[float | None]:
+    """To so many digits, None where nothing is known."""
+    text = f"{{:.{digits}g}}".format
+    return [float(text(v)) if math.isfinite(v) else None for v in np.asarray(values, float)]
 
 
 def _axis(number: int) -> str:
@@ -61,7 +62,7 @@ def _trace(trace: Trace, chart: Chart) -> dict:
     if trace.low is not None:
         return made | _band(trace)
     made |= {
-        "x": _numbers(trace.x),
+        "x": _numbers(trace.x, 5),
         "y": _numbers(trace.y),
         "mode": "+".join(["lines"] * bool(trace.line) + ["markers"] * (not trace.line or
                          bool(trace.marker))),
@@ -75,13 +76,12 @@ def _trace(trace: Trace, chart: Chart) -> dict:
     if trace.texts:
         made["text"] = list(map(words, trace.texts))
     for name, error in (("error_y", trace.error), ("error_x", trace.x_error)):
-        if error is not None:
-            made[name] = {"type": "data", "array": _numbers(error), "thickness": 1, "width": 2}
+        if error is not None and not trace.line:  # a line of bars hides itself
+            made[name] = {"type": "data", "array": _numbers(error, 3), "thickness": 1, "width": 2}
     if trace.error is not None:
-        made["customdata"] = made["error_y"]["array"]
-        made["error_y"]["visible"] = not trace.line  # a line of errors hides itself
+        made["customdata"] = _numbers(trace.error, 3)
     if trace.values is not None:
-        made["customdata"] = _numbers(trace.values)
+        made["customdata"] = _numbers(trace.values, 3)
         edge = {"width": 0.5, "color": "#5c6b7a"}
         made["marker"] = {"color": made["customdata"], "coloraxis": "coloraxis", "size": 10,
                           "symbol": "square", "line": edge}  # fmt: skip
@@ -106,7 +106,7 @@ def _band(trace: Trace) -> dict:
     x: list[float | None] = []
     y: list[float | None] = []
     for run in runs(np.isfinite(trace.low) & np.isfinite(trace.high)):
-        along = _numbers(trace.x[run])
+        along = _numbers(trace.x[run], 5)
         x += [*along, *along[::-1], None]
         y += [*_numbers(trace.high[run]), *_numbers(trace.low[run])[::-1], None]
     return {

@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.figures.chart import AMPLITUDE, Chart, Panel, Trace
+from bladeroot.figures.diagnosis import stage_names
 from bladeroot.loads import shown
 
 _MODES = ("#1b3a5c", "#d08a1d", "#6a51a3", "#4c4c4c")
 _DIRECTIONS = {1.0: ("^", "loading"), -1.0: ("v", "unloading"), 0.0: ("o", "direction not known")}
-_STAGES = {"before": "simulated as it was", "after": "simulated with the cause"}
 _LEFT = "measured less simulated, standard deviations"
 _LIMIT = 6.0  # standard deviations at the ends of the colours
 
@@ -26,13 +26,13 @@ def records(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
         return None
     panels, traces = [], []
     for one, name, values in rows:
-        for stage, text in _STAGES.items():
+        for stage, text in stage_names(one).items():
             panels.append(Panel(f"{one.attrs['structure']}, {text}", name,
                                 "standard deviations", zero=True, band=(-2.0, 2.0)))  # fmt: skip
             left = one["stick_residual_scaled"].sel(stage=stage).values
             traces += _scatter(one, values, left, len(panels) - 1)
     return Chart(
-        "What the simulation leaves of each record's stick frequency, in standard deviations of "
+        "What is left of each record's stick frequency, in standard deviations of "
         "what clamping, reading and noise scatter (after the cause, both columns), over what the "
         "campaign varied. Grey: two standard deviations.",
         panels, traces, colours="mode", simulated=simulated,
@@ -84,18 +84,27 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
         here = one.isel(point=np.flatnonzero(one["curve_mode"].values == mode))
         force = factor * here["curve_force"].values
         for name, quantity in (("curve_frequency", "frequency"), ("curve_loss", "loss factor")):
-            for stage, text in _STAGES.items():
-                panels.append(Panel(f"{mode}, {quantity}, {text}", AMPLITUDE,
-                                    f"{load} / {unit}" if load else "", x_log=True))  # fmt: skip
+            for stage, text in stage_names(one).items():
+                panels.append(
+                    Panel(f"{mode}, {quantity}, {text}", AMPLITUDE, f"{load} / {unit}", x_log=True)
+                    if load
+                    else Panel(f"{mode}, {quantity}, {text}", AMPLITUDE, "standard deviations",
+                               x_log=True, zero=True, band=(-2.0, 2.0))
+                )  # fmt: skip
                 left = (here[name] - here[f"{name}_simulated"].sel(stage=stage)) / here[
                     f"{name}_std"
                 ]
                 traces.append(
                     Trace(len(panels) - 1, 1e6 * here["curve_amplitude"].values, force,
                           f"mode {mode}, {quantity}", values=left.values)
+                    if load
+                    else Trace(len(panels) - 1, 1e6 * here["curve_amplitude"].values, left.values,
+                               f"mode {mode}, {quantity}", marker="o", size=3.0)
                 )  # fmt: skip
     return Chart(
-        f"The same of the curves, over amplitude{' and ' + load if load else ''}: blue where the "
-        "measurement lies below the simulation, red above.",
-        panels, traces, scale=(_LEFT, _LIMIT), simulated=simulated,
+        f"The same of the curves, over amplitude and {load}: blue where the measurement lies below "
+        "what it is compared with, red above."
+        if load
+        else "The same of the curves, over amplitude.",
+        panels, traces, scale=(_LEFT, _LIMIT) if load else None, simulated=simulated,
     )  # fmt: skip

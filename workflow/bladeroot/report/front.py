@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.figures.chart import sure
 from bladeroot.report.bad_records import rejected, unlike_repeats
 from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
@@ -18,7 +19,7 @@ from bladeroot.report.verdict import (
     lacks_of,
     plain,
 )
-from bladeroot.report.words import Words, several_groups, words_of
+from bladeroot.report.words import Words, judge_of, several_groups, words_of
 
 _REFERENCE = 12e3  # N
 _FEW = 5  # records that are told by name; the chapters have them all
@@ -48,7 +49,8 @@ def front_sections(
         {**said, "structure": against(one, said)} for one, said in zip(found, verdicts, strict=True)
     ]
     told = in_short(main, named[0]) + disagreement(named)
-    cards = [*_mode_cards(facts, stick), _verdict_card(main, verdicts[0])]
+    over = over_amplitude(stages["curves"]) if "curves" in stages else {}
+    cards = [*_mode_cards(facts, stick, over), _verdict_card(main, verdicts[0])]
     next_one = next_sentence(main) or [
         f"Measure next: {cause['splitter']}." for cause in verdicts[0]["causes"][:1]
     ] or [f"Measure next: {text}." for text in lacks_of(main)[:1]]  # fmt: skip
@@ -67,7 +69,19 @@ def front_sections(
     ]
 
 
-def _mode_cards(facts: Mapping, stick: xr.Dataset) -> list[tuple[str, str, list[str]]]:
+def over_amplitude(curves: xr.Dataset) -> dict[str, tuple[str, str]]:
+    """Frequency (Hz) and loss factor (%) of each mode over all amplitudes, where they are sure."""
+    found = {}
+    for mode in dict.fromkeys(curves["mode"].values.astype(str)):
+        here = curves.isel(level=np.flatnonzero(curves["mode"].values == mode))
+        frequency, loss = (sure(here, name) for name in ("frequency", "loss_factor"))
+        found[mode] = (_range(frequency, 4), _range(100.0 * loss, 2))
+    return found
+
+
+def _mode_cards(
+    facts: Mapping, stick: xr.Dataset, over: Mapping[str, tuple[str, str]]
+) -> list[tuple[str, str, list[str]]]:
     """Frequency, damping and where they were measured, of each mode."""
     words, cards = words_of(stick), []
     modes = list(facts["description"].get("modes", {})) or list(
@@ -76,9 +90,15 @@ def _mode_cards(facts: Mapping, stick: xr.Dataset) -> list[tuple[str, str, list[
     for mode in modes[:_CARDS]:
         here = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
         if not here.sizes["level"]:
-            cards.append((f"mode {mode}", "no stick frequency", _bound(stick, mode)))
+            frequency, loss = over.get(mode, (NONE, NONE))
+            if frequency == NONE:
+                cards.append((f"mode {mode}", "no frequency", ["no usable record"]))
+            else:
+                lines = [f"loss factor {loss} %", "over amplitude; no plateau is reached"]
+                cards.append((f"mode {mode}", f"{frequency} Hz", lines))
             continue
         loss = _range(100.0 * here["loss_factor"].values, 2)
+        loss = over.get(mode, (NONE, NONE))[1] if loss == NONE else loss
         where = words.load and f"{_range(words.factor * here['force'].values, 3)} {words.unit}"
         count = f"{here.sizes['level']} levels"
         if facts["entry"] == "records":
@@ -89,17 +109,6 @@ def _mode_cards(facts: Mapping, stick: xr.Dataset) -> list[tuple[str, str, list[
     if len(modes) > _CARDS:
         cards.append(("more modes", str(len(modes) - _CARDS), ["in the table below"]))
     return cards
-
-
-def _bound(stick: xr.Dataset, mode: str) -> list[str]:
-    """What records that never reach their plateau tell all the same."""
-    mine = (stick["record_mode"].values == mode) & (
-        stick["verdict"].values == "plateau not reached"
-    )
-    if not mine.any():
-        return ["no record reached its stick plateau"]
-    bound = stick["frequency_bound"].values[mine]
-    return [f"{_range(bound, 4)} Hz at the smallest usable amplitude, where it still bends"]
 
 
 def _hertz(level: xr.Dataset) -> str:
@@ -115,9 +124,9 @@ def _verdict_card(one: xr.Dataset, said: Mapping) -> tuple[str, str, list[str]]:
         f"({chance(cause['probability'])})"
         for cause in said["causes"]
     ]
-    if one.attrs.get("refused"):
-        return "verdict", "not this specimen", [f"judged: {against(one, said)}"]
-    return "verdict", ANSWERS[said["answer"]], [*causes, f"judged: {against(one, said)}"]
+    head = "not this specimen" if one.attrs.get("refused") else ANSWERS[said["answer"]]
+    other = "linear modes" if judge_of(one).plural else against(one, said)
+    return "verdict", head, [*causes, f"compared with {other}"]
 
 
 def _stages(
@@ -132,6 +141,13 @@ def _stages(
     stick = stages["stick"]
     words = words_of(stick)
     rows = [*_of_records(facts, stages), *_of_stick(stick, words)]
+    over = over_amplitude(stages["curves"]) if "curves" in stages else {}
+    rows += [
+        (Link(f"over amplitude, {mode}", "measurement"), f"{frequency} Hz, loss factor {loss} %",
+         "no plateau is reached")
+        for mode, (frequency, loss) in over.items()
+        if mode not in stick["mode"].values
+    ]  # fmt: skip
     if "score" in stages:
         hit, reached = (stages["score"].attrs[key] for key in ("within_3", "reached"))
         rows.append((Link("against the bench's truth", "stick"), f"{hit} of {reached} records",
@@ -196,11 +212,12 @@ def _of_stick(stick: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
              f"{_hertz(level)} Hz{where}{groups}",
              f"± {_range(level['frequency_std'].values, 2)} Hz")
         )  # fmt: skip
-        rows.append(
-            (Link(f"loss factor, {mode}", "stick"),
-             f"{_range(100.0 * level['loss_factor'].values, 2)} %",
-             f"± {_range(100.0 * level['loss_factor_std'].values, 2)} %")
-        )  # fmt: skip
+        loss = 100.0 * level["loss_factor"].values
+        if np.isfinite(loss).any():
+            rows.append(
+                (Link(f"loss factor, {mode}", "stick"), f"{_range(loss, 2)} %",
+                 f"± {_range(100.0 * level['loss_factor_std'].values, 2)} %")
+            )  # fmt: skip
         onset = level["onset_amplitude"].values
         if np.isfinite(onset).any():
             rows.append(

@@ -16,7 +16,7 @@ window.addEventListener("DOMContentLoaded", function () {
     const columns = width < NARROW ? 1 : chart.columns;
     const rows = Math.ceil(chart.panels / columns);
     const layout = Object.assign({}, chart.layout, { height: chart.height * rows + 20, width: width });
-    layout.grid = Object.assign({ rows: rows, columns: columns, ygap: 0.3, xgap: 0.16 }, chart.layout.grid);
+    layout.grid = Object.assign({ rows: rows, columns: columns, ygap: 0.3, xgap: columns > 2 ? 0.27 : 0.16 }, chart.layout.grid);
     if (columns === 1) layout.margin = Object.assign({}, layout.margin, { l: 50, r: 6 });
     return layout;
   }
