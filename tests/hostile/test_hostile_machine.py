@@ -26,7 +26,7 @@ def stage(folder, output, *, script="stick", limit=None, **environment):
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     done = subprocess.run(
-        [sys.executable, ROOT / "workflow" / "scripts" / f"{script}.py", *more.get(script, [output])],
+        [sys.executable, ROOT / "workflow/scripts" / f"{script}.py", *more.get(script, [output])],
         cwd=folder, env={**os.environ, **environment}, preexec_fn=before,
         capture_output=True, text=True, errors="replace", timeout=300,
     )  # fmt: skip
