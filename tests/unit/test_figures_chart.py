@@ -36,9 +36,8 @@ def test_the_live_figure_has_every_number_and_every_switch():
     assert read["layout"]["xaxis"]["type"] == "log"
     assert read["layout"]["xaxis2"]["ticktext"] == ["one", "two"]
     assert read["switches"] == [
-        {"name": "load", "coloured": True,
-         "options": [["4 kN", "#ff0000"], ["8 kN", "#1b3a5c"]]}
-    ]  # fmt: skip
+        {"name": "load", "options": [["4 kN", "\u2014", "#ff0000"], ["8 kN", "\u25cf", "#1b3a5c"]]}
+    ]
 
 
 def test_what_is_not_known_is_null():

@@ -81,12 +81,12 @@ class Chart:
     warning: str = ""
 
 
-def options(chart: Chart) -> dict[str, dict[str, str]]:
-    """What may be switched: of each switch its options with the colour of their first trace."""
-    found: dict[str, dict[str, str]] = {}
+def options(chart: Chart) -> dict[str, dict[str, list[Trace]]]:
+    """What may be switched: of each switch its options with their traces, where there are two."""
+    found: dict[str, dict[str, list[Trace]]] = {}
     for trace in chart.traces:
         for switch, option in trace.switches.items():
-            found.setdefault(switch, {}).setdefault(option, trace.colour)
+            found.setdefault(switch, {}).setdefault(option, []).append(trace)
     return {switch: several for switch, several in found.items() if len(several) > 1}
 
 

@@ -12,6 +12,7 @@ from bladeroot.figures.chart import Chart, Panel, Trace, options, runs
 
 _DASHES = {"-": "solid", "--": "dash", ":": "dot"}
 _MARKERS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle-up", "v": "triangle-down"}
+_SIGNS = {"-": "\u2014", "--": "- -", ":": "\u00b7\u00b7\u00b7", "": "\u25cf"}
 _HEIGHT = 290  # pixels of a panel
 _INK, _LINE = "#1c2733", "#d7dde3"
 
@@ -25,13 +26,22 @@ def live(chart: Chart) -> str:
         "panels": len(chart.panels),
         "height": _HEIGHT,
         "switches": [
-            {"name": switch, "coloured": switch == chart.colours, "options": list(named.items())}
-            for switch, named in options(chart).items()
+            {"name": switch, "options": [[option, *_sign(of)] for option, of in several.items()]}
+            for switch, several in options(chart).items()
         ],
     }
     # ends no script element, whatever a name holds; all beyond ASCII is escaped, line ends included
     text = json.dumps(document, allow_nan=False, separators=(",", ":"))
     return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
+
+
+def _sign(traces: list[Trace]) -> tuple[str, str]:
+    """How an option looks: its line or points, and its colour; nothing where it has several."""
+    drawn = [trace for trace in traces if trace.low is None] or traces
+    colours, lines = ({getattr(one, name) for one in drawn} for name in ("colour", "line"))
+    colour = colours.pop() if len(colours) == 1 else ""
+    sign = _SIGNS[lines.pop()] if len(lines) == 1 else "\u25a0" * bool(colour)
+    return sign, colour
 
 
 def words(text: str) -> str:

@@ -104,6 +104,6 @@ def _legend(chart: Chart) -> list[Line2D]:
         )
         for kind, trace in first.items()
     ]  # fmt: skip
-    names = list(coloured.items())
+    names = [(option, traces[0].colour) for option, traces in coloured.items()]
     shown = np.unique(np.linspace(0, len(names) - 1, min(len(names), _NAMED)).round().astype(int))
     return handles + [Line2D([], [], color=names[k][1], label=names[k][0]) for k in shown]

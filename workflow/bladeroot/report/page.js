@@ -41,7 +41,7 @@ window.addEventListener("DOMContentLoaded", function () {
         const tick = element("input", label);
         tick.type = "checkbox";
         tick.checked = true;
-        if (one.coloured) element("i", label).style.background = option[1];
+        element("i", label, option[1]).style.color = option[2];
         label.appendChild(document.createTextNode(option[0]));
         tick.addEventListener("change", function () {
           off[tick.checked ? "delete" : "add"](JSON.stringify([one.name, option[0]]));
