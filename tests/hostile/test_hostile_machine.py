@@ -46,6 +46,7 @@ MACHINES = {
     "no terminal": {"TERM": "", "COLUMNS": "0"},
 }
 QUICK = ("ascii",)
+REST = [name for name in MACHINES if name not in ("ascii", "homeless")]
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,9 @@ artifacts.save_text(svg(still(chart)), sys.argv[1])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", MACHINES)
+@pytest.mark.parametrize(
+    "case", ["ascii", "homeless", *(pytest.param(name, marks=pytest.mark.suite) for name in REST)]
+)
 def test_a_figure_on_an_odd_machine(case, tmp_path):
     (tmp_path / "draws.py").write_text(DRAWS, encoding="utf-8")
     script = str(tmp_path / "draws")

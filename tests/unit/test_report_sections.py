@@ -12,12 +12,10 @@ from bladeroot.figures.still import still
 from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.pooling.stick import stick_from_table
 from bladeroot.report.bad_records import told
-from bladeroot.report.front import undecided
 from bladeroot.report.integrity import integrity_section
-from bladeroot.report.measurement import measurement_section, stick_section
+from bladeroot.report.measurement import stick_section
 from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Box, Table
-from bladeroot.report.stiffness import stiffness_section
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
 GAUGE = ForceGauge(0.1, 1e3, "full-scale")
@@ -51,48 +49,11 @@ def test_errors_of_clean_records_are_no_zeros():
     assert "0.4000 ± 0.0010" in found[0].rows[0]
 
 
-def test_errors_say_what_they_count():
-    stick = sticks(10e3, 16e3)
-    forces = fe_forces(stick, np.array([12e3]), GAUGE)
-    assert (
-        "is the table's stated error." in tables(stick_section(stick, [], None, forces))[0].caption
-    )
-    stick["frequency_std"].attrs = {"lower_bound": "1B"}
-    said = tables(stick_section(stick, [], None, forces))[0].caption
-    assert "In 1B it is unknown, and the error a lower bound." in said
-
-
-def test_no_simulated_force_between_measured_ones_is_a_sentence():
-    stick = sticks(10e3)
-    section = stick_section(stick, [], None, fe_forces(stick, np.array([12e3, 14e3]), GAUGE))
-    assert len(tables(section)) == 1  # the frequencies, and no scatter of a single row
-    assert section.parts[-1] == (
-        "None of the simulation's forces (12 and 14 kN) lies between forces that were measured."
-    )
-
-
 def test_no_stick_frequency_leaves_no_caption():
     stick = sticks(10e3)
     nothing = stick.isel(level=slice(0))
     section = stick_section(nothing, [], None, fe_forces(stick, np.array([12e3]), GAUGE))
     assert tables(section) == []
-
-
-def test_one_mode_is_not_inverted():
-    (text,) = stiffness_section(NO_PAIR, [], None).parts
-    assert text.startswith("No force of the simulation has measured frequencies of both modes")
-    stick = xr.Dataset({"verdict": ("record", ["plateau"])})
-    said = undecided({"entry": "records"}, {"stick": stick, "stiffness": NO_PAIR})
-    assert not any("Two frequencies" in text for text in said)
-
-
-def test_what_to_do_where_too_few_cycles_are_sharp():
-    rows = {"verdict": ["rejected: too few cycles are sharp enough"], "record_force": [12e3],
-            "record_mode": ["1B"], "hold": ["h"], "plateau_reached": [0]}  # fmt: skip
-    stick = xr.Dataset({name: ("record", row) for name, row in rows.items()}, {"record": ["r0"]})
-    parts = measurement_section(FACTS, stick).parts
-    assert "1 records: 1 rejected." in parts
-    assert any("a finer range of the sensor or a longer record helps" in str(p) for p in parts)
 
 
 def rejections(count):

@@ -9,8 +9,8 @@ from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
 from bladeroot.report.words import CUTS, SPECTRA, gauge_sentence, words_of
+from pooling_bench import drawn
 from test_figures_records import curves
-from test_pooling_groups import drawn
 
 FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
 
