@@ -67,7 +67,7 @@ def _over_force(
     )  # fmt: skip
     here = stiffness.sel(structure=one.attrs["structure"])
     each = here["force"].values / 1e3
-    rooted = here["status"].values == "root"
+    rooted = np.isin(here["status"].values, ("root", "fit"))
     alone = "root of each force by itself"
     traces.append(
         Trace(panel, each[rooted], 1e-9 * here[name].values[rooted], alone, "#000000", marker="o",

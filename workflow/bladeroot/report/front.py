@@ -10,6 +10,7 @@ from bladeroot.report.bad_records import rejected, unlike_repeats
 from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
+from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
     ANSWERS,
     against,
@@ -237,9 +238,10 @@ def _of_stiffness(
     for structure in stiffness["structure"].values.astype(str):
         line = stiffness.sel(structure=structure)
         status = list(line["status"].values)
-        tried = len(status) - status.count("no measurement")
+        found = sum(status.count(name) for name in DETERMINED)
+        tried = found + status.count("no root")
         alone = Link(f"kn, kt force by force, {structure}", "stiffness")
-        rows.append((alone, f"{status.count('root')} of {tried} forces have one" if tried
+        rows.append((alone, f"{found} of {tried} forces have one" if tried
                      else "no pair of frequencies to invert", _doubt(line)))  # fmt: skip
         for one, data, chapter in _together(structure, joints, amplitudes):
             here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE).argmin()))
@@ -277,7 +279,7 @@ def _quantiles(here: xr.Dataset, name: str) -> tuple[str, str]:
 
 def _doubt(line: xr.Dataset) -> str:
     """How well known roots are, or how far the model must move where there is none."""
-    rooted = line["status"].values == "root"
+    rooted = np.isin(line["status"].values, DETERMINED)
     if rooted.any():
         spread = [float(np.nanmedian(line[f"ln_{k}_std"].values[rooted])) for k in ("kn", "kt")]
         if max(spread) < 0.5:
