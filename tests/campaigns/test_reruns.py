@@ -4,9 +4,8 @@ import pytest
 
 SHEET = "resources/campaigns/small/records.csv"
 AGGREGATES = {"stick": 1, "fe_forces": 1, "stiffness": 1, "joint": 1, "amplitude": 1, "theory": 1,
-              "score": 1, "figures": 1, "figures_records": 1, "figures_stick": 1,
-              "figures_amplitude": 1, "curves": 1, "integrity": 1, "observations": 1,
-              "diagnosis": 1, "verdict": 1, "figures_diagnosis": 1, "report": 1}  # fmt: skip
+              "score": 1, "curves": 1, "integrity": 1, "observations": 1, "diagnosis": 1,
+              "verdict": 1, "report": 1}  # fmt: skip
 SEARCHES = {"search": 1}
 
 
@@ -37,9 +36,8 @@ def test_an_added_record_redoes_itself_and_what_aggregates_it(restored):
 def test_a_search_setting_redoes_the_search_and_what_follows(restored):
     restored.edit("config/config.yaml", "1B: 0.5", "1B: 0.4")
     assert restored.planned() == {
-        **SEARCHES, "stiffness": 1, "joint": 1, "amplitude": 1, "theory": 1, "figures": 1,
-        "figures_amplitude": 1, "report": 1, "diagnosis": 1, "verdict": 1,
-        "figures_diagnosis": 1,
+        **SEARCHES, "stiffness": 1, "joint": 1, "amplitude": 1, "theory": 1,
+        "report": 1, "diagnosis": 1, "verdict": 1,
     }  # fmt: skip
 
 

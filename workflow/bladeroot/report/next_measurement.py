@@ -78,7 +78,7 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
             f"removes on average{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
             "much better the first cause's size would be known. std: of ln kn and ln kt at 12 kN",
             (
-                "structure",
+                "judged",
                 "measurement",
                 "question decided",
                 "size better by",
