@@ -1,8 +1,9 @@
-"""The joint as an operator that is affine in kn, kt and axial force, and its exact modes.
+"""The joint as an operator that is affine in its contact stiffnesses and the load; exact modes.
 
-K(kn, kt, F) = K0 + F Kg + kn Kn + kt Kt, with a constant mass (eqs 4.1, 5.3). A point is
-(ln kn, ln kt, F), with flank totals in N/m and the axial force in N. Contact is kept as rows of
-gaps and slips, too: a stiff contact multiplies what a matrix's rounding leaves of a small gap.
+K(k, F) = K0 + F Kg + sum over the stiffnesses of k Kc, with a constant mass (eqs 4.1, 5.3). A point
+is (ln k..., F): of the dovetail (ln kn, ln kt, F), with flank totals in N/m and the axial force in
+N. Contact is kept as rows of gaps and slips, too: a stiff contact multiplies what a matrix's
+rounding leaves of a small gap.
 """
 
 from collections.abc import Sequence
@@ -17,28 +18,37 @@ from numpy import ndarray
 from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
 
-COORDINATES = ("ln_kn", "ln_kt", "force")
-
 
 @dataclass(frozen=True)
 class Joint:
     """Beam and slots; the beam's dofs come first.
 
-    mass kg, stiffness N/m, geometric 1/m (stiffness per newton of force). normal, tangential: Kn
-    and Kt of 1 N/m of flank stiffness; gap, slip: the rows whose squares they are. springs: how a
-    flank's stiffness is shared. assembly: by which modes are named.
+    mass kg, stiffness N/m, geometric 1/m (stiffness per newton of force). parameters: names of the
+    contact stiffnesses; rows: of each, motions whose squares are its Kc of 1 N/m, kept in squares.
+    springs: how an interface's stiffness is shared. assembly: by which modes are named. shift:
+    1/s^2, by which a body that is free is held while a matrix is factored; no mode is changed.
     """
 
     mass: Float[ndarray, "dof dof"]
     stiffness: Float[ndarray, "dof dof"]
     geometric: Float[ndarray, "dof dof"]
-    normal: Float[ndarray, "dof dof"]
-    tangential: Float[ndarray, "dof dof"]
-    gap: Float[ndarray, "pair dof"]
-    slip: Float[ndarray, "slip dof"]
+    rows: tuple[Float[ndarray, "_ dof"], ...]
+    squares: tuple[Float[ndarray, "dof dof"], ...]
     beam_dofs: int
     springs: str
     assembly: xr.Dataset
+    parameters: tuple[str, ...] = ("kn", "kt")
+    shift: float = 0.0
+
+    @property
+    def gap(self) -> Float[ndarray, "pair dof"]:
+        """Rows of the only interface's gaps."""
+        return self.rows[0]
+
+    @property
+    def slip(self) -> Float[ndarray, "slip dof"]:
+        """Rows of the only interface's slips."""
+        return self.rows[1]
 
 
 def joint_of(
@@ -59,10 +69,8 @@ def joint_of(
         assembly["mass"].values,
         assembly["stiffness"].values,
         whole,
-        gap.T @ gap,
-        slip.T @ slip,
-        gap,
-        slip,
+        (gap, slip),
+        (gap.T @ gap, slip.T @ slip),
         int(assembly["slot_dof"].values.min()),
         "equal at every node" if equal_nodes else "by area",
         assembly,
@@ -74,24 +82,29 @@ def joint_of_reduced(reduced: xr.Dataset, equal_nodes: bool = False) -> Joint:
     return joint_of(assemble(reduced, 0.0), reduced["beam_geometric_stiffness"].values, equal_nodes)
 
 
-def stiffness_at(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, "dof dof"]:
-    """Stiffness at (ln kn, ln kt, F), N/m."""
-    kn, kt = np.exp(point[:2])
-    contact = kn * joint.normal + kt * joint.tangential
-    return joint.stiffness + point[2] * joint.geometric + contact
+def stiffness_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
+    """Stiffness at (ln k..., F), N/m."""
+    contact = 0.0
+    for k, square in zip(np.exp(point[:-1]), joint.squares, strict=True):
+        contact = contact + k * square
+    return joint.stiffness + point[-1] * joint.geometric + contact
+
+
+def held_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
+    """The same, with free bodies held by the shift: what can be factored."""
+    whole = stiffness_at(joint, point)
+    return whole + joint.shift * joint.mass if joint.shift else whole
 
 
 def energy(
-    joint: Joint, point: Float[ndarray, "3"], shapes: Float[ndarray, "dof mode"]
+    joint: Joint, point: Float[ndarray, " coordinate"], shapes: Float[ndarray, "dof mode"]
 ) -> Float[ndarray, " mode"]:
     """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
-    kn, kt = np.exp(point[:2])
-    body = joint.stiffness + point[2] * joint.geometric
-    return (
-        np.einsum("dm,dm->m", shapes, body @ shapes)
-        + kn * ((joint.gap @ shapes) ** 2).sum(axis=0)
-        + kt * ((joint.slip @ shapes) ** 2).sum(axis=0)
-    )
+    body = joint.stiffness + point[-1] * joint.geometric
+    whole = np.einsum("dm,dm->m", shapes, body @ shapes)
+    for k, rows in zip(np.exp(point[:-1]), joint.rows, strict=True):
+        whole = whole + k * ((rows @ shapes) ** 2).sum(axis=0)
+    return whole
 
 
 @dataclass(frozen=True)
@@ -115,10 +128,10 @@ def stable_factor(stiffness: Float[ndarray, "dof dof"], where: str) -> Float[nda
         raise ValueError(f"the joint must be stable, but is not {where}") from None
 
 
-def described(point: Float[ndarray, "3"]) -> str:
+def described(point: Float[ndarray, " coordinate"]) -> str:
     """A point in words."""
-    kn, kt = np.exp(point[:2])
-    return f"at kn {kn:.3g}, kt {kt:.3g} N/m and {point[2]:g} N"
+    stiffness = ", ".join(f"{k:.3g}" for k in np.exp(point[:-1]))
+    return f"at contact stiffnesses {stiffness} N/m and a load of {point[-1]:g}"
 
 
 class Operator:
@@ -128,10 +141,10 @@ class Operator:
     point asks one operator. ValueError, saying `where`, if the joint is not stable there.
     """
 
-    def __init__(self, joint: Joint, point: Float[ndarray, "3"], where: str = "") -> None:
-        """Factor the stiffness; where: the point in words."""
+    def __init__(self, joint: Joint, point: Float[ndarray, " coordinate"], where: str = "") -> None:
+        """Factor the stiffness, free bodies held; where: the point in words."""
         self.joint, self.point = joint, point
-        self.stiffness = stiffness_at(joint, point)
+        self.stiffness = held_at(joint, point)
         self.factor = stable_factor(self.stiffness, where or described(point))
         self._lowest: dict[int, tuple[ndarray, ndarray]] = {}
 
@@ -140,11 +153,12 @@ class Operator:
         return scipy.linalg.cho_solve((self.factor, True), right, check_finite=False)
 
     def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
-        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes."""
+        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes, rigid ones too."""
         if count not in self._lowest:
-            self._lowest[count] = lowest_eigenpairs(
+            values, shapes = lowest_eigenpairs(
                 self.stiffness, self.joint.mass, count, solve=self.solve
             )
+            self._lowest[count] = values - self.joint.shift, shapes
         return self._lowest[count]
 
     def modes(self, names: Sequence[str]) -> Modes:
@@ -153,7 +167,7 @@ class Operator:
         return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
 
 
-def exact_modes(joint: Joint, point: Float[ndarray, "3"], names: Sequence[str]) -> Modes:
+def exact_modes(joint: Joint, point: Float[ndarray, " coordinate"], names: Sequence[str]) -> Modes:
     """Modes of the whole operator at a point, by inverse iteration.
 
     Raises ValueError if the joint is not stable there or a mode is not found.

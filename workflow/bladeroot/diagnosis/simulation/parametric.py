@@ -16,9 +16,8 @@ from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.rom.parametric import ritz_of, surface_of
+from bladeroot.rom.parametric import ln_frequencies, ritz_of, surface_of
 from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.joint import trimmed
 from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
@@ -123,8 +122,8 @@ class _OfRecords:
         """The surface at each record's place, and the bias."""
         ln_kn, ln_kt = self.ln_k(theta) + changes[:, :2].T
         places = np.stack([ln_kn, ln_kt, self.records.force + changes[:, 2]], axis=1)
-        points, where = _distinct(places)
-        value, gradient = ln_frequency(self.surface, points)
+        points, where = distinct(places)
+        value, gradient = ln_frequencies(self.surface, points)
         mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
         g = gradient[where, self.records.mode]
         slope = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * self.x)[:, None], self.bias_rows]
@@ -151,16 +150,7 @@ class _OfRecords:
         return of_hold(normal + tangential + r * both + read), slopes
 
 
-def ln_frequency(
-    surface: Surface, points: Float[ndarray, "point 3"]
-) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode 3"]]:
-    """ln f and its gradient; straight on outside the box."""
-    inside = np.clip(points, surface.low, surface.high)
-    value, slope = chebyshev.evaluate(surface, inside, order=1)
-    return value + np.einsum("pma,pa->pm", slope, points - inside), slope
-
-
-def _distinct(points: Float[ndarray, "point 3"]) -> tuple[ndarray, ndarray]:
+def distinct(points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:
     """The different points, and which of them each is; `np.unique` of rows takes far longer."""
     order = np.lexsort(points.T)
     placed = points[order]
