@@ -10,8 +10,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
-from bladeroot.rom.assembly import frames
 from bladeroot.io.names import is_id
+from bladeroot.rom.assembly import frames
 from bladeroot.shipped_files import structure_file
 
 # Of the largest entry, by which a matrix may differ from its transpose.

@@ -68,6 +68,7 @@ class Assembly:
     display: body and node of the points that show the modes and carry the sensors. modes: by name,
     `order` among the elastic modes, `parity` (with `axis` and `number`) along x, or `shape` at the
     display points, each in the middle of the box. kept: fixed-interface modes of each body.
+    load_range: of the loads that the model serves, if not the configuration's.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Assembly:
     display: Int[ndarray, "point 2"]
     modes: Mapping[str, Mapping]
     kept: int
+    load_range: tuple[float, float] | None = None
 
 
 def reduce_bodies(assembly: Assembly) -> xr.Dataset:
@@ -90,7 +92,9 @@ def reduce_bodies(assembly: Assembly) -> xr.Dataset:
         if not len(one.node):
             raise ValueError(f"interface {one.name} has no contact pairs ({name})")
     touching = [_contact_nodes(interfaces, b) for b in range(len(bodies))]
-    blocks = [_reduced(body, nodes, assembly.kept) for body, nodes in zip(bodies, touching, strict=True)]
+    blocks = [
+        _reduced(body, nodes, assembly.kept) for body, nodes in zip(bodies, touching, strict=True)
+    ]
     starts = np.cumsum([0, *(len(mass) for mass, *_ in blocks)])
     mass, stiffness, geometric = (
         scipy.linalg.block_diag(*(block[k] for block in blocks)) for k in range(3)
@@ -115,6 +119,8 @@ def reduce_bodies(assembly: Assembly) -> xr.Dataset:
         (area / np.bincount(interface, area)[interface])[~tied], interface[~tied], where[~tied],
         np.array([bodies[b].nodes[n] for b, n in display]), shape @ join, interfaces,
     )  # fmt: skip
+    if assembly.load_range:
+        whole.attrs["load_range"] = list(map(float, assembly.load_range))
     shapes = _named(whole, modes)
     text = {"units": "kg-1/2", "long_name": "shape that a mode is known by, middle of the box"}
     return whole.assign(mode_shape=(("mode", "dof"), shapes, text)).assign_coords(mode=list(modes))

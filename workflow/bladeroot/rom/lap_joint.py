@@ -1,4 +1,4 @@
-"""The built-in lap joint as an assembly: two half beams, and an interface for each group of bolts."""
+"""The built-in lap joint as an assembly: half beams, an interface for each group of bolts."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -33,7 +33,8 @@ def lap_joint_assembly(data: Mapping[str, Any], where: str) -> Assembly:
         interfaces.append(interface_of(name, share | dict(one), *pairs))
     display = np.array([(k, n) for k in (0, 1) for n in line_nodes(joint, meshes[k], k)])
     kept = data["reduction"]["modes"]
-    return Assembly(joint.name, bodies, tuple(interfaces), display, data["modes"], kept)
+    of_load = data.get("load_range")
+    return Assembly(joint.name, bodies, tuple(interfaces), display, data["modes"], kept, of_load)
 
 
 def _pairs(joint: LapJoint, meshes: list, bolts: list[float]) -> tuple[np.ndarray, ...]:

@@ -1,6 +1,7 @@
 """Matrices of any bodies with any interfaces: a structure file of kind `assembly`, in and out."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from bladeroot.rom.external.description import (
     matrix_files_of,
     missing,
 )
+from bladeroot.rom.external.equations import Equations
 from bladeroot.rom.external.export import write_matrix, write_table
 from bladeroot.rom.external.nodes import node_table
 from bladeroot.rom.external.tables import Table, floats, read_table, whole_numbers
@@ -54,8 +56,51 @@ def files_of(description: Description) -> list[Path]:
     tables = [body[key] for body in data["bodies"].values() for key in ("nodes", "mapping", "fixed")
               if key in body]  # fmt: skip
     shapes = [one["shape"] for one in data["modes"].values() if "shape" in one]
-    named = [description.folder / name for name in dict.fromkeys([*tables, data["contact"], *shapes])]
+    named = [
+        description.folder / name for name in dict.fromkeys([*tables, data["contact"], *shapes])
+    ]
     return [*named, *matrix_files_of(description)]
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What the tables say: by body its node table with equations and fixed ones, and positions."""
+
+    nodes: dict[str, tuple[Table, Equations, ndarray]]
+    positions: dict[str, Float[ndarray, "node 3"]]
+    display: Int[ndarray, "point 2"]
+    modes: dict[str, Mapping[str, Any]]
+    interfaces: tuple[Interface, ...]
+
+
+def assembly_tables(description: Description) -> Tables:
+    """All tables that a description names, read and checked; the matrices come later.
+
+    Raises ValueError, one line that names file and row, for what is wrong in them.
+    """
+    data = description.data
+    nodes = {name: node_table(description, name) for name in data["bodies"]}
+    positions = {
+        name: description.length * np.column_stack([floats(table, axis) for axis in _AXES])
+        for name, (table, _, _) in nodes.items()
+    }
+    places = {
+        name: {int(node): k for k, node in enumerate(whole_numbers(table, "node"))}
+        for name, (table, _, _) in nodes.items()
+    }
+    order = list(nodes)
+    shown = [(name, node) for name, nodes in data["display_nodes"].items() for node in nodes]
+    display = np.array(
+        [(order.index(name), _node(places, name, n, description.path)) for name, n in shown]
+    )
+    modes = {
+        name: {"shape": _shape(description, one["shape"], order, places, display)}
+        if "shape" in one
+        else one
+        for name, one in data["modes"].items()
+    }
+    interfaces = _interfaces(description, order, places, list(positions.values()))
+    return Tables(nodes, positions, display, modes, interfaces)
 
 
 def assembly_of_matrices(description: Description) -> Assembly:
@@ -63,23 +108,11 @@ def assembly_of_matrices(description: Description) -> Assembly:
 
     Raises ValueError, one line that names file and row, for what is wrong in them.
     """
-    data, places, bodies = description.data, {}, []
-    for name in data["bodies"]:
-        body, ids = _body(description, name)
-        bodies.append(body)
-        places[name] = {int(node): k for k, node in enumerate(ids)}
-    order = list(data["bodies"])
-    display = np.array([(order.index(name), _node(places, name, node, description.path))
-                        for name, nodes in data["display_nodes"].items() for node in nodes])  # fmt: skip
-    modes = {
-        name: {"shape": _shape(description, one["shape"], order, places, display)}
-        if "shape" in one
-        else one
-        for name, one in data["modes"].items()
-    }
-    interfaces = _interfaces(description, order, places, bodies)
+    data, read = description.data, assembly_tables(description)
+    bodies = tuple(_body(description, name, read) for name in data["bodies"])
+    of_load = data.get("load_range")
     kept = data["reduction"]["modes"]
-    return Assembly(data["name"], tuple(bodies), interfaces, display, modes, kept)
+    return Assembly(data["name"], bodies, read.interfaces, read.display, read.modes, kept, of_load)
 
 
 def interface_of(name: str, one: Mapping[str, Any], *pairs: ndarray) -> Interface:
@@ -124,7 +157,11 @@ def export_assembly(assembly: Assembly, data: Mapping[str, Any], folder: Path, n
         (one.name, called[b[0]], n[0] + 1, called[b[1]], n[1] + 1, repr(area), *map(repr, normal))
         for one in assembly.interfaces
         for b, n, area, normal in zip(
-            one.body.tolist(), one.node.tolist(), one.area.tolist(), one.normal.tolist(), strict=True
+            one.body.tolist(),
+            one.node.tolist(),
+            one.area.tolist(),
+            one.normal.tolist(),
+            strict=True,
         )
     ]
     header = ("interface", "first_body", "first_node", "second_body", "second_node", "area",
@@ -138,13 +175,15 @@ def export_assembly(assembly: Assembly, data: Mapping[str, Any], folder: Path, n
         "display_nodes": shown, "interfaces": dict(data["interfaces"]),
         "modes": dict(data["modes"]), "reduction": dict(data["reduction"]),
     }  # fmt: skip
+    if assembly.load_range:
+        description["load_range"] = list(assembly.load_range)
     text = yaml.safe_dump(description, sort_keys=False, allow_unicode=True)
     (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
 
 
-def _body(description: Description, name: str) -> tuple[Body, Int[ndarray, " node"]]:
-    """A body without its held rows, and the numbers of its nodes."""
-    table, equations, fixed = node_table(description, name)
+def _body(description: Description, name: str, read: Tables) -> Body:
+    """A body without its held rows."""
+    _, equations, fixed = read.nodes[name]
     mass, stiffness, geometric = model_matrices(description, name)
     if mass.shape[0] != len(equations.node):
         model = description.models[name]
@@ -155,16 +194,14 @@ def _body(description: Description, name: str) -> tuple[Body, Int[ndarray, " nod
     free = np.flatnonzero(~fixed)
     row = np.full(len(fixed), -1)
     row[free] = np.arange(len(free))
-    position = description.length * np.column_stack([floats(table, axis) for axis in _AXES])
-    dof = np.full((len(position), 3), -1)
+    dof = np.full((len(read.positions[name]), 3), -1)
     moves = equations.axis < 3
     dof[equations.node[moves], equations.axis[moves]] = row[moves]
 
     def kept(matrix: sp.csr_array | None) -> sp.csr_array | None:
         return None if matrix is None else sp.csr_array(matrix[free][:, free])
 
-    made = Body(name, kept(mass), kept(stiffness), kept(geometric), position, dof)
-    return made, whole_numbers(table, "node")
+    return Body(name, kept(mass), kept(stiffness), kept(geometric), read.positions[name], dof)
 
 
 def _node(places: Mapping[str, dict], body: str, node: int, where: object) -> int:
@@ -189,8 +226,9 @@ def _nodes(
 
 
 def _interfaces(
-    description: Description, order: list[str], places: Mapping[str, dict], bodies: list[Body]
+    description: Description, order: list[str], places: Mapping[str, dict], nodes: list
 ) -> tuple[Interface, ...]:
+    """From the table of contact pairs."""
     data = description.data
     columns = ("interface", *(f"{side}_{what}" for side in _SIDES for what in ("body", "node")),
                "area", "nx", "ny", "nz")  # fmt: skip
@@ -209,7 +247,7 @@ def _interfaces(
     if len(wrong):
         where = table.where(int(wrong[0]))
         raise ValueError(f"expected a positive area and a normal that does not vanish ({where})")
-    position = np.array([[bodies[b].nodes[n] for b, n in pair] for pair in sides])
+    position = np.array([[nodes[b][n] for b, n in pair] for pair in sides])
     gap = np.linalg.norm(position[:, 0] - position[:, 1], axis=1)
     tolerance = 1e-3 * data.get("contact_tolerance_mm", 1e-3)
     if not gap.max() <= tolerance:
