@@ -19,6 +19,7 @@ from bladeroot.figures.style import (
     plain,
     plain_log_scale,
 )
+from bladeroot.loads import shown
 
 BEFORE, AFTER = "#b5462f", "#2a7f62"
 PALE = "#c9d1d8"
@@ -192,10 +193,12 @@ def law(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
     full = [one for one in found if "law_k" in one]
     if not full:
         return nothing("too few stick frequencies for a law of the force")
-    drawn, axes = panels(len(full), 2, 9.2, 2.8 * len(full))
+    many = max(one.sizes["stiffness"] for one in full)
+    drawn, axes = panels(len(full), many, 4.6 * many, 2.8 * len(full))
     for row, one in enumerate(full):
-        force = one["law_force"].values / 1e3
-        for column, name in enumerate(("kn", "kt")):
+        factor, unit, called = shown(one.attrs)
+        force = one["law_force"].values * factor
+        for column, name in enumerate(one["stiffness"].values.astype(str)):
             axis = axes[row, column]
             for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
                 if stage == "after" and not one.attrs["named"]:
@@ -206,8 +209,9 @@ def law(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
                                   linewidth=0)  # fmt: skip
                 label = "as it was" if stage == "before" else "with the cause"
                 axis.plot(force, k, style, color=colour, label=label)
-            axis.set_xlabel("axial force / kN")
-            axis.set_ylabel(f"{name} of a flank / GN/m")
+            axis.set_xlabel(f"{called} / {unit}")
+            of_flank = " of a flank" if name in ("kn", "kt") else ""
+            axis.set_ylabel(f"{name}{of_flank} / GN/m")
             plain_log_scale(axis)
             axis.set_title(one.attrs["structure"], loc="left", color=STRUCTURE_COLOURS[3])
     axes[0, 0].legend(fontsize=7, title="simulation ± std", title_fontsize=7)

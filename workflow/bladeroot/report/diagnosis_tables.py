@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from bladeroot.loads import shown
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import ANSWERS, between_forces, plain, size
@@ -161,6 +162,9 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
 def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
     """kn and kt at the ends of the campaign's forces and at 12 kN."""
     full = [one for one in found if "law_k" in one]
+    several = [one for one in full if "kn" not in one["stiffness"].values]
+    if several:
+        return [_interfaces(one) for one in several]
     if not full:
         return []
     rows = []
@@ -184,6 +188,24 @@ def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
             rows,
         )
     ]  # fmt: skip
+
+
+def _interfaces(one: xr.Dataset) -> Table:
+    """Contact stiffness of each interface in the middle of the campaign's loads."""
+    middle = one.isel(law_force=one.sizes["law_force"] // 2)
+    factor, unit, name = shown(one.attrs)
+    load = float(middle["law_force"]) * factor
+    rows = [
+        (called, *(_k(middle, called, stage) for stage in ("before", "after")))
+        for called in one["stiffness"].values.astype(str)
+    ]
+    return Table(
+        f"Contact stiffness of each interface at {load:.3g} {unit} {name} by the laws before and "
+        "after, GN/m, with one standard deviation of ln k. What the frequencies leave open is as "
+        "wide as the structure file's range",
+        ("stiffness", "before", "after"),
+        rows,
+    )
 
 
 def _k(here: xr.Dataset, name: str, stage: str) -> str:

@@ -68,6 +68,12 @@ class Parametric:
         """As the interface says."""
         return _OfRecords(self, records, hold, rounding)
 
+    def pivot_of(self, records: Records) -> float:
+        """The load about which laws tilt."""
+        if self.pivot is not None:
+            return self.pivot
+        return float(np.exp(np.log(records.force).mean())) if records.force.size else 1.0
+
     def silent(self, one: Mechanism) -> str:
         """It speaks of every cause."""
         return ""
@@ -126,10 +132,7 @@ class _OfRecords:
         modes, self.count = len(simulated.ritz), len(simulated.parameters)
         # which of the changes, of kn or of kt, is each stiffness's
         self.kind = np.array([int(name.startswith("kt")) for name in simulated.parameters])
-        pivot = simulated.pivot
-        if pivot is None:
-            pivot = float(np.exp(np.log(records.force).mean())) if records.force.size else 1.0
-        self.x = np.log(records.force / pivot)
+        self.x = np.log(records.force / simulated.pivot_of(records))
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
         levels, bias = np.array(simulated.prior), simulated.bias
