@@ -8,6 +8,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.verdict import insufficient, verdict
@@ -34,6 +35,10 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
             parts.append(_records(made, found))
             if isinstance(made.simulated, Parametric):
                 parts.append(_stiffness(made, found))
+            if made.simulated.kind == "assembly":
+                named = [cause.mechanism for cause in found.causes]
+                told = (made.data, made.simulated, found.final, named, found.channel.base)
+                parts.append(interface_stiffness(*told))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))
         else:
@@ -214,7 +219,7 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
                 ("stage", "law_force", "stiffness", "stiffness_"), whole, "1", "covariance of ln k"
             ),
         },
-        coords={"stage": list(STAGES), "stiffness": list(names),
+        coords={"stage": list(STAGES), "stiffness": list(names), "stiffness_": list(names),
                 "law_force": ("law_force", force, {"units": "N", "long_name": "axial force"})},
     )  # fmt: skip
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.loads import shown
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import ANSWERS, between_forces, plain, size
@@ -162,7 +161,7 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
 def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
     """kn and kt at the ends of the campaign's forces and at 12 kN."""
     full = [one for one in found if "law_k" in one]
-    several = [one for one in full if "kn" not in one["stiffness"].values]
+    several = [one for one in full if "interface_k" in one]
     if several:
         return [_interfaces(one) for one in several]
     if not full:
@@ -191,19 +190,21 @@ def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
 
 
 def _interfaces(one: xr.Dataset) -> Table:
-    """Contact stiffness of each interface in the middle of the campaign's loads."""
-    middle = one.isel(law_force=one.sizes["law_force"] // 2)
-    factor, unit, name = shown(one.attrs)
-    load = float(middle["law_force"]) * factor
-    rows = [
-        (called, *(_k(middle, called, stage) for stage in ("before", "after")))
-        for called in one["stiffness"].values.astype(str)
-    ]
+    """Contact stiffness of each interface with its intervals."""
+    rows = []
+    for called in one["stiffness"].values.astype(str):
+        here = one.sel(stiffness=called)
+        low, less, middle, more, high = (
+            significant(1e-9 * k, 2) for k in here["interface_k"].values
+        )
+        std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
+        known = fixed(std / float(here["interface_prior_std"]), 2)
+        rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
     return Table(
-        f"Contact stiffness of each interface at {load:.3g} {unit} {name} by the laws before and "
-        "after, GN/m, with one standard deviation of ln k. What the frequencies leave open is as "
-        "wide as the structure file's range",
-        ("stiffness", "before", "after"),
+        "Contact stiffness of each interface, GN/m, with the causes at their most probable sizes: "
+        "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "
+        "structure file's range (1: the frequencies say nothing)",
+        ("stiffness", "median", "68 %", "95 %", "of the range"),
         rows,
     )
 

@@ -173,9 +173,18 @@ class _OfRecords:
         mean = value[where, self.records.mode] + self.bias_rows @ theta[count + 1 :]
         g = gradient[where, self.records.mode]
         slope = [g[:, :count], (g[:, :count].sum(axis=1) * self.x)[:, None], self.bias_rows]
-        together = [g[:, :count][:, self.kind == kind].sum(axis=1) for kind in (0, 1)]
-        together.append(g[:, count] / self.simulated.per_load)
-        return Said(mean, np.hstack(slope), np.stack(together, axis=1))
+        return Said(mean, np.hstack(slope), self.together(g))
+
+    def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
+        """Gradients by all kn alike, by all kt alike, and by the records' load."""
+        of_k = [g[..., : self.count][..., self.kind == kind].sum(axis=-1) for kind in (0, 1)]
+        return np.stack([*of_k, g[..., self.count] / self.simulated.per_load], axis=-1)
+
+    def of_clamping(self, scales: Float[ndarray, " scale"]) -> Float[ndarray, "3 3"]:
+        """Covariance of (ln kn, ln kt, load) between clampings."""
+        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
+        both = r * (s_n * s_t * _AXES[2])
+        return s_n**2 * _AXES[0] + s_t**2 * _AXES[1] + both + np.diag([0, 0, self.rounding**2])
 
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
