@@ -48,7 +48,7 @@ def chain(masses, first, held=False):
     return Body(f"b{first}", mass, stiffness, None, nodes, dof)
 
 
-def three_bodies(middle=BOX, kt=2e6, order=2):
+def three_bodies(far=(BOX, BOX), kt=2e6, order=2):
     """A held chain and two free ones, an interface between each two; the last tied or not."""
     bodies = (chain([1.0] * 5, 0, held=True), chain([2.0] * 5, 10), chain([3.0] * 5, 20))
     normal, area = np.array([[1.0, 0.0, 0.0]]), np.ones(1)
@@ -56,7 +56,7 @@ def three_bodies(middle=BOX, kt=2e6, order=2):
     def between(name, a, b, kn, kt):
         return Interface(name, np.array([[a, b]]), np.array([[4, 0]]), normal, area, kn, kt)
 
-    interfaces = (between("near", 0, 1, BOX, kt), between("far", 1, 2, middle, middle and BOX))
+    interfaces = (between("near", 0, 1, BOX, kt), between("far", 1, 2, *far))
     shown = np.array([(b, n) for b in range(3) for n in range(5)])
     return Assembly("chains", bodies, interfaces, shown, {"any": {"order": order}}, 2)
 
@@ -84,8 +84,8 @@ def full(assembly, k, load=0.0):
 @given(k=st.lists(st.floats(np.log(1e5), np.log(1e7)), min_size=3, max_size=3),
        order=st.integers(1, 5))  # fmt: skip
 def test_frequencies_are_those_of_the_unreduced_bodies(k, order):
-    # all but the highest of twelve fixed-interface modes are kept
-    assembly = replace(three_bodies(order=order), kept=11)
+    # eight of nine or twelve fixed-interface modes are kept
+    assembly = replace(three_bodies(order=order), kept=8)
     reduced = reduce_bodies(assembly)
     joint = joint_of_bodies(reduced)
     assert joint.parameters == ("kn near", "kn far", "kt far")
@@ -95,23 +95,22 @@ def test_frequencies_are_those_of_the_unreduced_bodies(k, order):
     mass, stiffness = full(assembly, [(kn, 2e6), (kn_far, kt_far)])
     values = scipy.linalg.eigh(stiffness.toarray(), mass.toarray(), eigvals_only=True)
     found = exact_modes(joint, np.append(middle, 0.0), ["any"])
-    assert found.values[0] == pytest.approx(values[order - 1], rel=1e-4)
+    assert found.values[0] == pytest.approx(values[order - 1], rel=1e-3)
     # anywhere else all frequencies
     kn, kn_far, kt_far = np.exp(k)
     mass, stiffness = full(assembly, [(kn, 2e6), (kn_far, kt_far)])
     values = scipy.linalg.eigh(stiffness.toarray(), mass.toarray(), eigvals_only=True)
     point = np.append(k, 0.0)
     own = scipy.linalg.eigh(stiffness_at(joint, point), joint.mass, eigvals_only=True)
-    np.testing.assert_allclose(own[:9], values[:9], rtol=1e-4)
+    np.testing.assert_allclose(own[:6], values[:6], rtol=1e-3)
 
 
 def test_a_tied_interface_is_the_limit_of_a_stiff_one():
-    stiff = joint_of_bodies(reduce_bodies(three_bodies(middle=1e13)))
-    tied = joint_of_bodies(reduce_bodies(three_bodies(middle=None)))
-    assert tied.parameters == ("kn near",)
+    stiff = joint_of_bodies(reduce_bodies(three_bodies(far=(1e13, 1e13))))
+    tied = joint_of_bodies(reduce_bodies(three_bodies(far=(None, None))))
+    assert tied.parameters == stiff.parameters == ("kn near",)
     point = np.array([np.log(1e6), 0.0])
-    one = exact_modes(tied, point, ["any"]).values
-    other = exact_modes(stiff, np.array([np.log(1e6), np.log(1e7), 0.0]), ["any"]).values
+    one, other = (exact_modes(joint, point, ["any"]).values for joint in (tied, stiff))
     np.testing.assert_allclose(one, other, rtol=1e-3)
 
 
@@ -243,12 +242,12 @@ def _range(data, folder):
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (_unknown_interface, r"interface must be one of outer, middle, got 'other' \(.*, row \d+\)"),
+        (_unknown_interface, r"interface must be one of .*, got 'other' \(.*, row \d+\)"),
         (_no_pairs, r"interface third has no contact pairs \(.*contact\.csv\)"),
         (_apart, r"expected contact nodes that coincide within 0\.001 mm, got .*, row 2\)"),
         (_range, r"interfaces\.outer\.kn_N_per_m must be \[low, high\]"),
         (_changed(display_nodes={"third": [1]}), "display_nodes: third is not among bodies"),
-        (_changed(display_nodes={"first": [999999]}), "node 999999 is not among those of body first"),
+        (_changed(display_nodes={"first": [999999]}), "node 999999 is not among those of body"),
         (_changed(modes={"bend1": {"order": 1}}), "knows bend1, not bend2, bend3"),
     ],
 )
@@ -269,10 +268,9 @@ def test_what_cannot_be_reduced_is_told():
     loose = replace(three_bodies(), interfaces=three_bodies().interfaces[:1])
     with pytest.raises(ValueError, match="body b20 has no contact pairs"):
         reduce_bodies(loose)
-    with pytest.raises(ValueError, match="only 1 of the lowest"):
-        data = lap_data()
-        modes = {"bend1": {"parity": "even", "axis": "X", "number": 2}}
-        reduce_bodies(replace(lap_joint_assembly(data, ""), modes=modes))
+    stretch = {"bend1": {"parity": "even", "axis": "X", "number": 2}}
+    with pytest.raises(ValueError, match="mode bend1: only 0 of the lowest"):
+        reduce_bodies(replace(lap_assembly(), modes=stretch))
     data = lap_data()
     data["interfaces"] = data["interfaces"] | {"spare": {"tied": True}}
     with pytest.raises(ValueError, match="interface spare has no bolt"):

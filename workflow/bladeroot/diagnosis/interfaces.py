@@ -70,7 +70,9 @@ def density(
     made = causes(mechanisms, fitted.parameters[base:], records, partial(here.structures, own))
     changes, count = made.changes, len(simulated.parameters)
     load = (records.force + changes[:, 2]) / simulated.per_load - simulated.shift
-    places, where = distinct(np.column_stack([changes[:, :2], load]))
+    # The load's own effect on f is some per cent: its square is far below the model's bias.
+    places, where = distinct(changes[:, :2])
+    middle = load.mean()
     prior, scales = np.array(simulated.prior), fitted.scales
     nothing = np.zeros((records.force.size, 3))
     still = State(fitted.state.mean, fitted.state.slope, fitted.state.facts | {"gradient": nothing})
@@ -84,16 +86,13 @@ def density(
     def some(ln_k: ndarray) -> ndarray:
         points = np.empty((len(places), len(ln_k), count + 1))
         points[:, :, :count] = ln_k + places[:, None, :2][:, :, here.kind]
-        points[:, :, count] = places[:, 2, None]
+        points[:, :, count] = middle
         value, slope = ln_frequencies(simulated.surface, points.reshape(-1, count + 1))
         shape = (len(places), len(ln_k), -1)
-        mean = value.reshape(shape)[where, :, records.mode].T
         g = slope.reshape(*shape, count + 1)[where, :, records.mode].transpose(1, 0, 2)
+        mean = value.reshape(shape)[where, :, records.mode].T + g[:, :, count] * (load - middle)
         three = here.together(g)
-        whole = (
-            fixed + np.einsum("iac,cd,ibd->iab", three, spread, three, optimize=True) * same_hold
-        )
-        factor = np.linalg.cholesky(whole)
+        factor = np.linalg.cholesky(fixed + (three @ spread @ three.mT) * same_hold)
         rest = np.linalg.solve(factor, (target - mean)[..., None])[..., 0]
         log = -0.5 * (rest**2).sum(axis=1)
         log -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)

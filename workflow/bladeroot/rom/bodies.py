@@ -24,8 +24,9 @@ from bladeroot.rom.reduction import craig_bampton, project_stiffness
 LEAST_MAC = 0.7
 # Elastic modes that are searched for the named ones, beyond the highest order asked for.
 SEARCHED = 8
-# omega^2 below this part of the highest that is looked at is a rigid motion.
-RIGID = 1e-7
+# omega^2 below this part of the shift is a rigid motion: rounding leaves less, and an elastic mode
+# lies far above, as the shift is a thousandth of what a single dof would have.
+RIGID = 1e-5
 # What holds a free assembly while it is factored, over the least Rayleigh quotient of one dof.
 _SHIFT = 1e-3
 
@@ -212,7 +213,7 @@ def _named(reduced: xr.Dataset, modes: Mapping[str, Mapping]) -> Float[ndarray, 
     orders = [one.get("order", one.get("number", 1)) for one in modes.values()]
     count = min(2 * max([*orders, len(modes)]) + SEARCHED + 6, len(joint.mass))
     values, shapes = Operator(joint, middle).lowest(count)
-    shapes = shapes[:, values > RIGID * values[-1]]
+    shapes = shapes[:, values > RIGID * joint.shift]
     shown = np.einsum("daq,qm->dam", reduced["display_shape"].values, shapes)
     found = {name: _place(name, one, reduced, shown, where) for name, one in modes.items()}
     for name, place in found.items():
