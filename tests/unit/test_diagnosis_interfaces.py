@@ -17,7 +17,7 @@ CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 LOADS = (3e3, 6e3, 9e3, 12e3)
 # ln k of outer and middle bolts
 TRUE = np.log([4e9, 1.4e9, 1.6e9, 0.6e9])
-BIAS = np.array([0.002, -0.003, 0.001])
+BIAS = np.array([0.001, -0.001, 0.0005])
 
 
 def seen(exponent=0.0, factor=1.0, seed=1):

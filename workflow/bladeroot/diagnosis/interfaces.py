@@ -27,7 +27,7 @@ from bladeroot.rom.parametric import ln_frequencies
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 # Draws of a round and rounds; the later proposal is wider than the draws' own spread by this, and
 # this part of it stays the prior, so that no weight grows without bound.
-DRAWS, ROUNDS, WIDER, OF_PRIOR = 2000, 3, 1.5, 0.2
+DRAWS, ROUNDS, WIDER, OF_PRIOR = 1000, 3, 1.5, 0.2
 _CHUNK = 500  # draws at a time: bounds the memory
 
 Density = Callable[[Float[ndarray, "draw parameter"]], Float[ndarray, " draw"]]
