@@ -35,9 +35,7 @@ rule observations:
     resources:
         **needs("observations"),
     params:
-        settings=lambda w: canonical_json(
-            observation_facts(CAMPAIGNS[w.campaign])
-        ),
+        settings=lambda w: canonical_json(observation_facts(CAMPAIGNS[w.campaign])),
         code=code("observations"),
     message:
         "all records of {wildcards.campaign} as the diagnosis takes them"

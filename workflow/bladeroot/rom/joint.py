@@ -8,6 +8,7 @@ rounding leaves of a small gap.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.linalg
@@ -16,7 +17,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
+from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
+from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,12 @@ class Joint:
     def slip(self) -> Float[ndarray, "slip dof"]:
         """Rows of the only interface's slips."""
         return self.rows[1]
+
+    @cached_property
+    def sectors(self) -> tuple[JointSector, ...]:
+        """The joint by the parities of its motion, which do not mix."""
+        matrices = (self.mass, self.stiffness, self.geometric, *self.squares)
+        return joint_sectors(self.assembly, *matrices)
 
 
 def joint_of(
@@ -84,24 +93,31 @@ def joint_of_reduced(reduced: xr.Dataset, equal_nodes: bool = False) -> Joint:
 
 def stiffness_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
     """Stiffness at (ln k..., F), N/m."""
-    contact = 0.0
-    for k, square in zip(np.exp(point[:-1]), joint.squares, strict=True):
-        contact = contact + k * square
-    return joint.stiffness + point[-1] * joint.geometric + contact
+    return _sum(point, joint.stiffness, joint.geometric, *joint.squares)
 
 
 def held_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
     """The same, with free bodies held by the shift: what can be factored."""
-    whole = stiffness_at(joint, point)
-    return whole + joint.shift * joint.mass if joint.shift else whole
+    return _held(stiffness_at(joint, point), joint.mass, joint.shift)
+
+
+def _sum(point, stiffness, geometric, *squares) -> Float[ndarray, "dof dof"]:
+    contact = 0.0
+    for k, square in zip(np.exp(point[:-1]), squares, strict=True):
+        contact = contact + k * square
+    return stiffness + point[-1] * geometric + contact
+
+
+def _held(stiffness: ndarray, mass: ndarray, shift: float) -> Float[ndarray, "dof dof"]:
+    return stiffness + shift * mass if shift else stiffness
 
 
 def energy(
     joint: Joint, point: Float[ndarray, " coordinate"], shapes: Float[ndarray, "dof mode"]
 ) -> Float[ndarray, " mode"]:
     """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
-    body = joint.stiffness + point[-1] * joint.geometric
-    whole = np.einsum("dm,dm->m", shapes, body @ shapes)
+    load = joint.stiffness @ shapes + point[-1] * (joint.geometric @ shapes)
+    whole = (shapes * load).sum(axis=0)
     for k, rows in zip(np.exp(point[:-1]), joint.rows, strict=True):
         whole = whole + k * ((rows @ shapes) ** 2).sum(axis=0)
     return whole
@@ -144,27 +160,43 @@ class Operator:
     def __init__(self, joint: Joint, point: Float[ndarray, " coordinate"], where: str = "") -> None:
         """Factor the stiffness, free bodies held; where: the point in words."""
         self.joint, self.point = joint, point
-        self.stiffness = held_at(joint, point)
-        self.factor = stable_factor(self.stiffness, where or described(point))
+        self._parts = [one.part for one in joint.sectors]
+        self._problems = [
+            (_held(_sum(point, *m), mass, joint.shift), mass)
+            for mass, *m in (s.matrices for s in joint.sectors)
+        ]
+        where = where or described(point)
+        self._factors = [stable_factor(stiffness, where) for stiffness, _ in self._problems]
         self._lowest: dict[int, tuple[ndarray, ndarray]] = {}
+
+    @cached_property
+    def stiffness(self) -> Float[ndarray, "dof dof"]:
+        """Of the whole joint, N/m."""
+        return stiffness_at(self.joint, self.point)
 
     def solve(self, right: Float[ndarray, "dof column"]) -> Float[ndarray, "dof column"]:
         """Displacements (m) under loads (N)."""
-        return scipy.linalg.cho_solve((self.factor, True), right, check_finite=False)
+        moved = np.zeros_like(right)
+        for part, factor in zip(self._parts, self._factors, strict=True):
+            moved += part.columns @ _solved(factor, part.columns.T @ right)
+        return moved
 
     def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
         """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes, rigid ones too."""
         if count not in self._lowest:
-            values, shapes = lowest_eigenpairs(
-                self.stiffness, self.joint.mass, count, solve=self.solve
-            )
-            self._lowest[count] = values - self.joint.shift, shapes
+            solves = [partial(_solved, factor) for factor in self._factors]
+            values, found = sector_eigenpairs(self._problems, solves, count)
+            self._lowest[count] = values - self.joint.shift, whole_shapes(self._parts, found)
         return self._lowest[count]
 
     def modes(self, names: Sequence[str]) -> Modes:
         """The named modes. ValueError if one is not found."""
         _, shapes = _holding(self.joint, names, len(self.joint.mass), self.lowest)
         return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
+
+
+def _solved(factor: ndarray, right: ndarray) -> ndarray:
+    return scipy.linalg.cho_solve((factor, True), right, check_finite=False)
 
 
 def exact_modes(joint: Joint, point: Float[ndarray, " coordinate"], names: Sequence[str]) -> Modes:
