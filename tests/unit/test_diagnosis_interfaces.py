@@ -81,11 +81,15 @@ def test_true_stiffnesses_lie_in_their_intervals(null):
 
 
 def test_stiffening_over_the_preload_is_named():
-    _, said, _ = told(seen(exponent=0.5))
+    whole, said, _ = told(seen(exponent=0.5))
     assert [one["mechanism"] for one in said["causes"]] == ["load-dependent-stiffness"]
     exponent = said["causes"][0]["parameters"][0]
     assert abs(exponent["value"] - 0.5) < 3 * exponent["std"] + 0.05
     assert "bolt preload" in said["reason"]
+    low, *_, high = whole["interface_k"].values.T
+    at_reference = np.exp(TRUE) * np.sqrt(2.0)  # the law's, 12 kN
+    assert (low < at_reference).all()
+    assert (at_reference < high).all()
 
 
 def test_another_machine_is_refused_in_one_sentence():

@@ -2,9 +2,10 @@
 
 Frequencies saturate towards soft and stiff contact, so that the posterior of several stiffnesses is
 far from a normal distribution: Laplace's regions of 95 % held 79 of 100 drawn truths of the lap
-joint. Here the model's biases are integrated out as the normal variables that they are, scales of
-scatter and the causes stay at their most probable values, and the stiffnesses are drawn: from their
-prior, then from a normal distribution about what the first draws weigh.
+joint. Here the model's biases are integrated out as the normal variables that they are, the causes'
+parameters as if the fit were straight in them; scales of scatter stay at their most probable
+values, and the stiffnesses are drawn: from their prior, then from a normal distribution about what
+the draws before weigh.
 """
 
 from collections.abc import Callable
@@ -27,7 +28,9 @@ from bladeroot.rom.parametric import ln_frequencies
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 # Draws of a round and rounds; the later proposal is wider than the draws' own spread by this, and
 # this part of it stays the prior, so that no weight grows without bound.
-DRAWS, ROUNDS, WIDER, OF_PRIOR = 1000, 3, 1.5, 0.2
+DRAWS, ROUNDS, WIDER, OF_PRIOR = 1000, 5, 1.5, 0.2
+# Effective draws that a proposal is learnt from at least: with fewer, weights are evened out.
+LEARNT_FROM = 60
 _CHUNK = 500  # draws at a time: bounds the memory
 
 Density = Callable[[Float[ndarray, "draw parameter"]], Float[ndarray, " draw"]]
@@ -44,7 +47,7 @@ class Weighted:
     @property
     def effective(self) -> float:
         """How many draws of equal weight are worth as much."""
-        return float(1.0 / (self.weight**2).sum())
+        return _effective(self.weight)
 
     def quantiles(self, levels: tuple[float, ...] = QUANTILES) -> Float[ndarray, "parameter level"]:
         """Of each ln k."""
@@ -79,7 +82,12 @@ def density(
     fixed, _ = problem(data, simulated, mechanisms).covariance(still, scales)
     bias = here.prior.std[count + 1 :]
     fixed = fixed + (here.bias_rows * bias**2) @ here.bias_rows.T
-    target = data.ln_f - changes[:, 3] - here.bias_rows @ here.prior.mean[count + 1 :]
+    # The causes' own parameters are as unknown as their priors say, about where the fit has them.
+    asked = problem(data, simulated, mechanisms).prior
+    by_cause = fitted.state.slope[:, base:]
+    fixed = fixed + (by_cause * asked.std[base:] ** 2) @ by_cause.T
+    moved = by_cause @ (asked.mean - fitted.parameters)[base:]
+    target = data.ln_f - changes[:, 3] - moved - here.bias_rows @ here.prior.mean[count + 1 :]
     spread = here.of_clamping(scales)
     same_hold = here.same_hold
 
@@ -122,7 +130,11 @@ def weighted_draws(
         proposal = own
         if round_:
             proposal = np.logaddexp(np.log(part) + own, np.log1p(-part) + _normal(ln_k, mean, root))
-        weight = np.exp(log - proposal - (log - proposal).max())
+        ratio = log - proposal - (log - proposal).max()
+        heat = 1.0
+        while round_ < ROUNDS - 1 and _effective(np.exp(ratio / heat)) < LEARNT_FROM:
+            heat *= 1.5
+        weight = np.exp(ratio / heat)
         found = Weighted(ln_k, weight / weight.sum(), log)
         mean = found.weight @ ln_k
         off = ln_k - mean
@@ -139,7 +151,7 @@ def interface_stiffness(
     found = weighted_draws(log_density, np.array(simulated.prior))
     off = found.ln_k - found.weight @ found.ln_k
     covariance = (off * found.weight[:, None]).T @ off
-    text = "quantiles of the stiffness of an interface, with the causes at their likeliest"
+    text = "quantiles of the stiffness of an interface, named causes included"
     return xr.Dataset(
         {
             "interface_k": (
@@ -159,6 +171,10 @@ def interface_stiffness(
                 "stiffness_": list(simulated.parameters), "quantile": list(QUANTILES)},
         attrs={"interface_effective_draws": found.effective},
     )  # fmt: skip
+
+
+def _effective(weight: ndarray) -> float:
+    return float(weight.sum() ** 2 / (weight**2).sum())
 
 
 def _normal(x: ndarray, mean: ndarray, root: ndarray) -> Float[ndarray, " draw"]:

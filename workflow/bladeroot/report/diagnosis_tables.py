@@ -201,7 +201,7 @@ def _interfaces(one: xr.Dataset) -> Table:
         known = fixed(std / float(here["interface_prior_std"]), 2)
         rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
     return Table(
-        "Contact stiffness of each interface, GN/m, with the causes at their most probable sizes: "
+        "Contact stiffness of each interface, GN/m, named causes included: "
         "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "
         "structure file's range (1: the frequencies say nothing)",
         ("stiffness", "median", "68 %", "95 %", "of the range"),
