@@ -30,8 +30,8 @@ def full(built):
 
 def test_followed_modes_are_those_of_a_factor_of_their_own(full):
     kn, kt = 1.4e9, 2.1e9
-    found = full_frequencies(full, kn, kt, [0.0, 9e3, 30e3], ["1B", "2B"])
-    for force, pair in zip((0.0, 9e3, 30e3), found, strict=True):
+    found = full_frequencies(full, kn, kt, [0.0, 30e3], ["1B", "2B"])
+    for force, pair in zip((0.0, 30e3), found, strict=True):
         matrix = full.stiffness + force * full.geometric + kn * full.normal + kt * full.tangential
         values, _ = lowest_eigenpairs(sp.csr_array(matrix), full.mass, 8)
         exact = np.sqrt(values) / (2 * np.pi)

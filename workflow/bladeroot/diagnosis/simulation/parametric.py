@@ -16,18 +16,18 @@ from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.structures import Structures, distinct, solved_change
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import Solved, ln_frequencies, ritz_of, solved_of, surface_of
 from bladeroot.rom.ritz import Ritz
-from bladeroot.stiffness.joint import trimmed
-from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
-from bladeroot.stiffness.posterior import BIAS_TILT
+from bladeroot.stiffness.priors import (
+    BIAS_TILT,
+    CORRELATION,
+    LN_K,
+    REFERENCE_FORCE,
+    SCATTER,
+    SMOOTH_EXPONENT,
+)
 
-# Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
-EXPONENT = (0.0, 0.005)
-# ln of the scatter of k between clampings, 2 to 14 %.
-SCATTER = (np.log(0.04), 0.6)
-CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -57,7 +57,7 @@ class Parametric:
     kind: str = "structure"
     knows_contact: bool = True
     parameters: tuple[str, ...] = ("kn", "kt")
-    prior: tuple[tuple[float, float], ...] = (PRIORS["ln_kn"][:2], PRIORS["ln_kt"][:2])
+    prior: tuple[tuple[float, float], ...] = (LN_K[:2], LN_K[:2])
     pivot: float | None = REFERENCE_FORCE
     per_load: float = 1.0
     shift: float = 0.0
@@ -122,7 +122,7 @@ def biases(simulated: Parametric) -> slice:
 class _OfRecords:
     """Parameters: each ln k at the pivot, exponent, biases, their tilts."""
 
-    scales = (SCATTER, SCATTER, CORRELATION)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(
         self, simulated: Parametric, records: Records, hold: ndarray, rounding: float
@@ -138,9 +138,9 @@ class _OfRecords:
         levels, bias = np.array(simulated.prior), simulated.bias
         self.prior = Prior(
             np.concatenate(
-                [levels[:, 0], EXPONENT[:1], np.log1p(simulated.offset), np.zeros(modes)]
+                [levels[:, 0], SMOOTH_EXPONENT[:1], np.log1p(simulated.offset), np.zeros(modes)]
             ),
-            np.concatenate([levels[:, 1], EXPONENT[1:], bias, BIAS_TILT * bias]),
+            np.concatenate([levels[:, 1], SMOOTH_EXPONENT[1:2], bias, BIAS_TILT * bias]),
         )
         self.same_hold = hold[:, None] == hold
         self.at_grid = None
