@@ -13,12 +13,11 @@ from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.possible import impossible
 from bladeroot.diagnosis.simulation.linear import Linear
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
-from bladeroot.diagnosis.simulation.parametric import ln_frequency
 from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.plain_words import plainly
-from bladeroot.rom.parametric import parametric_model, surface_of
+from bladeroot.rom.parametric import ln_frequencies, parametric_model, surface_of
 from bladeroot.schema import check
 from diagnosis_bench import FORCES, MODES, campaign, programme
 from stiffness_beam import beam_joint
@@ -40,7 +39,7 @@ def expected(model):
 
 def _places(model, force, ln_k=21.13):
     surface = surface_of(model.sel(mode=list(MODES)))
-    return ln_frequency(surface, np.array([[ln_k, ln_k, force]]))
+    return ln_frequencies(surface, np.array([[ln_k, ln_k, force]]))
 
 
 def dovetail_table(model, forces=FORCES):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.simulation.parametric import ln_frequency
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric import ln_frequencies, parametric_model
 from bladeroot.rom.sensitivity import changed_frequencies
 from diagnosis_bench import MODES, campaign, programme
 from stiffness_beam import beam_joint
@@ -61,7 +60,7 @@ def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
     share = np.log(-np.expm1(-true / 4e3))
     x = 0.02 * np.log(data.records.force / 12e3)
     points = np.column_stack([np.log(1.2e9) + x + share, np.log(1.8e9) + x + share, true])
-    wanted = ln_frequency(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
+    wanted = ln_frequencies(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
     np.testing.assert_allclose(found, wanted, atol=1e-12)
 
 

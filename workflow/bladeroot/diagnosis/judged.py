@@ -21,6 +21,7 @@ from bladeroot.diagnosis.simulation.own_range import (
     own_range,
     verdict_in_own,
 )
+from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import AXIAL_FORCE
@@ -76,6 +77,8 @@ def judge(
         usual_bias = {"": BIAS_PERCENT / 100} | bias
         table = table_of(simulation, simulation.attrs["name"], usual_bias, offset)
         return with_table(seen, table, settings, candidates)
+    if simulation.attrs.get("kind") == "assembly":
+        return with_assembly(seen, simulation, settings, candidates, expected)
     return with_structure(
         seen, simulation, settings, candidates, expected, facts.get("structure_lacks", "")
     )
@@ -104,6 +107,22 @@ def with_structure(
     return whole.assign_attrs(_load(seen)), said, model_file(made)
 
 
+def with_assembly(
+    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+) -> Made:  # fmt: skip
+    """With an assembly of any bodies and interfaces, unless it cannot be the specimen."""
+    name, known = str(model.attrs["structure"]), set(seen["mode"].values.astype(str))
+    usual = BIAS_PERCENT / 100
+    bias = {mode: settings.fe_bias.get(mode, usual) for mode in expected}
+    reason = impossible(model, frequencies(seen, expected), bias)
+    if reason:
+        return refused(seen, name, reason)
+    here = model.sel(mode=[mode for mode in model["mode"].values.astype(str) if mode in known])
+    simulated = of_assembly(here, bias, settings.fe_offset, usual)
+    return _in_own(seen, simulated, settings, candidates, name)
+
+
 def with_baseline(
     seen: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
     expected: Mapping[str, float],
@@ -128,8 +147,10 @@ def _in_own(
     name: str,
 ) -> Made:  # fmt: skip
     own = own_range(seen)
-    if simulated.kind == "table" and own.unit == "N":
+    if simulated.kind != "none" and own.unit == "N":
         own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
+    if isinstance(simulated, Parametric):
+        simulated = replace(simulated, per_load=own.per_load, shift=own.shift)
     if isinstance(simulated, Table):
         simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
     scaled = in_catalogue(seen, own)
@@ -137,7 +158,7 @@ def _in_own(
     made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
     whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
     if simulated.kind == "none" or own.name != AXIAL_FORCE:
-        of_table = simulated.kind == "table"
+        of_table = simulated.kind != "none"
         whole = _dataset_plainly(whole, own.name, of_table)
         said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":

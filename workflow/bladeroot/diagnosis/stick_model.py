@@ -6,6 +6,7 @@ about it by clampings, by what differs between records of one, and by their own 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -156,7 +157,7 @@ def problem(
 
     def predict(theta: ndarray) -> State:
         own = theta[:base]
-        made = causes(mechanisms, theta[base:], records, here.structures, here.ln_k(own))
+        made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
         said = here.at(own, made.changes)
         whole = np.column_stack([said.gradient, np.ones(n)])
         columns = [said.slope]

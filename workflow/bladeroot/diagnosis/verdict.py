@@ -10,7 +10,7 @@ from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.simulation.parametric import biases
+from bladeroot.diagnosis.simulation.parametric import Parametric, biases
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -172,8 +172,8 @@ def gains(made: Diagnosis) -> dict:
             continue
         if found.channel.name == "stick":
             mode = made.data.records.mode
-            of_structure = made.simulated.kind == "structure"
-            bias = biases(len(made.data.modes)) if of_structure else slice(0)
+            parametric = isinstance(made.simulated, Parametric)
+            bias = biases(made.simulated) if parametric else slice(0)
             for name, part, allowance in (
                 ("between_forces", "force", slice(0)),
                 ("between_forces_without_bias", "force", bias),

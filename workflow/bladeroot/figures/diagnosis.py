@@ -208,10 +208,12 @@ def law(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
         return None
     panels, traces = [], []
     for one in full:
-        force = one["law_force"].values / 1e3
-        for name in ("kn", "kt"):
-            panels.append(Panel(one.attrs["structure"], "axial force / kN",
-                                f"{name} of a flank / GN/m", y_log=True))  # fmt: skip
+        factor, unit, called = shown(one.attrs)
+        force = one["law_force"].values * factor
+        for name in one["stiffness"].values.astype(str):
+            of_flank = " of a flank" if name in ("kn", "kt") else ""
+            panels.append(Panel(one.attrs["structure"], f"{called} / {unit}",
+                                f"{name}{of_flank} / GN/m", y_log=True))  # fmt: skip
             panel = len(panels) - 1
             for stage, (colour, line, kind) in _stages(one).items():
                 here = one.sel(stage=stage, stiffness=name)

@@ -162,6 +162,9 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
 def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
     """kn and kt at the ends of the campaign's forces and at 12 kN."""
     full = [one for one in found if "law_k" in one]
+    several = [one for one in full if "interface_k" in one]
+    if several:
+        return [_interfaces(one) for one in several]
     if not full:
         return []
     rows = []
@@ -185,6 +188,26 @@ def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
             rows,
         )
     ]  # fmt: skip
+
+
+def _interfaces(one: xr.Dataset) -> Table:
+    """Contact stiffness of each interface with its intervals."""
+    rows = []
+    for called in one["stiffness"].values.astype(str):
+        here = one.sel(stiffness=called)
+        low, less, middle, more, high = (
+            significant(1e-9 * k, 2) for k in here["interface_k"].values
+        )
+        std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
+        known = fixed(std / float(here["interface_prior_std"]), 2)
+        rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
+    return Table(
+        "Contact stiffness of each interface, GN/m, named causes included: "
+        "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "
+        "structure file's range (1: the frequencies say nothing)",
+        ("stiffness", "median", "68 %", "95 %", "of the range"),
+        rows,
+    )
 
 
 def _k(here: xr.Dataset, name: str, stage: str) -> str:
