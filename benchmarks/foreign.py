@@ -2,6 +2,7 @@
 
     python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
+    python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # the quick tier
     python benchmarks/foreign.py score --out DIR
     python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
 
@@ -25,6 +26,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
+from foreign_lab.jointed_beam import export  # noqa: E402
 from foreign_lab.score import outcome, report  # noqa: E402
 
 
@@ -77,17 +79,53 @@ def run(args: argparse.Namespace) -> None:
         cache = args.cache or args.out / "cache"
         verdict = infer(folder, results, cache, args.shipped, args.keep, store)
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
-        truth = opened(args.out / f"truth-{seed}.json")
-        hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
-        causes = ", ".join("/".join(c["credible_set"]) for c in verdict["causes"]) or "-"
-        print(
-            f"  {time.process_time() - begun:.0f} s CPU; hidden {hidden}; "
-            f"{verdict['answer']}: {causes} -> {outcome(truth, verdict)}",
-            flush=True,
-        )
+        spent = time.process_time() - begun
+        _tell(opened(args.out / f"truth-{seed}.json"), verdict, spent)
         if not args.keep:
             shutil.rmtree(folder)
             shutil.rmtree(results, ignore_errors=True)
+
+
+def curves(args: argparse.Namespace) -> None:
+    """The quick tier: curves to verdict. Cases with a fault of the records are left out."""
+    from foreign_lab.curves import observations, shows
+    from foreign_lab.run import judge
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    for seed in seeds_of(args.seeds):
+        answer = args.out / f"verdict-{seed}.json"
+        case = drawn(args, seed) if args.again or not answer.is_file() else None
+        if case is None or not shows(case):
+            continue
+        seal(case, args.out / f"truth-{seed}.json")
+        verdict = judge(observations(case), told(args, case))
+        answer.write_text(json.dumps(verdict, indent=1) + "\n")
+        _tell(opened(args.out / f"truth-{seed}.json"), verdict, verdict["seconds"]["diagnosis"])
+
+
+def told(args: argparse.Namespace, case: Case) -> Path:
+    """The analyst's `parametric.nc`."""
+    from foreign_lab.run import parametric_of
+
+    if case.specimen.told is None:
+        return args.shipped
+    cache = args.cache or args.out / "cache"
+    folder = cache / "drawings"
+    drawing = folder / f"{case.specimen.name}.yaml"
+    if not drawing.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        export(case.specimen.told, folder, case.specimen.name)
+    return parametric_of(drawing, cache)
+
+
+def _tell(truth: dict, verdict: dict, seconds: float) -> None:
+    hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+    causes = ", ".join("/".join(c["credible_set"]) for c in verdict["causes"]) or "-"
+    print(
+        f"{truth['seed']}  {seconds:.1f} s CPU; hidden {hidden}; "
+        f"{verdict['answer']}: {causes} -> {outcome(truth, verdict)}",
+        flush=True,
+    )
 
 
 def score(args: argparse.Namespace) -> None:
@@ -105,7 +143,7 @@ def score(args: argparse.Namespace) -> None:
 def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["make", "run", "score"])
+    parser.add_argument("what", choices=["make", "run", "curves", "score"])
     parser.add_argument("--seeds", default="", help="as 1-40 or 3,7")
     parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
     parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
@@ -116,7 +154,7 @@ def main() -> None:
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()
-    {"make": make, "run": run, "score": score}[args.what](args)
+    {"make": make, "run": run, "curves": curves, "score": score}[args.what](args)
 
 
 if __name__ == "__main__":

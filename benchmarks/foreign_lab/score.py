@@ -79,16 +79,23 @@ def outcome(truth: dict, verdict: dict) -> str:
 def log_score(truth: dict, verdict: dict) -> float:
     """ln of the probability given to the truth, no less than ln 0.001."""
     given = probabilities(verdict)
-    return math.log(max(given.get(true_key(truth), 0.0), 1e-3))
+    return math.log(max(sum(p for key, p in given.items() if is_true(truth, key)), 1e-3))
 
 
-def true_key(truth: dict) -> str:
-    """The key of the truth in a verdict's probabilities."""
+def is_true(truth: dict, key: str) -> bool:
+    """Whether a set of a verdict's probabilities is the truth.
+
+    What no catalogue is known to have is `OTHER`, or a name that describes it fairly.
+    """
     if truth["kind"] == "null":
-        return NONE
-    if any(one["outside"] for one in truth["effects"]):
-        return OTHER
-    return "+".join(sorted(one["id"] for one in truth["effects"]))
+        return key == NONE
+    fair = {
+        name
+        for one in truth["effects"]
+        if one["outside"]
+        for name in (OTHER, one["id"], *one["kin"])
+    }
+    return key in fair or key == "+".join(sorted(one["id"] for one in truth["effects"]))
 
 
 # Parameter of a named cause in a verdict: the measure of the truth that it should be.
@@ -167,7 +174,7 @@ def _reliability(cases: list) -> str:
     edges = (0.0, 0.05, 0.2, 0.5, 0.8, 0.9, 0.97, 1.0001)
     rows = ["", "| stated | sets | mean stated | true |", "|---|---|---|---|"]
     pairs = [
-        (value, key == true_key(truth))
+        (value, is_true(truth, key))
         for truth, verdict in cases
         for key, value in probabilities(verdict).items()
     ]

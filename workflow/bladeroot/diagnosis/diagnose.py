@@ -12,6 +12,7 @@ from bladeroot.diagnosis.channel import (
     damping_channel,
     not_judged,
     stick_channel,
+    unspoken,
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
@@ -94,11 +95,15 @@ def diagnose(
     curves = curve_model.curve_data(seen, modes, skip, baseline)
     nothing = hopeless(data, simulated.kind)
     found = []
+
+    def knowing(channel: str) -> Known:
+        return replace(known, unspoken=unspoken(candidates, channel, data, simulated))
+
     if not nothing:
-        found.append(search(stick_channel(data, simulated, candidates), known))
+        found.append(search(stick_channel(data, simulated, candidates), knowing("stick")))
     damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
     if damping is not None and not nothing:
-        found.append(search(damping_channel(damping, candidates), known))
+        found.append(search(damping_channel(damping, candidates), knowing("damping")))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
         of_contact = simulated.knows_contact and not nothing

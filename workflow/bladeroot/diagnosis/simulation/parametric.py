@@ -29,6 +29,9 @@ EXPONENT = (0.0, 0.005)
 # ln of the scatter of k between clampings, 2 to 14 %.
 SCATTER = (np.log(0.04), 0.6)
 CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
+# Relative error of what the axial force does to the model's frequencies, over that of these: a
+# depth or length that is off changes the tension's part of the stiffness by some times as much.
+TENSION = 4.0
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -87,7 +90,9 @@ def biases(modes: int) -> slice:
 
 
 class _OfRecords:
-    """Parameters: ln kn and ln kt at the reference force, exponent, biases, their tilts."""
+    """Parameters: ln kn and ln kt at the reference force, exponent, biases, their tilts, and the
+    error of what the axial force does.
+    """
 
     scales = (SCATTER, SCATTER, CORRELATION)
 
@@ -106,10 +111,17 @@ class _OfRecords:
                 [
                     [level_n[0], level_t[0], EXPONENT[0]],
                     np.log1p(simulated.offset),
-                    np.zeros(modes),
+                    np.zeros(modes + 1),
                 ]
             ),
-            np.concatenate([[level_n[1], level_t[1], EXPONENT[1]], bias, BIAS_TILT * bias]),
+            np.concatenate(
+                [
+                    [level_n[1], level_t[1], EXPONENT[1]],
+                    bias,
+                    BIAS_TILT * bias,
+                    [TENSION * bias.mean()],
+                ]
+            ),
         )
         self.own = biases(modes)
         self.structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
@@ -125,10 +137,12 @@ class _OfRecords:
         places = np.stack([ln_kn, ln_kt, self.records.force + changes[:, 2]], axis=1)
         points, where = _distinct(places)
         value, gradient = ln_frequency(self.surface, points)
-        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
         g = gradient[where, self.records.mode]
+        tension = g[:, 2] * places[:, 2]
+        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
         slope = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * self.x)[:, None], self.bias_rows]
-        return Said(mean, np.hstack(slope), g)
+        # The first order of the tension's error; how it changes with the rest is of the second.
+        return Said(mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), g)
 
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
