@@ -107,9 +107,9 @@ def test_settings_that_are_not_numbers_are_refused():
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """A copy of the whole library with its scripts and schemas."""
+    """A copy of the whole library with its scripts."""
     folder = tmp_path_factory.mktemp("whole")
-    for name in ("bladeroot", "scripts", "schemas"):
+    for name in ("bladeroot", "scripts"):
         shutil.copytree(LIBRARY.parent / name, folder / name)
     return folder
 
@@ -163,8 +163,8 @@ def test_a_registry_counts_by_its_files_content_and_names(whole, folder, file, s
     [
         ("bladeroot/report/page.css", "report", "theory"),
         ("bladeroot/report/page.html.j2", "report", "theory"),
-        ("schemas/structure.schema.yaml", "mesh", "theory"),
-        ("schemas/bench.schema.yaml", "bench", "theory"),
+        ("bladeroot/schemas/structure.schema.yaml", "mesh", "theory"),
+        ("bladeroot/schemas/bench.schema.yaml", "bench", "theory"),
     ],
 )
 def test_what_code_reads_beside_it_counts(whole, file, script, other):

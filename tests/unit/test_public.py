@@ -225,3 +225,38 @@ def test_an_unknown_mode_is_told():
     joint = br.Joint.from_matrices(*two_masses(), {"n": 1})
     with pytest.raises(ValueError, match="modes must be among n"):
         br.fit_contact(joint, {"m": (10.0, 0.1)})
+
+
+def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
+    """Raw files of two modes, three records each: the same verdict as by the scripts' functions."""
+    folder = tmp_path / "two-modes"
+    folder.mkdir()
+    (folder / "campaign.yaml").write_text(
+        "title: two modes\nnotes: drawn\nsimulation: none\n"
+        "modes:\n  low: {expected_Hz: 100}\n  high: {expected_Hz: 260}\n"
+    )
+    chance = np.random.default_rng(3)
+    t = np.arange(40_000) / 8_000
+    lines = ["record,file,mode,sampling_Hz,quantity,unit"]
+    for mode, f, rate in (("low", 100.0, 3.0), ("high", 260.0, 5.0)):
+        for k in range(3):
+            v = 0.01 * np.exp(-rate * t) * np.cos(2.0 * np.pi * f * t + k)
+            np.savetxt(
+                folder / f"{mode}{k}.csv", v + 1e-6 * chance.standard_normal(t.size), fmt="%.9f"
+            )
+            lines.append(f"{mode}{k},{mode}{k}.csv,{mode},8000,velocity,m/s")
+    (folder / "records.csv").write_text("\n".join(lines) + "\n")
+    verdict = br.diagnose(folder)
+    assert sorted(verdict.curves) == ["high0", "high1", "high2", "low0", "low1", "low2"]
+    stuck = verdict.observations["stick_frequency"].values
+    undamped = [
+        np.sqrt(f**2 - (rate / (2 * np.pi)) ** 2) for f, rate in ((260.0, 5.0), (100.0, 3.0))
+    ]
+    assert stuck == pytest.approx(np.repeat(undamped, 3), rel=1e-6)
+    assert verdict.answer == verdict.said["answer"] == verdict.diagnosis.attrs["answer"]
+    assert sum(verdict.probabilities.values()) == pytest.approx(1.0, abs=1e-6)
+    assert not verdict.causes
+    assert "two-modes" in repr(verdict)
+    assert len(verdict.plot().axes) == 2
+    with pytest.raises(ValueError, match="campaign folder not found"):
+        br.diagnose(tmp_path / "nowhere")

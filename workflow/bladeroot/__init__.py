@@ -5,6 +5,7 @@ import bladeroot as br
 decay = br.ringdown("a.wav", mode_Hz=540, sensitivity="500 mm/s/FS")
 joint = br.Joint.from_matrices(K, M, pairs, modes={"1B": 1, "2B": 2}, Kg=Kg)
 fit = br.fit_contact(joint, {"1B": (541.2, 0.05), "2B": (1452.0, 0.1)}, load=12e3)
+verdict = br.diagnose("path/to/campaign")
 """
 
 from importlib import import_module
@@ -20,6 +21,8 @@ _FACE = {
     "Joint": "joint",
     "ContactFit": "contact_fit",
     "fit_contact": "contact_fit",
+    "Verdict": "diagnosis",
+    "diagnose": "diagnosis",
     "export": "export",
 }
 __all__ = sorted(_FACE)

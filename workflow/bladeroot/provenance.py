@@ -18,7 +18,7 @@ from pathlib import Path
 
 _LIBRARY = Path(__file__).parent
 _PACKAGE = _LIBRARY.name
-_SCHEMAS = _LIBRARY.parent / "schemas"
+_SCHEMAS = _LIBRARY / "schemas"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 # What arithmetic depends on besides the library's own code.
 NUMERICAL = ("numpy", "scipy", "numba", "llvmlite")

@@ -1,4 +1,4 @@
-"""Checking a YAML document against one of the project's JSON schemas (workflow/schemas/)."""
+"""Checking a YAML document against one of the project's JSON schemas (`schemas/`)."""
 
 import math
 from functools import cache
@@ -8,7 +8,7 @@ from typing import Any
 import jsonschema
 import yaml
 
-_SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
+_SCHEMAS = Path(__file__).resolve().parent / "schemas"
 # What a document of this project never reaches: its largest file has 50 kB, its deepest node lies
 # nine deep. References (*name) count with all that they stand for, which can double at each line.
 LARGEST_BYTES, DEEPEST, MOST_NODES = 2_000_000, 40, 200_000
@@ -19,7 +19,7 @@ _LARGEST_WHOLE = 2**53
 def read_yaml(path: str | Path, schema: str) -> dict:
     """Read a YAML file and check it; one ValueError names the file, every fault a line.
 
-    `schema` is a name in workflow/schemas/, without its ending.
+    `schema` is a name of `schemas/`, without its ending.
     """
     document = parse_yaml(path)
     if document is None:

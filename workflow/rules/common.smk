@@ -14,7 +14,6 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
-from bladeroot.io.load import load_facts
 from bladeroot.schema import check, read_yaml
 from bladeroot.rom.file import check_structure
 

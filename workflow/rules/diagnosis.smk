@@ -1,6 +1,5 @@
 # What the simulation gets wrong: all records as one table, then their causes, for each structure.
-import json
-
+from bladeroot.io.facts import diagnosis_facts, observation_facts
 from bladeroot.mechanisms.own_files import own_files
 
 
@@ -14,29 +13,6 @@ def mechanism_files():
 
 
 MECHANISMS = mechanism_files()
-
-
-def observed_facts(wildcards):
-    """The gauge, where the laser looks and when each record began."""
-    campaign = CAMPAIGNS[wildcards.campaign]
-    load = campaign.load
-    return canonical_json(
-        {
-            "same_everywhere": load.same_everywhere if load else 0.0,
-            "of_reading": load.of_reading if load else 0.0,
-            "scale": campaign.force_scale if load else 0.0,
-            "laser_x": {
-                mode: campaign.laser_x(mode)
-                for mode in campaign.description["modes"]
-                if campaign.laser_x(mode) is not None
-            },
-            "time": {
-                row["record"]: row["time_s"]
-                for row in campaign.records
-                if row["time_s"] is not None
-            },
-        }
-    )
 
 
 rule observations:
@@ -59,7 +35,7 @@ rule observations:
     resources:
         **needs("observations"),
     params:
-        settings=observed_facts,
+        settings=lambda w: canonical_json(observation_facts(CAMPAIGNS[w.campaign])),
         code=code("observations"),
     message:
         "all records of {wildcards.campaign} as the diagnosis takes them"
@@ -67,29 +43,6 @@ rule observations:
         "{PYTHON:q} {SCRIPTS:q}/observations.py --stick {input.stick:q} --batches {input.batches:q}"
         " --integrity {input.integrity:q} --settings {params.settings:q}"
         " --output {output.observations} > {log} 2>&1"
-
-
-def diagnosis_facts(wildcards):
-    """What the diagnosis is told: the model's bias, where contact is full, what else was measured."""
-    campaign = CAMPAIGNS[wildcards.campaign]
-    description, load = campaign.description, campaign.load
-    return canonical_json(
-        {
-            **config["diagnosis"],
-            **config["search"],
-            "expected_Hz": {
-                mode: one["expected_Hz"] for mode, one in description["modes"].items()
-            },
-            "structure_lacks": campaign.structure_lacks,
-            "load": (
-                {"name": load.name, "unit": load.unit, "given": load.given}
-                if load
-                else None
-            ),
-            "full_contact_from_kN": description.get("full_contact_from_kN", 0),
-            "independent": description.get("independent", []),
-        }
-    )
 
 
 def simulation_file(wildcards):
@@ -119,7 +72,9 @@ rule diagnosis:
     resources:
         **needs("diagnosis"),
     params:
-        settings=diagnosis_facts,
+        settings=lambda w: canonical_json(
+            diagnosis_facts(CAMPAIGNS[w.campaign], config)
+        ),
         code=code("diagnosis", *MECHANISMS),
     message:
         "what the simulation of {wildcards.campaign} with {wildcards.structure} gets wrong"

@@ -1,6 +1,7 @@
 # From raw records to frequency and damping over amplitude: each record's free decay, its curves
 # (FREEVIB, with peak finding and fitting as a second opinion) and its stick plateau.
 # A batch of records is one job, with a rule of its own: a rule's outputs can't be a list that grows.
+from bladeroot.io.facts import record_facts
 
 # As many records as take about as long as Python's start.
 RINGDOWN_BATCH = 32
@@ -10,14 +11,6 @@ def raw_file(campaign, row):
     if campaign.simulated:
         return f"results/bench/{campaign.name}/{row['record']}.nc"
     return local(campaign.folder / row["file"])
-
-
-def record_facts(campaign, row):
-    """What is known of a record besides its samples."""
-    modes = campaign.description["modes"]
-    others = [modes[name]["expected_Hz"] for name in modes if name != row["mode"]]
-    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
-    return {**row, **modes[row["mode"]], **facts, **load_facts(campaign.load)}
 
 
 def as_it_stands(text):

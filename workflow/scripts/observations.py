@@ -2,34 +2,19 @@
 
 import json
 
-import numpy as np
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.diagnosis.observations import Gauge, observations, reading_step
-from bladeroot.pooling.groups import group_differences
+from bladeroot.diagnosis.observations import observed
 
 
 def main(stick, batches, integrity, settings, output):
-    measured, facts = artifacts.load(stick), json.loads(settings)
-    decays = artifacts.load_records(batches, "decay")
-    forces = measured["record_force"].values if batches else measured["force"].values
-    seen = observations(
+    measured = artifacts.load(stick)
+    seen = observed(
         measured,
-        decays,
+        artifacts.load_records(batches, "decay"),
         artifacts.load(integrity[0]) if integrity else None,
-        Gauge(
-            facts["same_everywhere"],
-            facts["of_reading"],
-            reading_step(forces, facts["scale"]) if facts["scale"] else 0.0,
-        ),
-        facts["laser_x"],
-        facts["time"],
+        json.loads(settings),
     )
-    bad = np.char.startswith(measured["verdict"].values.astype(str), "rejected")
-    rejected = dict(zip(measured["record"].values.astype(str), bad.tolist(), strict=True))
-    differences = group_differences(decays, [rejected[one.attrs["record"]] for one in decays])
-    if differences is not None:
-        seen = seen.merge(differences)
     artifacts.save(seen, output, origin=measured, settings=settings)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from bladeroot.diagnosis.dataset import dataset
@@ -20,7 +21,7 @@ from bladeroot.diagnosis.simulation.own_range import (
     own_range,
     verdict_in_own,
 )
-from bladeroot.diagnosis.simulation.table import Table, with_loads
+from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import AXIAL_FORCE
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -43,6 +44,41 @@ AS_IF = (
 SHOWN, SHARE, SHOWN_CAUSES = 3.0, 0.5, 3
 _DATA = {"stick": "stick frequencies", "damping": "loss factors", "curve": "curves"}
 Made = tuple[xr.Dataset, dict, dict | None]
+# Standard deviation of a model's frequencies where nothing is stated, per cent.
+BIAS_PERCENT = 0.5
+
+
+def judge(
+    seen: xr.Dataset,
+    simulation: xr.Dataset | pd.DataFrame | None,
+    facts: Mapping,
+    candidates: Sequence[Mechanism],
+) -> Made:
+    """A campaign's diagnosis, with whatever it is judged against.
+
+    simulation: a structure's parametric model, a table of simulated frequencies
+    (`bladeroot.io.table`), or None for linear modes. facts: as of
+    `bladeroot.io.facts.diagnosis_facts`. candidates: `bladeroot.mechanisms.catalogue`.
+    """
+    expected = facts.get("expected_Hz", {})
+    usual = dict.fromkeys(("1B", "2B"), BIAS_PERCENT)
+    bias, offset = (
+        {mode: percent / 100 for mode, percent in facts.get(name, default).items()}
+        for name, default in (("fe_bias_percent", usual), ("fe_offset_percent", {}))
+    )
+    splits = {
+        one["measurement"]: (one["value"], one["std"]) for one in facts.get("independent", [])
+    }
+    settings = Settings(bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits)
+    if simulation is None:
+        return with_baseline(seen, settings, candidates, expected)
+    if isinstance(simulation, pd.DataFrame):
+        usual_bias = {"": BIAS_PERCENT / 100} | bias
+        table = table_of(simulation, simulation.attrs["name"], usual_bias, offset)
+        return with_table(seen, table, settings, candidates)
+    return with_structure(
+        seen, simulation, settings, candidates, expected, facts.get("structure_lacks", "")
+    )
 
 
 def with_structure(

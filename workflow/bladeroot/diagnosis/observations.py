@@ -10,6 +10,7 @@ from numpy import ndarray
 
 from bladeroot.loads import load_attrs
 from bladeroot.pooling.curves import ladder_of, on_ladder
+from bladeroot.pooling.groups import group_differences
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
@@ -64,6 +65,27 @@ def reading_step(force: Float[ndarray, " record"], scale: float) -> float:
         if whole.size and np.all(np.abs(whole - np.round(whole)) < 1e-4):
             return step * scale
     return 0.0
+
+
+def observed(
+    stick: xr.Dataset,
+    decays: Sequence[xr.Dataset],
+    integrity: xr.Dataset | None,
+    facts: Mapping,
+) -> xr.Dataset:
+    """`observations` with what the campaign says of itself, and how its groups differ.
+
+    facts: `same_everywhere` (load's unit), `of_reading` and `scale` of the gauge, `laser_x` (m, by
+    mode), `time` (s, by record), as of `bladeroot.io.facts.observation_facts`.
+    """
+    forces = stick["record_force" if len(decays) else "force"].values
+    step = reading_step(forces, facts["scale"]) if facts["scale"] else 0.0
+    gauge = Gauge(facts["same_everywhere"], facts["of_reading"], step)
+    seen = observations(stick, decays, integrity, gauge, facts["laser_x"], facts["time"])
+    bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
+    rejected = dict(zip(stick["record"].values.astype(str), bad.tolist(), strict=True))
+    differences = group_differences(decays, [rejected[one.attrs["record"]] for one in decays])
+    return seen if differences is None else seen.merge(differences)
 
 
 def observations(

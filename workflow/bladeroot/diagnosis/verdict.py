@@ -26,7 +26,7 @@ SCHEMA = "bladeroot-verdict-1"
 
 
 def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
-    """As `workflow/schemas/verdict.schema.yaml` has it.
+    """As `workflow/bladeroot/schemas/verdict.schema.yaml` has it.
 
     every: the same with the records below the force of full contact, if such were left out; the
     reason then says what they would change.

@@ -22,6 +22,8 @@ BY = "by_"
 def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame:
     """Columns mode, load, frequency_Hz and, where given, loss_factor, amplitude_m and by_<name>.
 
+    The file's name is `attrs["name"]`.
+
     Raises:
         ValueError: a line for every fault.
     """
@@ -58,6 +60,7 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
         raise ValueError("\n".join(faults))
     frame = pd.DataFrame(made)
     _whole(frame, path)
+    frame.attrs["name"] = path.name
     return frame
 
 

@@ -10,6 +10,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
+from bladeroot.io.names import is_id
+from bladeroot.shipped_files import structure_file
 
 # Of the largest entry, by which a matrix may differ from its transpose.
 _SYMMETRIC = 1e-6
@@ -107,19 +109,16 @@ class Joint:
     def dovetail(cls, geometry: str | Path, modes: Sequence[str] = ("1B", "2B")) -> "Joint":
         """The built-in dovetail of a structure file, reduced (4.3 to 4.12); load: axial force, N.
 
-        geometry: a YAML file, as those of resources/structures/. Takes some ten seconds. modes: by
-        the names that parity gives them. Raises ValueError for what is wrong in the file.
+        geometry: the name of a shipped one, such as `dovetail-HB`, or a YAML file as those of
+        resources/structures/. Takes some ten seconds. modes: by the names that parity gives them.
+        Raises ValueError for what is wrong in the file.
         """
-        from bladeroot.fem.mesh import build_mesh
-        from bladeroot.fem.prestress import prestress
-        from bladeroot.rom.file import load_structure
         from bladeroot.rom.joint import joint_of_reduced
-        from bladeroot.rom.reduction import reduce_structure
+        from bladeroot.rom.whole import reduced_structure
 
-        described = load_structure(geometry)
-        nodes = build_mesh(described)
-        reduced = reduce_structure(described, nodes, prestress(described, nodes))
-        return _of_operator(joint_of_reduced(reduced), modes)
+        named = isinstance(geometry, str) and is_id(geometry)
+        path = structure_file(geometry) if named else geometry
+        return _of_operator(joint_of_reduced(reduced_structure(path)), modes)
 
     @property
     def interfaces(self) -> tuple[str, ...]:

@@ -1,0 +1,46 @@
+"""What each stage is told of a campaign besides measured numbers: one function a stage.
+
+The workflow passes them on as JSON and `bladeroot.diagnose` as they are.
+"""
+
+from collections.abc import Mapping
+
+from bladeroot.io.campaign import Campaign
+from bladeroot.io.load import load_facts
+
+
+def record_facts(campaign: Campaign, row: Mapping) -> dict:
+    """What is known of a record besides its samples: its row, its mode, the other modes."""
+    modes = campaign.description["modes"]
+    others = [one["expected_Hz"] for name, one in modes.items() if name != row["mode"]]
+    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
+    return {**row, **modes[row["mode"]], **facts, **load_facts(campaign.load)}
+
+
+def observation_facts(campaign: Campaign) -> dict:
+    """The gauge, where each mode is looked at (m) and when each record began (s)."""
+    load = campaign.load
+    placed = {mode: campaign.laser_x(mode) for mode in campaign.description["modes"]}
+    return {
+        "same_everywhere": load.same_everywhere if load else 0.0,
+        "of_reading": load.of_reading if load else 0.0,
+        "scale": campaign.force_scale if load else 0.0,
+        "laser_x": {mode: x for mode, x in placed.items() if x is not None},
+        "time": {
+            row["record"]: row["time_s"] for row in campaign.records if row["time_s"] is not None
+        },
+    }
+
+
+def diagnosis_facts(campaign: Campaign, config: Mapping) -> dict:
+    """The model's bias, where contact is full, what else was measured."""
+    described, load = campaign.description, campaign.load
+    return {
+        **config["diagnosis"],
+        **config["search"],
+        "expected_Hz": {name: mode["expected_Hz"] for name, mode in described["modes"].items()},
+        "structure_lacks": campaign.structure_lacks,
+        "load": {"name": load.name, "unit": load.unit, "given": load.given} if load else None,
+        "full_contact_from_kN": described.get("full_contact_from_kN", 0),
+        "independent": described.get("independent", []),
+    }

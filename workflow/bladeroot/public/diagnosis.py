@@ -1,0 +1,173 @@
+"""A whole campaign in one process: the workflow's stages from its folder to its verdict."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from bladeroot.io.campaign import Campaign, load_campaign, stick_table
+from bladeroot.io.facts import diagnosis_facts, observation_facts, record_facts
+from bladeroot.schema import check, read_yaml
+from bladeroot.shipped_files import shipped, structure_file
+
+# A structure's name to its reduced matrices.
+Reduced = Callable[[str], xr.Dataset]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the simulation of a campaign gets wrong, and why.
+
+    said: the fields of `verdict.json`. diagnosis, observations: what was compared, and the records
+    as they were taken. stick: stick frequencies of records and of levels of load. curves: by
+    record, over amplitude; empty where the campaign is a table of stick frequencies.
+    """
+
+    said: dict
+    diagnosis: xr.Dataset
+    observations: xr.Dataset
+    stick: xr.Dataset
+    curves: Mapping[str, xr.Dataset]
+
+    @property
+    def answer(self) -> str:
+        """cause-named, ambiguous, unexplained, nothing-missing or insufficient-data."""
+        return self.said["answer"]
+
+    @property
+    def probabilities(self) -> dict[str, float]:
+        """Of sets of causes, of none and of something of no catalogue."""
+        return self.said["probabilities"]
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Ids of the named causes, what explains most first."""
+        return tuple(one["mechanism"] for one in self.said["causes"])
+
+    def plot(self):
+        """Measured stick frequencies over the load, by mode; a Figure."""
+        from matplotlib.figure import Figure
+
+        seen = self.observations
+        modes = list(dict.fromkeys(seen["mode"].values.astype(str)))
+        figure = Figure(figsize=(6.0, 1.2 + 1.8 * len(modes)), layout="constrained")
+        for axis, mode in zip(figure.subplots(len(modes), squeeze=False).flat, modes, strict=True):
+            here = seen.isel(record=np.flatnonzero(seen["mode"].values == mode))
+            axis.errorbar(
+                here["force"], here["stick_frequency"], here["stick_frequency_std"], fmt="."
+            )
+            axis.set_ylabel(f"{mode} in Hz")
+            axis.grid(alpha=0.3)
+        name, unit = seen.attrs.get("load_name", ""), seen.attrs.get("load_unit", "")
+        axis.set_xlabel(f"{name} in {unit}" if name else "record")
+        return figure
+
+    def __repr__(self) -> str:
+        """The answer, its reason and the most probable sets of causes."""
+        lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
+        best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
+        return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in best)])
+
+
+def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -> Verdict:
+    """What the simulation of a campaign gets wrong, by the workflow's stages without the workflow.
+
+    Args:
+        campaign: its folder (campaign.yaml, and records.csv or stick.csv).
+        config: settings as of `config/config.yaml`, a file or its content; without, the shipped
+            ones.
+
+    The simulation is the campaign's first structure, its table, or linear modes. Nothing is
+    written. A structure takes some twenty seconds, a record about a tenth of a second, a record
+    that the virtual bench makes first one or two.
+
+    Raises:
+        ValueError: what is wrong in the campaign's files or the settings, a line each.
+    """
+    from bladeroot.diagnosis.judged import judge
+    from bladeroot.diagnosis.observations import observed
+    from bladeroot.mechanisms.catalogue import usable_catalogue
+    from bladeroot.pooling.judgement import judgement
+    from bladeroot.pooling.stick import stick_from_records, stick_from_table
+    from bladeroot.rom.whole import reduced_structure
+
+    described, asked = load_campaign(campaign), _config(config)
+    reduced = cache(lambda name: reduced_structure(structure_file(name, described.folder)))
+    own = {"campaign": described.name, "simulated": int(described.simulated)}
+    analysed = list(_analysed(described, asked, reduced))
+    records, curves, plateaus = zip(*analysed, strict=True) if analysed else ((), (), ())
+    if curves:
+        stick = stick_from_records(plateaus)
+    else:
+        table = stick_table(described.folder / "stick.csv")
+        stick = stick_from_table(table, asked["stick"]["table_error"])
+    integrity = judgement(records, curves, plateaus) if curves else None
+    seen = observed(stick.assign_attrs(own), curves, integrity, observation_facts(described))
+    seen = seen.assign_attrs(own)
+    facts = diagnosis_facts(described, asked)
+    candidates, failed = usable_catalogue(facts["mechanisms"] or None)
+    whole, said, _ = judge(seen, _simulation(described, asked, reduced), facts, candidates)
+    whole = whole.assign_attrs(own, mechanisms_not_tried="; ".join(failed))
+    by_record = {str(one.attrs["record"]): one for one in curves}
+    return Verdict(said, whole, seen, stick.assign_attrs(own), by_record)
+
+
+def _config(given: str | Path | Mapping | None) -> dict:
+    if isinstance(given, Mapping):
+        check(dict(given), "config", "config")
+        return dict(given)
+    return read_yaml(given or shipped("config/config.yaml"), "config")
+
+
+def _analysed(
+    campaign: Campaign, config: Mapping, reduced: Reduced
+) -> Iterator[tuple[xr.Dataset, ...]]:
+    """Free decay, curves and plateau of each record, in the order of names."""
+    from bladeroot.decay.ringdown import ringdown
+
+    with tempfile.TemporaryDirectory() as made:
+        for row in sorted(campaign.records, key=lambda row: row["record"]):
+            raw = row["file"]
+            if campaign.simulated:
+                raw = _simulated(campaign, row, reduced, Path(made))
+            facts = record_facts(campaign, row)
+            yield ringdown(campaign.folder / raw, facts, config["record"], config["decay"])
+
+
+def _simulated(campaign: Campaign, row: Mapping, reduced: Reduced, folder: Path) -> Path:
+    """The raw file of a record that the virtual bench makes; its truth is not kept."""
+    from bladeroot import artifacts
+    from bladeroot.bench.bench import simulate
+    from bladeroot.bench.joint import parts
+
+    described = read_yaml(campaign.folder / campaign.description["bench"], "bench")
+    record, _ = simulate(described, parts(reduced(described["structure"])), row)
+    artifacts.save(record, folder / f"{row['record']}.nc")
+    return folder / f"{row['record']}.nc"
+
+
+def _simulation(
+    campaign: Campaign, config: Mapping, reduced: Reduced
+) -> xr.Dataset | pd.DataFrame | None:
+    """What `bladeroot.diagnosis.judged.judge` compares with."""
+    from bladeroot.io.table import read_table
+    from bladeroot.rom.joint import joint_of_reduced
+    from bladeroot.rom.parametric import parametric_model
+
+    asked = campaign.description["simulation"]
+    if campaign.description["structure"]:
+        box = config["parametric"]
+        return parametric_model(
+            joint_of_reduced(reduced(campaign.description["structure"][0])),
+            box["modes"],
+            tuple(1e9 * k for k in box["stiffness_GN_per_m"]),
+            tuple(1e3 * force for force in box["force_kN"]),
+        )
+    if asked == "none":
+        return None
+    return read_table(campaign.folder / asked, campaign.description, campaign.load)
