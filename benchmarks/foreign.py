@@ -2,7 +2,8 @@
 
     python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
-    python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # the quick tier
+    python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # quick tier
+    python benchmarks/foreign.py loop --seeds 1-40 --out DIR --shipped PARAMETRIC      # to the end
     python benchmarks/foreign.py score --out DIR
     python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
 
@@ -25,6 +26,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import xarray as xr  # noqa: E402
 from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
 from foreign_lab.jointed_beam import export  # noqa: E402
 from foreign_lab.score import outcome, report  # noqa: E402
@@ -98,9 +100,45 @@ def curves(args: argparse.Namespace) -> None:
         if case is None or not shows(case):
             continue
         seal(case, args.out / f"truth-{seed}.json")
-        verdict = judge(observations(case), told(args, case))
+        with xr.open_dataset(told(args, case)) as model:
+            verdict = judge(observations(case), model.load())
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
         _tell(opened(args.out / f"truth-{seed}.json"), verdict, verdict["seconds"]["diagnosis"])
+
+
+def loop(args: argparse.Namespace) -> None:
+    """What a verdict asks for is carried out, at most twice, and the verdict made again."""
+    import numpy as np
+    from foreign_lab.curves import observations, shows
+    from foreign_lab.further import facts, with_records
+    from foreign_lab.run import judge
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    for seed in seeds_of(args.seeds):
+        answer, case = args.out / f"loop-{seed}.json", drawn(args, seed)
+        listed = case.effects and not any(one.outside for one in case.effects)
+        if answer.is_file() or not listed or not shows(case):
+            continue
+        model, rng = xr.open_dataset(told(args, case)).load(), np.random.default_rng([seed, 7])
+        known, steps = [], []
+        seal(case, args.out / f"truth-{seed}.json")
+        truth = opened(args.out / f"truth-{seed}.json")
+        for _ in range(3):
+            verdict = judge(observations(case), model, known)
+            ended = outcome(truth, verdict)
+            steps.append({"answer": verdict["answer"], "outcome": ended, "asked": ""})
+            if verdict["answer"] == "named" or not verdict["next"] or len(steps) == 3:
+                break
+            asked = verdict["next"][0]
+            steps[-1]["asked"] = asked["what"]
+            if asked["load"] is None:
+                known += facts(case, asked["measurement"], rng)
+            else:
+                case = with_records(case, asked["measurement"], asked["load"], rng)
+        answer.write_text(json.dumps(steps, indent=1) + "\n")
+        hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"])
+        said = " -> ".join(f"{one['outcome']} [{one['asked']}]" for one in steps)
+        print(f"{seed}  hidden {hidden}; {said}", flush=True)
 
 
 def told(args: argparse.Namespace, case: Case) -> Path:
@@ -143,7 +181,7 @@ def score(args: argparse.Namespace) -> None:
 def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["make", "run", "curves", "score"])
+    parser.add_argument("what", choices=["make", "run", "curves", "loop", "score"])
     parser.add_argument("--seeds", default="", help="as 1-40 or 3,7")
     parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
     parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
@@ -154,7 +192,7 @@ def main() -> None:
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()
-    {"make": make, "run": run, "curves": curves, "score": score}[args.what](args)
+    {"make": make, "run": run, "curves": curves, "loop": loop, "score": score}[args.what](args)
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ def _dataset(case: Case, points: dict, numbers: dict, rng: np.random.Generator) 
     data |= {name: ("record", values) for name, values in numbers.items()}
     data |= {
         "force": ("record", np.round(sheet.reading / newtons) * newtons),
-        "time": ("record", np.full(count, np.nan) if bench.hides_time else sheet.time - sheet.time.min()),
+        "time": ("record", sheet.time - (np.nan if bench.hides_time else sheet.time.min())),
         "correlation_decades": ("record", np.full(count, WINDOW)),
         "laser_x_m": ("sensor_mode", [case.specimen.laser[m] for m in ("1B", "2B")]),
     }  # fmt: skip

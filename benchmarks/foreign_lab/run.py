@@ -178,14 +178,19 @@ def _analyse(folder: Path, results: Path) -> None:
 BATCH = Path("batches/all.txt")
 
 
-def judge(seen: xr.Dataset, parametric: Path, independent: Sequence[dict] = ()) -> dict:
-    """verdict.json on observations, with the shipped settings; `seconds` of CPU beside it."""
-    with in_memory(False) as shelf:
-        place = Path("observations.nc")
-        shelf[place] = seen
-        clock = time.process_time()
-        verdict = _judged(place, parametric, {"independent": list(independent)}, Path())
-        return {**verdict, "seconds": {"diagnosis": time.process_time() - clock}}
+def judge(seen: xr.Dataset, model: xr.Dataset, independent: Sequence[dict] = ()) -> dict:
+    """verdict.json on observations, with the shipped settings; `seconds` of CPU beside it.
+
+    model: the analyst's `parametric.nc`.
+    """
+    stage("ringdown")  # the library's path
+    from bladeroot.diagnosis import judged
+    from bladeroot.mechanisms.catalogue import catalogue
+
+    config, clock = configuration(), time.process_time()
+    facts = {**config["diagnosis"], **config["search"], "independent": list(independent)}
+    verdict = judged.judge(seen, model, facts, catalogue())[1]
+    return {**verdict, "seconds": {"diagnosis": time.process_time() - clock}}
 
 
 def _judged(seen: Path, parametric: Path, facts: dict, results: Path) -> dict:

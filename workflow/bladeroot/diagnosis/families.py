@@ -61,7 +61,8 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
     first = mechanism.parameters[0]
     weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
     mean = weight * (first.mean / first.std**2 + value / std**2)
-    parameter = replace(first, mean=mean, std=float(np.sqrt(weight)))
+    inside = float(np.clip(mean, first.low, first.high))
+    parameter = replace(first, mean=inside, std=float(np.sqrt(weight)))
     wide = np.hypot(first.std, std)
     gain = -0.5 * ((value - first.mean) / wide) ** 2 - np.log(wide)
     gain += 0.5 * (value / std) ** 2 + np.log(std)

@@ -19,7 +19,7 @@ from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.plausibility import sizes
-from bladeroot.diagnosis.posterior import UNKNOWN, entropy, inclusion
+from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
 from bladeroot.inference.gaussian import Fit, Problem
@@ -32,10 +32,11 @@ COSTS = {
     "clamping": 0.5,
     "record": 0.1,
     "load cell": 3.0,
-    "weighing": 0.5,
+    "weighing": 1.0,
     "free-free": 2.0,
     "rig stiffness": 2.0,
 }
+SHARED = 0.5  # hours that two tests save which need the beam taken out once
 # Tests beside the campaign: a phrase, and by the mechanism whose first parameter each measures how
 # well.
 FACTS = {
@@ -43,13 +44,14 @@ FACTS = {
         "a load cell in the line of force, up and down (to 0.5 % and 50 N)",
         {"force-gain": 0.005, "force-offset": 50.0, "gauge-friction": 0.005},
     ),
-    "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
-    "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
     "rig stiffness": (
         "a tap test of the empty rig (slots' stiffness to 1 %)",
         {"rig-compliance": 0.01},
     ),
+    "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
+    "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
 }
+TOGETHER = (("load cell", "rig stiffness"), ("weighing", "free-free"))
 CLAMPINGS = 2  # of a proposal, at each load and direction
 _LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
@@ -86,11 +88,7 @@ def kilonewtons(force: float) -> str:
     return f"{force / 1e3:.3g} kN"
 
 
-def next_measurements(
-    made: Diagnosis,
-    costs: Mapping[str, float] | None = None,
-    told: Callable[[float], str] = kilonewtons,
-) -> xr.Dataset:
+def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewtons) -> xr.Dataset:
     """What each possible measurement is expected to decide, the best for its hours first.
 
     dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
@@ -102,11 +100,12 @@ def next_measurements(
     stick = by_name.get("stick")
     if stick is None:
         return xr.Dataset()
-    whole = entropy(probabilities(made))
-    rivals = {name: _rivals(by_name[name]) for name in ("stick", "curve") if name in by_name}
-    rows = [_row(made, rivals, Option("", "as measured", np.nan), whole)]
-    options = [*_of_facts(made, costs), *_of_records(made, costs, told)]
-    others = [_row(made, rivals, one, whole) for one in options]
+    asked = _asked(made)
+    whole = _open_nats(made, asked)
+    rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
+    rows = [_row(made, asked, rivals, Option("", "as measured", np.nan), whole)]
+    options = [*_of_facts(made), *_of_records(made, told)]
+    others = [_row(made, asked, rivals, one, whole) for one in options]
     rows += sorted(others, key=lambda row: -np.nan_to_num(row[1] / row[4]))
     names, decided_, size, ln_std, hours, kinds, loads = zip(*rows, strict=True)
 
@@ -122,17 +121,16 @@ def next_measurements(
                             "the present one"),
             "expected_ln_std": var(("option", "stiffness"), ln_std, "expected standard deviation "
                                    "of ln k at 12 kN"),
-            "kind": var("option", kinds, "`records`, or the measurement beside the campaign"),
-            "load": var("option", loads, "axial force of the new records, N"),
+            "kind": var("option", kinds, "what kind of further records, or which other test"),
+            "new_force": var("option", loads, "axial force of the new records", "N"),
         },
         coords={"option": list(names), "stiffness": ["kn", "kt"]},
     )  # fmt: skip
-    possible = sorted(set().union(*(_named(made, one) for one in by_name.values())))
-    found["decided"].attrs["rivals"] = ";".join(possible)
+    found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
 
 
-def ranked(found: xr.Dataset) -> list[dict]:
+def following(found: xr.Dataset) -> list[dict]:
     """`next` of the verdict: measurements that decide anything, the best for its hours first."""
     if "decided" not in found:
         return []
@@ -142,38 +140,61 @@ def ranked(found: xr.Dataset) -> list[dict]:
             "what": str(one["option"].item()),
             "hours": round(float(one["hours"]), 3),
             "decides": round(float(one["decided"]), 4),
+            "load": None if np.isnan(one["new_force"]) else float(one["new_force"]),
         }
         for one in (found.isel(option=k) for k in range(1, found.sizes["option"]))
         if float(one["decided"]) > 0.0
     ]
 
 
-def _named(made: Diagnosis, found: Found) -> set[str]:
-    """Mechanisms that a channel's data leave possible."""
-    return {one for cause in found.causes for one in cause.credible} & set(found.alone) | (
-        set(found.open) & set(found.alone)
-    )
+def _asked(made: Diagnosis) -> set[str]:
+    """The mechanisms in question: those that may be what the data show to be missing, else those
+    that the data would not show.
+    """
+    shown = {
+        name
+        for found in made.found
+        for cause in found.causes
+        for name in cause.credible
+        if len(cause.credible) > 1
+    } | {found.insufficient for found in made.found if found.insufficient}
+    known = {name for found in made.found for name in found.alone}
+    return shown & known or {name for found in made.found for name in found.open} & known
 
 
-def _rivals(found: Found) -> list[Rival]:
-    """The most probable sets of a channel that were fitted."""
+def _open_nats(made: Diagnosis, asked: set[str]) -> float:
+    """Entropy of what is in question; a cause that is barred is as open as can be."""
+    sets: Sets = {}
+    for key, value in probabilities(made).items():
+        sets[key & asked] = sets.get(key & asked, 0.0) + value
+    return entropy(sets) + (np.log(2.0) if asked & set(made.known.barred) else 0.0)
+
+
+def _rivals(found: Found, asked: set[str]) -> list[Rival]:
+    """The most probable sets of a channel that were fitted, with what is in question."""
     causes = tuple(cause.mechanism for cause in found.causes)
     here = frozenset(one.id for one in causes)
     fitted = {frozenset({name}): (m.causes, m.fit) for name, m in found.alone.items()}
     fitted |= {frozenset(): ((), found.baseline), here: (causes, found.final)}
-    sets = {key: value for key, value in found.probabilities.items() if key in fitted}
+    sets = {
+        key: value
+        for key, value in found.probabilities.items()
+        if key in fitted and key - here <= asked
+    }
     order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
     return [Rival(*fitted[key], sets[key]) for key in order]
 
 
-def _row(made: Diagnosis, rivals: Mapping[str, list[Rival]], one: Option, whole: float) -> tuple:
+def _row(
+    made: Diagnosis, asked: set[str], rivals: Mapping[str, list[Rival]], one: Option, whole: float
+) -> tuple:
     stick = rivals["stick"]
     base = next(found for found in made.found if found.channel.name == "stick").channel.base
     first = max((r for r in stick if r.mechanisms), key=lambda r: r.probability, default=stick[0])
     gained, covariance = 0.0, first.fit.covariance
     load = np.nan
     if one.facts:
-        gained, covariance = _by_facts(made, one.facts, first, base)
+        gained, covariance = _by_facts(made, asked, one.facts, first, base)
     elif one.records is not None:
         load = float(one.records.force.mean())
         data = _joined(made.data, one.records, made.data.hold.max() + 1 + one.hold)
@@ -233,7 +254,7 @@ def _sharper(problem: Problem, fitted: Fit) -> ndarray:
 
 
 def _by_facts(
-    made: Diagnosis, facts: Mapping[str, float], first: Rival, base: int
+    made: Diagnosis, asked: set[str], facts: Mapping[str, float], first: Rival, base: int
 ) -> tuple[float, ndarray]:
     """Nats that tests of mechanisms' first parameters decide, and the fit's covariance after.
 
@@ -241,11 +262,13 @@ def _by_facts(
     """
     sets, gained = probabilities(made), 0.0
     for found in made.found:
-        for name in facts.keys() & found.alone.keys():
+        for name in facts.keys() & found.alone.keys() & asked:
             (value, std), *_ = sizes(
                 found.alone[name].causes[0], found.alone[name].fit, found.channel.base
             )
             odds = inclusion(sets, name)
+            if name in made.known.barred:
+                odds = min(odds, 0.5)
             there = (np.array([value]), np.array([[std**2 + facts[name] ** 2]]))
             absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
             gained += _of_one(absent, there, odds)
@@ -273,36 +296,45 @@ def _of_one(absent: tuple, there: tuple, odds: float) -> float:
     return float(np.trapezoid(inside, y))
 
 
-def _of_facts(made: Diagnosis, costs: Mapping[str, float] | None) -> list[Option]:
+def _of_facts(made: Diagnosis) -> list[Option]:
     """Tests beside the campaign of mechanisms that are judged and not measured yet."""
-    hours = COSTS | dict(costs or {})
+    hours = COSTS | dict(made.settings.costs)
     open_ = {
         one.id
         for found in made.found
         for one in found.channel.candidates
         if one.measured_by not in made.known.splits
     }
-    options = []
-    for kind, (what, facts) in FACTS.items():
-        useful = {name: std for name, std in facts.items() if name in open_}
-        if useful:
-            options.append(Option(kind, what, hours[kind], facts=useful))
+    useful = {
+        kind: {name: std for name, std in facts.items() if name in open_}
+        for kind, (_, facts) in FACTS.items()
+    }
+    options = [
+        Option(kind, FACTS[kind][0], hours[kind], facts=facts)
+        for kind, facts in useful.items()
+        if facts
+    ]
+    for one, other in TOGETHER:
+        if useful[one] and useful[other]:
+            what = f"{FACTS[one][0]}, and {FACTS[other][0]}"
+            time = max(hours[one] + hours[other] - SHARED, hours[one], hours[other])
+            both = useful[one] | useful[other]
+            options.append(Option(f"{one} and {other}", what, time, facts=both))
     return options
 
 
-def _of_records(
-    made: Diagnosis, costs: Mapping[str, float] | None, told: Callable[[float], str]
-) -> list[Option]:
+def _of_records(made: Diagnosis, told: Callable[[float], str]) -> list[Option]:
     """Further records: all again, other loads, both directions, a clamping that is kept."""
-    data, hours = made.data, COSTS | dict(costs or {})
+    data, hours = made.data, COSTS | dict(made.settings.costs)
     records, modes = data.records, len(data.modes)
     options = []
 
-    def propose(what: str, new: Records, hold: ndarray) -> None:
+    def propose(kind: str, what: str, new: Records, hold: ndarray) -> None:
         time = np.unique(hold).size * hours["clamping"] + new.mode.size * hours["record"]
-        options.append(Option("records", what, time, new, hold))
+        options.append(Option(kind, what, time, new, hold))
 
-    propose("the whole campaign once more", records, np.unique(data.hold, return_inverse=True)[1])
+    holds = np.unique(data.hold, return_inverse=True)[1]
+    propose("all again", "the whole campaign once more", records, holds)
     top, bottom = float(records.force.max()), float(records.force.min())
     higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
     if made.simulated.kind == "structure":
@@ -312,16 +344,17 @@ def _of_records(
         for force, worth in ((higher, higher > 1.05 * top), (lower, lower < 0.95 * bottom)):
             if worth:
                 what = f"{CLAMPINGS} clampings at {told(force)}, every mode"
-                propose(what, *_clampings(data, force, [0.0] * CLAMPINGS))
+                propose("another load", what, *_clampings(data, force, [0.0] * CLAMPINGS))
     middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
     if data.direction_known:
         what = f"{CLAMPINGS} clampings up and {CLAMPINGS} down at {told(middle)}, every mode"
-        propose(what, *_clampings(data, middle, [1.0, -1.0] * CLAMPINGS))
+        propose("both directions", what, *_clampings(data, middle, [1.0, -1.0] * CLAMPINGS))
     if data.time_known:
         late = np.repeat(np.linspace(0.0, _LONG, _STEPS), modes)
         new, hold = _clampings(data, middle, [0.0] * _STEPS)
         new = replace(new, since=late, time=new.time + late, hold_span=max(_LONG, new.hold_span))
         propose(
+            "kept clamping",
             f"a clamping at {told(middle)} kept for an hour, {_STEPS} records of every mode",
             new, np.zeros_like(hold),
         )  # fmt: skip

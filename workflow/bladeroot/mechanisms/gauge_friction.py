@@ -42,6 +42,7 @@ MECHANISM = Mechanism(
     ),
     splitter="a load cell between cylinder and specimen, up and down",
     stick=proportional,
+    measured_by="load cell hysteresis",
     over=("sign", "force"),
     form="proportional",
 )
