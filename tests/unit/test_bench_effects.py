@@ -42,7 +42,7 @@ CHANGES = {
     "damping-drift": {"loss"},
     "force-dependent-damping": {"loss"},
     "step-change": {"kn", "kt"},
-    "bedding-in": {"kn", "kt"},
+    "ageing": {"kn", "kt"},
     "mode-coupling": {"oscillator", "oscillator_Hz", "oscillator_loss"},
 }
 PLACES = {"added_mass_x", "hum_Hz"}
@@ -112,7 +112,7 @@ def test_sizes_of_the_laws():
     np.testing.assert_allclose(kept[[0, 1, 5]], 1 - 0.01 * np.log10([1, 4, 16]))
     hysteresis = ratio("loading-hysteresis", 0.2, "kn")
     np.testing.assert_allclose(hysteresis[[0, -1]], [0.9, 1.1])
-    bedding = ratio("bedding-in", 0.5, "kn")
+    bedding = ratio("ageing", 0.5, "kn")
     np.testing.assert_allclose(bedding[[0, 6, 12]], [1, 2**0.5, 3**0.5])
     step = ratio("step-change", 0.2, "kn")
     assert set(np.round(step, 12)) == {0.8, 1.0}

@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.verdict import insufficient, verdict
+from bladeroot.diagnosis.verdict import insufficient, is_shown, verdict
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
@@ -43,7 +43,7 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         structure=made.structure,
         answer=said["answer"],
         reason=said["reason"],
-        named=";".join(one["mechanism"] for one in said["causes"]),
+        named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
         lacks=";".join(made.lacks),
         insufficient=". ".join(insufficient(made)),
         least_force_N=made.settings.least_force,

@@ -155,7 +155,13 @@ def _fitted(
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
         ends = [fit(problem, start, current.scales) for start in starts]
         return max(ends, key=lambda end: end.log_evidence)
-    return best_fit(problem, starts, current.scales)
+    scales = [current.scales]
+    if asks and one.starts:
+        # Beside the scatter that made up for a cause, the place of a step or of a bend shows no
+        # slope.
+        scales.append(problem.scales.mean - problem.scales.std)
+    ends = [best_fit(problem, starts, one) for one in scales]
+    return max(ends, key=lambda end: end.log_evidence)
 
 
 def _names(one: Mechanism) -> list[str]:

@@ -157,6 +157,11 @@ def certain(cause: dict) -> bool:
     return len(cause["credible_set"]) == 1
 
 
+def is_shown(cause: dict) -> bool:
+    """Whether the data show a cause, or would hardly show it and do not exclude it."""
+    return NONE not in cause["credible_set"] or cause["probability"] > 0.5
+
+
 def _cannot_name(made: Diagnosis, found: Found) -> bool:
     """Whether the channel's data are too few to name a cause."""
     return bool(made.curve_lacks) and found.channel.name == "curve"

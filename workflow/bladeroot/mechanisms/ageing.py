@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bladeroot.mechanisms.drift import clamped
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 _EARLY = 10.0  # how much faster than in proportion bedding-in begins
@@ -14,19 +15,13 @@ def law(course: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...]
     """The hook: `change` of ln k from first to last clamping, by a course of their number."""
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        along = course(_clamped(records)) - 0.5
+        along = course(clamped(records)) - 0.5
         return StickEffect(
             {name: values[0] * along for name in stiffnesses},
             {name: along[:, None] for name in stiffnesses},
         )
 
     return stick
-
-
-def _clamped(records: Records) -> np.ndarray:
-    """Number of the clamping, from 0 to 1: by when it began."""
-    number = np.unique(np.round(records.time - records.since), return_inverse=True)[1]
-    return number / max(int(number.max(initial=0)), 1)
 
 
 def _linear(u: np.ndarray) -> np.ndarray:

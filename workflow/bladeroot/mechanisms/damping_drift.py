@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bladeroot.mechanisms.drift import linear, saturating, step
+from bladeroot.mechanisms.drift import MOMENTS, columns, linear, saturating, step
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
 
 
@@ -13,10 +13,7 @@ def law(course: Callable):
     """The hook: `change` of all ln(loss factors) times a course over time of a drift."""
 
     def damping(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        along, slopes = course(records, values)
-        columns = values[0] * slopes
-        columns[:, 0] = along
-        return values[0] * along, columns
+        return columns(course, records, values)
 
     return damping
 
@@ -51,10 +48,10 @@ MECHANISM = replace(
             MECHANISM,
             parameters=(
                 _CHANGE,
-                Parameter("moment", "1", 0.5, 1.5, 0.0, 1.0, "of the campaign", bounded=True),
+                Parameter("moment", "1", 0.5, 1.5, 0.0, 1.0, "of the clampings", bounded=True),
             ),
             damping=law(step),
-            starts=tuple((0.05, x) for x in (-1.4, -0.4, 0.4, 1.4)),
+            starts=MOMENTS,
             form="step",
         ),
     ),

@@ -15,7 +15,7 @@ from bladeroot.report.diagnosis_tables import (
 )
 from bladeroot.report.next_measurement import next_parts
 from bladeroot.report.page import Box, Picture, Section, Table
-from bladeroot.report.verdict import cautions, disagreement, verdict_box
+from bladeroot.report.verdict import cautions, disagreement, verdict_box, with_open
 
 TITLE = "What the simulation gets wrong, and why"
 _CAPTIONS = {
@@ -47,7 +47,7 @@ def diagnosis_section(
     the verdict means for this campaign in particular.
     """
     verdicts = [
-        {**said, "structure": said["structure"] or one.attrs["structure"]}
+        {**with_open(said), "structure": said["structure"] or one.attrs["structure"]}
         for one, said in zip(found, verdicts, strict=True)
     ]
     if found[0].attrs.get("refused"):

@@ -17,6 +17,7 @@ ANSWERS = {
     "unexplained": "something is missing, cause not in the catalogue",
     "insufficient-data": "too few data",
 }
+QUIET = "nothing shows to be missing, some causes would not show"
 BELOW = "With the records below"  # how a verdict's reason begins to speak of lower forces
 # Of a credible set, what is no mechanism.
 INSTEAD = {"none": "nothing at all", "none-of-these": "something of no catalogue"}
@@ -45,6 +46,19 @@ def plain(name: str) -> str:
     return INSTEAD.get(name) or re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
 
 
+def with_open(said: Mapping) -> dict:
+    """The verdict with the causes that the records show; `open`: those that they would not show."""
+    quiet = [c for c in said["causes"] if "none" in c["credible_set"] and c["probability"] < 0.5]
+    return {**said, "causes": [c for c in said["causes"] if c not in quiet], "open": quiet}
+
+
+def answer_of(said: Mapping) -> str:
+    """The answer as words."""
+    if said["answer"] == "ambiguous" and said.get("open") and not said["causes"]:
+        return QUIET
+    return ANSWERS[said["answer"]]
+
+
 def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     """What is missing, why, and what to do, a line each."""
     lines = [_missing(one, said), *_because(one, said)]
@@ -54,7 +68,7 @@ def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
     lines += (next_sentence(one) if of_stick else []) or first
-    head = f"{said['structure']}: {ANSWERS[said['answer']]}"
+    head = f"{said['structure']}: {answer_of(said)}"
     return Box(f"Simulated campaign. {head}" if simulated else head, lines)
 
 
@@ -112,9 +126,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
     texts = []
     for said in others:
         names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
-        texts.append(
-            f"{said['structure']}, {ANSWERS[said['answer']]}{': ' + names if names else ''}"
-        )
+        texts.append(f"{said['structure']}, {answer_of(said)}{': ' + names if names else ''}")
     return [
         "Other structures lead elsewhere, so this holds for the one named above: "
         f"{'; '.join(texts)}."
@@ -123,7 +135,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
 
 def _missing(one: xr.Dataset, said: Mapping) -> str:
     """What the simulation misses: quantity, modes, trend."""
-    if said["answer"] == "nothing-missing":
+    if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
         return "The simulation explains all records within their scatter."
     rows: dict[tuple[str, str], list[str]] = {}
     for row in said["shortfall"]:
@@ -167,6 +179,12 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
                 f"{chance(cause['probability'])}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
+    for cause in said.get("open", []):
+        names = [plain(name) for name in cause["credible_set"] if name not in INSTEAD]
+        lines.append(
+            f"Not excluded, for these records would hardly show it: {listed(names, 'or')}. To "
+            f"decide on the first: {cause['splitter']}."
+        )
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
     if said["causes"] and left:
         lines.append(
