@@ -5,7 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bladeroot.diagnosis.diagnose import Settings, diagnose
-from bladeroot.diagnosis.next_measurement import decided, next_measurements
+from bladeroot.diagnosis.next_measurement import (
+    _of_one,
+    decided,
+    following,
+    next_measurements,
+)
 from bladeroot.mechanisms.catalogue import catalogue
 from diagnosis_bench import campaign, programme
 from stiffness_beam import _model
@@ -78,3 +83,27 @@ def test_no_force_below_that_of_full_contact_is_proposed(made):
     assert proposed
     assert min(proposed) >= 1.7
     assert max(proposed) <= 30.0
+
+
+def test_known_odds_leave_little_to_decide():
+    """A test that settles a question settles all of it, whatever the odds."""
+    far = [gaussian(0, 1), gaussian(60, 1)]
+    assert decided(far, np.array([0.95, 0.05])) == pytest.approx(1.0)
+    assert decided([gaussian(0, 1)] * 2, np.array([0.95, 0.05])) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_test_beside_the_campaign_tells_presence_by_its_error():
+    sharp = _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.5)
+    blunt = _of_one(gaussian(0.0, 1.0), gaussian(0.0, 1.1), 0.5)
+    assert sharp == pytest.approx(np.log(2.0), abs=0.02)
+    assert 0.0 < blunt < 0.02
+    assert _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.0) == 0.0
+
+
+def test_costs_of_the_campaign_change_the_order(made):
+    dear = {"clamping": 50.0, "load cell": 0.1}
+    changed = replace(made, settings=replace(made.settings, costs=dear))
+    first = following(next_measurements(made))
+    assert first
+    for one in following(next_measurements(changed)):
+        assert one["load"] is None or one["hours"] >= 50.0

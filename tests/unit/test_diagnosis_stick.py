@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import ln_frequency
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import problem, stick_data
@@ -96,3 +97,9 @@ def test_changed_matrices_move_frequencies_as_an_exact_solution_does(parts):
             for amount in (0.0, 1.0)
         ]
         np.testing.assert_allclose(found[mine], np.log(f[1] / f[0]), rtol=2e-3)
+
+
+def test_a_record_without_a_direction_has_that_of_its_hold():
+    way = np.array(["up", "", "", "down", "", "up", "down", ""])
+    hold = np.array(["a", "a", "b", "c", "c", "d", "d", "d"])
+    assert directions(way, hold).tolist() == [1, 1, 0, -1, -1, 1, -1, 0]

@@ -10,6 +10,7 @@ from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickE
 # Change and moment, every twentieth of the clampings: a step shows no slope to records that are
 # away from it.
 MOMENTS = tuple((1e-3, float(np.log(k / (20 - k)))) for k in range(1, 20))
+WAVES = (1, 2, 3, 4)  # halves a campaign
 _EDGE = 0.015  # of the clampings, over which a step is smeared, so that a fit finds its place
 
 
@@ -60,6 +61,13 @@ def periodic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     angle = 2.0 * np.pi * values[1] * t + values[2]
     slope = 0.5 * np.cos(angle)
     return 0.5 * np.sin(angle), np.stack([np.zeros(t.size), 2.0 * np.pi * t * slope, slope], axis=1)
+
+
+def wandering(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Any slow course, as the weather's: a line and waves of one half to two a campaign."""
+    t = _share(records)
+    basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in WAVES)])
+    return basis @ values[1:], np.column_stack([np.zeros(t.size), basis])
 
 
 def clamped(records: Records) -> np.ndarray:
@@ -114,6 +122,25 @@ MECHANISM = replace(
             stick=law(step),
             starts=MOMENTS,
             form="step",
+        ),
+        replace(
+            MECHANISM,
+            parameters=(
+                Parameter(
+                    "change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True
+                ),
+                *(
+                    Parameter(
+                        f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
+                        "of a line, then of waves: slow ones are the larger",
+                    )
+                    for k in (0, *WAVES)
+                ),
+            ),
+            stick=law(wandering),
+            starts=((float(np.log(2e-3)), 0.5, 0.2, 0.0, 0.0, 0.0),
+                    (float(np.log(2e-3)), -0.5, -0.2, 0.0, 0.0, 0.0)),
+            form="wandering",
         ),
         replace(
             MECHANISM,
