@@ -4,7 +4,7 @@
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
     python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # quick tier
     python benchmarks/foreign.py loop --seeds 1-40 --out DIR --shipped PARAMETRIC      # to the end
-    python benchmarks/foreign.py score --out DIR
+    python benchmarks/foreign.py score --out DIR --rows FILE      # or --out FILE: the tables again
     python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
 
 PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import xarray as xr  # noqa: E402
 from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
 from foreign_lab.jointed_beam import export  # noqa: E402
-from foreign_lab.score import outcome, report  # noqa: E402
+from foreign_lab.score import outcome, report, row  # noqa: E402
 
 
 def seeds_of(text: str) -> list[int]:
@@ -167,15 +167,19 @@ def _tell(truth: dict, verdict: dict, seconds: float) -> None:
 
 
 def score(args: argparse.Namespace) -> None:
-    """Tables of all verdicts of a folder."""
+    """Tables of all verdicts of a folder, or of the rows that `--rows` kept."""
     chosen = seeds_of(args.seeds) if args.seeds else None
-    cases = []
-    for path in sorted(args.out.glob("verdict-*.json")):
-        seed = int(path.stem.removeprefix("verdict-"))
-        if chosen is None or seed in chosen:
+    rows = []
+    if args.out.is_file():
+        rows = json.loads(args.out.read_text())
+    else:
+        paths = {int(p.stem.removeprefix("verdict-")): p for p in args.out.glob("verdict-*.json")}
+        for seed in sorted(paths.keys() & set(chosen) if chosen else paths):
             truth = opened(args.out / f"truth-{seed}.json")
-            cases.append((truth, json.loads(path.read_text())))
-    print(report(cases))
+            rows.append(row(truth, json.loads(paths[seed].read_text())))
+    if args.rows:
+        args.rows.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+    print(report(rows))
 
 
 def main() -> None:
@@ -189,6 +193,7 @@ def main() -> None:
     parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
     parser.add_argument("--kind", default="", choices=["", "null", "single", "pair", "outside"])
     parser.add_argument("--effect", default="", help="the id of the one effect to hide")
+    parser.add_argument("--rows", type=Path, help="score: file that keeps what tables are made of")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()

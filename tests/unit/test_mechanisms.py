@@ -13,6 +13,8 @@ from scipy.stats import norm
 FIXED = {
     "joint-slip": "amplitude", "normal-load-variation": "amplitude",
     "geometric-hardening": "amplitude", "quadratic-drag": "amplitude",
+    "cubic-softening": "amplitude", "force-dependent-damping": "force-law",
+    "damping-drift": "time", "ageing": "time", "gauge-friction": "direction",
     "load-dependent-stiffness": "force-law", "incomplete-contact": "force-law",
     "force-gain": "force-law", "force-offset": "level", "added-mass": "level",
     "modulus-density": "level", "rig-compliance": "level", "drift": "time",

@@ -72,6 +72,7 @@ def found(named=POWER, barred="", lacks="", holds=True, curves=True, rivals=f"{P
             "law_ln_std": (("stage", "stiffness", "law_force"), np.full((2, 2, 3), 0.3)),
             "law_correlation": (("stage", "law_force"), np.full((2, 3), -0.9)),
             "decided": ("option", [0.0, 0.2, 0.7], {"rivals": rivals}),
+            "hours": ("option", [np.nan, 2.0, 2.0]),
             "size_std": ("option", [1.0, 0.8, 0.9]),
             "expected_ln_std": (("option", "stiffness"), [[0.5, 0.6], [0.4, 0.5], [0.45, 0.5]]),
         },
@@ -128,7 +129,9 @@ def test_the_box_says_what_is_missing_why_what_it_is_worth_and_what_next():
     assert "exponent 0.600\u00a0±\u00a00.080" in box.lines[1]
     assert box.lines[2] == "Probabilities: load dependent stiffness 97 %; nothing at all 3 %."
     assert "falls, from 0.40 % to 0.10 %" in box.lines[3]
-    assert box.lines[4].startswith("Measure next: another force; it is expected to decide 70 % of")
+    assert box.lines[4].startswith(
+        "Measure next: another force, 2 h; it is expected to decide 70 % of"
+    )
 
 
 def test_an_ambiguous_answer_gives_the_measurement_that_splits():

@@ -144,10 +144,11 @@ def _answer(made: Diagnosis, causes: list[dict]) -> str:
         return "ambiguous"
     if any(found.unexplained for found in judged if not found.open):
         return "unexplained"
+    if any(_open(found) for found in made.found if _cannot_name(made, found)):
+        return "insufficient-data"
     if others:
         return "ambiguous"
-    open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
-    if open_curves or (made.lacks and not causes):
+    if made.lacks and not causes:
         return "insufficient-data"
     return "named" if causes else "nothing-missing"
 
