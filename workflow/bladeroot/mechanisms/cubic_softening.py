@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.geometric_hardening import effect_over_amplitude
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
+from bladeroot.mechanisms.over_amplitude import of_spring
 
 REFERENCE_AMPLITUDE = 1e-5  # m
 
@@ -12,7 +12,7 @@ def power(points: Points, values: np.ndarray) -> CurveEffect:
     """ln f falls by `fall` at 10 um, over amplitude as a power, at all forces alike."""
     x = np.log(points.amplitude / REFERENCE_AMPLITUDE)
     course = -np.exp(values[2] * x)
-    return effect_over_amplitude(points, values[:2], course, course * x)
+    return of_spring(points, values[:2], course, course * x)
 
 
 MECHANISM = Mechanism(
