@@ -33,7 +33,7 @@ class Settings:
     """fe_bias, fe_offset: relative error of the model's frequencies by mode, standard deviation and
     known part. least_force: N, below which contact is not full and records are left out. splits:
     independent measurements (`naming.Known`). costs: hours of laboratory time that differ from
-    `next_measurement.COSTS`.
+    `options.COSTS`.
     """
 
     fe_bias: Mapping[str, float]

@@ -1,6 +1,6 @@
 """Fits of a cause in all its forms: the evidence is the family's, the form never decides a name."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -217,10 +217,3 @@ def smooth(channel: Channel, model: Model) -> dict[str, float]:
 def _asks(current: Fit, kernels: Kernels) -> bool:
     """Whether a fit's misses ask for one of these covariances."""
     return any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels)
-
-
-def starts_of(channel: Channel, causes: Sequence[Mechanism]) -> list[np.ndarray]:
-    """Points to fit a set of causes from: all at their priors' means, the first at each start."""
-    tail = [one.start for one in causes[1:]]
-    base = channel.problem(causes, ()).prior.mean[: channel.base]
-    return [np.concatenate([base, s, *tail]) for s in (causes[0].start, *causes[0].starts)]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis import curve_model, stick_model
@@ -18,6 +18,7 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
+from bladeroot.diagnosis.options import Option, of_facts, of_records
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
 from bladeroot.diagnosis.stick_model import StickData
@@ -26,34 +27,6 @@ from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 from bladeroot.stiffness.laws import REFERENCE_FORCE
 
-# Hours of laboratory time: of a clamping, of a record in it, and of tests beside the campaign. A
-# campaign's own stand in its `costs`.
-COSTS = {
-    "clamping": 0.5,
-    "record": 0.1,
-    "load cell": 3.0,
-    "weighing": 1.0,
-    "free-free": 2.0,
-    "rig stiffness": 2.0,
-}
-SHARED = 0.5  # hours that two tests save which need the beam taken out once
-# Tests beside the campaign: a phrase, and by the mechanism whose first parameter each measures how
-# well.
-FACTS = {
-    "load cell": (
-        "a load cell in the line of force, up and down (to 0.5 % and 50 N)",
-        {"force-gain": 0.005, "force-offset": 50.0, "gauge-friction": 0.005},
-    ),
-    "rig stiffness": (
-        "a tap test of the empty rig (slots' stiffness to 1 %)",
-        {"rig-compliance": 0.01},
-    ),
-    "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
-    "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
-}
-TOGETHER = (("load cell", "rig stiffness"), ("weighing", "free-free"))
-CLAMPINGS = 2  # of a proposal, at each load and direction
-_LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _DRAWS = 400
 _GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
@@ -66,21 +39,6 @@ class Rival:
     mechanisms: tuple[Mechanism, ...]
     fit: Fit
     probability: float
-
-
-@dataclass(frozen=True)
-class Option:
-    """A measurement. records, hold: what it adds to the stick frequencies (hold: of the addition).
-
-    facts: what it measures beside the records, by mechanism, to which standard deviation.
-    """
-
-    kind: str
-    what: str
-    hours: float
-    records: Records | None = None
-    hold: Int[ndarray, " record"] | None = None
-    facts: Mapping[str, float] | None = None
 
 
 def kilonewtons(force: float) -> str:
@@ -104,7 +62,7 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
     rows = [_row(made, asked, rivals, Option("", "as measured", np.nan), whole)]
-    options = [*_of_facts(made), *_of_records(made, told)]
+    options = [*of_facts(made), *of_records(made, told)]
     others = [_row(made, asked, rivals, one, whole) for one in options]
     rows += sorted(others, key=lambda row: -np.nan_to_num(row[1] / row[4]))
     names, decided_, size, ln_std, hours, kinds, loads = zip(*rows, strict=True)
@@ -294,82 +252,6 @@ def _of_one(absent: tuple, there: tuple, odds: float) -> float:
     inside = (1.0 - odds) * p * np.log(np.maximum(p, 1e-300) / both)
     inside += odds * q * np.log(np.maximum(q, 1e-300) / both)
     return float(np.trapezoid(inside, y))
-
-
-def _of_facts(made: Diagnosis) -> list[Option]:
-    """Tests beside the campaign of mechanisms that are judged and not measured yet."""
-    hours = COSTS | dict(made.settings.costs)
-    open_ = {
-        one.id
-        for found in made.found
-        for one in found.channel.candidates
-        if one.measured_by not in made.known.splits
-    }
-    useful = {
-        kind: {name: std for name, std in facts.items() if name in open_}
-        for kind, (_, facts) in FACTS.items()
-    }
-    options = [
-        Option(kind, FACTS[kind][0], hours[kind], facts=facts)
-        for kind, facts in useful.items()
-        if facts
-    ]
-    for one, other in TOGETHER:
-        if useful[one] and useful[other]:
-            what = f"{FACTS[one][0]}, and {FACTS[other][0]}"
-            time = max(hours[one] + hours[other] - SHARED, hours[one], hours[other])
-            both = useful[one] | useful[other]
-            options.append(Option(f"{one} and {other}", what, time, facts=both))
-    return options
-
-
-def _of_records(made: Diagnosis, told: Callable[[float], str]) -> list[Option]:
-    """Further records: all again, other loads, both directions, a clamping that is kept."""
-    data, hours = made.data, COSTS | dict(made.settings.costs)
-    records, modes = data.records, len(data.modes)
-    options = []
-
-    def propose(kind: str, what: str, new: Records, hold: ndarray) -> None:
-        time = np.unique(hold).size * hours["clamping"] + new.mode.size * hours["record"]
-        options.append(Option(kind, what, time, new, hold))
-
-    holds = np.unique(data.hold, return_inverse=True)[1]
-    propose("all again", "the whole campaign once more", records, holds)
-    top, bottom = float(records.force.max()), float(records.force.min())
-    higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
-    if made.simulated.kind == "structure":
-        low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
-        higher, lower = min(higher, high), max(lower, low)
-    if top > bottom or made.simulated.kind == "structure":
-        for force, worth in ((higher, higher > 1.05 * top), (lower, lower < 0.95 * bottom)):
-            if worth:
-                what = f"{CLAMPINGS} clampings at {told(force)}, every mode"
-                propose("another load", what, *_clampings(data, force, [0.0] * CLAMPINGS))
-    middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
-    if data.direction_known:
-        what = f"{CLAMPINGS} clampings up and {CLAMPINGS} down at {told(middle)}, every mode"
-        propose("both directions", what, *_clampings(data, middle, [1.0, -1.0] * CLAMPINGS))
-    if data.time_known:
-        late = np.repeat(np.linspace(0.0, _LONG, _STEPS), modes)
-        new, hold = _clampings(data, middle, [0.0] * _STEPS)
-        new = replace(new, since=late, time=new.time + late, hold_span=max(_LONG, new.hold_span))
-        propose(
-            "kept clamping",
-            f"a clamping at {told(middle)} kept for an hour, {_STEPS} records of every mode",
-            new, np.zeros_like(hold),
-        )  # fmt: skip
-    return options
-
-
-def _clampings(data: StickData, force: float, signs: Sequence[float]) -> tuple[Records, ndarray]:
-    """New holds at a force, each with every mode, at the end of the campaign."""
-    modes, count = len(data.modes), len(signs)
-    n = count * modes
-    records = Records(
-        np.tile(np.arange(modes), count), np.full(n, force), np.repeat(signs, modes),
-        np.full(n, data.records.span), np.zeros(n), data.records.span, data.records.hold_span,
-    )  # fmt: skip
-    return records, np.repeat(np.arange(count), modes)
 
 
 def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
