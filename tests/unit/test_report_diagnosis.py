@@ -13,7 +13,7 @@ from bladeroot.report.next_measurement import best_option
 from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
-from bladeroot.report.verdict import disagreement, plain, size, verdict_box
+from bladeroot.report.verdict import disagreement, plain, size, verdict_box, with_open
 
 PICTURES = ("ranking", "frequencies", "curves", "residuals", "residual_maps", "law")
 POWER, SEATING = "load-dependent-stiffness", "incomplete-contact"
@@ -140,6 +140,18 @@ def test_an_ambiguous_answer_gives_the_measurement_that_splits():
     assert "load dependent stiffness or incomplete contact" in text
     assert "do not tell which. To decide: twice the force" in text
     assert "load dependent stiffness with a probability of 70 %" in text
+
+
+def test_what_the_records_would_not_show_is_not_called_a_cause():
+    quiet = cause((POWER, "none", SEATING), probability=0.06)
+    said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
+    box = verdict_box(found(named=""), said, False)
+    assert box.head == "S: nothing shows to be missing, some causes would not show"
+    assert box.lines[0] == "The simulation explains all records within their scatter."
+    text = " ".join(box.lines)
+    assert "Not excluded" in text
+    assert "load dependent stiffness or incomplete contact" in text
+    assert "Cause:" not in text
 
 
 def test_what_is_no_mechanism_stands_in_words():
