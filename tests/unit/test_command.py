@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import scipy.io
 import yaml
 from bladeroot import artifacts
 from bladeroot.command.explain import explained
@@ -96,7 +97,8 @@ def test_look_shows_channels_lines_and_the_curve(folder):
 def test_look_says_in_one_line_what_it_lacks(folder):
     done = called("look", folder / "blow 1.csv")
     assert done.exit_code == 1
-    assert "expected one channel" in done.stderr
+    assert "expected a unit" in done.stderr
+    assert "looking at channel 2: top" in done.output
     assert len(done.stderr.strip().splitlines()) == 1
 
 
@@ -137,3 +139,16 @@ def test_every_subcommand_has_a_help_of_its_own(name):
     done = called(name, "--help")
     assert done.exit_code == 0
     assert done.output.startswith("Usage:")
+
+
+def test_cells_of_a_matlab_file_are_records_of_their_own(tmp_path):
+    t = np.arange(4096) / 2048.0
+    cells = np.empty((2, 2), dtype=object)
+    for k in range(2):
+        cells[k] = [t, np.exp(-3.0 * t) * np.cos(2.0 * np.pi * 60.0 * t + k)]
+    scipy.io.savemat(tmp_path / "blows.mat", {"x": cells})
+    done = called("new", tmp_path)
+    assert done.exit_code == 0, done.output
+    rows = (tmp_path / "records.csv").read_text().splitlines()[1:]
+    assert [row.split(",all,")[0] for row in rows] == ["blows,blows.mat", "blows_2,blows.mat"]
+    assert all(";" not in row for row in rows)

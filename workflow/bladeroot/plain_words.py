@@ -53,3 +53,8 @@ def plainly_but_ids(text: str, load: str, simulated: bool = False) -> str:
     return "".join(
         part if k % 2 else plainly(part, load, simulated) for k, part in enumerate(parts)
     )
+
+
+def length(metres: float) -> str:
+    """A length in the unit that needs no exponent: `12 µm`, `2.51 mm`."""
+    return f"{1e3 * metres:.3g} mm" if metres >= 1e-3 else f"{1e6 * metres:.3g} µm"

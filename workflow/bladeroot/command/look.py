@@ -20,7 +20,7 @@ SHOWN_LINES = 8
     type=float,
     help="About where the mode lies, Hz; by default the strongest line.",
 )
-@click.option("--channel", help="Name or number of a channel, where the file has several.")
+@click.option("--channel", help="Name or number of a channel; by default the first.")
 @click.option(
     "--sampling",
     "sampling_Hz",
@@ -41,7 +41,9 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     click.echo(f"{file}")
     for entry in found:
         click.echo(f"  channel {entry}")
-    named = channel or (str(found[0].number) if len(found) == 1 else None)
+    named = channel or (str(found[0].number) if found else None)
+    if len(found) > 1 and not channel:
+        click.echo(f"  looking at channel {found[0]}; --channel names another")
     given = {"unit": unit, "quantity": quantity, "sensitivity": sensitivity}
     record = read(file, channel=named, sampling_Hz=sampling_Hz, **given)
     duration = record.samples.size / record.sampling_Hz

@@ -16,6 +16,8 @@ from bladeroot.io.units import SI, quantity_of
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
+# The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
+_CELL = re.compile(r".*\{\d+")
 # A frequency only serves to look at spectra of files that do not say theirs.
 _ANY_RATE = 1.0
 
@@ -99,7 +101,7 @@ modes:
 
 
 def sheet(found: Sequence[Found]) -> str:
-    """The text of records.csv: a row a file, all modes, every channel of motion."""
+    """The text of records.csv: a row a file or cell of one, all modes, every channel of motion."""
     columns = ["record", "file", "mode"]
     columns += ["channel"] if any(not one.alone for one in found) else []
     columns += ["unit"] if any(not one.unit for one in found) else []
@@ -110,16 +112,26 @@ def sheet(found: Sequence[Found]) -> str:
     writer.writeheader()
     taken: set[str] = set()
     for one in found:
-        row = {
-            "record": _identifier(one.path.stem, taken),
-            "file": one.path.name,
-            "mode": "all",
-            "channel": "" if one.alone else ";".join(entry.name for entry in one.channels),
-            "unit": "" if one.unit else FILL,
-            "sampling_Hz": "" if one.sampling else FILL,
-        }
-        writer.writerow({name: row.get(name, "") for name in columns})
+        for together in at_once(one.channels):
+            row = {
+                "record": _identifier(one.path.stem, taken),
+                "file": one.path.name,
+                "mode": "all",
+                "channel": "" if one.alone else ";".join(entry.name for entry in together),
+                "unit": "" if one.unit else FILL,
+                "sampling_Hz": "" if one.sampling else FILL,
+            }
+            writer.writerow({name: row.get(name, "") for name in columns})
     return text.getvalue()
+
+
+def at_once(channels: Sequence[Entry]) -> list[tuple[Entry, ...]]:
+    """The channels that were measured at once, as one event of several sensors."""
+    rows: dict[str, list[Entry]] = {}
+    for entry in channels:
+        cell = _CELL.match(entry.name)
+        rows.setdefault(cell[0] if cell else "", []).append(entry)
+    return [tuple(row) for row in rows.values()]
 
 
 def _identifier(stem: str, taken: set[str]) -> str:
@@ -132,10 +144,20 @@ def _identifier(stem: str, taken: set[str]) -> str:
     return unique
 
 
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}{'' if count == 1 else 's'}"
+
+
 def told(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[str]:
     """What was written and what is left to do."""
     count = sum(len(one.channels) for one in found)
-    lines = [f"{len(found)} files, {count} channels of motion: {folder / 'records.csv'}"]
+    rows = sum(len(at_once(one.channels)) for one in found)
+    lines = [
+        f"{_counted(len(found), 'file')}, {_counted(count, 'channel')} of motion, "
+        f"{_counted(rows, 'row')}: {folder / 'records.csv'}"
+    ]
+    if rows < count:
+        lines.append("the channels of a row are taken for sensors of one motion")
     if modes:
         lines.append(f"modes suggested: {', '.join(f'{f:.4g} Hz' for f in modes)}")
     missing = [

@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
+from bladeroot.plain_words import length
 from bladeroot.pooling.curves import ladder_of, levels_of, on_ladder
 
 QUANTITIES = ("frequency", "loss_factor")
@@ -243,7 +244,7 @@ def _at(one: xr.Dataset) -> str:
     size, std = 100.0 * float(one["largest"]), 100.0 * float(one["largest_std"])
     digits = max(0, -int(np.floor(np.log10(max(std, 1e-9)))))
     return (
-        f"{1e6 * float(one['largest_amplitude']):.3g} µm{' at ' + sensor if sensor else ''} "
+        f"{length(float(one['largest_amplitude']))}{' at ' + sensor if sensor else ''} "
         f"{size:.{digits}f} ± {std:.{digits}f} % larger "
         f"in {one['largest_high'].item()} than in {one['largest_low'].item()}"
     )

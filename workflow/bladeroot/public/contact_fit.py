@@ -81,10 +81,11 @@ class ContactFit:
         """A short table."""
         found, attrs = self.result, self.result.attrs
         lines = [f"contact stiffness at a load of {attrs['load']:g}"]
+        width = 1 + max(map(len, (*found["parameter"].values, *found["mode"].values)))
         for name in found["parameter"].values:
             one = found.sel(parameter=name)
             spread = np.exp(float(one["ln_std"]))
-            lines.append(f"  {name:<12}{float(one['stiffness']):.4g} N/m, factor {spread:.3g}")
+            lines.append(f"  {name:<{width}}{float(one['stiffness']):.4g} N/m, factor {spread:.3g}")
         for mode in found["mode"].values:
             one = found.sel(mode=mode)
             lines.append(

@@ -36,7 +36,7 @@ class Verdict:
 
     @property
     def answer(self) -> str:
-        """cause-named, ambiguous, unexplained, nothing-missing or insufficient-data."""
+        """named, ambiguous, unexplained, nothing-missing or insufficient-data."""
         return self.said["answer"]
 
     @property
@@ -70,10 +70,11 @@ class Verdict:
         return figure
 
     def __repr__(self) -> str:
-        """The answer, its reason and the most probable sets of causes."""
-        lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
+        """The answer, its reason, and what is most probable."""
+        named = [(one["mechanism"], one["probability"]) for one in self.said["causes"]]
         best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
-        return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in best)])
+        lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
+        return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in named or best)])
 
 
 def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -> Verdict:

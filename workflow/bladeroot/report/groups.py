@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from bladeroot.plain_words import length
 from bladeroot.report.numbers import NONE, fixed, percent, significant
 from bladeroot.report.page import Section, Table
 
@@ -75,7 +76,7 @@ def groups_section(curves: xr.Dataset) -> Section | None:
 def _largest(one: xr.Dataset) -> str:
     if not np.isfinite(float(one["largest"])):
         return NONE
-    place = f"{1e6 * float(one['largest_amplitude']):.3g} µm {one['largest_sensor'].item()}".strip()
+    place = f"{length(float(one['largest_amplitude']))} {one['largest_sensor'].item()}".strip()
     groups = f"{one['largest_high'].item()} over {one['largest_low'].item()}"
     return f"{percent(float(one['largest']), 0)} at {place}, {groups}"
 
