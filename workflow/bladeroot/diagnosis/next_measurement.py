@@ -79,7 +79,7 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
                             "the present one"),
             "expected_ln_std": var(("option", "stiffness"), ln_std, "expected standard deviation "
                                    "of ln k at 12 kN"),
-            "kind": var("option", kinds, "what kind of further records, or which other test"),
+            "kind": var("option", kinds, "what kind of further records, or which other test", ""),
             "new_force": var("option", loads, "axial force of the new records", "N"),
         },
         coords={"option": list(names), "stiffness": ["kn", "kt"]},
