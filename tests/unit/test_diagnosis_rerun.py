@@ -25,7 +25,7 @@ from bladeroot.stiffness.posterior import problem_of
 from bladeroot.stiffness.summit import find_summit
 from diagnosis_bench import campaign, programme
 from stiffness_beam import _model
-from test_stiffness_joint import levels, surface
+from stiffness_bench import levels, surface
 
 CATALOGUE = catalogue()
 BIAS, EXPONENT = {"1B": 0.005, "2B": 0.005}, 0.5

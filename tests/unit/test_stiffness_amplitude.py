@@ -27,8 +27,8 @@ from bladeroot.stiffness.simulated_curves import (
 from bladeroot.stiffness.softening import Softening, softening_of
 from bladeroot.stiffness.summit import Summit, find_summit, freest
 from nonlinear_systems import coarse_joint
-from test_stiffness_joint import GAUGE, HIGH, LOW, problem, surface
-from test_stiffness_joint import stick as stick_of
+from stiffness_bench import GAUGE, HIGH, LOW, problem, surface
+from stiffness_bench import stick as stick_of
 
 LASERS = {"1B": 0.0, "2B": -0.07}
 
@@ -219,8 +219,6 @@ def campaign(monkeypatch):
     ("lasers", "reason"),
     [
         (LASERS, "the contacts of 1B and 2B did not settle"),
-        ({"1B": 0.0, "2B": 0.0}, "the contacts of 1B did not settle"),
-        ({"1B": 0.0, "2B": 1.0}, "the contacts of 1B did not settle"),
         ({"1B": 1.0, "2B": 0.0}, "1B: the laser must stand on the beam"),
     ],
 )

@@ -7,7 +7,6 @@ import pytest
 import scipy.stats
 import xarray as xr
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import (
     combinations,
     joint,
@@ -17,7 +16,7 @@ from bladeroot.stiffness.joint import (
     trimmed,
 )
 from bladeroot.stiffness.laws import LAWS, PRIORS, REFERENCE_FORCE, powers, slopes
-from bladeroot.stiffness.levels import LEAST_STD, Levels, levels_of
+from bladeroot.stiffness.levels import LEAST_STD, levels_of
 from bladeroot.stiffness.marginal import marginal, with_biases
 from bladeroot.stiffness.posterior import (
     SCATTER,
@@ -33,42 +32,7 @@ from bladeroot.stiffness.region import share_within
 from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.summit import climb, find_summit
 from bladeroot.stiffness.worth import worth
-
-LOW, HIGH = np.array([np.log(1e8)] * 2 + [0.0]), np.array([np.log(1e12)] * 2 + [30e3])
-FORCE = np.array([4e3, 7e3, 12e3, 18e3, 24e3])
-
-
-def surface(bent=0.0, modes=2):
-    """ln f of modes that see kn and kt differently; straight, or bent by small terms."""
-    c = np.zeros((modes, 4, 4, 3))
-    for m, (base, normal, tangential) in enumerate(
-        [(6.3, 0.20, 0.10), (7.25, 0.15, 0.18), (7.9, 0.05, 0.25)][:modes]
-    ):
-        c[m, 0, 0, 0], c[m, 1, 0, 0], c[m, 0, 1, 0], c[m, 0, 0, 1] = base, normal, tangential, 0.02
-    bends = np.random.default_rng(3).normal(size=c.shape)
-    bends[:, 0, 0, 0] = 0.0
-    return Surface(c + bent * bends, LOW, HIGH)
-
-
-def levels(noise=1e-3, shared=True, holds=2.0):
-    count = len(FORCE)
-    clamping = np.tile(np.arange(count), 2) if shared else np.arange(2 * count)
-    return Levels(
-        ("1B", "2B"), np.repeat([0, 1], count), np.tile(FORCE, 2), np.zeros(2 * count),
-        np.full(2 * count, noise), clamping, np.full(2 * count, holds), np.array([1e-3, 2e-3]),
-        np.array([3.0, 4.0]),
-    )  # fmt: skip
-
-
-def problem(law="two powers", bent=0.01, gauge=(300.0, 0.01), **of_levels):
-    """A problem whose data were drawn from its own prior."""
-    made = problem_of(
-        surface(bent), levels(**of_levels), LAWS[law], np.array([0.005, 0.004]), np.zeros(2), gauge
-    )
-    rng = np.random.default_rng(11)
-    u = 0.5 * rng.standard_normal(len(made.names))
-    y = predict(made, u[None]).ln_frequency[0] + 3e-3 * rng.standard_normal(2 * len(FORCE))
-    return replace(made, levels=replace(made.levels, ln_frequency=y)), u
+from stiffness_bench import FORCE, GAUGE, HIGH, LOW, levels, problem, stick, surface
 
 
 def test_powers_have_their_slopes():
@@ -235,29 +199,6 @@ def test_trimming_changes_no_frequency_by_more_than_it_says():
     assert np.abs(whole.coefficients - c).sum(axis=(1, 2, 3)).max() < 1e-5
 
 
-def stick(frequency, std=0.05, **more):
-    count = len(FORCE)
-    nothing = np.zeros(0)
-    return xr.Dataset(
-        {
-            "mode": ("level", np.repeat(["1B", "2B"], count)),
-            "force": ("level", np.tile(FORCE, 2)),
-            "frequency": ("level", frequency),
-            "frequency_std": ("level", np.full(2 * count, std)),
-            "within_std": ("level", np.full(2 * count, 0.03)),
-            "between_record_std": ("level", np.full(2 * count, 0.08)),
-            "between_hold_std": ("level", np.full(2 * count, 0.5)),
-            "hold_freedom": ("level", np.zeros(2 * count, int)),
-            "records": ("level", np.full(2 * count, 4)),
-            "holds": ("level", np.full(2 * count, 2)),
-            "record_force": ("record", nothing),
-            "record_mode": ("record", nothing.astype(str)),
-            "hold": ("record", nothing.astype(str)),
-            "plateau_reached": ("record", nothing.astype(int)),
-        }
-    ).assign(more)
-
-
 def test_levels_know_which_share_a_clamping():
     f = np.full(2 * len(FORCE), 500.0)
     records = {
@@ -336,7 +277,6 @@ def model():
     )
 
 
-GAUGE = ForceGauge(200.0, 0.01, "full-scale")
 BIAS = {"1B": 0.005, "2B": 0.005}
 
 
