@@ -12,10 +12,21 @@ from rig_toy import toy_bench, toy_reduced
 
 # The classes that the diagnosis answers with; `outside` is in no catalogue.
 CLASSES = {
-    "amplitude": {"joint-slip", "normal-load-variation", "geometric-hardening", "quadratic-drag"},
-    "force-law": {"load-dependent-stiffness", "incomplete-contact", "force-gain"},
+    "amplitude": {
+        "cubic-softening",
+        "joint-slip",
+        "normal-load-variation",
+        "geometric-hardening",
+        "quadratic-drag",
+    },
+    "force-law": {
+        "force-dependent-damping",
+        "load-dependent-stiffness",
+        "incomplete-contact",
+        "force-gain",
+    },
     "level": {"force-offset", "added-mass", "modulus-density", "rig-compliance"},
-    "time": {"drift", "force-relaxation"},
+    "time": {"drift", "force-relaxation", "damping-drift", "ageing"},
     "direction": {"loading-hysteresis"},
     "record": {"clipping", "shaker-recontact", "mode-beating", "mains-hum"},
 }
@@ -73,7 +84,7 @@ def test_the_catalogue_is_complete():
     found = {name: effect(name).CLASS for name in ids()}
     for kind, names in CLASSES.items():
         assert {name for name, own in found.items() if own == kind} == names
-    assert sum(own == "outside" for own in found.values()) >= 4
+    assert sum(own == "outside" for own in found.values()) >= 2
 
 
 @pytest.mark.parametrize("name", CHANGES)
