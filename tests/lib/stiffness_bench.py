@@ -8,11 +8,12 @@ from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
-from bladeroot.stiffness.posterior import predict, problem_of
+from bladeroot.stiffness.model import level_model, predict
 
+GAUGE = ForceGauge(200.0, 0.01, "full-scale")
+BIAS = {"1B": 0.005, "2B": 0.005}
 LOW, HIGH = np.array([np.log(1e8)] * 2 + [0.0]), np.array([np.log(1e12)] * 2 + [30e3])
 FORCE = np.array([4e3, 7e3, 12e3, 18e3, 24e3])
-GAUGE = ForceGauge(200.0, 0.01, "full-scale")
 
 
 def surface(bent=0.0, modes=2):
@@ -37,15 +38,15 @@ def levels(noise=1e-3, shared=True, holds=2.0):
     )  # fmt: skip
 
 
-def problem(law="two powers", bent=0.01, gauge=(300.0, 0.01), **of_levels):
-    """A problem whose data were drawn from its own prior."""
-    made = problem_of(
+def drawn(law="two powers", bent=0.01, gauge=(300.0, 0.01), **of_levels):
+    """A model whose data were drawn from its own prior, and the truth."""
+    made = level_model(
         surface(bent), levels(**of_levels), LAWS[law], np.array([0.005, 0.004]), np.zeros(2), gauge
     )
     rng = np.random.default_rng(11)
-    u = 0.5 * rng.standard_normal(len(made.names))
-    y = predict(made, u[None]).ln_frequency[0] + 3e-3 * rng.standard_normal(2 * len(FORCE))
-    return replace(made, levels=replace(made.levels, ln_frequency=y)), u
+    theta = made.prior.mean + 0.5 * made.prior.std * rng.standard_normal(len(made.names))
+    y = predict(made, theta[None]).ln_frequency[0] + 3e-3 * rng.standard_normal(2 * len(FORCE))
+    return replace(made, levels=replace(made.levels, ln_frequency=y)), theta
 
 
 def stick(frequency, std=0.05, **more):
@@ -69,3 +70,8 @@ def stick(frequency, std=0.05, **more):
             "plateau_reached": ("record", nothing.astype(int)),
         }
     ).assign(more)
+
+
+def powers_model():
+    return level_model(surface(0.003), levels(), LAWS["one power"], np.full(2, 0.005), np.zeros(2),
+                       (200.0, 0.01))  # fmt: skip

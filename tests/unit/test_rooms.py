@@ -20,7 +20,7 @@ ALLOWED = {
     "contact": set(),
     "nonlinear": {"contact", "rom"},
     "inference": set(),
-    "stiffness": {"rom", "nonlinear"},
+    "stiffness": {"rom", "nonlinear", "inference"},
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),

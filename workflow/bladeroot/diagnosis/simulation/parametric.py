@@ -17,13 +17,19 @@ from bladeroot.diagnosis.structures import Structures
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom import chebyshev
-from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import ritz_of, surface_of
 from bladeroot.rom.ritz import Ritz
-from bladeroot.stiffness.joint import trimmed
-from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
-from bladeroot.stiffness.posterior import BIAS_TILT
+from bladeroot.stiffness.priors import (
+    BIAS_TILT,
+    CORRELATION,
+    LN_K,
+    REFERENCE_FORCE,
+    SCATTER,
+    SMOOTH_EXPONENT,
+)
 
+<<<<<<< HEAD
 # Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
 EXPONENT = (0.0, 0.005)
 # ln of the scatter of k between clampings, 2 to 14 %.
@@ -32,6 +38,8 @@ CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
 # Relative error of what the axial force does to the model's frequencies, over that of these: a
 # depth or length that is off changes the tension's part of the stiffness by some times as much.
 TENSION = 4.0
+=======
+>>>>>>> main
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -94,7 +102,7 @@ class _OfRecords:
     error of what the axial force does.
     """
 
-    scales = (SCATTER, SCATTER, CORRELATION)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(
         self, simulated: Parametric, records: Records, hold: ndarray, rounding: float
@@ -104,12 +112,11 @@ class _OfRecords:
         self.x = np.log(records.force / REFERENCE_FORCE)
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
-        level_n, level_t = PRIORS["ln_kn"], PRIORS["ln_kt"]
         bias = simulated.bias
         self.prior = Prior(
             np.concatenate(
                 [
-                    [level_n[0], level_t[0], EXPONENT[0]],
+                    [LN_K[0], LN_K[0], SMOOTH_EXPONENT[0]],
                     np.log1p(simulated.offset),
                     np.zeros(modes + 1),
                 ]
@@ -122,6 +129,10 @@ class _OfRecords:
                     [TENSION * bias.mean()],
                 ]
             ),
+<<<<<<< HEAD
+=======
+            np.concatenate([[LN_K[1], LN_K[1], SMOOTH_EXPONENT[1]], bias, BIAS_TILT * bias]),
+>>>>>>> main
         )
         self.own = biases(modes)
         self.structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
