@@ -22,16 +22,10 @@ from bladeroot.diagnosis.options import Option, of_facts, of_records
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
 from bladeroot.diagnosis.stick_model import StickData
-<<<<<<< HEAD
 from bladeroot.diagnosis.verdict import probabilities
 from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
-from bladeroot.stiffness.laws import REFERENCE_FORCE
-=======
-from bladeroot.inference.gaussian import Fit, best_fit
-from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
->>>>>>> main
 
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _DRAWS = 400

@@ -29,17 +29,9 @@ from bladeroot.stiffness.priors import (
     SMOOTH_EXPONENT,
 )
 
-<<<<<<< HEAD
-# Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
-EXPONENT = (0.0, 0.005)
-# ln of the scatter of k between clampings, 2 to 14 %.
-SCATTER = (np.log(0.04), 0.6)
-CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
 # Relative error of what the axial force does to the model's frequencies, over that of these: a
 # depth or length that is off changes the tension's part of the stiffness by some times as much.
 TENSION = 4.0
-=======
->>>>>>> main
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -123,16 +115,12 @@ class _OfRecords:
             ),
             np.concatenate(
                 [
-                    [level_n[1], level_t[1], EXPONENT[1]],
+                    [LN_K[1], LN_K[1], SMOOTH_EXPONENT[1]],
                     bias,
                     BIAS_TILT * bias,
                     [TENSION * bias.mean()],
                 ]
             ),
-<<<<<<< HEAD
-=======
-            np.concatenate([[LN_K[1], LN_K[1], SMOOTH_EXPONENT[1]], bias, BIAS_TILT * bias]),
->>>>>>> main
         )
         self.own = biases(modes)
         self.structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
