@@ -15,6 +15,7 @@ from bladeroot.diagnosis.simulation.linear import Linear
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
 from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
+from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.plain_words import plainly
 from bladeroot.rom.parametric import ln_frequencies, parametric_model, surface_of
@@ -60,7 +61,7 @@ def of_a_load(seen, name, unit, factor=1.0):
 
 
 def names(said):
-    return [one["mechanism"] for one in said["causes"]]
+    return [one["mechanism"] for one in said["causes"] if is_shown(one)]
 
 
 def test_slopes_of_the_linear_baseline_are_differences(model, expected):

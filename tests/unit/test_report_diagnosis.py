@@ -16,7 +16,7 @@ from bladeroot.report.next_measurement import best_option
 from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
-from bladeroot.report.verdict import disagreement, in_short, plain, size, told
+from bladeroot.report.verdict import disagreement, in_short, plain, size, told, with_open
 from bladeroot.report.words import words_of
 
 PICTURES = [Picture(f"<svg id='{name}'/>", name) for name in ("ranking", "others")]
@@ -76,6 +76,7 @@ def found(named=POWER, barred="", lacks="", holds=True, curves=True, rivals=f"{P
             "law_ln_std": (("stage", "stiffness", "law_force"), np.full((2, 2, 3), 0.3)),
             "law_correlation": (("stage", "law_force"), np.full((2, 3), -0.9)),
             "decided": ("option", [0.0, 0.2, 0.7], {"rivals": rivals}),
+            "hours": ("option", [np.nan, 2.0, 2.0]),
             "size_std": ("option", [1.0, 0.8, 0.9]),
             "expected_ln_std": (("option", "stiffness"), [[0.5, 0.6], [0.4, 0.5], [0.45, 0.5]]),
         },
@@ -127,7 +128,9 @@ def test_a_verdict_is_told_by_subject():
     assert "it stiffens; exponent 0.600\u00a0±\u00a00.080" in said.because[0]
     assert said.odds == ["Probabilities: load dependent stiffness 97 %; nothing at all 3 %."]
     assert "falls, from 0.40 % to 0.10 %" in said.gain[0]
-    assert said.next[0].startswith("Measure next: another force; it is expected to decide 70 % of")
+    assert said.next[0].startswith(
+        "Measure next: another force, 2 h; it is expected to decide 70 % of"
+    )
     assert said.box.lines == [said.missing, *said.because, *said.odds, *said.gain, *said.next]
 
 
@@ -156,6 +159,17 @@ def test_a_gain_is_said_as_it_is(after, text):
     spoken = told(found(), said, False)
     assert text in spoken.gain[0]
     assert "beyond what is physically plausible" in spoken.because[0]
+
+
+def test_what_the_records_would_not_show_is_not_called_a_cause():
+    quiet = cause((POWER, "none", SEATING), probability=0.06)
+    said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
+    spoken = told(found(named=""), said, False)
+    assert spoken.head == "S: nothing shows to be missing, some causes would not show"
+    assert spoken.missing == "The simulation explains all records within their scatter."
+    assert "Not excluded" in spoken.because[0]
+    assert "load dependent stiffness or incomplete contact" in spoken.because[0]
+    assert in_short(found(named=""), said) == [spoken.missing, spoken.because[0]]
 
 
 def test_answers_without_a_cause_say_what_they_are():

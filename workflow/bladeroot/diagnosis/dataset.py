@@ -11,7 +11,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
-from bladeroot.diagnosis.verdict import insufficient, verdict
+from bladeroot.diagnosis.verdict import insufficient, is_shown, verdict
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -49,7 +49,7 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         structure=made.structure,
         answer=said["answer"],
         reason=said["reason"],
-        named=";".join(one["mechanism"] for one in said["causes"]),
+        named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
         lacks=";".join(made.lacks),
         insufficient=". ".join(insufficient(made)),
         least_force_N=made.settings.least_force,

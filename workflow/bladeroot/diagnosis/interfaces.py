@@ -80,14 +80,15 @@ def density(
     nothing = np.zeros((records.force.size, 3))
     still = State(fitted.state.mean, fitted.state.slope, fitted.state.facts | {"gradient": nothing})
     fixed, _ = problem(data, simulated, mechanisms).covariance(still, scales)
-    bias = here.prior.std[count + 1 :]
-    fixed = fixed + (here.bias_rows * bias**2) @ here.bias_rows.T
+    # Biases and the error of what the load does, which the fit's own slope has.
+    off = np.hstack([here.bias_rows, fitted.state.slope[:, base - 1 : base]])
+    fixed = fixed + (off * here.prior.std[count + 1 :] ** 2) @ off.T
     # The causes' own parameters are as unknown as their priors say, about where the fit has them.
     asked = problem(data, simulated, mechanisms).prior
     by_cause = fitted.state.slope[:, base:]
     fixed = fixed + (by_cause * asked.std[base:] ** 2) @ by_cause.T
     moved = by_cause @ (asked.mean - fitted.parameters)[base:]
-    target = data.ln_f - changes[:, 3] - moved - here.bias_rows @ here.prior.mean[count + 1 :]
+    target = data.ln_f - changes[:, 3] - moved - off @ here.prior.mean[count + 1 :]
     spread = here.of_clamping(scales)
     same_hold = here.same_hold
 

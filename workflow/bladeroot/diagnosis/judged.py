@@ -11,7 +11,7 @@ from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
-from bladeroot.diagnosis.next_measurement import next_measurements
+from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.possible import impossible
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.linear import JOINT, Linear
@@ -70,7 +70,10 @@ def judge(
     splits = {
         one["measurement"]: (one["value"], one["std"]) for one in facts.get("independent", [])
     }
-    settings = Settings(bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits)
+    settings = Settings(
+        bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits,
+        facts.get("costs", {}),
+    )  # fmt: skip
     if simulation is None:
         return with_baseline(seen, settings, candidates, expected)
     if isinstance(simulation, pd.DataFrame):
@@ -102,8 +105,9 @@ def with_structure(
         return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
     made = diagnose(seen, model, settings, candidates)
     every = with_lower_forces(seen, model, settings, candidates)
-    whole = dataset(made, every).merge(next_measurements(made))
-    said = _with_groups(verdict(made, every), seen)
+    further = next_measurements(made)
+    whole = dataset(made, every).merge(further)
+    said = _with_groups(verdict(made, every) | {"next": following(further)}, seen)
     return whole.assign_attrs(_load(seen)), said, model_file(made)
 
 
@@ -156,7 +160,11 @@ def _in_own(
     scaled = in_catalogue(seen, own)
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
     made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
-    whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
+    further = next_measurements(
+        made, lambda force: f"{force / own.per_load - own.shift:.3g} {own.unit}".strip()
+    )
+    whole = dataset_in_own(dataset(made).merge(further), own)
+    said = verdict_in_own(verdict(made) | {"next": following(further)}, own)
     if simulated.kind == "none" or own.name != AXIAL_FORCE:
         of_table = simulated.kind != "none"
         whole = _dataset_plainly(whole, own.name, of_table)
@@ -228,7 +236,7 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
         "structure": structure,
         "answer": "insufficient-data", "probabilities": {},
         "causes": [], "shortfall": [], "gain": {},
-        "records": records_of(seen), "reason": reason,
+        "records": records_of(seen), "reason": reason, "possible": {}, "next": [],
     }  # fmt: skip
     empty = np.array([], dtype=str)
     names = ("class", "channel", "sentence", "barred")

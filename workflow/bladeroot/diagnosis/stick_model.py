@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
-from bladeroot.diagnosis.clampings import clampings, hold_names
+from bladeroot.diagnosis.clampings import clampings, directions, hold_names
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Simulation
@@ -86,7 +86,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
         force=force,
-        sign=np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))[row],
+        sign=directions(way, holds)[row],
         time=time,
         since=since,
         span=float(time.max(initial=0.0)),

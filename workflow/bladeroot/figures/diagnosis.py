@@ -61,7 +61,8 @@ def ranking(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping], simulated:
 
 def _ranks(axis, one: xr.Dataset, said: Mapping, channel: str) -> None:
     here = one.isel(candidate=np.flatnonzero(one["channel"].values == channel)[:_SHOWN][::-1])
-    credible = {n for cause in said["causes"] for n in cause["credible_set"]}
+    named = set(str(one.attrs.get("named", "")).split(";"))
+    credible = {n for c in said["causes"] if c["mechanism"] in named for n in c["credible_set"]}
     evidence = here["log_evidence"].values
     for y, name in enumerate(here["candidate"].values.astype(str)):
         row = here.isel(candidate=y)

@@ -46,8 +46,10 @@ class Verdict:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """Ids of the named causes, what explains most first."""
-        return tuple(one["mechanism"] for one in self.said["causes"])
+        """Ids of the causes that the data show, what explains most first."""
+        from bladeroot.diagnosis.verdict import is_shown
+
+        return tuple(one["mechanism"] for one in self.said["causes"] if is_shown(one))
 
     def plot(self):
         """Measured stick frequencies over the load, by mode; a Figure."""

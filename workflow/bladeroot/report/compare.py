@@ -8,7 +8,7 @@ import xarray as xr
 
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant, with_std
 from bladeroot.report.page import Section, Table, render
-from bladeroot.report.verdict import ANSWERS, chance, plain, size
+from bladeroot.report.verdict import answer_of, chance, plain, size, with_open
 from bladeroot.report.words import words_of
 
 _SAME_LOAD = 1e-3  # relative: the same load, read twice
@@ -65,7 +65,7 @@ def text(sections: Sequence[Section]) -> Iterator[str]:
 
 def _verdicts(a: Side, b: Side) -> Table:
     rows = [("judged", *(str(one.verdict["structure"] or NONE) for one in (a, b))),
-            ("answer", *(ANSWERS[one.verdict["answer"]] for one in (a, b)))]  # fmt: skip
+            ("answer", *(answer_of(with_open(one.verdict)) for one in (a, b)))]  # fmt: skip
     causes = [{c["mechanism"]: c for c in one.verdict["causes"]} for one in (a, b)]
     for name in dict.fromkeys([*causes[0], *causes[1]]):
         cells = [

@@ -13,7 +13,14 @@ from bladeroot.report.diagnosis_tables import (
 )
 from bladeroot.report.next_measurement import next_parts
 from bladeroot.report.page import Box, Picture, Section
-from bladeroot.report.verdict import against, cautions, disagreement, shortfall_table, told
+from bladeroot.report.verdict import (
+    against,
+    cautions,
+    disagreement,
+    shortfall_table,
+    told,
+    with_open,
+)
 from bladeroot.report.words import judge_of, words_of
 
 RANKING = (
@@ -49,7 +56,8 @@ def diagnosis_section(
         head = f"{against(found[0], verdicts[0])}: not this specimen, nothing is inferred with it"
         return Section(title, [Box(head, [f"{said['reason']}." for said in verdicts])])
     verdicts = [
-        {**said, "structure": against(one, said)} for one, said in zip(found, verdicts, strict=True)
+        {**with_open(said), "structure": against(one, said)}
+        for one, said in zip(found, verdicts, strict=True)
     ]
     box = told(found[0], verdicts[0], simulated).box
     words = words_of(found[0])

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Table
-from bladeroot.report.verdict import ANSWERS, between_forces, plain, size
+from bladeroot.report.verdict import answer_of, between_forces, plain, size
 from bladeroot.report.words import Words
 
 # as `bladeroot.diagnosis.verdict` says it
@@ -24,7 +24,7 @@ def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -
         rows.append(
             (
                 said["structure"],
-                ANSWERS[said["answer"]],
+                answer_of(said),
                 listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
                 size(first["parameters"][0]) if first else NONE,
                 fixed(first["log_evidence"], 1) if first else NONE,

@@ -12,13 +12,14 @@ from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
 from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
-    ANSWERS,
     against,
+    answer_of,
     chance,
     disagreement,
     in_short,
     lacks_of,
     plain,
+    with_open,
 )
 from bladeroot.report.words import Words, judge_of, several_groups, words_of
 
@@ -47,20 +48,21 @@ def front_sections(
     """
     stick, main = stages["stick"], found[0]
     named = [
-        {**said, "structure": against(one, said)} for one, said in zip(found, verdicts, strict=True)
+        {**with_open(said), "structure": against(one, said)}
+        for one, said in zip(found, verdicts, strict=True)
     ]
     told = in_short(main, named[0]) + disagreement(named)
     over = over_amplitude(stages["curves"]) if "curves" in stages else {}
-    cards = [*_mode_cards(facts, stick, over), _verdict_card(main, verdicts[0])]
+    cards = [*_mode_cards(facts, stick, over), _verdict_card(main, named[0])]
     next_one = next_sentence(main) or [
-        f"Measure next: {cause['splitter']}." for cause in verdicts[0]["causes"][:1]
+        f"Measure next: {cause['splitter']}." for cause in named[0]["causes"][:1]
     ] or [f"Measure next: {text}." for text in lacks_of(main)[:1]]  # fmt: skip
     return [
         Section("", [Cards(cards)]),
         Section("What was measured", [*measured]),
         Section(
             "The answer of each stage",
-            [_stages(facts, stages, joints, amplitudes, verdicts, where)],
+            [_stages(facts, stages, joints, amplitudes, named, where)],
         ),
         Section("Verdict", [*told, *judged, *next_one]),
         Section(
@@ -125,7 +127,7 @@ def _verdict_card(one: xr.Dataset, said: Mapping) -> tuple[str, str, list[str]]:
         f"({chance(cause['probability'])})"
         for cause in said["causes"]
     ]
-    head = "not this specimen" if one.attrs.get("refused") else ANSWERS[said["answer"]]
+    head = "not this specimen" if one.attrs.get("refused") else answer_of(said)
     other = "linear modes" if judge_of(one).plural else against(one, said)
     return "verdict", head, [*causes, f"compared with {other}"]
 
@@ -166,7 +168,7 @@ def _stages(
         texts = [f"{plain(name).replace('+', ' or ')} {chance(p)}" for name, p in odds.items()]
         sure = listed(texts) or NONE
         name = f"diagnosis{', ' + said['structure'] if said['structure'] else ''}"
-        answer = ANSWERS[said["answer"]] + (f": {causes}" if causes else "")
+        answer = answer_of(said) + (f": {causes}" if causes else "")
         rows.append((Link(name, "diagnosis"), answer, sure))
     if "ledger" in stages:
         verdict = stages["ledger"]["verdict"].values

@@ -19,6 +19,7 @@ ANSWERS = {
     "unexplained": "something is missing, cause not in the catalogue",
     "insufficient-data": "too few data",
 }
+QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
 INSTEAD = {"none": "nothing at all", "none-of-these": "something of no catalogue"}
 NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
@@ -67,7 +68,7 @@ class Told:
 def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
     """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
     words, judge = words_of(one), judge_of(one)
-    head = f"{against(one, said)}: {ANSWERS[said['answer']]}"
+    head = f"{against(one, said)}: {answer_of(said)}"
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
@@ -82,6 +83,19 @@ def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
     )
 
 
+def with_open(said: Mapping) -> dict:
+    """The verdict with the causes that the records show; `open`: those that they would not show."""
+    quiet = [c for c in said["causes"] if "none" in c["credible_set"] and c["probability"] < 0.5]
+    return {**said, "causes": [c for c in said["causes"] if c not in quiet], "open": quiet}
+
+
+def answer_of(said: Mapping) -> str:
+    """The answer as words."""
+    if said["answer"] == "ambiguous" and said.get("open") and not said["causes"]:
+        return QUIET
+    return ANSWERS[said["answer"]]
+
+
 def against(one: xr.Dataset, said: Mapping) -> str:
     """Name of what a verdict judges."""
     return str(said["structure"] or one.attrs["structure"])
@@ -92,8 +106,8 @@ def in_short(one: xr.Dataset, said: Mapping) -> list[str]:
     judge, words = judge_of(one), words_of(one)
     missing = _missing(said, judge)
     if not said["causes"]:
-        if said["answer"] == "nothing-missing":
-            return [missing]
+        if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
+            return [missing, *_open(said)]
         why = _because(one, said)[:1] or [f"{said['reason'].partition('. ')[0].rstrip('.')}."]
         return [missing, *why]
     texts = []
@@ -163,9 +177,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
     texts = []
     for said in others:
         names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
-        texts.append(
-            f"{said['structure']}: {ANSWERS[said['answer']]}{', ' + names if names else ''}"
-        )
+        texts.append(f"{said['structure']}: {answer_of(said)}{', ' + names if names else ''}")
     return [
         "Other structures lead elsewhere, so this holds for the one named above: "
         f"{'; '.join(texts)}."
@@ -174,7 +186,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
 
 def _missing(said: Mapping, judge: Judge) -> str:
     """What is missing: of each quantity the mode that misses most and how, and the other modes."""
-    if said["answer"] == "nothing-missing":
+    if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
         return f"{judge.does('explains', 'explain')} all records within their scatter."
     rows: dict[str, list[Mapping]] = {}
     for row in sorted(said["shortfall"], key=lambda row: -abs(row["size"])):
@@ -225,6 +237,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
                 f"{chance(cause['probability'])}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
+    lines += _open(said)
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
     if said["causes"] and left:
         lines.append(
@@ -237,6 +250,18 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
             lines.append(f"{one.attrs['insufficient']}.")
         if lacks_of(one):
             lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
+    return lines
+
+
+def _open(said: Mapping) -> list[str]:
+    """What is not excluded, for the records would hardly show it."""
+    lines = []
+    for cause in said.get("open", []):
+        names = [plain(name) for name in cause["credible_set"] if name not in INSTEAD]
+        lines.append(
+            f"Not excluded, for these records would hardly show it: {listed(names, 'or')}. To "
+            f"decide on the first: {cause['splitter']}."
+        )
     return lines
 
 

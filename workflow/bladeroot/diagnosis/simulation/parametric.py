@@ -28,6 +28,9 @@ from bladeroot.stiffness.priors import (
     SMOOTH_EXPONENT,
 )
 
+# Relative error of what the axial force does to the model's frequencies, over that of these: a
+# depth or length that is off changes the tension's part of the stiffness by some times as much.
+TENSION = 4.0
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -120,7 +123,9 @@ def biases(simulated: Parametric) -> slice:
 
 
 class _OfRecords:
-    """Parameters: each ln k at the pivot, exponent, biases, their tilts."""
+    """Parameters: each ln k at the pivot, exponent, biases, their tilts, and the error of what the
+    load does.
+    """
 
     scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
@@ -138,10 +143,24 @@ class _OfRecords:
         levels, bias = np.array(simulated.prior), simulated.bias
         self.prior = Prior(
             np.concatenate(
-                [levels[:, 0], SMOOTH_EXPONENT[:1], np.log1p(simulated.offset), np.zeros(modes)]
+                [
+                    levels[:, 0],
+                    SMOOTH_EXPONENT[:1],
+                    np.log1p(simulated.offset),
+                    np.zeros(modes + 1),
+                ]
             ),
-            np.concatenate([levels[:, 1], SMOOTH_EXPONENT[1:2], bias, BIAS_TILT * bias]),
+            np.concatenate(
+                [
+                    levels[:, 1],
+                    SMOOTH_EXPONENT[1:2],
+                    bias,
+                    BIAS_TILT * bias,
+                    [TENSION * bias.mean()],
+                ]
+            ),
         )
+        self.own = biases(simulated)
         self.same_hold = hold[:, None] == hold
         self.at_grid = None
         if isinstance(self.surface, Surface):
@@ -168,12 +187,17 @@ class _OfRecords:
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The surface at each record's place, and the bias."""
         count = self.count
-        points, where = distinct(self._places(theta, changes[:, :2].T, changes[:, 2]))
+        places = self._places(theta, changes[:, :2].T, changes[:, 2])
+        points, where = distinct(places)
         value, gradient = ln_frequencies(self.surface, points)
-        mean = value[where, self.records.mode] + self.bias_rows @ theta[count + 1 :]
         g = gradient[where, self.records.mode]
+        tension = g[:, count] * places[:, count]
+        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
         slope = [g[:, :count], (g[:, :count].sum(axis=1) * self.x)[:, None], self.bias_rows]
-        return Said(mean, np.hstack(slope), self.together(g))
+        # The first order of the tension's error; how it changes with the rest is of the second.
+        return Said(
+            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g)
+        )
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""

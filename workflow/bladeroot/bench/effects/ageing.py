@@ -1,4 +1,4 @@
-"""Bedding-in (in no catalogue): each new clamping flattens the flanks a little more.
+"""Ageing: each new clamping flattens the flanks a little more.
 
 Size: b in kn and kt proportional to (1 + number of clampings before)^b.
 """
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from bladeroot.bench.conditions import Conditions, Moment
 
-CLASS = "outside"
+CLASS = "time"
 UNIT = "1"
 BOUND = 0.10
 SIGNED = False
