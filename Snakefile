@@ -45,8 +45,10 @@ onstart:
 
 
 onsuccess:
+    STATED.state_rest()
     tell_results()
 
 
 onerror:
+    STATED.state_rest()
     tell_failures(log)
