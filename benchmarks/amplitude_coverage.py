@@ -30,6 +30,7 @@ from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.curves import campaign_curves, few_dofs
 from bladeroot.bench.joint import parts
 from bladeroot.bench.programme import programme
+from bladeroot.inference.sampling import sample
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.stick import stick_from_records
 from bladeroot.rom.joint import joint_of_reduced
@@ -37,19 +38,18 @@ from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.joint import ln_stiffness, problems_of
-from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.joint import freest, models_of
+from bladeroot.stiffness.model import map_estimate
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.region import SHARES, share_within
-from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.softening import softening_of
-from bladeroot.stiffness.summit import find_summit, freest
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m
 GAUGE = ForceGauge(1253.0, 0.01, "full-scale")
 BIAS = {"1B": 0.005, "2B": 0.005}
 NOISE, LOSS_NOISE = 5e-6, 2e-3  # relative, of a point of a curve; a tenth of it on the plateau
-STEPS, DRAWS = 600, 3000  # of the sampler; for regions
+DRAWS = 3000  # for regions
 WORTH = 1e-3  # odds below which a law is not sampled
 
 
@@ -118,35 +118,34 @@ def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Da
     return xr.Dataset(plateau, attrs=attrs), xr.Dataset(data)
 
 
-def with_curves(joint, alone, stick, decays, lasers):
-    """Summits of every law with curves, from those without, and the fit of the curves."""
-    levels = level_names(next(iter(alone.values())).problem)
+def with_curves(joint, models, alone, stick, decays, lasers):
+    """Models and fits of every law with curves, from those without, and the fit of the curves."""
+    best = freest(alone)
+    levels = level_names(models[best])
     softening = softening_of(decays, stick, levels)
-    fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, DISCREPANCY)
-    together = {
-        name: find_summit(replace(one.problem, curves=fit.term)) for name, one in alone.items()
-    }
-    return together, fit
+    fit = fit_curves(joint, models[best], alone[best], softening, levels, lasers, DISCREPANCY)
+    models = {name: replace(one, curves=fit.term) for name, one in models.items()}
+    return models, {name: map_estimate(one) for name, one in models.items()}, fit
 
 
-def of_k(summit) -> np.ndarray:
+def of_k(model, fit) -> np.ndarray:
     """Draws of (ln kn, ln kt) at the reference force."""
-    theta = sample(summit, STEPS)[0]
-    return ln_stiffness(summit.problem, theta, np.array([REFERENCE_FORCE]))[:, 0]
+    theta = sample(fit, (0, 1)).parameters
+    return model.ln_k(theta, np.array([REFERENCE_FORCE]))[:, 0]
 
 
-def regions(summits, truth) -> tuple[dict[str, float], dict[str, np.ndarray]]:
+def regions(models, fits, truth) -> tuple[dict[str, float], dict[str, np.ndarray]]:
     """Share of the region with the truth on its edge, and draws, by way to choose the law."""
-    weight = {name: one.log_evidence for name, one in summits.items()}
+    weight = {name: one.log_evidence for name, one in fits.items()}
     best = max(weight, key=lambda name: weight[name])
     weight = {name: np.exp(value - weight[best]) for name, value in weight.items()}
-    draws = {name: of_k(one) for name, one in summits.items() if weight[name] > WORTH}
+    draws = {name: of_k(models[name], one) for name, one in fits.items() if weight[name] > WORTH}
     rng, whole = np.random.default_rng(0), sum(weight[name] for name in draws)
     mixed = [rng.choice(one, round(DRAWS * weight[name] / whole)) for name, one in draws.items()]
     ways = {
         "most evidence": draws[best],
         "averaged": np.concatenate(mixed),
-        "freest of 20:1": draws[freest(summits)],
+        "freest of 20:1": draws[freest(fits)],
     }
     shares = {}
     for name, found in ways.items():
@@ -155,9 +154,8 @@ def regions(summits, truth) -> tuple[dict[str, float], dict[str, np.ndarray]]:
     return shares, ways
 
 
-def narrowing(alone, after: np.ndarray) -> np.ndarray:
+def narrowing(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """How much narrower ln kn, ln kt and the area of their ellipse are, from one law's draws."""
-    before = of_k(alone)
     area = np.sqrt(np.linalg.det(np.cov(before.T)) / np.linalg.det(np.cov(after.T)))
     return np.array([*before.std(axis=0) / after.std(axis=0), area])
 
@@ -194,7 +192,7 @@ def main() -> None:
     few = few_dofs(whole)
     stages = ("alone",) if options.alone else ("alone", "curves")
     ladder = LADDER[:3] if options.alone else LADDER
-    print(f"{options.truths} truths, seed {seed}, deviation {options.deviation}, {STEPS} steps")
+    print(f"{options.truths} truths, seed {seed}, deviation {options.deviation}")
     rows, drawn = [], 0
     while len(rows) < options.truths:
         rng = np.random.default_rng([seed, drawn])
@@ -207,20 +205,22 @@ def main() -> None:
         except ValueError as error:  # a specimen so soft that its modes change places
             print(f"  drawn again: {error}")
             continue
-        problems = problems_of(model, stick, GAUGE, BIAS)
-        summits = {"alone": {name: find_summit(problem) for name, problem in problems.items()}}
+        models = {"alone": models_of(model, stick, GAUGE, BIAS)}
+        fits = {"alone": {name: map_estimate(each) for name, each in models["alone"].items()}}
         told = ""
         if not options.alone:
             lasers = {mode: 1e-3 * x for mode, x in bench["laser"]["x_mm"].items()}
-            summits["curves"], fit = with_curves(joint, summits["alone"], stick, decays, lasers)
+            models["curves"], fits["curves"], fit = with_curves(
+                joint, models["alone"], fits["alone"], stick, decays, lasers
+            )
             told = f"; {fit.term.points} numbers" + ("" if fit.converged else ", NOT CONVERGED")
         truth = np.log([bench["joint"][f"{name}_N_per_m"] for name in ("kn", "kt")])
         one: dict = {}
         for stage in stages:
-            one[stage], ways = regions(summits[stage], truth)
-        law, after = freest(summits[stages[-1]]), ways["freest of 20:1"]
+            one[stage], ways = regions(models[stage], fits[stage], truth)
+        law, after = freest(fits[stages[-1]]), ways["freest of 20:1"]
         if not options.alone:
-            one["narrower"] = narrowing(summits["alone"][law], after)
+            one["narrower"] = narrowing(of_k(models["alone"][law], fits["alone"][law]), after)
             told += "; narrower kn {:.2f} kt {:.2f} area {:.2f}".format(*one["narrower"])
         rows.append(one)
         std, away = after.std(axis=0), (after.mean(axis=0) - truth) / after.std(axis=0)

@@ -3,8 +3,8 @@
     python benchmarks/amplitude_information.py results [campaign] [structure]
 
 Takes a campaign's stick frequencies and curves as the workflow left them, and the joint posterior's
-summit with curves under its own law. There it prints the standard deviations of ln kn and ln kt at
-12 kN that the information gives, with one thing known better in each row: the simulated curves,
+MAP estimate with curves under its own law. There it prints the standard deviations of ln kn and
+ln kt at 12 kN that the information gives, with one thing known better in each row: the curves,
 where on the flanks the pressure is high, the clampings' friction, the friction's own parameters,
 the model's bias, the gauge. No row is reachable by another inference from the same data under the
 same trust.
@@ -22,19 +22,19 @@ from bladeroot.stiffness.amplitude import level_names
 from bladeroot.stiffness.curve_errors import DISCREPANCY, covariance
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.curve_term import curve_term
+from bladeroot.stiffness.information import covariance_of_k, scaled
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.joint import problems_of
-from bladeroot.stiffness.laws import REFERENCE_FORCE
-from bladeroot.stiffness.posterior import coordinates, local, predict
+from bladeroot.stiffness.joint import freest, models_of
+from bladeroot.stiffness.model import map_estimate, predict
+from bladeroot.stiffness.priors import FRICTION, REFERENCE_FORCE
 from bladeroot.stiffness.simulated_curves import (
-    FRICTION,
+    along,
+    by_friction,
+    by_level,
     by_unevenness,
     levels_at,
-    simulate,
 )
 from bladeroot.stiffness.softening import softening_of
-from bladeroot.stiffness.summit import find_summit, freest
-from bladeroot.stiffness.worth import stiffness_rows
 
 BIAS, GAUGE = {"1B": 0.005, "2B": 0.005}, ForceGauge(1253.0, 0.01, "full-scale")
 LASERS = {"1B": 0.0, "2B": -0.07}  # m
@@ -75,20 +75,23 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
         xr.open_dataset(path).load() for path in sorted((folder / campaign / "decay").iterdir())
     ]
     stick = load(f"{campaign}/stick.nc")
-    problems = problems_of(load(f"structures/{structure}/parametric.nc"), stick, GAUGE, BIAS)
-    levels = level_names(next(iter(problems.values())))
+    models = models_of(load(f"structures/{structure}/parametric.nc"), stick, GAUGE, BIAS)
+    levels = level_names(next(iter(models.values())))
     softening = softening_of({str(c.attrs["record"]): c for c in curves}, stick, levels)
-    alone = {name: find_summit(problem) for name, problem in problems.items()}
-    fit = fit_curves(joint, alone[freest(alone)], softening, levels, LASERS, DISCREPANCY)
-    both = {n: find_summit(replace(p, curves=fit.term)) for n, p in problems.items()}
+    alone = {name: map_estimate(model) for name, model in models.items()}
+    best = freest(alone)
+    fit = fit_curves(joint, models[best], alone[best], softening, levels, LASERS, DISCREPANCY)
+    both = {n: map_estimate(replace(one, curves=fit.term)) for n, one in models.items()}
     law = freest(both)
-    summit, bare = both[law], problems[law]
-    z = coordinates(predict(summit.problem, summit.u[None]))[0]
+    found, bare = both[law], models[law]
+    z = predict(bare, found.parameters[None]).logarithms[0]
     at = levels_at(joint, softening, levels, LASERS, z)
-    said, moved = simulate(joint, at, fit.friction), by_unevenness(joint, at, fit.friction)
-    row = np.arange(len(said.value))
+    said = along(joint, at, fit.friction)
+    of_friction = by_friction(joint, at, fit.friction, *said)
+    moved = by_unevenness(joint, at, fit.friction)
+    row = np.arange(len(said[0]))
     slope = np.zeros((len(row), len(levels), 3))
-    slope[row, np.tile(softening.level, 2)] = said.by_level
+    slope[row, np.tile(softening.level, 2)] = by_level(joint, at, fit.friction, *said)
     size = np.concatenate([softening.fall, softening.rise])
     spread = np.array([entry[1] for entry in FRICTION.values()])
 
@@ -97,32 +100,30 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
         bias=1.0, gauge=1.0, curves=True,
     ) -> np.ndarray:  # fmt: skip
         """Covariance of (ln kn, ln kt) at the reference force."""
-        scale = [bias if n.startswith("bias_") else gauge if n.startswith("force_") else 1.0
-                 for n in bare.names]  # fmt: skip
-        problem = replace(bare, std=bare.std * scale)
+        biases = tuple(n for n in bare.names if n.startswith("bias_"))
+        gauges = tuple(n for n in bare.names if n.startswith("force_"))
+        model = scaled(scaled(bare, biases, bias), gauges, gauge)
         if curves:
             own = curve_errors.CLAMPING
             curve_errors.CLAMPING = clamping
             errors = covariance(softening, levels, discrepancy) + np.diag((FLOOR * size) ** 2)
             curve_errors.CLAMPING = own
             errors += uneven**2 * moved @ moved.T
-            errors += said.by_friction @ np.diag((friction * spread) ** 2) @ said.by_friction.T
+            errors += (of_friction * (friction * spread) ** 2) @ of_friction.T
             term = curve_term(z, np.zeros(len(row)), slope.reshape(len(row), -1), errors)
-            problem = replace(problem, curves=term)
-        u = (summit.theta - problem.mean) / problem.std
-        rows = stiffness_rows(problem.law, len(u), np.array([REFERENCE_FORCE]))[0] * problem.std
-        return rows @ np.linalg.inv(local(problem, u).information) @ rows.T
+            model = replace(model, curves=term)
+        return covariance_of_k(model, found.parameters, found.scales, REFERENCE_FORCE)
 
     first = doubt(curves=False)
     print(f"{campaign}, {structure}, law {law}, {len(row)} numbers of curves; std of ln k at 12 kN")
     for name, given in CASES.items():
-        found = doubt(**given)
-        std = np.sqrt(np.diag(found))
+        here = doubt(**given)
+        std = np.sqrt(np.diag(here))
         narrower = np.sqrt(np.diag(first)) / std
-        area = np.sqrt(np.linalg.det(first) / np.linalg.det(found))
+        area = np.sqrt(np.linalg.det(first) / np.linalg.det(here))
         print(
             f"{name:50s} kn {std[0]:.4f} kt {std[1]:.4f} correlation "
-            f"{found[0, 1] / std.prod():+.2f}; narrower kn {narrower[0]:.2f} kt {narrower[1]:.2f} "
+            f"{here[0, 1] / std.prod():+.2f}; narrower kn {narrower[0]:.2f} kt {narrower[1]:.2f} "
             f"area {area:.2f}"
         )
 

@@ -12,7 +12,7 @@ import numpy as np
 from bladeroot.decay.cut import cut
 from scipy.signal import hilbert
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "unit"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
 from integrity import decay, measured
 from records_bench import KINDS, RETURNS, draw
 

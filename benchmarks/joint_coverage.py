@@ -24,21 +24,20 @@ import yaml
 from bladeroot.fem.geometry import structure_from_mapping
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.rom.chebyshev import at_force
+from bladeroot.inference.sampling import sample
+from bladeroot.rom.chebyshev import at_force, trimmed
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.parametric import parametric_model, surface_of
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.stiffness.interpolation import interpolate_to
-from bladeroot.stiffness.joint import ln_stiffness, trimmed
-from bladeroot.stiffness.laws import LAWS, REFERENCE_FORCE
+from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.map import all_frequencies
-from bladeroot.stiffness.posterior import predict, problem_of
+from bladeroot.stiffness.model import level_model, map_estimate, predict
+from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
 from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.roots import newton
-from bladeroot.stiffness.sampler import sample
 from bladeroot.stiffness.search import ln_covariance
-from bladeroot.stiffness.summit import find_summit
 
 ROOT = Path(__file__).resolve().parents[1]
 FORCES = {"1B": [5370, 6802, 7697, 10382, 12530, 16110, 24165],
@@ -46,7 +45,6 @@ FORCES = {"1B": [5370, 6802, 7697, 10382, 12530, 16110, 24165],
 NOISE = 1e-4  # of the frequency
 BIAS, GAUGE = np.array([0.005, 0.005]), (1253.0, 0.01)
 MESH = 0.002  # relative difference of frequencies between two meshes; `main` prints the true one
-STEPS = 1000  # of the sampler; shorter walks stay too close to their start
 OTHER_MESH = {"span_element_mm": 20.0, "jaw_elements": 3}
 
 
@@ -70,29 +68,30 @@ def levels() -> Levels:
     )  # fmt: skip
 
 
-def draw(problem, rng):
+def draw(model, rng):
     """A truth from the priors and what would be measured of it."""
     while True:
-        u = rng.standard_normal(len(problem.names))
-        said = predict(problem, u[None])
+        theta = model.prior.mean + model.prior.std * rng.standard_normal(len(model.names))
+        said = predict(model, theta[None])
         if said.allowed[0]:
             break
-    theta = problem.mean + problem.std * u
-    scatter = np.exp(theta[-1]) * rng.standard_normal((len(said.force[0]), 2))
+    size = np.exp(SCATTER[0] + SCATTER[1] * rng.standard_normal())
+    scatter = size * rng.standard_normal((len(model.levels.force), 2))
     noise = NOISE * rng.standard_normal(len(scatter))
     measured = said.ln_frequency[0] + (said.slope[0, :, :2] * scatter).sum(axis=1) + noise
     return theta, measured
 
 
-def joint_region(problem, truth):
+def joint_region(model, truth):
     """Shares of the regions that the truth lies on the edge of, by draws and by Laplace; std of
-    ln kn and ln kt.
+    ln kn and ln kt; how many independent draws these are worth.
     """
-    summit = find_summit(problem, (-0.6, 0.6))
-    ln_k = sample(summit, STEPS)[0][:, :2]
-    covariance = summit.theta_covariance[:2, :2]
+    found = map_estimate(model, (-0.6, 0.6))
+    draws = sample(found, (0, 1))
+    ln_k = draws.parameters[:, :2]
     by_draws = share_within(ln_k, truth[None])[0]
-    return by_draws, ellipse(truth - summit.theta[:2], covariance), ln_k.std(axis=0)
+    by_laplace = ellipse(truth - found.parameters[:2], found.covariance[:2, :2])
+    return by_draws, by_laplace, ln_k.std(axis=0), draws.effective
 
 
 def ellipse(off, covariance):
@@ -124,10 +123,10 @@ def main(draws: int, seed: int) -> None:
     model, other = surface({}), surface(OTHER_MESH)
     blank = levels()
     law = LAWS["two powers"]
-    theirs = problem_of(other, blank, law, BIAS, np.zeros(2), GAUGE)
-    ours = problem_of(model, blank, law, np.hypot(BIAS, MESH), np.zeros(2), GAUGE)
-    between = predict(theirs, np.zeros((1, len(ours.names)))).ln_frequency
-    between = between - predict(ours, np.zeros((1, len(ours.names)))).ln_frequency
+    theirs = level_model(other, blank, law, BIAS, np.zeros(2), GAUGE)
+    ours = level_model(model, blank, law, np.hypot(BIAS, MESH), np.zeros(2), GAUGE)
+    between = predict(theirs, theirs.prior.mean[None]).ln_frequency
+    between = between - predict(ours, ours.prior.mean[None]).ln_frequency
     print(f"models built in {time.process_time() - start:.0f} s; the other mesh's frequencies are "
           f"{100 * between.min():+.3f} to {100 * between.max():+.3f} % off")  # fmt: skip
     start = time.process_time()
@@ -136,10 +135,10 @@ def main(draws: int, seed: int) -> None:
         rng = np.random.default_rng([seed, k])
         theta, measured = draw(theirs, rng)
         data = replace(blank, ln_frequency=measured)
-        truth = ln_stiffness(ours, theta[None], np.array([REFERENCE_FORCE]))[0, 0]
-        by_draws, by_laplace, std = joint_region(replace(ours, levels=data), truth)
+        truth = ours.ln_k(theta[None], np.array([REFERENCE_FORCE]))[0, 0]
+        by_draws, by_laplace, std, count = joint_region(replace(ours, levels=data), truth)
         thesis, thesis_std = thesis_region(model, data, truth)
-        rows.append([by_draws, by_laplace, thesis, *std, *thesis_std])
+        rows.append([by_draws, by_laplace, thesis, *std, *thesis_std, count])
     rows = np.array(rows)
     print(f"{draws} truths, seed {seed}, {time.process_time() - start:.0f} s")
     print("regions of (ln kn, ln kt) at 12 kN that hold the truth     68 %   95 %")
@@ -156,6 +155,8 @@ def main(draws: int, seed: int) -> None:
     print("median std of ln kn, ln kt: joint "
           f"{np.median(rows[:, 3]):.2f}, {np.median(rows[:, 4]):.2f}; per force "
           f"{np.median(rows[rooted, 5]):.3f}, {np.median(rows[rooted, 6]):.3f}")  # fmt: skip
+    print(f"independent draws of a posterior: least {rows[:, 7].min():.0f}, "
+          f"median {np.median(rows[:, 7]):.0f}")  # fmt: skip
 
 
 if __name__ == "__main__":

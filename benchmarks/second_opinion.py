@@ -16,7 +16,7 @@ from bladeroot.decay.agreement import THRESHOLD, compare
 from bladeroot.decay.estimate import ESTIMATORS
 from bladeroot.decay.pff import peak_fit
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "unit"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
 from decay_bench import ring_down
 
 

@@ -47,6 +47,7 @@ def write_campaign(
     sheet.to_csv(folder / "records.csv", index=False)
     every = list(zip(sheet.to_dict("records"), conditions, strict=True))
     write = partial(_write_records, folder, bench, reduced)
+    jobs = min(jobs, 1 + len(every) // 8)
     with ProcessPoolExecutor(jobs) as pool:
         list(pool.map(write, [every[k::jobs] for k in range(jobs)]))
     for path in folder.iterdir():

@@ -99,10 +99,10 @@ def test_a_seal_holds(tmp_path):
 def test_files_are_alike_whatever_is_hidden(lab, tmp_path):
     """Names, sizes, times and sheet are the same with and without an effect; samples differ."""
     folders = []
-    for names in ((), ("clipping",), ("joint-slip",)):
+    for names in ((), ("clipping", "joint-slip")):
         case = draw_case(5, names, 2.0)
         folders.append(tmp_path / ("-".join(names) or "nothing"))
-        lab.raw(case, folders[-1], small_sheet(case.seed).iloc[:6])
+        lab.raw(case, folders[-1], small_sheet(case.seed).iloc[:2])
     clean, *others = folders
     for other in others:
         assert [p.name for p in sorted(clean.iterdir())] == [

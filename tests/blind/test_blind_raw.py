@@ -25,7 +25,11 @@ def parametric(blind_house):
 
 @pytest.mark.parametrize(
     ("number", "names", "pressures"),
-    [(0, (), PRESSURES), (1, ("loading-hysteresis",), FIVE), (2, ("joint-slip",), FOUR)],
+    [
+        (2, ("joint-slip",), FOUR),
+        pytest.param(0, (), PRESSURES, marks=pytest.mark.suite),
+        pytest.param(1, ("loading-hysteresis",), FIVE, marks=pytest.mark.suite),
+    ],
 )
 def test_a_raw_case_is_answered(blind_house, parametric, number, names, pressures):
     lab = Laboratory(parametric.with_name("reduced.nc"))

@@ -1,28 +1,30 @@
-"""The small house that the whole-run tests share."""
+"""The houses that the tests of campaigns share."""
 
-import shutil
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from house import House, copy_house
+from house import House, copy_house, floors_lab
 
 
 @pytest.fixture(scope="session")
-def house(tmp_path_factory) -> House:
-    """A house whose small campaign has run to the end. Tests leave it as they found it."""
+def floors(tmp_path_factory) -> Path:
+    """The folder of a campaign of recorded files, outside the house."""
+    return floors_lab(tmp_path_factory.mktemp("labs") / "floors")
+
+
+@pytest.fixture(scope="session")
+def house(tmp_path_factory, floors) -> House:
+    """A house in which the small campaign and the floors have run to the end, in one run.
+
+    Tests leave it as they found it; its own configuration has the small campaign alone.
+    """
     made = copy_house(tmp_path_factory.mktemp("house"))
-    made.run()
-    return made
+    done = made.run("--config", f"campaigns=small,{floors}")
+    return replace(made, said=done.stdout + done.stderr)
 
 
-@pytest.fixture
-def visited(house):
-    """The finished house for a test that runs other campaigns in it: what they make goes after."""
-    results = house.folder / "results"
-
-    def folders():
-        return {path for pattern in ("*", "structures/*") for path in results.glob(pattern)}
-
-    before = folders()
-    yield house
-    for path in folders() - before:
-        shutil.rmtree(path)
+@pytest.fixture(scope="session")
+def bare(tmp_path_factory) -> House:
+    """A house in which nothing has run, for what must end before any job."""
+    return copy_house(tmp_path_factory.mktemp("bare"))

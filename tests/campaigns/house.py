@@ -9,7 +9,12 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
+from bladeroot.rom.external.export import export_matrices
+from bladeroot.rom.file import load_structure
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
@@ -17,9 +22,10 @@ SMALL = Path(__file__).parent / "small"
 
 @dataclass(frozen=True)
 class House:
-    """A checkout with its own library, configuration and results."""
+    """A checkout with its own library, configuration and results; what its first run said."""
 
     folder: Path
+    said: str = ""
 
     def run(self, *options: str, check: bool = True) -> subprocess.CompletedProcess:
         done = subprocess.run(
@@ -39,15 +45,26 @@ class House:
 
     @property
     def environment(self) -> dict:
-        # One BLAS thread, as in the workflow's jobs: another number rounds differently.
-        return {**os.environ, "OMP_NUM_THREADS": "1"}
+        # One BLAS thread, as in the workflow's jobs: another number rounds differently. What is
+        # compiled is found by the code's hash, so that all houses and tests share it.
+        compiled = ROOT / "workflow" / "bladeroot" / "__pycache__"
+        own = {
+            "OMP_NUM_THREADS": "1",
+            "NUMBA_CACHE_DIR": compiled,
+            "PYTHONPATH": self.folder / "no",
+        }
+        return os.environ | {name: str(value) for name, value in own.items()}
 
     def planned(self, *options: str) -> Counter:
-        """The stages (with how many jobs each) that the next run would do: Snakemake's job table.
+        """The stages (with how many jobs each) that the next run would do."""
+        return self.jobs(self.run("--dry-run", *options).stdout)
+
+    @staticmethod
+    def jobs(text: str) -> Counter:
+        """Snakemake's job table of a dry run.
 
         Where a stage's batches have rules of their own, what stands before the dot is the stage.
         """
-        text = self.run("--dry-run", *options).stdout
         table = re.search(r"^job +count\n[- ]+\n(.*?)^total", text, re.MULTILINE | re.DOTALL)
         if table is None:
             assert "Nothing to be done" in text
@@ -69,8 +86,8 @@ class House:
 def copy_house(folder: Path) -> House:
     """The workflow with the small campaign as its only one, and with short chains of draws."""
     folder.mkdir(parents=True, exist_ok=True)
-    # What is compiled comes along; another process may be writing to it, under passing names.
-    passing = shutil.ignore_patterns("*.pyc.*", "*.tmp.*")
+    # another process may be writing to caches, under passing names
+    passing = shutil.ignore_patterns("compiled", "*.pyc.*", "*.tmp.*")
     for name in ("Snakefile", "workflow", "profiles", "config", "resources"):
         source = ROOT / name
         if source.is_dir():
@@ -83,6 +100,51 @@ def copy_house(folder: Path) -> House:
     shutil.move(folder / "resources" / "campaigns" / "small" / "tiny.yaml", structures)
     shutil.copy(SMALL / "config.yaml", folder / "config" / "config.yaml")
     house = House(folder)
+    # another library is installed: a house takes the one that it holds
+    (folder / "no" / "bladeroot").mkdir(parents=True)
+    (folder / "no" / "bladeroot" / "__init__.py").write_text("raise ImportError('of another')\n")
     # How well a posterior is drawn is tested on the function; here chains were half of a run.
     house.edit("workflow/bladeroot/stiffness/sampler.py", "STEPS, THIN = 1000", "STEPS, THIN = 200")
     return house
+
+
+def lab(folder: Path, rows: list[str], description: str | None = None) -> Path:
+    """A campaign's folder outside the house, of recorded files; without more it has `tiny`."""
+    folder.mkdir()
+    simulated = (SMALL / "campaign.yaml").read_text()
+    text = simulated.replace("bench: bench.yaml\n", "") if description is None else description
+    (folder / "campaign.yaml").write_text(text)
+    (folder / "records.csv").write_text("\n".join(rows) + "\n")
+    return folder
+
+
+def matrices_lab(folder: Path, structures: str) -> Path:
+    """Published stick frequencies, with the small structure's matrices as of another program."""
+    folder.mkdir()
+    structure = load_structure(SMALL / "tiny.yaml")
+    mesh = build_mesh(structure)
+    export_matrices(structure, mesh, prestress(structure, mesh), folder, "own", "hb")
+    description = (SMALL / "campaign.yaml").read_text().replace("bench: bench.yaml\n", "")
+    (folder / "campaign.yaml").write_text(description.replace("[tiny]", structures))
+    shutil.copy(ROOT / "resources" / "campaigns" / "thesis" / "stick.csv", folder)
+    return folder
+
+
+def floors_lab(folder: Path) -> Path:
+    """Two modes, two sensors, two places of the blow, a spoilt file; no load, no structure."""
+    sheet = ["record,file,mode,channel,group,unit", "bad,bad.csv,low,top,blow 1,m/s"]
+    seen = ("top;foot", "top;foot", "top", "top")
+    sheet += [f"b{k},b{k}.csv,all,{seen[k]},blow {k % 2 + 1},m/s" for k in range(4)]
+    modes = "modes:\n  low: {expected_Hz: 20}\n  high: {expected_Hz: 55}\n"
+    lab(folder, sheet, "title: Two floors\n" + modes)
+    (folder / "bad.csv").write_text("time_s,top,foot\n0,nan,1\n")
+    t = np.arange(0, 12, 1e-3)
+    rng = np.random.default_rng(0)
+    for k in range(4):
+        loss = (0.01, 0.013)[k % 2]
+        low, high = (np.exp(-np.pi * f * t * loss) * np.sin(2 * np.pi * f * t) for f in (20, 55))
+        velocity = np.array([5e-2 * low + 2e-2 * high, 2e-2 * low - 3e-2 * high])
+        table = np.vstack([t, velocity + 1e-5 * rng.standard_normal((2, t.size))]).T
+        head = "time_s,top,foot"
+        np.savetxt(folder / f"b{k}.csv", table, delimiter=",", header=head, comments="")
+    return folder

@@ -47,6 +47,7 @@ MACHINES = {
     "no terminal": {"TERM": "", "COLUMNS": "0"},
 }
 QUICK = ("ascii",)
+REST = [name for name in MACHINES if name not in ("ascii", "homeless")]
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,9 @@ def test_the_same_result_on_an_odd_machine(case, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", MACHINES)
+@pytest.mark.parametrize(
+    "case", ["ascii", "homeless", *(pytest.param(name, marks=pytest.mark.suite) for name in REST)]
+)
 def test_a_figure_on_an_odd_machine(case, tmp_path):
     status, said = stage(tmp_path, "a.svg", script="figures_slider", **MACHINES[case])
     assert status == 0, said

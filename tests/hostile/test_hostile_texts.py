@@ -63,7 +63,7 @@ QUICK = ("script", "fraction")
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in TEXTS]
+    "case", [pytest.param(name, marks=[pytest.mark.suite] * (name not in QUICK)) for name in TEXTS]
 )
 def test_figure(case):
     text = TEXTS[case]

@@ -7,7 +7,7 @@ from bladeroot.decay.cut import cut
 from bladeroot.decay.estimate import estimate
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import judge
-from decay_bench import ring_down, slider
+from decay_bench import course, levels, ring_down, ringing, slider
 
 RATE, NOISE, OWN_HZ, DECLINE = 5120.0, 6e-5, 243.4, 3.9
 TIME = np.arange(15719) / RATE
@@ -15,11 +15,11 @@ TRUTH_HZ = np.sqrt(OWN_HZ**2 - (DECLINE / (2.0 * np.pi)) ** 2)
 
 
 def own():
-    return 1.3 * np.exp(-DECLINE * TIME) * np.cos(2.0 * np.pi * OWN_HZ * TIME)
+    return ringing(TIME, OWN_HZ, DECLINE, 1.3)
 
 
 def other(line_Hz, size, decline=0.55):
-    return size * np.exp(-decline * TIME) * np.cos(2.0 * np.pi * line_Hz * TIME + 0.3)
+    return ringing(TIME, line_Hz, decline, size, 0.3)
 
 
 def noise():
@@ -118,15 +118,18 @@ def test_a_short_record_with_a_small_lower_mode_does_not_pretend_a_plateau():
     """Frames are long enough to tell the two apart, however few there are."""
     rate, softening = 4500.0, 0.01
     time = np.arange(int(0.4 * rate)) / rate
-    fine = np.arange(time.size * 8) / (8 * rate)
-    level, phase = np.zeros((2, fine.size))
-    for k in range(1, fine.size):
-        slip = max(0.0, 1.0 - 0.03 / np.exp(level[k - 1]))
-        line, loss = 300.0 * (1.0 - softening * slip), 0.003 * (1.0 + slip)
-        level[k] = level[k - 1] - np.pi * line * loss / (8 * rate)
-        phase[k] = phase[k - 1] + 2.0 * np.pi * line / (8 * rate)
-    own_wave = (np.exp(level) * np.cos(phase))[::8]
-    lower = 0.08 * np.exp(-np.pi * 141.0 * 0.009 * time) * np.cos(2.0 * np.pi * 141.0 * time + 1.0)
+
+    def slip(a):
+        return np.maximum(0.0, 1.0 - 0.03 / a)
+
+    def omega(a):
+        return 2.0 * np.pi * 300.0 * (1.0 - softening * slip(a))
+
+    log, phase = course(
+        lambda a: -0.5 * omega(a) * 0.003 * (1.0 + slip(a)), omega, time, levels(4.0, 0.03)
+    )
+    own_wave = np.exp(log) * np.cos(phase)
+    lower = ringing(time, 141.0, np.pi * 141.0 * 0.009, 0.08, 1.0)
     noise = 1e-3 * np.random.default_rng(0).standard_normal(time.size)
     velocity = np.concatenate([np.zeros(225), own_wave + lower + noise])
     decay = judge(cut(velocity, rate, 300.0), velocity, 300.0)

@@ -6,6 +6,7 @@ from bladeroot.decay.beating import beat, without_beat
 from bladeroot.decay.cut import cut
 from bladeroot.quality.integrity import judge
 from bladeroot.signal.envelope import Envelope
+from decay_bench import two_modes
 
 COUNT = 600
 
@@ -18,14 +19,6 @@ def seen(log):
 def course(slope=-0.005, turn=0.02):
     x = np.arange(COUNT)
     return (slope + 1j * turn) * x - 1e-6 * x**2
-
-
-def two_modes(ratio, size, other_loss, loss=0.003, rate=32.0, seed=0):
-    """A decay at 1 Hz with a close mode; it falls to 0.5 %."""
-    time = np.arange(int(np.log(200.0) / (np.pi * loss) * rate)) / rate
-    wave = np.exp(-np.pi * loss * time) * np.cos(2 * np.pi * time)
-    wave += size * np.exp(-np.pi * ratio * other_loss * time) * np.cos(2 * np.pi * ratio * time + 1)
-    return wave + 1e-3 * np.random.default_rng(seed).standard_normal(time.size), rate
 
 
 @pytest.mark.parametrize("period", [13.0, -28.5, 90.0])

@@ -10,7 +10,7 @@ from bladeroot.decay.rough import parts
 from bladeroot.quality.integrity import judge
 from bladeroot.signal.phasors import Phasors
 from bladeroot.signal.smooth import coarse
-from test_decay_beating import two_modes
+from decay_bench import two_modes
 
 
 def curve(ratio, size, other_loss):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.decay.cut import cut, rejected
 from bladeroot.quality.integrity import bridged, judge
-from decay_bench import START, ring_down, shaken
+from decay_bench import START, course, levels, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as some
 from records_bench import draw
@@ -61,13 +61,17 @@ def test_ends_before_the_tip_returns(back, missed, noise_db):
 @pytest.mark.parametrize("eta", [0.001, 0.004])
 def test_a_hump_of_damping_does_not_end_a_decay(eta, width):
     rate, f = 20_000.0, 500.0
-    level = np.linspace(0.0, -7.0, 4001)
-    hump = np.exp(-0.5 * ((level + 1.5) / width) ** 2)
-    fall, turn = np.pi * f * eta * (1.0 + 5.0 * hump), 2 * np.pi * f * (1.0 - 0.02 * hump)
-    step = np.diff(level)
-    sums = [np.concatenate([[0.0], np.cumsum(-step * y[1:])]) for y in (1 / fall, turn / fall)]
-    time = np.arange(int(sums[0][-1] * rate)) / rate
-    velocity = np.exp(np.interp(time, sums[0], level)) * np.cos(np.interp(time, *sums))
+
+    def hump(a):
+        return np.exp(-0.5 * ((np.log(a) + 1.5) / width) ** 2)
+
+    time = np.arange(int(7.0 / (np.pi * f * eta) * rate)) / rate
+    log, phase = course(
+        lambda a: -np.pi * f * eta * (1.0 + 5.0 * hump(a)),
+        lambda a: 2 * np.pi * f * (1.0 - 0.02 * hump(a)), time, levels(7.0),
+    )  # fmt: skip
+    velocity = (np.exp(log) * np.cos(phase))[log > -7.0]
+    time = time[log > -7.0]
     velocity += 1e-3 * np.random.default_rng(0).standard_normal(time.size)
     attrs = cut(velocity, rate, f).attrs
     assert attrs["excitation"] == "begins in the decay"
@@ -142,7 +146,7 @@ def test_a_decay_little_above_the_noise(above):
 def test_very_high_and_very_low_damping(eta, per):
     count, rng = (2000 if eta > 0.01 else 1_000_000), np.random.default_rng(0)
     cycle = np.arange(count) / per
-    velocity = np.exp(-np.pi * eta * cycle) * np.cos(2 * np.pi * cycle)
+    velocity = ringing(cycle, 1.0, np.pi * eta)
     velocity += 1e-3 * rng.standard_normal(count)
     attrs = cut(velocity, 100.0 * per, 100.0).attrs
     assert attrs["verdict"] == "usable"
@@ -154,7 +158,7 @@ def test_very_high_and_very_low_damping(eta, per):
 def test_memory_is_a_few_times_the_record():
     count = 1_000_000
     time = np.arange(count) / 2500.0
-    velocity = np.exp(-0.02 * time) * np.cos(500 * np.pi * time)
+    velocity = ringing(time, 250.0, 0.02)
     velocity += 1e-3 * np.random.default_rng(0).standard_normal(count)
     cut(velocity[:10000], 2500.0, 250.0)
     tracemalloc.start()
@@ -253,8 +257,7 @@ def test_unreadable_record(tmp_path):
 
 def test_padding_after_a_record_is_not_a_decay():
     time = np.arange(51_200) / 25_600
-    phase = 2.0 * np.pi * 500.0 * time
-    x = 0.05 * np.exp(-0.0001 * phase) * np.cos(phase)
+    x = ringing(time, 500.0, 1e-4 * 2.0 * np.pi * 500.0, 0.05)
     x += 1e-4 * np.random.default_rng(0).standard_normal(time.size)
     x[7_680:] = 0.0
     np.testing.assert_array_equal(bridged(x, 25_600.0, 500.0), x)

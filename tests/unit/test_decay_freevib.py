@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bladeroot.decay.freevib import freevib, natural, no_decay, within_band
 from bladeroot.plateau.plateau import plateau
-from decay_bench import START, backbone, ring_down, slider
+from decay_bench import START, backbone, ring_down, ringing, slider
 
 
 def errors(noise_db, seed, **changes):
@@ -183,7 +183,7 @@ def test_viscous_damping_of_a_linear_decay():
 def test_neighbour_and_hum_are_taken_off():
     velocity, noise, largest, truth = backbone(5, 60.0, second=0.0)
     time = np.arange(velocity.size) / 25600.0
-    spoilt = velocity + 0.1 * np.exp(-2.5 * time) * np.cos(2 * np.pi * 280.0 * time + 1.0)
+    spoilt = velocity + ringing(time, 280.0, 2.5, 0.1, 1.0)
     spoilt += 0.01 * np.cos(2 * np.pi * 50.0 * time)
     curve = freevib(spoilt, 25600.0, 247.0, noise)
     amplitude = curve["amplitude"].values
@@ -294,8 +294,8 @@ def test_mode_that_outlives_the_one_that_is_followed(ratio):
 
 def test_a_louder_mode_outside_the_band_is_not_taken_for_the_mode():
     time = np.arange(51_200) / 25_600
-    own = np.exp(-0.002 * 2.0 * np.pi * 500.0 * time) * np.cos(2.0 * np.pi * 500.0 * time)
-    other = np.exp(-0.0005 * 2.0 * np.pi * 740.0 * time) * np.cos(2.0 * np.pi * 740.0 * time + 1.0)
+    own = ringing(time, 500.0, 0.002 * 2.0 * np.pi * 500.0)
+    other = ringing(time, 740.0, 0.0005 * 2.0 * np.pi * 740.0, phase=1.0)
     noise = 1e-4 * np.random.default_rng(0).standard_normal(time.size)
     found = freevib(own + 3.0 * other + noise, 25_600.0, 500.0, 1e-4)
     loud = found["amplitude"].values > 0.01 * found["amplitude"].values[0]

@@ -6,8 +6,9 @@ from bladeroot.decay.agreement import _mean_around, compare
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.peaks import DELAY, bridged, correlation, extrema
 from bladeroot.decay.pff import no_peaks, peak_fit
-from decay_bench import ring_down
-from test_decay_thesis_filters import RATE, hysteretic, viscous
+from decay_bench import hysteretic, ring_down, viscous
+
+RATE = 12800.0
 
 
 def test_extrema_of_a_cosine():

@@ -4,24 +4,9 @@ import numpy as np
 import pytest
 from bladeroot.decay.thesis_filters import design, thesis_freevib
 from bladeroot.plateau.plateau import plateau
-from decay_bench import ring_down, slider
+from decay_bench import hysteretic, ring_down, slider, viscous
 
 RATE = 12800.0
-
-
-def viscous(zeta=2.5e-3, frequency_Hz=250.0, count=51200, start=1e-4, noise=1e-9, seed=0):
-    """Velocity of y'' + 2 zeta omega_n y' + omega_n^2 y = 0."""
-    omega_n = 2 * np.pi * frequency_Hz
-    rate = omega_n * (-zeta + 1j * np.sqrt(1 - zeta**2))
-    time = np.arange(count) / RATE
-    clean = (start * rate * np.exp(rate * time)).real
-    return clean + noise * np.random.default_rng(seed).standard_normal(count)
-
-
-def hysteretic(eta=5e-3, frequency_Hz=250.0, count=51200, start=1e-4):
-    """Velocity of Y'' + omega_n^2 (1 + i eta) Y = 0."""
-    rate = 1j * 2 * np.pi * frequency_Hz * np.sqrt(1 + 1j * eta)
-    return (start * rate * np.exp(rate * np.arange(count) / RATE)).real
 
 
 def strong(curve, part=0.05):

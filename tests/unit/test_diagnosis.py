@@ -215,16 +215,6 @@ def test_an_independent_measurement_moves_prior_and_evidence():
     assert prepared(modulus, Known({"free-free": (0.0, 0.001)}))[1] < 0.0
 
 
-@pytest.mark.slow
-def test_the_order_of_the_catalogue_does_not_matter(model):
-    seen = campaign(model, "exponent", 0.5, rows=programme(cycles=1), curves=False)
-    first, second = (
-        verdict(diagnose(seen, model, Settings(BIAS), order))
-        for order in (CATALOGUE, CATALOGUE[::-1])
-    )
-    assert first == second
-
-
 def test_dataset_and_model_file_hold_the_cause(stiffening):
     made, _ = stiffening
     whole = dataset(made)

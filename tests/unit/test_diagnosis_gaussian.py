@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import Prior, Problem, State, asked_for, best_fit, fit, hold_out
+from bladeroot.inference.gaussian import Prior, Problem, State, best_fit, fit
+from bladeroot.inference.hold_out import asked_for, hold_out
 from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)

@@ -2,12 +2,13 @@
 
 import pytest
 from bladeroot.io.batches import batches
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 NAMES = st.sets(st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,8}", fullmatch=True), max_size=80)
 
 
+@settings(max_examples=30)
 @given(NAMES, st.integers(1, 12))
 def test_every_record_is_in_one_batch_of_at_most_that_many(names, most):
     made = batches(names, most)
@@ -15,6 +16,7 @@ def test_every_record_is_in_one_batch_of_at_most_that_many(names, most):
     assert all(1 <= len(batch) <= most for batch in made.values())
 
 
+@settings(max_examples=30)
 @given(NAMES, st.integers(1, 12), st.data())
 def test_a_new_record_changes_its_own_batch_alone(names, most, data):
     new = data.draw(
@@ -27,6 +29,7 @@ def test_a_new_record_changes_its_own_batch_alone(names, most, data):
             assert after[batch] == held
 
 
+@settings(max_examples=30)
 @given(NAMES)
 def test_the_order_of_the_sheet_does_not_matter(names):
     assert batches(sorted(names), 7) == batches(sorted(names, reverse=True), 7)

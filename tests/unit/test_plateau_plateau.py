@@ -9,7 +9,7 @@ from bladeroot.plateau.mixture import NORMAL, Mixture
 from bladeroot.plateau.plateau import plateau
 from bladeroot.plateau.record import record_plateau
 from bladeroot.plateau.stretch import grouped, integral, lines_below, over_cells
-from decay_bench import ring_down, slider
+from decay_bench import ring_down, ringing, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
 from hypothesis import given, settings
 
@@ -28,7 +28,7 @@ def test_verdicts():
     check_verdicts(50, first=0, most=2)
 
 
-@pytest.mark.slow
+@pytest.mark.suite
 def test_verdicts_on_many():
     check_verdicts(500, first=1000, most=10)  # 2 %
 
@@ -112,7 +112,7 @@ def test_an_onset_near_the_smallest_amplitude_leaves_no_plateau(seed):
     time = np.arange(38_400) / 25600.0
     eta, drift = 10 ** rng.uniform(-2.6, -2.0), 10 ** rng.uniform(-2.0, 0.0)
     noise = 10 ** rng.uniform(-5.0, -3.0)
-    velocity = np.exp(-np.pi * eta * 500.0 * time) * np.cos(2 * np.pi * 500.0 * time)
+    velocity = ringing(time, 500.0, np.pi * eta * 500.0)
     velocity += drift * time**2 + noise * rng.standard_normal(time.size)
     found = plateau(freevib(velocity, 25600.0, 500.0, noise))
     assert found["verdict"] == "plateau not reached"

@@ -6,6 +6,7 @@ import xarray as xr
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.spectra import before_and_after, followed_mode
 from bladeroot.pooling.curves import mean_curves
+from decay_bench import ringing
 
 
 def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B", hold=""):
@@ -122,8 +123,8 @@ def test_no_records_give_an_empty_dataset():
 
 def decaying(rate_Hz=8000.0, seconds=1.0):
     time = np.arange(int(rate_Hz * seconds)) / rate_Hz
-    mode = np.exp(-5.0 * time) * np.cos(2.0 * np.pi * 200.0 * time)
-    other = 0.3 * np.exp(-9.0 * time) * np.cos(2.0 * np.pi * 530.0 * time + 1.0)
+    mode = ringing(time, 200.0, 5.0)
+    other = ringing(time, 530.0, 9.0, 0.3, 1.0)
     noise = 1e-4 * np.random.default_rng(1).standard_normal(time.size)
     return mode, mode + other + noise
 

@@ -6,30 +6,9 @@ import xarray as xr
 from bladeroot.pooling.curves import mean_curves
 from bladeroot.pooling.groups import group_differences, told
 from bladeroot.pooling.stick import stick_from_records
+from pooling_bench import curve, drawn
 
 GOOD = xr.Dataset({"verdict": "plateau"})
-
-
-def curve(group, event, sensor="", loss=1.0, shift=0.0, low=1e-5, high=1e-3):
-    amplitude = np.geomspace(high, low, 200)
-    frequency = 20.0 * (1.0 + shift) + 0.01 * np.log(amplitude)
-    damping = loss * (0.02 + 3.0 * amplitude)
-    values = {"amplitude": amplitude, "frequency": frequency, "loss_factor": damping}
-    values |= {"frequency_std": 0 * amplitude + 1e-4, "loss_factor_std": 1e-3 * damping}
-    facts = {"mode": "m2", "group": group, "event": event, "sensor": sensor, "load": 0.0,
-             "record": f"{event}{sensor}", "load_name": "", "load_unit": ""}  # fmt: skip
-    return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=facts)
-
-
-def drawn(sizes, seed=0, scatter=0.01, sensors=("a", "b"), **how):
-    rng = np.random.default_rng(seed)
-    return [
-        curve(f"floor {g}", f"e{g}{k}", sensor, size * own, low=1e-5 * (1 + k), **how)
-        for g, size in enumerate(sizes)
-        for k in range(3)
-        for own in [np.exp(scatter * rng.standard_normal())]
-        for sensor in sensors
-    ]
 
 
 def compared(decays):
@@ -47,11 +26,9 @@ def test_a_difference_between_groups_is_told_with_its_size():
 
 
 def test_groups_that_are_alike_are_seldom_told_apart():
-    chances = np.array(
-        [float(compared(drawn([1.0] * 3, seed))["chance"][1]) for seed in range(150)]
-    )
-    assert (chances < 0.01).mean() < 0.04
-    assert abs((chances < 0.5).mean() - 0.5) < 0.12
+    chances = np.array([float(compared(drawn([1.0] * 3, seed))["chance"][1]) for seed in range(40)])
+    assert (chances < 0.01).sum() <= 2
+    assert abs((chances < 0.5).mean() - 0.5) < 0.2
 
 
 def test_sensors_of_one_motion_do_not_make_a_difference_sure():

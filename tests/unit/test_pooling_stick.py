@@ -65,15 +65,15 @@ def campaign(rng, holds, records):
     ("holds", "records"),
     [
         (lambda rng: 2, lambda rng: 2),
-        (lambda rng: 4, lambda rng: 3),
         (lambda rng: rng.integers(1, 5), lambda rng: rng.integers(1, 4)),
     ],
-    ids=["two holds", "four holds", "unbalanced"],
+    ids=["two holds", "unbalanced"],
 )
 def test_intervals_cover_the_truth(holds, records):
+    """On a few campaigns; benchmarks/repeats.py counts on many."""
     rng = np.random.default_rng(3)
     z = []
-    for _ in range(12):
+    for _ in range(6):
         rows, truth = campaign(rng, holds, records)
         result = pooled(rows)
         z += list((result["frequency"].values - truth) / result["frequency_std"].values)
@@ -87,7 +87,7 @@ def test_one_clamping_a_force_is_told_by_the_law_of_the_forces(repeats):
     rng = np.random.default_rng(7)
     force, z = np.linspace(2e3, 24e3, 7), []
     truth = 500.0 + 5.0 * np.log(force)
-    for _ in range(20):
+    for _ in range(8):
         clamped = truth + 0.1 * rng.standard_normal(force.size)
         rows = [
             ("1B", at, f"{at}", value + 0.02 * rng.standard_normal(), 0.002)

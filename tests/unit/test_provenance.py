@@ -110,7 +110,9 @@ def whole(tmp_path_factory):
     """A copy of the whole library with its scripts."""
     folder = tmp_path_factory.mktemp("whole")
     for name in ("bladeroot", "scripts"):
-        shutil.copytree(LIBRARY.parent / name, folder / name)
+        shutil.copytree(
+            LIBRARY.parent / name, folder / name, ignore=shutil.ignore_patterns("compiled", "*.pyc")
+        )
     return folder
 
 

@@ -14,11 +14,10 @@ from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
 from bladeroot.quality.sight import Sight
 from bladeroot.signal.spectrum import white_noise
-from decay_bench import START, ring_down, shaken
+from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-RATE = 25600.0
 DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "findings.md"
 
 
@@ -176,7 +175,7 @@ def test_the_cycles_beside_a_small_step_are_masked(factor):
 
 def without(lost, at=14000):
     """A decay without some samples, or with some twice."""
-    velocity = slider(0.2, 0.003)
+    velocity = coulomb_decay(0.2, 0.003)
     return np.concatenate([velocity[:at], velocity[at + lost :]])
 
 
@@ -202,7 +201,7 @@ def test_a_close_mode_beats():
     clean = decay()
     time = time_of(clean)
     other = 262.0
-    beat = np.exp(-np.pi * other * 0.004 * time) * np.cos(2 * np.pi * other * time)
+    beat = ringing(time, other, np.pi * other * 0.004)
     found = judged(clean + 0.05 * START * beat)
     assert ids(found) - {"ends-early"} == {"mode-beating"}
     assert found.attrs["verdict"] == "usable"
@@ -211,29 +210,9 @@ def test_a_close_mode_beats():
     assert uncut(clean + 0.6 * START * beat).attrs["verdict"] == "rejected"
 
 
-def slider(onset, softening, loss=0.002, nepers=7.0, noise_db=60):
-    """A decay with a Coulomb slider: harmonic balance, sticking below `onset` (of the start)."""
-    level = np.linspace(0.0, -nepers, 20001)
-    x = np.maximum(np.exp(level) / onset, 1.0)
-    angle = np.arccos(1.0 - 2.0 / x)
-    slip = 1.0 - (angle - 0.5 * np.sin(2.0 * angle)) / np.pi
-    turn = 2.0 * np.pi * 250.0 * np.sqrt(1.0 - 2.0 * softening * slip)
-    fall = np.pi * 250.0 * (loss + 8.0 / np.pi * softening * (1.0 - 1.0 / x) / x)
-
-    def along(rate):
-        return np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * nepers / 20000))
-
-    clock = along(1.0 / fall)
-    time = np.arange(int(clock[-1] * RATE)) / RATE
-    phase = np.interp(time, clock, along(turn / fall))
-    wave = np.exp(np.interp(time, clock, level)) * np.cos(phase)
-    noise = 10.0 ** (-noise_db / 20) * np.random.default_rng(0).standard_normal(time.size)
-    return START * (wave + noise / np.sqrt(2.0))
-
-
 @pytest.mark.parametrize(("onset", "softening"), [(0.03, 0.003), (0.06, 0.006), (0.1, 0.01)])
 def test_the_bend_where_slip_ends_is_no_beat(onset, softening):
-    found = judged(slider(onset, softening))
+    found = judged(coulomb_decay(onset, softening))
     assert ids(found) == set()
     assert found.attrs["verdict"] == "usable"
 
@@ -294,22 +273,23 @@ def test_driven_residue():
 
 @pytest.mark.parametrize("nepers", [2.5, 2.7])
 def test_a_record_that_ends_soon_after_slip_is_no_driven_residue(nepers):
-    found = judged(slider(0.12, 0.02, nepers=nepers))
+    found = judged(coulomb_decay(0.12, 0.02, nepers=nepers))
     assert ids(found) <= {"ends-early", "too-short"}
     assert found["usable"].values.all()
 
 
-def ringing(own, second, eta):
+def beside_octave(own, second, eta):
     """A decay with another mode of twice its frequency, and the other mode's amplitude."""
     time = time_of(own)
-    envelope = second * START * np.exp(-np.pi * eta * 500.0 * time)
-    return own + envelope * np.cos(2 * np.pi * 500.0 * time), envelope
+    decline = np.pi * eta * 500.0
+    envelope = second * START * np.exp(-decline * time)
+    return own + ringing(time, 500.0, decline, second * START), envelope
 
 
 @pytest.mark.parametrize("eta", [0.01, 0.02])
 def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
     own = decay(second=0.0, noise_db=60)
-    velocity, envelope = ringing(own, 3.0, eta)
+    velocity, envelope = beside_octave(own, 3.0, eta)
     found = judged(velocity)
     assert "louder-mode" in ids(found)
     assert found.attrs["verdict"] == "usable"
@@ -323,14 +303,14 @@ def test_cycles_in_which_another_mode_is_louder_are_not_used(eta):
 
 @pytest.mark.parametrize(("second", "eta"), [(0.9, 0.01), (2.0, 0.0008), (4.0, 0.005)])
 def test_a_mode_that_is_less_loud_or_stays_louder_masks_nothing(second, eta):
-    found = judged(ringing(decay(second=0.0), second, eta)[0])
+    found = judged(beside_octave(decay(second=0.0), second, eta)[0])
     assert ("louder-mode" in ids(found)) == (second > 1.0)
     assert found["usable"].values.all()
 
 
 def test_a_mode_that_becomes_louder_is_told():
     own = decay(second=0.0, eta=(0.02, 0.025), noise_db=70)
-    found = judged(ringing(own, 0.5, 0.001)[0])
+    found = judged(beside_octave(own, 0.5, 0.001)[0])
     assert "louder-mode" in ids(found)
     assert found["usable"].values.all()
 
@@ -359,7 +339,7 @@ def test_a_wandering_baseline_is_taken_off():
 def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
     rate = 102_400.0
     time = np.arange(150_000) / rate
-    own = 0.05 * np.exp(-np.pi * 6e-4 * 8000.0 * time) * np.cos(2 * np.pi * 8000.0 * time)
+    own = ringing(time, 8000.0, np.pi * 6e-4 * 8000.0, 0.05)
     noise = 1e-6 * np.random.default_rng(1).standard_normal(time.size)
     for size in (0.005, 0.1):
         hum = size * np.cos(2 * np.pi * 50.0 * time)
@@ -422,7 +402,7 @@ def test_a_mode_out_of_the_band_names_the_ratio():
 
 def test_another_mode_dominates():
     clean = decay(second=0.0)
-    loud = START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 700 * time_of(clean))
+    loud = ringing(time_of(clean), 700.0, 3.0, START)
     hum = 2e-3 * np.sin(2 * np.pi * 50 * time_of(clean))
     found = judged(0.1 * clean + loud + hum)
     assert found.attrs["verdict"] == "rejected"
@@ -435,7 +415,7 @@ def test_another_mode_dominates():
 
 def test_two_modes_in_the_band():
     clean = decay(second=0.0)
-    rival = 0.8 * START * np.exp(-3 * time_of(clean)) * np.sin(2 * np.pi * 300 * time_of(clean))
+    rival = ringing(time_of(clean), 300.0, 3.0, 0.8 * START, -np.pi / 2)
     told = uncut(clean + rival).attrs["findings"]
     assert re.search(
         r"two modes in the band: 248.9 and 300 Hz, the second 0\.97 times as loud", told
@@ -450,8 +430,8 @@ def test_two_modes_in_the_band():
 @pytest.mark.parametrize("louder", [3.0, 6.0])
 def test_a_louder_mode_beside_one_at_the_expected_frequency(louder, others, verdict):
     time = np.arange(32000) / 20000.0
-    clean = np.exp(-4.7 * time) * np.cos(2.0 * np.pi * 500.0 * time)
-    rival = louder * np.exp(-2.6 * time) * np.cos(2.0 * np.pi * 420.0 * time + 1.0)
+    clean = ringing(time, 500.0, 4.7)
+    rival = ringing(time, 420.0, 2.6, louder, 1.0)
     noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
     velocity = np.concatenate([np.zeros(1000), clean + rival + noise])
     found = judged(velocity, 500.0, 20000.0, modes_Hz=others)

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.report.calibration import calibration_parts
-from bladeroot.report.page import Table
 
 
 @pytest.fixture
@@ -52,9 +51,3 @@ def test_tables_and_contradictions_are_named(made):
     assert sets.rows == [["2.2; 4.3", "3.4"]]
     assert "1B 537.1 ± 2.1 Hz" in joint
     assert "-0.97" in joint
-
-
-def test_no_contradiction_is_said(made):
-    parts = calibration_parts(made.isel(set=slice(0)))
-    assert sum(isinstance(part, Table) for part in parts) == 2
-    assert "One geometry meets all tables" in parts[2]

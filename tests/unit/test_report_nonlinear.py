@@ -53,13 +53,6 @@ def test_pressures_do_what_was_seen_only_if_they_reach_it(onset, partial, texts)
     assert "nan" not in words
 
 
-def test_a_shortfall_that_could_not_be_simulated_says_why():
-    assert said(table((), (), "the contacts did not settle")) == (
-        "What slips first in 1B at 4 kN (S, kn 0.5 and kt 0.9 GN/m, friction 0.42) could not be "
-        "simulated: the contacts did not settle."
-    )
-
-
 def inference(**attrs):
     """An inference with curves of one mode at two forces; 2B has none."""
     of_k, point = ("force", "stiffness"), ("point", np.array([-0.01, -0.02, -0.04]))
@@ -110,12 +103,6 @@ DRAWN = dict.fromkeys(("amplitude_curves", "amplitude_stiffness", "slip"), "<svg
 def words(*found):
     parts = nonlinear_section(found, [], DRAWN, of_the_thesis=True).parts
     return " ".join(part for part in parts if isinstance(part, str))
-
-
-def test_what_simulation_misses_is_said_of_fall_and_damping():
-    text = words(inference())
-    assert "misses the fall by 2.00 of the standard deviations granted" in text
-    assert "the rise of damping by 3.00" in text
 
 
 def test_curves_that_were_not_used_are_named_with_the_reason():

@@ -15,8 +15,7 @@ from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import measurement_section, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Box, Picture, Table
-from bladeroot.report.stiffness import stiffness_section
-from bladeroot.report.summary import alone_section, summary_section, undecided_section
+from bladeroot.report.summary import summary_section
 from bladeroot.report.words import pictures, words_of
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
@@ -51,39 +50,11 @@ def test_errors_of_clean_records_are_no_zeros():
     assert "0.4000 ± 0.0010" in found[0].rows[0]
 
 
-def test_errors_say_what_they_count():
-    stick = sticks(10e3, 16e3)
-    forces = fe_forces(stick, np.array([12e3]), GAUGE)
-    assert (
-        "is the table's stated error." in tables(stick_section(stick, "", None, forces))[0].caption
-    )
-    stick["frequency_std"].attrs = {"lower_bound": "1B"}
-    said = tables(stick_section(stick, "", None, forces))[0].caption
-    assert "In 1B it is unknown, and the error a lower bound." in said
-
-
-def test_no_simulated_force_between_measured_ones_is_a_sentence():
-    stick = sticks(10e3)
-    section = stick_section(stick, "", None, fe_forces(stick, np.array([12e3, 14e3]), GAUGE))
-    assert len(tables(section)) == 1  # the frequencies, and no scatter of a single row
-    assert section.parts[-1] == (
-        "None of the simulation's forces (12 and 14 kN) lies between forces that were measured."
-    )
-
-
 def test_no_stick_frequency_leaves_no_caption():
     stick = sticks(10e3)
     nothing = stick.isel(level=slice(0))
     section = stick_section(nothing, "", None, fe_forces(stick, np.array([12e3]), GAUGE))
     assert tables(section) == []
-
-
-def test_one_mode_is_not_inverted():
-    (text,) = stiffness_section(NO_PAIR, "", None).parts
-    assert text.startswith("No force of the simulation has measured frequencies of both modes")
-    stick = xr.Dataset({"verdict": ("record", ["plateau"])})
-    said = undecided_section({"entry": "records"}, stick, NO_PAIR).parts
-    assert not any("Two frequencies" in text for text in said)
 
 
 def measured(verdicts, forces):
@@ -97,13 +68,6 @@ def measured(verdicts, forces):
     parts = measurement_section(FACTS, stick, figures).parts
     said = [part for part in parts if isinstance(part, str)]
     return said, [part.svg for part in parts if isinstance(part, Picture)]
-
-
-def test_what_to_do_where_too_few_cycles_are_sharp():
-    said, drawn = measured(["rejected: too few cycles are sharp enough"], [12e3])
-    assert "1 records: 1 rejected." in said
-    assert any("a finer range of the sensor or a longer record helps" in text for text in said)
-    assert drawn == ["cuts", "spectra"]  # in which the fault may be seen
 
 
 @pytest.mark.parametrize("second", [12e3, 16e3])
@@ -144,15 +108,6 @@ def test_a_record_unlike_its_repeats_is_not_overlooked():
     assert box.lines == ["r7 lies -2.34 % from the others."]
     assert tables(integrity_section(judged("r7")))[1].rows[0][3] == "whole"
     assert not any(isinstance(part, Box) for part in integrity_section(judged()).parts)
-
-
-def test_in_short_says_who_is_rejected_and_what_needs_a_structure():
-    stick = sticks(10e3).drop_dims("record").assign(rejections(12).variables)
-    said = {"structure": None, "causes": [], "shortfall": [], "reason": ""}
-    _, bad, alone = alone_section(stick, said).parts
-    assert bad.startswith("Rejected: 12 of 13 records, r1, r2, ")
-    assert "r10 and 2 more;" in bad
-    assert "Nothing is simulated: each mode is judged against a linear one" in alone
 
 
 def test_the_stick_figure_without_forces_of_a_simulation():

@@ -8,7 +8,7 @@ from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
 from bladeroot.report.words import gauge_sentence, pictures, words_of
-from test_pooling_groups import drawn
+from pooling_bench import drawn
 
 FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
 

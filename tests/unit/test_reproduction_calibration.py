@@ -49,9 +49,14 @@ def known(problem):
     return truth, with_tables_of(problem, truth, noise)
 
 
-def test_a_known_geometry_is_found_within_its_deviations(known):
+@pytest.fixture(scope="module")
+def fitted(known):
+    return calibrate(known[1])
+
+
+def test_a_known_geometry_is_found_within_its_deviations(known, fitted):
     truth, problem = known
-    point, steps = calibrate(problem)
+    point, steps = fitted
     mean, covariance = posterior(problem, linearise(problem, point))
     std = np.sqrt(np.diag(covariance))
     assert np.all(np.abs(mean - point) < 0.05 * std)
@@ -70,9 +75,9 @@ def test_derivatives_are_finite_differences(problem):
     np.testing.assert_allclose(jacobian[:, 0], slope, atol=2e-3 * np.abs(slope).max())
 
 
-def test_tables_of_one_geometry_contradict_nothing(known):
+def test_tables_of_one_geometry_contradict_nothing(known, fitted):
     _, problem = known
-    linear = linearise(problem, calibrate(problem)[0])
+    linear = linearise(problem, fitted[0])
     assert incompatible_sets(problem, linear, 0) == []
     assert all(one.chance > 1e-3 for one in left_out(problem, linear, list(TRUSTED)))
 

@@ -6,7 +6,7 @@ from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
-from bladeroot.stiffness.search import ln_covariance, search
+from bladeroot.stiffness.search import fit_modes, ln_covariance, search
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiffness_beam import beam_map
@@ -20,16 +20,22 @@ def drawn():
     return beam_map(FORCE)
 
 
+@pytest.fixture(scope="module")
+def three():
+    return beam_map(FORCE, modes=("1B", "2B", "3B"))
+
+
 def measured(frequencies, std=(0.02, 0.03), force=FORCE):
     """FE forces of a campaign whose levels have one frequency at every force."""
+    count = len(frequencies)
     stick = xr.Dataset(
         {
-            "mode": ("level", np.repeat(["1B", "2B"], 2)),
-            "force": ("level", np.tile([0.5 * force, 2 * force], 2)),
+            "mode": ("level", np.repeat(["1B", "2B", "3B"][:count], 2)),
+            "force": ("level", np.tile([0.5 * force, 2 * force], count)),
             "frequency": ("level", np.repeat(np.asarray(frequencies, float), 2)),
             "frequency_std": ("level", np.repeat(np.sqrt(9 / 5) * np.asarray(std), 2)),
-            "loss_factor": ("level", np.full(4, 0.005)),
-            "loss_factor_std": ("level", np.full(4, 1e-4)),
+            "loss_factor": ("level", np.full(2 * count, 0.005)),
+            "loss_factor_std": ("level", np.full(2 * count, 1e-4)),
         }
     )
     return fe_forces(stick, np.array([force]), NO_FORCE_ERROR)
@@ -42,6 +48,26 @@ def of_truth(drawn, kn, kt):
 
 def log_axis(drawn):
     return np.log(drawn["map_kn"].values)
+
+
+TRUTH = np.log([1.4e9, 2.1e9])
+
+
+def three_modes(three, rng, spread, modulus=1.0):
+    """Frequencies of a specimen whose modulus is another, with all errors drawn.
+
+    Stiffness times `modulus`, contact and force as they are: f = sqrt(modulus) f(k / modulus).
+    """
+    f, _ = all_frequencies(surface_of_map(three), TRUTH[None] - np.log(modulus))
+    return f[0] * np.sqrt(modulus) * (1.0 + spread * rng.standard_normal(3))
+
+
+def fits(three, spread, count, modulus=1.0):
+    """Fits of drawn frequencies; of their errors 0.4 is measured and 0.9 the model's."""
+    rng, surface, known = np.random.default_rng(8), surface_of_map(three), np.ones(3, bool)
+    drawn = [three_modes(three, rng, spread, modulus) for _ in range(count)]
+    errors = 0.4 * spread, np.full(3, np.sqrt(0.84) * spread)
+    return [fit_modes(surface, f, errors[0] * f, errors[1], known, log_axis(three)) for f in drawn]
 
 
 @settings(max_examples=30, deadline=None)
@@ -121,8 +147,46 @@ def test_measurement_that_is_absent_is_named(drawn):
     assert str(result["status"].values) == "no measurement"
     assert np.isnan(result["kt"])
     assert np.isnan(result["needed_bias"]).all()
-    one = measured([590.0, 1600.0]).sel(mode=["1B"])
-    assert str(search(drawn, one)["status"].values) == "no measurement"
+
+
+def test_chi_square_of_three_modes_tells_a_modulus_one_per_cent_wrong(three):
+    """In 95 % of drawn cases, with 5 % false alarms."""
+    false, told = (
+        np.mean([one.probability < 0.05 for one in fits(three, 2.2e-4, 100, modulus)])
+        for modulus in (1.0, 1.01)
+    )
+    assert false < 0.05 + 3.0 * np.sqrt(0.05 * 0.95 / 100)
+    assert told >= 0.95
+
+
+def test_three_modes_are_fitted_within_their_covariance(three):
+    made = fits(three, 2e-5, 100)
+    off = np.array([one.fit.parameters for one in made]) - TRUTH
+    np.testing.assert_allclose(off.std(axis=0), made[0].fit.std, rtol=0.25)
+
+
+def test_search_of_three_modes_says_how_far_each_is_off(three):
+    f = three_modes(three, np.random.default_rng(8), 0.0, 1.01)
+    known = dict.fromkeys(("1B", "2B", "3B"), 2e-4)
+    found = search(three, measured(f, 1e-4 * f), known)
+    assert str(found["status"].values) == "fit"
+    assert float(found["chi_square"]) == pytest.approx(float((found["misfit"] ** 2).sum()))
+    assert int(found["freedom"]) == 1
+    assert float(found["probability"]) < 0.01
+    sources = np.sqrt(np.diag(found["ln_covariance"].sum("source")))
+    np.testing.assert_allclose(sources[0], found["ln_kn_std"], rtol=0.1)
+
+
+def test_of_one_mode_the_prior_decides_what_it_does_not_tell(drawn):
+    target, _ = of_truth(drawn, 1.4e9, 2.1e9)
+    found = search(drawn, measured(target).sel(mode=["1B"]), {"1B": 1e-5, "2B": 1e-5})
+    assert str(found["status"].values) == "prior"
+    back, _ = of_truth(drawn, float(found["kn"]), float(found["kt"]))
+    assert back[0] == pytest.approx(target[0], rel=1e-4)
+    prior = 0.25 * np.ptp(log_axis(drawn))
+    assert 0.5 * prior < max(float(found["ln_kn_std"]), float(found["ln_kt_std"])) <= prior
+    assert np.isnan(found["probability"])
+    assert np.isnan(found["misfit"].sel(mode="2B"))
 
 
 def test_covariance_agrees_with_simulated_errors(drawn):

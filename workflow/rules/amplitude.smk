@@ -24,6 +24,7 @@ rule amplitude:
         "results/logs/amplitude/{campaign}/{structure}.log",
     benchmark:
         "results/benchmarks/amplitude/{campaign}/{structure}.tsv"
+    priority: PRIORITY["amplitude"]
     threads: 1
     resources:
         **needs("amplitude"),

@@ -41,6 +41,7 @@ for campaign in CAMPAIGNS.values():
                 f"results/logs/bench/{campaign.name}/{batch}.log",
             benchmark:
                 f"results/benchmarks/bench/{campaign.name}/{batch}.tsv"
+            priority: PRIORITY["bench"]
             threads: 1
             resources:
                 **needs("bench"),

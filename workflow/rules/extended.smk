@@ -68,8 +68,8 @@ def extended_facts(wildcards):
 
 rule extended_joint:
     input:
-        parametric=rules.extended_structure.output.parametric,
-        stick=rules.stick.output.stick,
+        parametric=rules.parametric.output.parametric,
+        observations=rules.observations.output.observations,
         model=model_of,
     output:
         joint="results/{campaign}/extended/{structure}/joint.nc",
@@ -86,8 +86,8 @@ rule extended_joint:
     message:
         "kn, kt of {wildcards.campaign} with {wildcards.structure}, extended by its causes"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/extended_joint.py --parametric {input.parametric:q} --stick {input.stick:q}"
-        " --model {input.model:q}"
+        "{PYTHON:q} {SCRIPTS:q}/extended_joint.py --parametric {input.parametric:q}"
+        " --observations {input.observations:q} --model {input.model:q}"
         " --settings {params.settings:q} --output {output.joint} > {log} 2>&1"
 
 

@@ -11,6 +11,7 @@ rule parametric:
         "results/logs/parametric/{structure}.log",
     benchmark:
         "results/benchmarks/parametric/{structure}.tsv"
+    priority: PRIORITY["parametric"]
     threads: 1
     resources:
         **needs("parametric"),
@@ -34,6 +35,7 @@ use rule parametric as parametric_equal_nodes with:
         "results/logs/parametric_equal_nodes/{structure}.log",
     benchmark:
         "results/benchmarks/parametric_equal_nodes/{structure}.tsv"
+    priority: 0
     params:
         settings=settings("parametric"),
         springs="equal",
@@ -64,6 +66,7 @@ rule accuracy:
         "results/logs/accuracy/{structure}.log",
     benchmark:
         "results/benchmarks/accuracy/{structure}.tsv"
+    priority: PRIORITY["accuracy"]
     threads: 1
     resources:
         **needs("accuracy"),

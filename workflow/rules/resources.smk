@@ -58,6 +58,23 @@ NEEDS = {
 }
 
 
+# Which of the jobs that could run goes first: what the longest chain waits for (structure, bench, records,
+# inference with curves, its figures and the report), then the long ones, so that none is left alone at the end.
+PRIORITY = {
+    "mesh": 50,
+    "prestress": 50,
+    "reduced": 50,
+    "parametric": 40,
+    "bench": 30,
+    "ringdown": 30,
+    "stick": 30,
+    "amplitude": 30,
+    "joint": 20,
+    "accuracy": 10,
+    "checks": 10,
+}
+
+
 # Seconds each, whatever the number of records: a place in a queue costs more than they do.
 localrules:
     fe_forces,

@@ -38,6 +38,7 @@ for campaign in CAMPAIGNS.values():
                 f"results/logs/ringdown/{campaign.name}/{batch}.log",
             benchmark:
                 f"results/benchmarks/ringdown/{campaign.name}/{batch}.tsv"
+            priority: PRIORITY["ringdown"]
             threads: 1
             resources:
                 **needs("ringdown"),

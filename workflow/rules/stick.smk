@@ -19,6 +19,7 @@ rule stick:
         "results/logs/stick/{campaign}.log",
     benchmark:
         "results/benchmarks/stick/{campaign}.tsv"
+    priority: PRIORITY["stick"]
     threads: 1
     resources:
         **needs("stick"),

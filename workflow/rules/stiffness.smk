@@ -71,6 +71,7 @@ rule joint:
         "results/logs/joint/{campaign}/{structure}.log",
     benchmark:
         "results/benchmarks/joint/{campaign}/{structure}.tsv"
+    priority: PRIORITY["joint"]
     threads: 1
     resources:
         **needs("joint"),

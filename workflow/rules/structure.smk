@@ -10,6 +10,7 @@ rule mesh:
         "results/logs/mesh/{structure}.log",
     benchmark:
         "results/benchmarks/mesh/{structure}.tsv"
+    priority: PRIORITY["mesh"]
     threads: 1
     resources:
         **needs("mesh"),
@@ -32,6 +33,7 @@ rule prestress:
         "results/logs/prestress/{structure}.log",
     benchmark:
         "results/benchmarks/prestress/{structure}.tsv"
+    priority: PRIORITY["prestress"]
     threads: 1
     resources:
         **needs("prestress"),
@@ -85,6 +87,7 @@ rule reduced:
         "results/logs/reduced/{structure}.log",
     benchmark:
         "results/benchmarks/reduced/{structure}.tsv"
+    priority: PRIORITY["reduced"]
     threads: 1
     resources:
         **needs("reduced"),
@@ -112,6 +115,7 @@ rule checks:
         "results/logs/checks/{structure}.log",
     benchmark:
         "results/benchmarks/checks/{structure}.tsv"
+    priority: PRIORITY["checks"]
     threads: 1
     resources:
         **needs("checks"),

@@ -4,8 +4,7 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.diagnosis.extension import read
-from bladeroot.diagnosis.rerun import structure_of
+from bladeroot.diagnosis.extension import read, structure_of
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.schema import read_yaml
 

@@ -8,8 +8,7 @@ import xarray as xr
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.contact.punch import punch_from
-from bladeroot.diagnosis.extension import read
-from bladeroot.diagnosis.rerun import amplitude_causes, curves_of
+from bladeroot.diagnosis.extension import amplitude_causes, curves_of, read
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.nonlinear.backbone import amplitude_ladder, backbone
 from bladeroot.nonlinear.flanks import FlankContact

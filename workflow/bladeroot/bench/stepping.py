@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.bench.forces import ModalForces, no_forces, nonlinear_force
-from bladeroot.bench.sweep import largest, own_give, settle_leading
+from bladeroot.bench.sweep import copied, largest, own_give, settle_leading
 from bladeroot.compiled import njit
 
 _SWEEPS = 400
@@ -227,7 +227,7 @@ def _march(
     # Not rows of one array, which the compiler takes for strided.
     force, predicted, before = np.zeros(sliders), np.zeros(sliders), np.zeros(sliders)
     slip, taken, lost = np.zeros(sliders), np.zeros(sliders), np.zeros(sliders)
-    guess = np.zeros(sliders)
+    guess, slipped, parted = np.zeros(sliders), np.zeros(sliders), np.zeros(sliders)
     hold, load0, load1 = np.zeros(modes), np.zeros(modes), np.zeros(modes)
     free, ahead, known = np.zeros(modes), np.zeros(modes), np.zeros(modes)
     now, expected, earlier = np.zeros(modes), np.zeros(modes), np.zeros(modes)
@@ -256,7 +256,7 @@ def _march(
             for m in range(modes):
                 load0[m] += now[m] - expected[m]
                 expected[m] = 2.0 * now[m] - earlier[m] if n > 0 else now[m]
-            earlier[:] = now
+            copied(now, earlier)
 
         away = 0.0
         for m in range(modes):
@@ -276,12 +276,12 @@ def _march(
             fresh = False
         else:
             if fresh:
-                before[:] = force
+                copied(force, before)
             slider_force(pull, free, lost, predicted)
             room = 1.0 - largest(predicted, limit)
-            known[:] = free
+            copied(free, known)
             if room >= 0.0:
-                force[:] = predicted
+                copied(predicted, force)
                 if sliding:
                     slip[:] = 0.0
                 sliding = False
@@ -290,11 +290,17 @@ def _march(
                     for m in range(modes):
                         free[m] = r[m] - at_end[m] * hold[m]
                     slider_force(pull, free, lost, before)
-                # The last step's slip is a guess of this one's.
+                # The last two steps' slips go on to a guess of this one's, in which their share is.
                 if not sliding:
                     taken[:] = 0.0
+                    slipped[:] = 0.0
+                    parted[:] = 0.0
                 for j in range(sliders):
-                    force[j] = predicted[j] - taken[j]
+                    force[j] = predicted[j] - (2.0 * taken[j] - parted[j])
+                    parted[j] = taken[j]
+                    more = 2.0 * slip[j] - slipped[j]
+                    slipped[j] = slip[j]
+                    slip[j] = more
                 most = max(
                     most, settle_leading(force, slip, guess, give, rho, limit, _TOLERANCE, _SWEEPS)
                 )

@@ -11,6 +11,14 @@ _NEAR = 0.8  # of its limit: what a step's slip of others may add is less as a r
 
 @njit(cache=True)
 @no_type_check
+def copied(source, target):
+    """Copy an array; a slice's assignment would compile its error message, too, for a second."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@njit(cache=True)
+@no_type_check
 def own_give(give):
     """For each pair, the most that its force falls by for a unit of its own slip (N/m)."""
     pairs = give.shape[0] // 2
@@ -75,7 +83,7 @@ def settle_leading(force, slip, before, give, rho, limit, tolerance, sweeps):
         if slip[p] != 0.0 or slip[q] != 0.0 or reach > (_NEAR * limit[i]) ** 2:
             pairs = i + 1
     lead = 2 * pairs
-    before[:lead] = slip[:lead]
+    copied(slip[:lead], before[:lead])
     count = settle(force[:lead], slip[:lead], give, rho[:pairs], limit[:pairs], tolerance, sweeps)
     for p in range(lead):
         move = slip[p] - before[p]

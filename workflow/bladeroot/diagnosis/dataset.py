@@ -12,7 +12,7 @@ from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.verdict import insufficient, verdict
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 STAGES = ("before", "after")
 _GRID = 40

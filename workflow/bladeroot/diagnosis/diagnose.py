@@ -82,7 +82,7 @@ def diagnose(
     and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
     """
     seen = one_of_each_event(seen)
-    simulated = _simulation(seen, model, settings)
+    simulated = simulation_of(seen, model, settings)
     modes = simulated.modes
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
@@ -114,7 +114,9 @@ def diagnose(
     )  # fmt: skip
 
 
-def _simulation(seen: xr.Dataset, model: xr.Dataset | Simulation, settings: Settings) -> Simulation:
+def simulation_of(
+    seen: xr.Dataset, model: xr.Dataset | Simulation, settings: Settings
+) -> Simulation:
     """The simulation itself, or that of a parametric model for the measured modes."""
     if not isinstance(model, xr.Dataset):
         return model

@@ -13,9 +13,10 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points
+from bladeroot.rom.changed import changed_model
 from bladeroot.rom.parametric import ritz_of
 from bladeroot.rom.sensitivity import Change
-from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 SCHEMA = "bladeroot-extension-1"
 
@@ -91,7 +92,7 @@ def matrices(extension: Extension, model: xr.Dataset, mode: str) -> Change:
     ritz = ritz_of(model, mode)
     stiffness, mass = np.zeros_like(ritz.beam), np.zeros_like(ritz.beam)
     for one, values in extension.causes:
-        if one.structure is not None and one.course is None:
+        if lasting(one):
             change, _ = one.structure(ritz, values)
             stiffness, mass = stiffness + change.stiffness, mass + change.mass
     return Change(stiffness, mass)
@@ -106,3 +107,52 @@ def curves(extension: Extension, points: Points) -> CurveEffect:
             ln_f, loss = ln_f + effect.ln_f, loss + effect.loss
     none = np.zeros((points.mode.size, 0))
     return CurveEffect(ln_f, loss, none, none)
+
+
+def structure_of(extension: Extension, model: xr.Dataset) -> xr.Dataset:
+    """The parametric model with the causes that change the matrices; the same if none does."""
+    if not any(lasting(one) for one, _ in extension.causes):
+        return model
+    modes = [str(mode) for mode in model["mode"].values]
+    return changed_model(model, {mode: matrices(extension, model, mode) for mode in modes})
+
+
+def amplitude_causes(extension: Extension) -> list[str]:
+    """Causes that change frequency and damping over amplitude."""
+    return [one.id for one, _ in extension.causes if one.curve is not None]
+
+
+def curves_of(extension: Extension, simulated: xr.Dataset) -> xr.Dataset:
+    """Simulated curves, from `bladeroot.nonlinear.backbone`, with the causes over amplitude.
+
+    A mode that the diagnosis did not have is counted with its other modes.
+    """
+    order = list(extension.contact.get("bias", sorted(simulated["mode"].values)))
+    whole = simulated["loss_factor"].transpose("mode", "force", "amplitude")
+    names, force, amplitude = np.meshgrid(
+        *(whole[name].values for name in whole.dims), indexing="ij"
+    )
+    number = {name: order.index(name) if name in order else len(order) for name in names[:, 0, 0]}
+    stuck = np.broadcast_to(whole.values[:, :, :1], whole.shape)
+    points = Points(
+        np.array([number[name] for name in names.ravel()]),
+        force.ravel(),
+        amplitude.ravel(),
+        np.nan_to_num(stuck).ravel(),
+    )
+    effect = curves(extension, points)
+    loss = whole.copy(data=effect.loss.reshape(whole.shape))
+    factor = whole.copy(data=np.exp(effect.ln_f).reshape(whole.shape))
+    result = simulated.copy()
+    for name, value in (
+        ("frequency", simulated["frequency"] * factor),
+        ("loss_factor", simulated["loss_factor"] + loss),
+        ("damping_ratio", simulated["damping_ratio"] + loss / 2.0),
+    ):
+        result[name] = value.transpose(*simulated[name].dims).assign_attrs(simulated[name].attrs)
+    return result.assign_attrs(extended_by=";".join(amplitude_causes(extension)))
+
+
+def lasting(one: Mechanism) -> bool:
+    """Whether a cause changes the matrices, and for all records alike."""
+    return one.structure is not None and one.course is None

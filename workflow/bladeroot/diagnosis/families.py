@@ -7,7 +7,8 @@ import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
-from bladeroot.inference.gaussian import Fit, asked_for, best_fit, fit
+from bladeroot.inference.gaussian import Fit, best_fit, fit
+from bladeroot.inference.hold_out import asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
 
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from

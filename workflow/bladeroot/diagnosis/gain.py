@@ -7,7 +7,8 @@ from jaxtyping import Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.naming import Found
-from bladeroot.inference.gaussian import Fit, hold_out
+from bladeroot.inference.gaussian import Fit
+from bladeroot.inference.hold_out import hold_out
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.inference.gaussian import Fit, best_fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 # Tests beside the campaign by the mechanism whose first parameter they measure, and how well.
 FACTS = {

@@ -27,11 +27,12 @@ _RIGID = {
 _FAMILY = {(1, -1): ("Fy", 1), (-1, 1): ("Fz", 1), (-1, -1): ("T", -1), (1, 1): ("A", 1)}
 
 
-def mirror_nodes(nodes: Float[ndarray, "node 3"], axis: int) -> Int[ndarray, " node"]:
+def mirror_nodes(nodes: Float[ndarray, "node axis"], axis: int) -> Int[ndarray, " node"]:
     """Index of each node's mirror image in the plane normal to `axis`, -1 where there is none."""
     step = np.pi * 1.0e-7
+    turn = np.where(np.arange(nodes.shape[1]) == axis, -1.0, 1.0)
     here = np.round(nodes / step).astype(np.int64)
-    there = np.round(nodes * np.where(np.arange(3) == axis, -1.0, 1.0) / step).astype(np.int64)
+    there = np.round(nodes * turn / step).astype(np.int64)
     index = {tuple(key): k for k, key in enumerate(here)}
     return np.array([index.get(tuple(key), -1) for key in there])
 

@@ -5,10 +5,10 @@ import xarray as xr
 
 from bladeroot.fem import elasticity
 from bladeroot.fem.geometry import Structure
-from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.fem.mesh import body_mesh
 from bladeroot.fem.modes import name_modes
 from bladeroot.fem.prestress import materials_of
+from bladeroot.fem.symmetry import reflections, symmetric_eigenpairs
 
 _MODES = 12
 _SHIFT = -((2 * np.pi * 1000.0) ** 2)
@@ -23,9 +23,9 @@ def beam_shapes(structure: Structure, mesh: xr.Dataset) -> xr.Dataset:
     materials = materials_of(structure, mesh, 0)
     rule = elasticity.quadrature(beam)
     mass = elasticity.mass(beam, rule, materials)
-    values, shapes = lowest_eigenpairs(
-        elasticity.stiffness(beam, rule, materials), elasticity.per_axis(mass), _MODES, _SHIFT
-    )
+    matrices = elasticity.stiffness(beam, rule, materials), elasticity.per_axis(mass)
+    mirrors = reflections(beam.nodes, *matrices)
+    values, shapes = symmetric_eigenpairs(*matrices, _MODES, _SHIFT, mirrors)
     names = name_modes(beam.nodes, mass.sum(axis=1), values, shapes)
     moves = shapes.T.reshape(_MODES, -1, 3)[6:]
     moves = moves / np.linalg.norm(moves, axis=2).max(axis=1)[:, None, None]

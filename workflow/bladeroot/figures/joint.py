@@ -57,7 +57,7 @@ def _over_force(axis, one: xr.Dataset, stiffness: xr.Dataset, name: str, colour:
     axis.plot(force, band.sel(quantile=0.5), color=colour, label="its median")
     here = stiffness.sel(structure=one.attrs["structure"])
     each = here["force"].values / 1e3
-    rooted = here["status"].values == "root"
+    rooted = np.isin(here["status"].values, ("root", "fit"))
     axis.plot(each[rooted], 1e-9 * here[name].values[rooted], "o", color="black", markersize=3.5,
               label="root of each force by itself")  # fmt: skip
     if f"published_{name}_total" in here and here[f"published_{name}_total"].notnull().any():

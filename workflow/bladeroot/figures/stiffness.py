@@ -64,7 +64,7 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
         axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.6)
         axis.plot([], [], color=colour, label=f"{mode} measured, ±1 std with model bias")
     axis.plot(1e-9 * found["root_kn"], 1e-9 * found["root_kt"], "o", color="black", markersize=4)
-    if found["status"].item() == "root":
+    if found["status"].item() in ("root", "fit"):
         _ellipse(axis, found)
     axis.set_xlim(kn[0], kn[-1])
     axis.set_ylim(kt[0], kt[-1])

@@ -7,9 +7,10 @@ Newton's method with expected curvature. The evidence is Laplace's.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import lapack
 
@@ -32,11 +33,28 @@ class Prior:
 
 @dataclass(frozen=True)
 class State:
-    """What a model says at one point: mean, slope, and what its covariance needs to know."""
+    """What a model says at one point: mean, slope, and what its covariance needs to know.
+
+    inside: whether the point is one that the model allows; beyond it goes straight on.
+    """
 
     mean: Float[ndarray, " datum"]
     slope: Float[ndarray, "datum parameter"]
     facts: dict[str, ndarray]
+    inside: bool = True
+
+
+class LazyState(State):
+    """A state whose slope, given as a function, is worked out when it is asked for."""
+
+    def __init__(self, mean: ndarray, make_slope: Callable[[], ndarray], facts: dict) -> None:
+        """make_slope: what `slope` will be."""
+        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True)
+
+    @cached_property
+    def slope(self) -> Float[ndarray, "datum parameter"]:  # type: ignore[override]
+        """Derivatives of the mean."""
+        return self.make_slope()
 
 
 Predict = Callable[[Float[ndarray, " parameter"]], State]
@@ -47,22 +65,55 @@ Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
 
 
 @dataclass(frozen=True)
+class Repeats:
+    """Variances that repeated measurements show, beside the data.
+
+    expected: by the model, and the slopes of its logarithm by the scales.
+    """
+
+    freedom: Float[ndarray, " variance"]
+    observed: Float[ndarray, " variance"]
+    expected: Callable[[State, ndarray], tuple[ndarray, ndarray]]
+
+    def cost(self, state: State, scales: Float[ndarray, " scale"]) -> float:
+        """Minus their log-likelihood (chi-square), but for a constant."""
+        expected, _ = self.expected(state, scales)
+        return float(0.5 * self.freedom @ (np.log(expected) + self.observed / expected))
+
+    def pull(self, state: State, scales: Float[ndarray, " scale"]) -> tuple[ndarray, ndarray]:
+        """Gradient of the log-likelihood by the scales, and its expected curvature."""
+        expected, slope = self.expected(state, scales)
+        half = 0.5 * self.freedom
+        return (half * (self.observed / expected - 1.0)) @ slope, slope.T @ (half[:, None] * slope)
+
+
+@dataclass(frozen=True)
 class Problem:
-    """Data, a model of them, and priors of its parameters and scales."""
+    """Data, a model of them, and priors of its parameters and scales.
+
+    many: `predict` of several points at once, where that is cheaper.
+    """
 
     data: Float[ndarray, " datum"]
     predict: Predict
     covariance: Covariance
     prior: Prior
     scales: Prior
+    repeats: Repeats | None = None
+    many: Callable[[Float[ndarray, "point parameter"]], Sequence[State]] | None = None
+
+    def states(self, parameters: Float[ndarray, "point parameter"]) -> Sequence[State]:
+        """What the model says at several points."""
+        return self.many(parameters) if self.many else [self.predict(one) for one in parameters]
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The most probable parameters and scales, and the data's covariance there.
+    """The MAP estimate of parameters and scales, and the data's covariance there.
 
     residual: data less the prior's mean, by the model made straight. precision: inverse of the
-    covariance of `residual`, with the parameters' prior in it.
+    covariance of `residual`, with the parameters' prior in it. covariance, scales_covariance:
+    Laplace's. log_evidence: Laplace's, of the data with parameters and scales integrated out.
     """
 
     problem: Problem
@@ -72,6 +123,7 @@ class Fit:
     residual: Float[ndarray, " datum"]
     precision: Float[ndarray, "datum datum"]
     covariance: Float[ndarray, "parameter parameter"]
+    scales_covariance: Float[ndarray, "scale scale"]
     log_evidence: float
 
     @property
@@ -110,7 +162,7 @@ def _point(
         own, slopes = problem.covariance(state, scales)
     miss = problem.data - state.mean
     # A sum is not finite where a number is not, and cheaper to ask.
-    if not np.isfinite(own.sum() + miss.sum()):
+    if not (state.inside and np.isfinite(own.sum() + miss.sum())):
         return _Point(parameters, scales, state, np.inf, own, slopes)
     factor, bad = lapack.dpotrf(own, lower=1)
     if bad:
@@ -120,6 +172,8 @@ def _point(
     off = (parameters - problem.prior.mean) / problem.prior.std
     wide = (scales - problem.scales.mean) / problem.scales.std
     cost = 0.5 * (white @ white + at.log_det + off @ off + wide @ wide)
+    if problem.repeats is not None:
+        cost += problem.repeats.cost(state, scales)
     return replace(at, cost=float(cost))
 
 
@@ -154,7 +208,9 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     )
     weight = 1.0 / problem.scales.std**2
     gradient -= weight * (at.scales - problem.scales.mean)
-    step = np.linalg.solve(_curvature(problem, parts), gradient)
+    if problem.repeats is not None:
+        gradient += problem.repeats.pull(at.state, at.scales)[0]
+    step = np.linalg.solve(_curvature(problem, at, parts), gradient)
     # A variance v that is too large wants ln(wanted / v) / 2, of which Newton sees the first term.
     step = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, 1e-9))
     step = np.clip(step, -_LONGEST, _LONGEST)
@@ -166,11 +222,14 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     return at
 
 
-def _curvature(problem: Problem, parts: Sequence[ndarray]) -> ndarray:
+def _curvature(problem: Problem, at: _Point, parts: Sequence[ndarray]) -> ndarray:
     """Expected curvature of the scales' likelihood and prior; `parts` are precision times slope."""
     turned = [np.ascontiguousarray(part.T).ravel() for part in parts]
     products = [[0.5 * (one.ravel() @ two) for two in turned] for one in parts]
-    return np.diag(1.0 / problem.scales.std**2) + np.array(products).reshape(len(parts), len(parts))
+    whole = np.diag(1.0 / problem.scales.std**2)
+    if problem.repeats is not None:
+        whole = whole + problem.repeats.pull(at.state, at.scales)[1]
+    return whole + np.array(products).reshape(len(parts), len(parts))
 
 
 def _times(left: ndarray, part: ndarray) -> ndarray:
@@ -208,27 +267,57 @@ def _marginal(problem: Problem, at: _Point) -> float:
     # model says nothing.
     if misfit < 0.0:
         return np.inf
-    return float(0.5 * (misfit + wide @ wide + at.log_det + np.linalg.slogdet(curve)[1]))
+    repeats = 0.0 if problem.repeats is None else problem.repeats.cost(at.state, at.scales)
+    log_det = at.log_det + np.linalg.slogdet(curve)[1]
+    return float(0.5 * (misfit + wide @ wide + log_det)) + repeats
 
 
-def fit(problem: Problem, start: ndarray | None = None, scales: ndarray | None = None) -> Fit:
-    """The most probable point from one start (the prior's means where none is given)."""
+def fit(
+    problem: Problem,
+    start: ndarray | None = None,
+    scales: ndarray | None = None,
+    least: float = _NO_GAIN,
+) -> Fit:
+    """The MAP estimate from one start (the prior's means where none is given).
+
+    least: nats; the search ends with a step that gains less.
+    """
     start = problem.prior.mean if start is None else np.asarray(start, float)
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
-    return _finish(problem, _climb(problem, _point(problem, start, scales), _STEPS))
+    return _finish(problem, _climb(problem, _point(problem, start, scales), _STEPS, least=least))
 
 
-def best_fit(problem: Problem, starts: Sequence[ndarray], scales: ndarray | None = None) -> Fit:
+def best_fit(
+    problem: Problem,
+    starts: Sequence[ndarray],
+    scales: ndarray | None = None,
+    least: float = _NO_GAIN,
+) -> Fit:
     """The fit from the start that is best after a few steps at fixed scales."""
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
     points = [_point(problem, np.asarray(start, float), scales) for start in starts]
     if len(points) > 1:
         points = [_climb(problem, point, _FIRST_STEPS, free=False) for point in points]
     at = min(points, key=lambda point: point.cost)
-    return _finish(problem, _climb(problem, at, _STEPS))
+    return _finish(problem, _climb(problem, at, _STEPS, least=least))
 
 
-def _climb(problem: Problem, at: _Point, steps: int, free: bool = True) -> _Point:
+def cost(problem: Problem, parameters: ndarray, scales: ndarray | None = None) -> float:
+    """Minus the log posterior at a point, but for a constant; infinite where there is none."""
+    scales = problem.scales.mean if scales is None else scales
+    return _point(problem, np.asarray(parameters, float), scales).cost
+
+
+def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarray:
+    """Expected information of the parameters at a point, with their prior."""
+    at = _point(problem, parameters, scales)
+    slope = at.whitened(at.state.slope)
+    return slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
+
+
+def _climb(
+    problem: Problem, at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
+) -> _Point:
     """Newton's steps of the parameters, and of the scales in turn if they are free."""
     damping = 0.0
     for _ in range(steps):
@@ -246,9 +335,9 @@ def _climb(problem: Problem, at: _Point, steps: int, free: bool = True) -> _Poin
         if free:
             new = _rescaled(problem, new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
-        settled = abs(at.cost - new.cost) < _NO_GAIN if free else gain < 0.1
+        settled = abs(at.cost - new.cost) < least if free else gain < 0.1
         at = new
-        if moved < _SETTLED or settled:
+        if moved < _SETTLED * np.sqrt(least / _NO_GAIN) or settled:
             break
     return at
 
@@ -260,58 +349,13 @@ def _finish(problem: Problem, at: _Point) -> Fit:
     """
     precision, slope = _precision(problem, at), at.whitened(at.state.slope)
     covariance = np.linalg.inv(slope.T @ slope + np.diag(1.0 / problem.prior.std**2))
-    curvature = _curvature(problem, [_times(precision, part) for part in at.slopes()])
+    curvature = _curvature(problem, at, [_times(precision, part) for part in at.slopes()])
     straight = _straight(problem, at)
     log = -_marginal(problem, at)
     if np.isfinite(log):
         log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
     log -= float(np.log(problem.prior.std).sum() + np.log(problem.scales.std).sum())
     return Fit(
-        problem, at.parameters, at.scales, at.state, straight, precision, covariance, float(log)
-    )
-
-
-def asked_for(fitted: Fit, unit: Float[ndarray, "datum datum"]) -> float:
-    """How much a fit's misses ask for a further covariance: its score over the standard deviation.
-
-    Of the marginal likelihood by the covariance's size, at none (Rao's test of a component).
-    """
-    pulled = fitted.precision @ fitted.residual
-    seen = fitted.precision @ unit
-    return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(2.0 * np.sum(seen * seen.T)))
-
-
-@dataclass(frozen=True)
-class HeldOut:
-    """Predictions of parts of the data by the rest: error, its covariance's blocks, log score."""
-
-    error: Float[ndarray, " datum"]
-    std: Float[ndarray, " datum"]
-    log_score: Float[ndarray, " part"]
-
-
-def hold_out(fitted: Fit, part: Int[ndarray, " datum"], allowance: slice = slice(0)) -> HeldOut:
-    """Leave out each part in turn (parts are numbers from 0), scales kept, model made straight.
-
-    With Q the precision, the error of part B is Q_BB^-1 (Q r)_B, its covariance Q_BB^-1.
-    allowance: parameters that the prediction goes without (left at their prior's mean): what they
-    took up in the rest of the data is an error then. The log score has them.
-    """
-    pulled = fitted.precision @ fitted.residual
-    error, std = np.zeros(part.size), np.zeros(part.size)
-    scores = np.zeros(int(part.max()) + 1)
-    spared = fitted.state.slope[:, allowance]
-    learned = (fitted.problem.prior.std[allowance] ** 2)[:, None] * spared.T
-    for number in range(scores.size):
-        rows = np.flatnonzero(part == number)
-        block = np.linalg.inv(fitted.precision[np.ix_(rows, rows)])
-        error[rows] = block @ pulled[rows]
-        std[rows] = np.sqrt(np.diag(block))
-        scores[number] = -0.5 * (
-            pulled[rows] @ error[rows]
-            + np.linalg.slogdet(block)[1]
-            + rows.size * np.log(2.0 * np.pi)
-        )
-        without = pulled - fitted.precision[:, rows] @ error[rows]  # of the fit to the rest
-        error[rows] += spared[rows] @ (learned @ without)
-    return HeldOut(error, std, scores)
+        problem, at.parameters, at.scales, at.state, straight, precision, covariance,
+        np.linalg.inv(curvature), float(log),
+    )  # fmt: skip

@@ -104,8 +104,8 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
     image = np.searchsorted(pair, image)
     count = np.bincount(image).astype(float)
     # loads on a contact and all its images at once
-    joined = np.zeros((3 * len(pair), rows.shape[2]))
-    np.add.at(joined.reshape(len(pair), 3, -1), image, sign[:, :, None] * rows)
+    member = (image == np.arange(len(pair))[:, None]).astype(float)
+    joined = (member @ (sign[:, :, None] * rows).reshape(len(rows), -1)).reshape(3 * len(pair), -1)
     loose = place.sliding.modes([mode])
     values, shapes = _kept(
         joint,
@@ -114,7 +114,7 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
         modes.shapes[:, 0],
         np.hstack([modes.all_shapes, loose.all_shapes]),
     )
-    own = np.einsum("cad,dm->cam", rows[pair], shapes)
+    own = rows[pair] @ shapes
     pushed = stuck.solve(joined.T)
     pushed -= shapes @ ((joined @ shapes) / values).T
     kn, kt = np.exp(point[:2])
@@ -124,9 +124,7 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
         values=values,
         loss=np.full(len(values), loss),
         shape=own,
-        flexibility=np.einsum("cad,de->cae", rows[pair], pushed).reshape(
-            len(pair), 3, len(pair), 3
-        ),
+        flexibility=(rows[pair] @ pushed).reshape(len(pair), 3, len(pair), 3),
         laser=laser @ shapes,
         laser_flexibility=(laser @ pushed).reshape(len(pair), 3),
         count=count,

@@ -9,13 +9,10 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from bladeroot.inference.gaussian import Prior, Problem, State, best_fit
+from bladeroot.inference.least_squares import FE_BIAS, NOTABLE, fit_stiffness, ln_range
 from bladeroot.public.joint import Joint
 
-FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
 RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
-_STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
-_NOTABLE = 0.05  # probability of a larger misfit, below which the model is said not to fit
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class ContactFit:
     @property
     def fits(self) -> bool:
         """Whether the model gives the measured frequencies within their errors and its bias."""
-        return bool(self.result.attrs["probability"] >= _NOTABLE)
+        return bool(self.result.attrs["probability"] >= NOTABLE)
 
     def _only(self, name: str) -> float:
         if name not in self.result["parameter"].values:
@@ -135,25 +132,20 @@ def fit_contact(
     for text, numbers in (("frequency", value), ("its standard error", std), ("fe_bias", bias)):
         if not (np.isfinite(numbers).all() and (numbers > 0.0).all()):
             raise ValueError(f"{text} must be positive, got {numbers.tolist()}")
-    low, high = np.log(stiffness_range)
-    if not low < high:
+    low, high = stiffness_range
+    if not 0.0 < low < high:
         raise ValueError(f"stiffness_range must be 0 < low < high, got {stiffness_range}")
-    count = len(joint.parameters)
-    prior = Prior(np.full(count, 0.5 * (low + high)), np.full(count, 0.25 * (high - low)))
-    total = np.hypot(std / value, bias)
 
-    def predict(ln_k: ndarray) -> State:
+    def modes_at(ln_k: ndarray) -> tuple[ndarray, ndarray, bool]:
         modes = joint.modes_at(ln_k, load, names)
-        return State(np.log(modes.frequency), joint.gradient(ln_k, modes), {})
+        return np.log(modes.frequency), joint.gradient(ln_k, modes), True
 
-    def covariance(state: State, scales: ndarray):
-        return np.diag(total**2), list
-
-    problem = Problem(np.log(value), predict, covariance, prior, Prior(np.zeros(0), np.zeros(0)))
-    found = best_fit(problem, [prior.mean + step * prior.std for step in _STARTS])
-    misfit = (np.log(value) - found.state.mean) / total
-    square, freedom = float(misfit @ misfit), len(names) - count
-    probability = float(chi2.sf(square, max(freedom, 1)))
+    prior = ln_range(low, high, len(joint.parameters))
+    made = fit_stiffness(modes_at, np.log(value), np.hypot(std / value, bias), prior)
+    found = made.fit
+    probability = made.probability
+    if made.freedom <= 0:  # of a miss where there should be a root
+        probability = float(chi2.sf(made.chi_square, 1))
     text = {"units": "1"}
     result = xr.Dataset(
         {
@@ -162,14 +154,14 @@ def fit_contact(
             "ln_covariance": (("parameter", "parameter_"), found.covariance, text),
             "measured": ("mode", value, {"units": "Hz"}),
             "fitted": ("mode", np.exp(found.state.mean), {"units": "Hz"}),
-            "misfit": ("mode", misfit, text),
+            "misfit": ("mode", made.misfit, text),
             "jacobian": (("mode", "parameter"), found.state.slope, text),
         },
         coords={"parameter": list(joint.parameters), "mode": list(names)},
         attrs={
             "load": float(load),
-            "chi2": square,
-            "freedom": freedom,
+            "chi2": made.chi_square,
+            "freedom": made.freedom,
             "probability": probability,
             "log_evidence": found.log_evidence,
         },

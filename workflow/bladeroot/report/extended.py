@@ -30,7 +30,7 @@ def extended_parts(joints: Sequence[xr.Dataset], extended: Sequence[xr.Dataset])
         if missing:
             parts.append(
                 f"With {one.attrs['structure']} the model file also names {listed(missing)}, which "
-                "the joint inference, of mean stick frequencies at each force, cannot take."
+                "changes no stick frequency."
             )
     return parts
 

@@ -6,6 +6,7 @@ import xarray as xr
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Picture, Section, Table
 
+DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
 _HEADER = (
     "structure", "force / kN", "kn nodal / N/mm", "kt nodal / N/mm", "std ln kn", "std ln kt",
     "measured part", "correlation", "draws with a root", "thesis kn", "thesis kt",
@@ -24,11 +25,11 @@ def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None
         for force in stiffness["force"].values:
             found = stiffness.sel(structure=structure, force=force)
             status = found["status"].item()
-            if status == "root":
+            if status in DETERMINED:
                 roots.append(_root_row(found, structure, force))
             elif status == "no root":
                 misses.append(_miss_row(found, structure, force))
-    if not roots and not misses:
+    if not roots and not misses and not (stiffness["status"] == "prior").any():
         return Section(
             "Contact stiffness",
             [
@@ -67,9 +68,47 @@ def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None
                 misses,
             )
         )
+    parts += _further_modes(stiffness) + _one_mode(stiffness)
     if score is not None and roots:
         parts += _truth(stiffness, score)
     return Section("Contact stiffness", parts)
+
+
+def _further_modes(stiffness: xr.Dataset) -> list[str]:
+    """Chi-square of more modes than unknowns, and how far each mode is off."""
+    lines = []
+    for structure in stiffness["structure"].values:
+        for force in stiffness["force"].values:
+            found = stiffness.sel(structure=structure, force=force)
+            if found["status"].item() != "fit":
+                continue
+            misses = [
+                f"{float(found['misfit'].sel(mode=mode)):+z.1f} in {mode}"
+                for mode in found["mode"].values
+                if np.isfinite(found["misfit"].sel(mode=mode))
+            ]
+            chance = float(found["probability"])
+            said = "the model fits" if found["fits"].item() == 1 else "the model does not fit"
+            lines.append(
+                f"{structure} at {force / 1e3:g} kN, weighted least squares: chi-square "
+                f"{significant(float(found['chi_square']), 2)} with {int(found['freedom'])} degree "
+                f"of freedom (probability of more {significant(chance, 2)}): {said}; misfits "
+                f"{listed(misses)} standard deviations of measurement and model."
+            )
+    return lines
+
+
+def _one_mode(stiffness: xr.Dataset) -> list[str]:
+    """Where one frequency leaves the rest to the prior."""
+    alone = stiffness["status"] == "prior"
+    forces = stiffness["force"].values[alone.any("structure").values]
+    if not forces.size:
+        return []
+    return [
+        f"At {listed([f'{force / 1e3:g} kN' for force in forces])} one mode was measured: it fixes "
+        "a line of (kn, kt), and along it only the prior says more (ln kn and ln kt alike, the box "
+        "of the model within two standard deviations). Nothing is told of these forces beyond that."
+    ]
 
 
 def _truth(stiffness: xr.Dataset, score: xr.Dataset) -> list:
@@ -79,7 +118,7 @@ def _truth(stiffness: xr.Dataset, score: xr.Dataset) -> list:
         for force in stiffness["force"].values:
             found = stiffness.sel(structure=structure, force=force)
             same = np.isclose(score["force"].values, force, rtol=1e-6)
-            if found["status"].item() != "root" or not same.any():
+            if found["status"].item() not in DETERMINED or not same.any():
                 continue
             cells = [structure, f"{force / 1e3:g}"]
             for name in ("kn", "kt"):

@@ -156,12 +156,13 @@ def _frequencies(stick: xr.Dataset) -> str:
 
 def _found(line: xr.Dataset, structure: str) -> str:
     status = list(line["status"].values)
-    roots, tried = status.count("root"), len(status) - status.count("no measurement")
+    roots = status.count("root") + status.count("fit")
+    tried = len(status) - status.count("no measurement") - status.count("prior")
     if not tried:
         return f"{structure}: no force of the simulation lies inside the measured range of both."
     text = f"{structure}, force by force: at {roots} of {tried} a contact stiffness (kn, kt) exists"
     if roots:
-        good = line.isel(force=np.flatnonzero(line["status"].values == "root"))
+        good = line.isel(force=np.flatnonzero(np.isin(status, ("root", "fit"))))
         text += (
             f"; kn {_range(good['kn'] / 1e9)} GN/m, known {_doubt(good['ln_kn_std'])}, and kt "
             f"{_range(good['kt'] / 1e9)} GN/m, known {_doubt(good['ln_kt_std'])}"

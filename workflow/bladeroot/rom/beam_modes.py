@@ -9,8 +9,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.fem import elasticity
-from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.fem.modes import name_modes
+from bladeroot.fem.symmetry import reflections, symmetric_eigenpairs
 from bladeroot.rom.reduction import (
     Basis,
     BeamModel,
@@ -67,7 +67,9 @@ def _names(model: BeamModel, values: Float[ndarray, " m"], shapes: Float[ndarray
 def full_modes(model: BeamModel, force: float) -> Modes:
     """Lowest 12 eigenvalues (rad^2/s^2) and names of the whole beam, free."""
     matrix = sp.csr_array(model.stiffness + force * force_stiffness(model))
-    values, shapes = lowest_eigenpairs(matrix, elasticity.per_axis(model.mass), 12, _SHIFT)
+    mass = elasticity.per_axis(model.mass)
+    mirrors = reflections(model.mesh.nodes, matrix, mass)
+    values, shapes = symmetric_eigenpairs(matrix, mass, 12, _SHIFT, mirrors)
     return values, _names(model, values, shapes)
 
 

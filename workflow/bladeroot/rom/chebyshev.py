@@ -89,6 +89,19 @@ def at_force(surface: Surface, force: float) -> Surface:
     return Surface(c[..., None], *ends)
 
 
+def trimmed(surface: Surface, tolerance: float = 1e-5) -> Surface:
+    """The surface without trailing coefficients that change no function by more than this.
+
+    An inference asks for ten thousand points and does not see a hundred-thousandth.
+    """
+    c = surface.coefficients
+    for axis in (1, 2, 3):
+        size = np.abs(c).sum(axis=tuple(k for k in range(1, 4) if k != axis)).max(axis=0)
+        tail = size[::-1].cumsum()[::-1]
+        c = np.take(c, np.arange(max(2, int((tail > tolerance / 3.0).sum()))), axis=axis)
+    return Surface(c, surface.low, surface.high)
+
+
 def evaluate(
     surface: Surface, points: Float[ndarray, "point 3"], order: int = 0
 ) -> list[Float[ndarray, "point function ..."]]:

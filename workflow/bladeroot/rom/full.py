@@ -4,7 +4,7 @@ It says what reduction and parametric model together cost in accuracy, at any fo
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,9 +14,20 @@ from numpy import ndarray
 
 from bladeroot.fem import elasticity
 from bladeroot.fem.geometry import Structure
-from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.linear import factor
 from bladeroot.fem.mesh import base_nodes, body_mesh
 from bladeroot.fem.prestress import materials_of
+from bladeroot.fem.symmetry import (
+    Reflection,
+    Sector,
+    among,
+    keeps,
+    reflections,
+    sector_eigenpairs,
+    sectors,
+    that_keep,
+    whole_shapes,
+)
 from bladeroot.rom.assembly import find_modes
 from bladeroot.rom.reduction import beam_model, contact_dofs, force_stiffness
 
@@ -31,6 +42,7 @@ class FullJoint:
 
     number: dof of each node's axis (3 * node + axis), -1 where it is fixed; view: dofs of display
     nodes and of the beam's contact nodes; seen: those as an assembly, by which modes are named.
+    mirrors: reflections that keep all matrices.
     """
 
     mass: sp.csr_array
@@ -41,6 +53,7 @@ class FullJoint:
     number: ndarray
     view: ndarray
     seen: xr.Dataset
+    mirrors: tuple[Reflection, ...] = ()
 
 
 def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> FullJoint:
@@ -65,7 +78,13 @@ def full_joint(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
     )
     number = np.full(3 * nodes, -1)
     number[free] = np.arange(len(free))
-    return with_contact(mesh, number, *(sp.csr_array(part[free][:, free]) for part in whole))
+    full = with_contact(mesh, number, *(sp.csr_array(part[free][:, free]) for part in whole))
+    # nodes of beam and slots that lie in one place are told apart by a fourth coordinate
+    body = np.minimum(mesh.node_body.values, 1.0)[:, None]
+    found = reflections(np.hstack([mesh.node_position.values, body]), *whole)
+    found = among(that_keep(found, free), free)
+    kept = (full.normal, full.tangential)
+    return replace(full, mirrors=tuple(one for one in found if all(keeps(one, k) for k in kept)))
 
 
 def with_contact(
@@ -140,37 +159,65 @@ def full_modes(
     """Eigenvalues (rad^2/s^2) and shapes of named modes at points (kn, kt in N/m, force in N).
 
     One factor, in the points' middle, serves them all: elsewhere it preconditions a Davidson
-    iteration, started from the modes there. ValueError if a mode is not found or does not converge.
+    iteration, started from the modes there; each mode in the sector of its own parity. ValueError
+    if a mode is not found or does not converge.
     """
     low, high = np.min(points, axis=0), np.max(points, axis=0)
-    middle = _with_springs(full, *np.sqrt(low[:2] * high[:2]))
-    middle = sp.csr_array(middle + 0.5 * (low[2] + high[2]) * full.geometric)
-    solve = factor(middle)
-    _, shapes = lowest_eigenpairs(middle, full.mass, _MODES, solve=solve)
-    column = find_modes(full.seen, shapes[full.view], names)
-    chosen = [column[name] for name in names]
-    springs = {(kn, kt): _with_springs(full, kn, kt) for kn, kt, _ in points}
-    return [_followed(full, springs[kn, kt], f, solve, shapes, chosen) for kn, kt, f in points]
+    parts = sectors(full.mirrors, full.mass.shape[0])
+    within = [_within(full, one) for one in parts]
+    middle = (*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
+    problems = [(_stiffness(one, *middle), one.mass) for one in within]
+    solves = [factor(stiffness) for stiffness, _ in problems]
+    _, found = sector_eigenpairs(problems, solves, _MODES)
+    column = find_modes(full.seen, whole_shapes(parts, found)[full.view], names)
+    values, shapes = (
+        np.empty((len(points), len(names))),
+        np.empty((len(points), len(names)), object),
+    )
+    for place in {found[column[name]][0] for name in names}:
+        own = [mode for mode, (sector, _) in enumerate(found) if sector == place]
+        mine = [k for k, name in enumerate(names) if found[column[name]][0] == place]
+        start = np.column_stack([found[mode][1] for mode in own])
+        chosen = [own.index(column[names[k]]) for k in mine]
+        for p, point in enumerate(points):
+            value, shape = _followed(within[place], point, solves[place], start, chosen)
+            values[p, mine] = value
+            for k, one in zip(mine, shape.T, strict=True):
+                shapes[p, k] = (place, one)
+    return [
+        (value, whole_shapes(parts, list(shape)))
+        for value, shape in zip(values, shapes, strict=True)
+    ]
 
 
-def _with_springs(full: FullJoint, kn: float, kt: float) -> sp.csr_array:
-    return sp.csr_array(full.stiffness + (kn * full.normal + kt * full.tangential))
+@dataclass(frozen=True)
+class _Within:
+    """The matrices of a `FullJoint` in one sector."""
+
+    mass: sp.csr_array
+    stiffness: sp.csr_array
+    geometric: sp.csr_array
+    normal: sp.csr_array
+    tangential: sp.csr_array
+
+
+def _within(full: FullJoint, part: Sector) -> _Within:
+    matrices = (full.mass, full.stiffness, full.geometric, full.normal, full.tangential)
+    return _Within(*map(part.within, matrices))
+
+
+def _stiffness(one: _Within, kn: float, kt: float, force: float) -> sp.csr_array:
+    contact = kn * one.normal + kt * one.tangential
+    return sp.csr_array(one.stiffness + contact + force * one.geometric)
 
 
 def _followed(
-    full: FullJoint, springs: sp.csr_array, force: float, solve, shapes: ndarray, chosen: list[int]
+    one: _Within, point: tuple[float, float, float], solve, shapes: ndarray, chosen: list[int]
 ) -> tuple[Float[ndarray, " name"], Float[ndarray, "dof name"]]:
-    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes.
-
-    springs: stiffness without force. Images of the basis are kept: a sum of the matrices would cost
-    more than all products with them.
-    """
-
-    def stiff(columns: ndarray) -> ndarray:
-        return springs @ columns + force * (full.geometric @ columns)
-
+    """Eigenpairs nearest in shape to the chosen ones of given orthonormal shapes."""
+    stiffness = _stiffness(one, *point)
     basis, wanted = shapes, shapes[:, chosen]
-    image, heavy = stiff(basis), full.mass @ basis
+    image, heavy = stiffness @ basis, one.mass @ basis
     projected = basis.T @ image
     for _ in range(_STEPS):
         values, combination = np.linalg.eigh(0.5 * (projected + projected.T))
@@ -183,9 +230,9 @@ def _followed(
             return values, wanted
         for _ in range(2):
             step = step - basis @ (heavy.T @ step)
-            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (full.mass @ step))).T
+            step = step @ np.linalg.inv(np.linalg.cholesky(step.T @ (one.mass @ step))).T
         basis = np.hstack([basis, step])
-        image = np.hstack([image, stiff(step)])
-        heavy = np.hstack([heavy, full.mass @ step])
+        image = np.hstack([image, stiffness @ step])
+        heavy = np.hstack([heavy, one.mass @ step])
         projected = basis.T @ image
     raise ValueError(f"modes of the full model did not converge in {_STEPS} steps")

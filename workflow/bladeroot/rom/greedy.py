@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -72,6 +72,7 @@ def find_bases(
     nothing = empty[:, :, None] * np.ones(5)
     spans = [Span(empty, nothing, nothing) for _ in names]
     samples: list[Sample] = []
+    missed = [np.arange(len(training))] * len(names)
     wanted = corners
     while len(wanted):
         if len(samples) + len(wanted) > _MOST:
@@ -90,9 +91,8 @@ def find_bases(
                 _projected(joint, spans[m]), rank=len(lower[0]), amplification=amplification
             )
             _refuse_swaps(name, mode, m, samples)
-            bound = residual_bound(mode.residual, solve(mode, training), training)
-            if not amplification * bound.max() <= tolerance:
-                worst.add(int(bound.argmax()))
+            worst_of_mode, missed[m] = _worst(mode, training, tolerance, missed[m])
+            worst |= worst_of_mode
             modes.append(mode)
         wanted = training[sorted(worst)]
     for m, mode in enumerate(modes):
@@ -107,6 +107,25 @@ def find_bases(
             amplification=mode.amplification,
         )
     return modes, len(samples)
+
+
+def _worst(
+    mode: Ritz,
+    training: Float[ndarray, "point 3"],
+    tolerance: float,
+    missed: Int[ndarray, " missed"],
+) -> tuple[set[int], Int[ndarray, " above"]]:
+    """The training point where the bound is largest, if above the tolerance, and all that miss it.
+
+    A basis only grows: those that met the tolerance before are asked again once all others do.
+    """
+    for places in (missed, np.arange(len(training))):
+        points = training[places]
+        bound = mode.amplification * residual_bound(mode.residual, solve(mode, points), points)
+        above = places[~(bound <= tolerance)]
+        if len(above):
+            return {int(places[bound.argmax()])}, above
+    return set(), places
 
 
 def _norm(joint: Joint, low: ndarray, high: ndarray) -> Norm:

@@ -7,6 +7,7 @@ gaps and slips, too: a stiff contact multiplies what a matrix's rounding leaves 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.linalg
@@ -15,7 +16,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
+from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
+from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
 
 COORDINATES = ("ln_kn", "ln_kt", "force")
 
@@ -39,6 +42,12 @@ class Joint:
     beam_dofs: int
     springs: str
     assembly: xr.Dataset
+
+    @cached_property
+    def sectors(self) -> tuple[JointSector, ...]:
+        """The joint by the parities of its motion, which do not mix."""
+        matrices = (self.mass, self.stiffness, self.geometric, self.normal, self.tangential)
+        return joint_sectors(self.assembly, *matrices)
 
 
 def joint_of(
@@ -76,9 +85,12 @@ def joint_of_reduced(reduced: xr.Dataset, equal_nodes: bool = False) -> Joint:
 
 def stiffness_at(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, "dof dof"]:
     """Stiffness at (ln kn, ln kt, F), N/m."""
+    return _sum(point, joint.stiffness, joint.geometric, joint.normal, joint.tangential)
+
+
+def _sum(point, stiffness, geometric, normal, tangential) -> Float[ndarray, "dof dof"]:
     kn, kt = np.exp(point[:2])
-    contact = kn * joint.normal + kt * joint.tangential
-    return joint.stiffness + point[2] * joint.geometric + contact
+    return stiffness + point[2] * geometric + (kn * normal + kt * tangential)
 
 
 def energy(
@@ -86,9 +98,9 @@ def energy(
 ) -> Float[ndarray, " mode"]:
     """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
     kn, kt = np.exp(point[:2])
-    body = joint.stiffness + point[2] * joint.geometric
+    load = joint.stiffness @ shapes + point[2] * (joint.geometric @ shapes)
     return (
-        np.einsum("dm,dm->m", shapes, body @ shapes)
+        (shapes * load).sum(axis=0)
         + kn * ((joint.gap @ shapes) ** 2).sum(axis=0)
         + kt * ((joint.slip @ shapes) ** 2).sum(axis=0)
     )
@@ -131,26 +143,42 @@ class Operator:
     def __init__(self, joint: Joint, point: Float[ndarray, "3"], where: str = "") -> None:
         """Factor the stiffness; where: the point in words."""
         self.joint, self.point = joint, point
-        self.stiffness = stiffness_at(joint, point)
-        self.factor = stable_factor(self.stiffness, where or described(point))
+        self._parts = [one.part for one in joint.sectors]
+        self._problems = [
+            (_sum(point, *m), mass) for mass, *m in (s.matrices for s in joint.sectors)
+        ]
+        where = where or described(point)
+        self._factors = [stable_factor(stiffness, where) for stiffness, _ in self._problems]
         self._lowest: dict[int, tuple[ndarray, ndarray]] = {}
+
+    @cached_property
+    def stiffness(self) -> Float[ndarray, "dof dof"]:
+        """Of the whole joint, N/m."""
+        return stiffness_at(self.joint, self.point)
 
     def solve(self, right: Float[ndarray, "dof column"]) -> Float[ndarray, "dof column"]:
         """Displacements (m) under loads (N)."""
-        return scipy.linalg.cho_solve((self.factor, True), right, check_finite=False)
+        moved = np.zeros_like(right)
+        for part, factor in zip(self._parts, self._factors, strict=True):
+            moved += part.columns @ _solved(factor, part.columns.T @ right)
+        return moved
 
     def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
         """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes."""
         if count not in self._lowest:
-            self._lowest[count] = lowest_eigenpairs(
-                self.stiffness, self.joint.mass, count, solve=self.solve
-            )
+            solves = [partial(_solved, factor) for factor in self._factors]
+            values, found = sector_eigenpairs(self._problems, solves, count)
+            self._lowest[count] = values, whole_shapes(self._parts, found)
         return self._lowest[count]
 
     def modes(self, names: Sequence[str]) -> Modes:
         """The named modes. ValueError if one is not found."""
         _, shapes = _holding(self.joint, names, len(self.joint.mass), self.lowest)
         return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
+
+
+def _solved(factor: ndarray, right: ndarray) -> ndarray:
+    return scipy.linalg.cho_solve((factor, True), right, check_finite=False)
 
 
 def exact_modes(joint: Joint, point: Float[ndarray, "3"], names: Sequence[str]) -> Modes:

@@ -28,9 +28,16 @@ def load_checks(mesh: xr.Dataset, reduced: ReducedBeam, table_4_2: pd.DataFrame)
     stiffens no rigid rotation; and what its symmetric part, all that is used, leaves out.
     """
     tangent = load_stiffness(mesh)
-    dead = _with(reduced, None)
-    follower = _with(reduced, symmetric(tangent))
-    remainder = reduced.basis.columns.T @ ((tangent - symmetric(tangent)) @ reduced.basis.columns)
+    dead = replace(reduced, model=replace(reduced.model, follower=None))
+    if reduced.model.follower is not None:
+        dead = replace(dead, geometric=project_force(dead.model, reduced.basis))
+    even = symmetric(tangent)
+    follower = replace(
+        reduced,
+        model=replace(reduced.model, follower=even),
+        geometric=dead.geometric + _projected(even, reduced),
+    )
+    remainder = _projected(sp.csr_array(tangent - even), reduced)
     straight, turning = reduced_modes(dead, FORCE), reduced_modes(follower, FORCE)
     rows = []
     for mode in _BENDING:
@@ -49,9 +56,11 @@ def load_checks(mesh: xr.Dataset, reduced: ReducedBeam, table_4_2: pd.DataFrame)
     return rows
 
 
-def _with(reduced: ReducedBeam, follower: sp.csr_array | None) -> ReducedBeam:
-    model = replace(reduced.model, follower=follower)
-    return replace(reduced, model=model, geometric=project_force(model, reduced.basis))
+def _projected(tangent: sp.csr_array, reduced: ReducedBeam) -> Float[ndarray, "dof dof"]:
+    """The load's stiffness in the reduced basis; only the flanks' nodes have any."""
+    rows = np.flatnonzero(np.diff(tangent.indptr))
+    columns = reduced.basis.columns
+    return columns[rows].T @ (tangent[rows] @ columns)
 
 
 def _slopes(follower: ReducedBeam, table: pd.DataFrame) -> list[dict]:

@@ -17,10 +17,18 @@ from numpy import ndarray
 from bladeroot.fem import elasticity
 from bladeroot.fem.follower import load_stiffness, symmetric
 from bladeroot.fem.geometry import Structure
-from bladeroot.fem.linear import factor, lowest_eigenpairs
+from bladeroot.fem.linear import factor
 from bladeroot.fem.mesh import SLOTS, Mesh, base_nodes, body_mesh
 from bladeroot.fem.prestress import materials_of
-from bladeroot.fem.symmetry import Reflection, reflections, solve_columns
+from bladeroot.fem.symmetry import (
+    Reflection,
+    among,
+    reflections,
+    sector_eigenpairs,
+    sectors,
+    that_keep,
+    whole_shapes,
+)
 
 
 @dataclass(frozen=True)
@@ -41,29 +49,29 @@ def craig_bampton(
 ) -> Basis:
     """Static modes of the master dofs and the lowest `modes` fixed-interface modes, eqs 4.5-4.10.
 
-    `mass` is (dof, dof). `mirrors`, reflections that keep the stiffness, spare solutions. Raises
+    `mass` is (dof, dof). `mirrors`, reflections that keep both, make the problem smaller. Raises
     ValueError if there are not more slave dofs than modes.
     """
     size = stiffness.shape[0]
     slaves = np.setdiff1d(np.arange(size), masters)
     if modes >= len(slaves):
         raise ValueError(f"cannot keep {modes} fixed-interface modes of {len(slaves)} slave dofs")
-    rows = stiffness[slaves]
-    inner = sp.csr_array(rows[:, slaves])
-    solve = factor(inner)
+    mirrors = that_keep(mirrors, masters)
+    outer = sectors(among(mirrors, masters), len(masters))
+    inner = sectors(among(mirrors, slaves), len(slaves))
+    rows, heavy = stiffness[slaves], sp.csr_array(mass[slaves][:, slaves])
+    within, coupled = sp.csr_array(rows[:, slaves]), sp.csr_array(rows[:, masters])
     columns = np.zeros((size, len(masters) + modes))
-
-    def static(chosen: Int[ndarray, " load"]) -> Float[ndarray, "dof load"]:
-        moved = np.zeros((size, len(chosen)))
-        moved[chosen, np.arange(len(chosen))] = 1.0
-        moved[slaves] = -solve(rows[:, chosen].toarray())
-        return moved
-
-    columns[:, : len(masters)] = solve_columns(static, masters, mirrors)
-    eigenvalues, shapes = lowest_eigenpairs(
-        inner, sp.csr_array(mass[slaves][:, slaves]), modes, solve=solve
-    )
-    columns[slaves, len(masters) :] = shapes
+    columns[masters, np.arange(len(masters))] = 1.0
+    problems, solves = [], []
+    for moved, held in zip(inner, outer, strict=True):
+        problems.append((moved.within(within), moved.within(heavy)))
+        solves.append(factor(problems[-1][0]) if len(moved.first) else None)
+        if len(moved.first) and len(held.first):
+            static = -solves[-1](moved.between(coupled, held).toarray())
+            columns[slaves, : len(masters)] += moved.columns @ (held.columns @ static.T).T
+    eigenvalues, found = sector_eigenpairs(problems, solves, modes)
+    columns[slaves, len(masters) :] = whole_shapes(inner, found)
     return Basis(columns, eigenvalues, masters)
 
 
@@ -138,8 +146,9 @@ def project_force(model: BeamModel, basis: Basis) -> Float[ndarray, "reduced red
 def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
     """Craig-Bampton basis of the beam with its contact nodes as masters."""
     masters = contact_dofs(mesh.pair_node.values[:, 0])
-    mirrors = reflections(model.mesh.nodes, model.stiffness)
-    return craig_bampton(model.stiffness, elasticity.per_axis(model.mass), masters, modes, mirrors)
+    mass = elasticity.per_axis(model.mass)
+    mirrors = reflections(model.mesh.nodes, model.stiffness, mass)
+    return craig_bampton(model.stiffness, mass, masters, modes, mirrors)
 
 
 def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> xr.Dataset:
@@ -250,10 +259,9 @@ def _reduce_slots(
     mass = sp.csr_array(elasticity.mass(body, rule, materials)[free][:, free])
     pairs = len(mesh.pair) // 2
     masters = contact_dofs(number[mesh.pair_node.values[pairs:, 1] - start])
-    mirrors = reflections(body.nodes[free], stiffness)
-    basis = craig_bampton(
-        stiffness, elasticity.per_axis(mass), masters, structure.slot_modes, mirrors
-    )
+    heavy = elasticity.per_axis(mass)
+    mirrors = reflections(body.nodes[free], stiffness, heavy)
+    basis = craig_bampton(stiffness, heavy, masters, structure.slot_modes, mirrors)
     found = project(mass, basis), project_stiffness(stiffness, basis)
     # Pairs of both ends are numbered alike, so the mirror only turns the contact nodes' X.
     sign = np.ones(len(found[0]))

@@ -1,7 +1,8 @@
 """Contact stiffness from measured stick frequencies and a reduced model of the joint.
 
-Stick frequencies move from the measured forces to those of the models (`interpolation`); a map
-from stiffness to frequency is drawn once a model (`map`), searched for the stiffness that gives
-the measured pair (`search`, and `grid_search` as the thesis does it), and the answers of all
-forces are put side by side (`summary`). The room needs `structure` and `contact` beside numpy.
+In: stick frequencies, a parametric model, the gauge. Out: (kn, kt) at each force (`search`, on a
+`map` of the model; `grid_search` as the thesis does it; `summary` of all) and over all forces
+(`joint`: a `model` of the measured `levels` under `laws`, whose fit and draws `posterior` tells;
+`amplitude` with curves besides). `priors` has what is thought of each quantity beforehand. Read
+`search` or `joint` first. Fits and draws are those of `bladeroot.inference`.
 """

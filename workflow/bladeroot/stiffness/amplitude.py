@@ -14,6 +14,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.inference.gaussian import Fit
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.uneven import uneven_sliders
@@ -21,12 +22,12 @@ from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.joint import measured_modes, posterior_of, problems_of
-from bladeroot.stiffness.posterior import Problem, coordinates, predict
-from bladeroot.stiffness.sampler import STEPS
-from bladeroot.stiffness.simulated_curves import FRICTION, friction_of, level_systems
+from bladeroot.stiffness.joint import freest, measured_modes, models_of, posterior_of
+from bladeroot.stiffness.model import LevelModel, map_estimate, predict
+from bladeroot.stiffness.posterior import variable
+from bladeroot.stiffness.priors import FRICTION
+from bladeroot.stiffness.simulated_curves import friction_of, level_systems
 from bladeroot.stiffness.softening import Softening, of_modes, softening_of
-from bladeroot.stiffness.summit import Summit, find_summit, freest
 
 _MAP = np.geomspace(2e-7, 2e-5, 41)  # m
 _PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
@@ -44,12 +45,11 @@ def amplitude(
     fe_offset: Mapping[str, float] | None = None,
     least_force: float = 0.0,
     discrepancy: float = DISCREPANCY,
-    steps: int = STEPS,
 ) -> xr.Dataset:
     """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
 
-    joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force,
-    steps: as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
+    joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force:
+    as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
     record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
     largest effect.
 
@@ -68,22 +68,21 @@ def amplitude(
 
     if len(measured_modes(stick, fe_bias, least_force)) < 2:
         return nothing("there are stick frequencies of fewer than two modes")
-    problems = problems_of(model, stick, gauge, fe_bias, fe_offset, least_force)
-    levels = level_names(next(iter(problems.values())))
+    models = models_of(model, stick, gauge, fe_bias, fe_offset, least_force)
+    levels = level_names(next(iter(models.values())))
     softening = softening_of(decays, stick, levels)
     if not len(softening.level):
         return nothing("no record's frequency clearly falls with amplitude")
-    alone = {name: find_summit(problem) for name, problem in problems.items()}
-    refused = _refused(joint, alone[freest(alone)], levels, lasers)
+    alone = {name: map_estimate(one) for name, one in models.items()}
+    best = freest(alone)
+    refused = _refused(joint, _places(models[best], alone[best]), levels, lasers)
     left_out = "; ".join(f"{mode}: {reason}" for mode, reason in refused.items())
     lasers = {mode: x for mode, x in lasers.items() if mode not in refused}
     softening = of_modes(softening, levels, lasers)
     if not len(softening.level):
         return nothing(left_out)
     try:
-        whole = _with_curves(
-            joint, problems, alone, softening, levels, lasers, forces, discrepancy, steps
-        )
+        whole = _with_curves(joint, models, alone, softening, levels, lasers, forces, discrepancy)
     except RuntimeError as error:
         return nothing(str(error))
     return whole.assign_attrs(
@@ -91,14 +90,18 @@ def amplitude(
     )
 
 
+def _places(model: LevelModel, fit: Fit) -> Float[ndarray, "level 3"]:
+    """(ln kn, ln kt, ln F) of the levels at a fit."""
+    return predict(model, fit.parameters[None]).logarithms[0]
+
+
 def _refused(
     joint: Joint,
-    summit: Summit,
+    z: Float[ndarray, "level 3"],
     levels: list[tuple[str, float]],
     lasers: Mapping[str, float],
 ) -> dict[str, str]:
-    """Modes of which a level cannot be simulated at the summit, and why."""
-    z = coordinates(predict(summit.problem, summit.u[None]))[0]
+    """Modes of which a level cannot be simulated at a fit's places, and why."""
     modes = [mode for mode, _ in levels]
     systems = level_systems(joint, list(zip(modes, z, strict=True)), lasers)
     return {mode: one for mode, one in zip(modes, systems, strict=True) if isinstance(one, str)}
@@ -106,52 +109,48 @@ def _refused(
 
 def _with_curves(
     joint: Joint,
-    problems: Mapping[str, Problem],
-    alone: Mapping[str, Summit],
+    models: Mapping[str, LevelModel],
+    alone: Mapping[str, Fit],
     softening: Softening,
     levels: list[tuple[str, float]],
     lasers: Mapping[str, float],
     forces: Sequence[float],
     discrepancy: float,
-    steps: int,
 ) -> xr.Dataset:
-    """The inference of `amplitude` where there are points; alone: summits without curves.
+    """The inference of `amplitude` where there are points; alone: fits without curves.
 
     RuntimeError if the curves cannot be simulated at the stiffness that they lead to, or leave no
     posterior.
     """
-    fit = fit_curves(joint, alone[freest(alone)], softening, levels, lasers, discrepancy)
-    together = {
-        name: find_summit(replace(problem, curves=fit.term)) for name, problem in problems.items()
-    }
+    best = freest(alone)
+    fit = fit_curves(joint, models[best], alone[best], softening, levels, lasers, discrepancy)
+    with_curves = {name: replace(model, curves=fit.term) for name, model in models.items()}
+    together = {name: map_estimate(model) for name, model in with_curves.items()}
+    law = freest(together)
     try:
-        found, summit = posterior_of(together, forces, steps)
+        found = posterior_of(with_curves, together, law, forces)
     except ValueError as error:  # curves that no stiffness explains leave no posterior to draw from
         raise RuntimeError(f"the posterior with curves cannot be drawn from: {error}") from None
-    before, _ = posterior_of(alone, forces, steps, found.attrs["law"])
+    before = posterior_of(models, alone, law, forces)
+    z = _places(with_curves[law], together[law])
     parts = [
         found,
         _gained(before, found),
         _friction(fit),
         _points(softening, levels, fit),
-        _simulated(joint, summit, levels, lasers, fit, softening),
+        _simulated(joint, z, levels, lasers, fit, softening),
     ]
     whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
     return whole.assign_attrs(rounds=fit.rounds, converged=int(fit.converged), **found.attrs)
 
 
-def level_names(problem: Problem) -> list[tuple[str, float]]:
+def level_names(model: LevelModel) -> list[tuple[str, float]]:
     """Mode and force as read of every level."""
-    levels = problem.levels
+    levels = model.levels
     return [
         (levels.modes[mode], float(force))
         for mode, force in zip(levels.mode, levels.force, strict=True)
     ]
-
-
-def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-    attrs = {"units": units, "long_name": long_name}
-    return (dims, values, attrs | ({"source": source} if source else {}))
 
 
 def _gained(before: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
@@ -163,22 +162,22 @@ def _gained(before: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
     of_k = ("force", "stiffness")
     return xr.Dataset(
         {
-            "frequencies_ln_std": _var(
+            "frequencies_ln_std": variable(
                 of_k, before["ln_std"].values, "1", "standard deviation of ln k without curves"
             ),
-            "frequencies_k_quantile": _var(
+            "frequencies_k_quantile": variable(
                 (*of_k, "quantile"),
                 before["k_quantile"].values,
                 "N/m",
                 "quantiles of k without curves",
             ),
-            "shrinkage": _var(
+            "shrinkage": variable(
                 of_k,
                 (before["ln_std"] / found["ln_std"]).values,
                 "1",
                 "standard deviation of ln k without curves over that with them",
             ),
-            "area_shrinkage": _var(
+            "area_shrinkage": variable(
                 "force",
                 (area[0] / area[1]).values,
                 "1",
@@ -198,17 +197,17 @@ def _friction(fit: CurveFit) -> xr.Dataset:
     prior = np.array([entry[:2] for entry in FRICTION.values()])
     return xr.Dataset(
         {
-            "friction_value": _var(
-                "friction", np.exp(fit.friction), "1", "most probable value at the stiffness found"
+            "friction_value": variable(
+                "friction", np.exp(fit.friction), "1", "MAP estimate at the stiffness found"
             ),
-            "friction_ln_std": _var(
+            "friction_ln_std": variable(
                 "friction", std, "1", "standard deviation of its logarithm there"
             ),
-            "friction_prior": _var("friction", np.exp(prior[:, 0]), "1", "median of the prior"),
-            "friction_prior_ln_std": _var(
+            "friction_prior": variable("friction", np.exp(prior[:, 0]), "1", "median of the prior"),
+            "friction_prior_ln_std": variable(
                 "friction", prior[:, 1], "1", "standard deviation of the prior's logarithm"
             ),
-            "friction_origin": _var(
+            "friction_origin": variable(
                 "friction",
                 [entry[2] for entry in FRICTION.values()],
                 "",
@@ -224,19 +223,21 @@ def _points(softening: Softening, levels: list[tuple[str, float]], fit: CurveFit
     (fall, rise), (fall_std, rise_std) = (part.reshape(2, -1) for part in (fit.value, fit.std))
     return xr.Dataset(
         {
-            "point_mode": _var("point", [levels[k][0] for k in softening.level], "", "mode"),
-            "point_force": _var(
+            "point_mode": variable("point", [levels[k][0] for k in softening.level], "", "mode"),
+            "point_force": variable(
                 "point", [levels[k][1] for k in softening.level], "N", "axial force as read"
             ),
-            "point_amplitude": _var("point", softening.amplitude, "m", "amplitude at the laser"),
-            "fall": _var("point", softening.fall, "1", "measured f / f_stick - 1", "eq. 3.11"),
-            "rise": _var("point", softening.rise, "1", "measured eta - eta_stick", "eq. 3.11"),
-            "fall_simulated": _var("point", fall, "1", "simulated f / f_stick - 1"),
-            "rise_simulated": _var("point", rise, "1", "simulated loss factor of friction"),
-            "fall_std": _var(
+            "point_amplitude": variable(
+                "point", softening.amplitude, "m", "amplitude at the laser"
+            ),
+            "fall": variable("point", softening.fall, "1", "measured f / f_stick - 1", "eq. 3.11"),
+            "rise": variable("point", softening.rise, "1", "measured eta - eta_stick", "eq. 3.11"),
+            "fall_simulated": variable("point", fall, "1", "simulated f / f_stick - 1"),
+            "rise_simulated": variable("point", rise, "1", "simulated loss factor of friction"),
+            "fall_std": variable(
                 "point", fall_std, "1", "standard deviation of measured less simulated"
             ),
-            "rise_std": _var(
+            "rise_std": variable(
                 "point", rise_std, "1", "standard deviation of measured less simulated"
             ),
         }
@@ -245,14 +246,13 @@ def _points(softening: Softening, levels: list[tuple[str, float]], fit: CurveFit
 
 def _simulated(
     joint: Joint,
-    summit: Summit,
+    z: Float[ndarray, "level 3"],
     levels: list[tuple[str, float]],
     lasers: Mapping[str, float],
     fit: CurveFit,
     softening: Softening,
 ) -> xr.Dataset:
     """Curves of every level on one ladder, and pictures of the level that softens most."""
-    z = coordinates(predict(summit.problem, summit.u[None]))[0]
     law = friction_of(fit.friction)
 
     shown = [level for level, (mode, _) in enumerate(levels) if mode in lasers]
@@ -280,8 +280,8 @@ def _simulated(
     over: tuple[str, str] = ("level", "amplitude")
     left = ", NaN where there is none"
     values: dict[str, tuple] = {
-        "map_fall": _var(over, curves[0], "1", "simulated f / f_stick - 1" + left),
-        "map_rise": _var(over, curves[1], "1", "simulated loss factor of friction" + left),
+        "map_fall": variable(over, curves[0], "1", "simulated f / f_stick - 1" + left),
+        "map_rise": variable(over, curves[1], "1", "simulated loss factor of friction" + left),
     }
     ladder: Float[ndarray, " amplitude"] = _MAP
     coords = {

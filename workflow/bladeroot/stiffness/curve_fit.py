@@ -13,12 +13,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.inference.gaussian import Fit, LazyState, Prior, Problem, State, cost, fit
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_term import CurveTerm, curve_term
-from bladeroot.stiffness.posterior import coordinates, predict
+from bladeroot.stiffness.model import LevelModel, predict, refit
+from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import (
-    FRICTION,
     along,
     by_friction,
     by_level,
@@ -26,7 +27,6 @@ from bladeroot.stiffness.simulated_curves import (
     levels_at,
 )
 from bladeroot.stiffness.softening import Softening
-from bladeroot.stiffness.summit import Summit, climb
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
 _UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little
@@ -34,7 +34,8 @@ _LONGEST = 0.4  # change of ln k in one round
 _MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
 _SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
 _FAR = 8.0  # prior's std beyond which no friction is tried: its powers overflow
-_FITS, _GAIN = 25, 1e-2  # steps of the friction, and the least gain in log posterior to go on
+_LEAST_GAIN = 1e-2  # nats, of a step of the friction's fit
+FRICTION_PRIOR = Prior(*np.array([entry[:2] for entry in FRICTION.values()]).T)
 
 
 @dataclass(frozen=True)
@@ -58,53 +59,56 @@ class CurveFit:
 
 def fit_curves(
     joint: Joint,
-    summit: Summit,
+    model: LevelModel,
+    alone: Fit,
     softening: Softening,
     levels: list[tuple[str, float]],
     lasers: Mapping[str, float],
     discrepancy: float,
 ) -> CurveFit:
-    """Start from the summit of the frequencies alone.
+    """Start from the fit of the frequencies alone.
 
     RuntimeError if the curves cannot be simulated at a stiffness that the rounds come to.
     """
-    prior = np.array([entry[:2] for entry in FRICTION.values()])
-    spread = np.diag(prior[:, 1] ** 2)
+    prior = FRICTION_PRIOR
     measured = np.concatenate([softening.fall, softening.rise])
     smooth = errors = covariance(softening, levels, discrepancy)
     row = np.arange(len(measured))
-    friction, u, problem = prior[:, 0], summit.u, summit.problem
+    friction, at_k = prior.mean, alone
     largest, rounds = np.inf, 0
     while largest > _CLOSE and rounds < _ROUNDS:
         rounds += 1
-        z = coordinates(predict(problem, u[None]))[0]
+        z = predict(model, at_k.parameters[None]).logarithms[0]
         at = levels_at(joint, softening, levels, lasers, z)
         if rounds == 1:
-            friction = _start(joint, at, measured, np.linalg.inv(smooth), prior)
+            friction = _start(friction_problem(joint, at, measured, smooth))
         if rounds <= _UNEVEN:
             uneven = by_unevenness(joint, at, friction)
             errors = smooth + uneven @ uneven.T
-            precision = np.linalg.inv(errors)
-        fitted = _fit_friction(joint, at, measured, precision, prior, friction)
-        friction, value = fitted.friction, fitted.value
+        fitted = fit(friction_problem(joint, at, measured, errors), friction, least=_LEAST_GAIN)
+        friction, value, by_law = fitted.parameters, fitted.state.mean, fitted.state.slope
         slopes = np.zeros((len(measured), len(levels), 3))
         slopes[row, np.tile(softening.level, 2)] = by_level(
-            joint, at, friction, value, fitted.along
+            joint, at, friction, value, fitted.state.facts["along"]
         )
-        rest = measured - value - fitted.slope @ (prior[:, 0] - friction)
-        whole = errors + fitted.slope @ spread @ fitted.slope.T
+        rest = measured - value - by_law @ (prior.mean - friction)
+        whole = errors + (by_law * prior.std**2) @ by_law.T
         term = curve_term(z, rest, slopes.reshape(len(measured), -1), whole)
-        climbed, _ = climb(replace(problem, curves=term), u)
-        away = coordinates(predict(problem, climbed[None]))[0] - z
+        found = refit(replace(model, curves=term), at_k)
+        away = predict(model, found.parameters[None]).logarithms[0] - z
         largest = float(np.abs(away).max())
-        u = u + min(1.0, _LONGEST / max(largest, _LONGEST)) * (climbed - u)
-    information = fitted.slope.T @ precision @ fitted.slope + np.linalg.inv(spread)
+        share = min(1.0, _LONGEST / max(largest, _LONGEST))
+        at_k = replace(
+            at_k,
+            parameters=at_k.parameters + share * (found.parameters - at_k.parameters),
+            scales=at_k.scales + share * (found.scales - at_k.scales),
+        )
     std = np.sqrt(np.diag(errors))
     miss = (measured - value) / std
     return CurveFit(
         term,
         friction,
-        np.linalg.inv(information),
+        fitted.covariance,
         value,
         std,
         rounds,
@@ -112,62 +116,31 @@ def fit_curves(
     )
 
 
-def _start(joint, at, measured, precision, prior) -> Float[ndarray, " parameter"]:
+def friction_problem(
+    joint: Joint,
+    at: list,
+    measured: Float[ndarray, " number"],
+    errors: Float[ndarray, "number number"],
+) -> Problem:
+    """Falls and rises at given stiffness, by the logarithms of the friction's parameters."""
+    prior, none = FRICTION_PRIOR, np.full(measured.size, np.nan)
+
+    def predict_curves(friction: ndarray) -> State:
+        if np.abs((friction - prior.mean) / prior.std).max() > _FAR:
+            return LazyState(none, lambda: none, {})
+        try:
+            value, slope = along(joint, at, friction)
+        except RuntimeError:
+            return LazyState(none, lambda: none, {})
+        return LazyState(
+            value, lambda: by_friction(joint, at, friction, value, slope), {"along": slope}
+        )
+
+    nothing = Prior(np.zeros(0), np.zeros(0))
+    return Problem(measured, predict_curves, lambda *_: (errors, list), prior, nothing)
+
+
+def _start(problem: Problem) -> Float[ndarray, " parameter"]:
     """The friction coefficient to start from: where nothing slips no slope leads away."""
-    trials = prior[:, 0] + _SCAN[:, None] * np.array([prior[0, 1], 0.0, 0.0, 0.0])
-    misses = [_trial(joint, at, one, (measured, precision, prior))[0] for one in trials]
-    return trials[int(np.argmin(misses))]
-
-
-def _trial(joint, at, friction, known) -> tuple[float, tuple[ndarray, ndarray] | None]:
-    """The misfit of a friction and its curves; infinite far off or where there are none."""
-    prior = known[2]
-    if np.abs((friction - prior[:, 0]) / prior[:, 1]).max() > _FAR:
-        return np.inf, None
-    try:
-        curves = along(joint, at, friction)
-    except RuntimeError:
-        return np.inf, None
-    return _misfit(friction, curves[0], *known), curves
-
-
-def _misfit(trial, value, measured, precision, prior) -> float:
-    """Minus the log posterior of the friction at given stiffness, but for a constant."""
-    away = (trial - prior[:, 0]) / prior[:, 1]
-    return 0.5 * float((measured - value) @ precision @ (measured - value) + away @ away)
-
-
-@dataclass(frozen=True)
-class _Fitted:
-    """A friction, falls and rises with it, and their slopes by ln amplitude and by friction."""
-
-    friction: Float[ndarray, " parameter"]
-    value: Float[ndarray, " number"]
-    along: Float[ndarray, " number"]
-    slope: Float[ndarray, "number parameter"]
-
-
-def _fit_friction(joint, at, measured, precision, prior, friction) -> _Fitted:
-    """The most probable friction at given stiffness, and the curves there."""
-    known = (measured, precision, prior)
-    curves = along(joint, at, friction)
-    slope = by_friction(joint, at, friction, *curves)
-    now, damping = _misfit(friction, curves[0], *known), 1.0
-    for _ in range(_FITS):
-        pull = slope.T @ precision @ (measured - curves[0])
-        pull -= (friction - prior[:, 0]) / prior[:, 1] ** 2
-        bend = slope.T @ precision @ slope + np.diag(prior[:, 1] ** -2)
-        step = np.linalg.solve(bend + damping * np.diag(np.diag(bend)), pull)
-        step *= min(1.0, 1.0 / np.abs(step).max())
-        trial, tried = _trial(joint, at, friction + step, known)
-        if tried is not None and trial < now:
-            gained, now, friction = now - trial, trial, friction + step
-            curves, damping = tried, 0.2 * damping
-            slope = by_friction(joint, at, friction, *curves)
-            if gained < _GAIN:
-                break
-        else:
-            damping *= 5.0
-            if damping > 1e6:
-                break
-    return _Fitted(friction, *curves, slope)
+    trials = problem.prior.mean + np.outer(_SCAN, problem.prior.std * [1.0, 0.0, 0.0, 0.0])
+    return trials[int(np.argmin([cost(problem, one) for one in trials]))]

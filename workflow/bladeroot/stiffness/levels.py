@@ -2,7 +2,7 @@
 which of them share clampings.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -34,6 +34,15 @@ class Levels:
     holds: Float[ndarray, " level"]
     hold_std: Float[ndarray, " mode"]
     hold_freedom: Float[ndarray, " mode"]
+
+
+def from_force(levels: Levels, least: float) -> Levels:
+    """The levels at or above an axial force (N)."""
+    kept = levels.force >= least
+    names = ("mode", "force", "ln_frequency", "std", "holds")
+    parts = {name: getattr(levels, name)[kept] for name in names}
+    clamping = np.unique(levels.clamping[kept], return_inverse=True)[1]
+    return replace(levels, **parts, clamping=clamping)
 
 
 def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:

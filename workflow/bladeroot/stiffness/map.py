@@ -1,4 +1,4 @@
-"""The map from contact stiffness to the two bending frequencies at one force (section 5.2.1).
+"""The map from contact stiffness to the modes' frequencies at one force (section 5.2.1).
 
 A cut through the parametric model of the structure, checked against the assembly of that force. The
 map knows nothing of measurements.
@@ -14,13 +14,13 @@ from bladeroot.rom.joint import bonded_modes, exact_modes, joint_of
 from bladeroot.rom.parametric import frequencies_gradient, surface_of
 from bladeroot.rom.ritz import frequency
 
-MODES = ("1B", "2B")
+MODES = ("1B", "2B")  # of the source, and of every map
 GRID = 60
 _CHECKS = 3
 
 
 def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> xr.Dataset:
-    """Frequencies of 1B and 2B over the box of flank stiffness at the assembly's force.
+    """Frequencies of the model's modes over the box of flank stiffness at the assembly's force.
 
     model: from `bladeroot.rom.parametric`. assembly: from `bladeroot.rom.assembly`,
     of the same structure. grid: points of the drawn map along each axis.
@@ -28,7 +28,7 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> 
     The result holds the model at that force (`ln_frequency`), the map on a grid, the frequencies of
     bonded contact (both stiffnesses infinite) and a check of the map against exact solutions of the
     assembly (`check_error`). Raises ValueError if the two are not of one structure, the force lies
-    outside the model or it lacks one of the two modes.
+    outside the model or it lacks one of 1B and 2B.
     """
     if model.attrs["structure"] != assembly.attrs["structure"]:
         raise ValueError(
@@ -39,24 +39,25 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> 
     if missing:
         raise ValueError(f"the parametric model must have modes {MODES}, it lacks {missing}")
     force = assembly.attrs["axial_force"]
-    surface = at_force(surface_of(model.sel(mode=list(MODES))), force)
+    modes = tuple(str(mode) for mode in model["mode"].values)
+    surface = at_force(surface_of(model), force)
     axis = np.linspace(surface.low[0], surface.high[0], grid)
     mesh = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     drawn, _ = all_frequencies(surface, mesh)
     joint = joint_of(assembly, equal_nodes=model.attrs["springs"] != "by area")
     shares = np.random.default_rng(2).uniform(size=(_CHECKS, 2))
     unseen = axis[0] + (axis[-1] - axis[0]) * shares
-    exact = [exact_modes(joint, np.append(point, 0.0), MODES).values for point in unseen]
+    exact = [exact_modes(joint, np.append(point, 0.0), modes).values for point in unseen]
     truth = frequency(np.array(exact)).T
     error = all_frequencies(surface, unseen)[0].T / truth - 1.0
-    bonded = frequency(bonded_modes(joint, 0.0, MODES).values)
+    bonded = frequency(bonded_modes(joint, 0.0, modes).values)
     return _as_dataset(
-        surface, axis, drawn.T.reshape(-1, grid, grid), bonded, unseen, truth, error
+        modes, surface, axis, drawn.T.reshape(-1, grid, grid), bonded, unseen, truth, error
     ).assign_attrs(
         axial_force=force,
         structure=assembly.attrs["structure"],
         springs=model.attrs["springs"],
-        error_bound=float(model["error_bound"].sel(mode=list(MODES)).max()),
+        error_bound=float(model["error_bound"].max()),
     )
 
 
@@ -80,7 +81,7 @@ def all_frequencies(
     return f, gradient[:, :, :2]
 
 
-def _as_dataset(surface, axis, drawn, bonded, unseen, truth, error) -> xr.Dataset:
+def _as_dataset(modes, surface, axis, drawn, bonded, unseen, truth, error) -> xr.Dataset:
     def var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
         attrs = {"units": units, "long_name": long_name}
         return (dims, values, attrs | ({"source": source} if source else {}))
@@ -111,7 +112,7 @@ def _as_dataset(surface, axis, drawn, bonded, unseen, truth, error) -> xr.Datase
             "check_error": var(("mode", "check"), error, "1", "relative error of the map there"),
         },
         coords={
-            "mode": list(MODES),
+            "mode": list(modes),
             "map_kn": var("map_kn", k, "N/m", "normal stiffness of a flank"),
             "map_kt": var("map_kt", k, "N/m", "tangential stiffness of a flank"),
         },

@@ -1,24 +1,32 @@
-"""Contact stiffness of one assembly from its measured pair of frequencies (sections 5.2, 5.3).
+"""Contact stiffness of one assembly from the frequencies measured at its force (sections 5.2, 5.3).
 
 Two frequencies fix two unknowns exactly, so nothing is left over to tell how well the model
 fits; all doubt is in what the frequencies are worth. Measured ones carry the errors of 5.14, the
 model's a bias that is the same for all forces. Both go into the covariance of (ln kn, ln kt), and,
-as the map bends and ends at bonded contact, into draws that may have no root at all.
+as the map bends and ends at bonded contact, into draws that may have no root at all. A further mode
+leaves a chi-square; of one mode alone the prior decides what it does not tell.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.special import ndtri
 
+from bladeroot.inference.least_squares import (
+    FE_BIAS,
+    NOTABLE,
+    StiffnessFit,
+    fit_stiffness,
+    ln_range,
+)
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.grid_search import grid_search
-from bladeroot.stiffness.map import all_frequencies, surface_of_map
+from bladeroot.stiffness.map import MODES, all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 
-FE_BIAS = 0.005  # of the frequency, one standard deviation, unless known better
 SOURCES = ("measurement", "finite elements")
 QUANTILES = (0.16, 0.5, 0.84)
 STIFFNESS = ("kn", "kt")
@@ -39,45 +47,94 @@ def search(
     bias that is known, model over truth less one (zero unless given). draws: simulated errors.
 
     `status` is "root", "no root" (no stiffness in the box gives the pair: kn and kt are NaN and
-    `needed_bias` says how far the model's frequencies would have to move) or "no measurement".
+    `needed_bias` says how far the model's frequencies would have to move), "fit" (more than two
+    modes: weighted least squares with `chi_square` and each mode's `misfit`), "prior" (one mode:
+    kn and kt are the MAP estimate, and `ln_kn_std`, `ln_kt_std` have the prior's doubt in them) or
+    "no measurement". The modes are 1B, 2B and those that were measured besides.
     Of several roots the one with the smallest covariance of ln k is `kn`, `kt`; all are kept.
     Raises ValueError for a bias that is not positive or missing for a mode.
     """
-    modes = [str(mode) for mode in frequency_map["mode"].values]
+    every = [str(mode) for mode in frequency_map["mode"].values]
+    force = frequency_map.attrs["axial_force"]
+    measured = _measured(fe_forces, every, force)
+    usable = np.isfinite(measured["target_frequency"]) & np.isfinite(measured["target_std"])
+    more = [m for m, known in zip(every, usable, strict=True) if known and m not in MODES]
+    modes = [m for m in every if m in (*MODES, *more)]
+    place = [every.index(mode) for mode in modes]
+    measured = {name: values[place] for name, values in measured.items()}
+    frequency_map, known = frequency_map.sel(mode=modes), usable[place]
     bias = np.array([(fe_bias or dict.fromkeys(modes, FE_BIAS)).get(m, np.nan) for m in modes])
     if not np.all(bias > 0.0):
         raise ValueError(f"fe_bias must be positive for modes {modes}, got {fe_bias}")
     offset = np.array([(fe_offset or {}).get(m, 0.0) for m in modes])
-    measured = _measured(fe_forces, modes, frequency_map.attrs["axial_force"])
     target = measured["target_frequency"] * (1.0 + offset)  # what the model should give
     std = measured["target_std"] * (1.0 + offset)
     surface = surface_of_map(frequency_map)
-    known = bool(np.all(np.isfinite(target)) and np.all(np.isfinite(std)))
     drawn = frequency_map["map_frequency"].values
     log_axis = np.log(frequency_map["map_kn"].values)
-    roots = all_roots(surface, target, drawn, log_axis) if known else np.empty((0, 2))
+    pair = len(modes) == 2 and bool(known.all())
+    roots = all_roots(surface, target, drawn, log_axis) if pair else np.empty((0, 2))
+    rootless = pair and not len(roots)
+    fitted = None
+    if known.any() and not pair:
+        fitted = fit_modes(surface, target, std, bias, known, log_axis)
     parts = [
         _targets(measured, bias, offset, modes),
-        _roots(surface, roots, target, std, bias, modes),
-        _miss(surface, target, std, bias, drawn, log_axis, modes, known and not len(roots)),
-        _scatter(surface, target, std, bias, drawn, log_axis, draws if known else 0),
-        grid_search(surface, target, std, bias * target) if known else xr.Dataset(),
+        _estimate(surface, roots, fitted, target, std, bias, known, modes),
+        _miss(surface, target, std, bias, drawn, log_axis, modes, rootless),
+        _scatter(surface, target, std, bias, drawn, log_axis, draws if pair else 0, fitted),
+        _grid(surface, target, std, bias, known) if known[: len(MODES)].all() else xr.Dataset(),
         frequency_map[["map_frequency", "bonded_frequency"]],
     ]
-    status = "no measurement" if not known else "root" if len(roots) else "no root"
-    text = {"units": "1", "long_name": "whether the pair of frequencies has a root in the box"}
+    if fitted is not None:
+        status = "fit" if known.sum() > 2 else "prior"
+    else:
+        status = "root" if len(roots) else "no root" if pair else "no measurement"
+    text = {"units": "1", "long_name": "how kn and kt come from the frequencies"}
     return (
         xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
         .assign(status=((), status, text))
         .assign_attrs(
             structure=frequency_map.attrs["structure"],
-            axial_force=frequency_map.attrs["axial_force"],
+            axial_force=force,
             force_error=fe_forces.attrs["primary_force_error"],
             map_largest_relative_error=frequency_map.attrs["largest_relative_error"],
             box_low=float(np.exp(log_axis[0])),
             box_high=float(np.exp(log_axis[-1])),
         )
     )
+
+
+def fit_modes(
+    surface: Surface,
+    target: Float[ndarray, " mode"],
+    std: Float[ndarray, " mode"],
+    bias: Float[ndarray, " mode"],
+    known: Bool[ndarray, " mode"],
+    log_axis: Float[ndarray, " k"],
+) -> StiffnessFit:
+    """Weighted least squares of the modes that are known; the prior is as wide as the box.
+
+    target, std: Hz. bias: fraction. log_axis: of the box, in ln k.
+    """
+
+    def frequencies(ln_k: ndarray) -> tuple[ndarray, ndarray, bool]:
+        inside = np.clip(ln_k, log_axis[0], log_axis[-1])
+        f, jacobian = all_frequencies(surface, inside[None])
+        slope = jacobian[0] / f[0][:, None]
+        value = np.log(f[0]) + slope @ (ln_k - inside)
+        return value[known], slope[known], bool((inside == ln_k).all())
+
+    total = np.hypot(std / target, bias)[known]
+    prior = ln_range(*np.exp(log_axis[[0, -1]]), 2)
+    return fit_stiffness(frequencies, np.log(target[known]), total, prior)
+
+
+def _grid(surface, target, std, bias, known) -> xr.Dataset:
+    """The source's search, of its two modes."""
+    own = slice(0, len(MODES))
+    two = Surface(surface.coefficients[own], surface.low, surface.high)
+    return grid_search(two, target[own], std[own], (bias * target)[own])
 
 
 def _measured(fe_forces: xr.Dataset, modes: list[str], force: float) -> dict[str, ndarray]:
@@ -137,18 +194,28 @@ def _targets(
     )
 
 
-def _roots(surface, roots, target, std, bias, modes) -> xr.Dataset:
-    """The chosen root with its covariance, and all roots."""
-    count = len(roots)
+def _estimate(surface, roots, fitted, target, std, bias, known, modes) -> xr.Dataset:
+    """The chosen root or the fit with its covariance, and all roots."""
+    count, none = len(roots), np.full(len(modes), np.nan)
     jacobians = all_frequencies(surface, roots)[1] if count else np.empty((0, len(modes), 2))
     parts = np.array([ln_covariance(j, target, std, bias) for j in jacobians]).reshape(-1, 2, 2, 2)
     whole = parts.sum(axis=1)
     jacobian, covariance = np.full((len(modes), 2), np.nan), np.full((2, 2, 2), np.nan)
-    chosen = np.full(2, np.nan)
+    gain, misfit, chosen, total = jacobian.T.copy(), none, np.full(2, np.nan), None
     if count:
         best = int(np.argmin(np.trace(whole, axis1=1, axis2=2)))
         chosen, jacobian, covariance = np.exp(roots[best]), jacobians[best], parts[best]
-    total = covariance.sum(axis=0)
+        gain, misfit = np.linalg.inv(jacobian), np.zeros(len(modes))
+    elif fitted is not None:
+        found, misfit = fitted.fit, none.copy()
+        chosen, total = np.exp(found.parameters), found.covariance
+        jacobian[known] = found.state.slope * target[known, None]
+        gain[:, known], misfit[known] = fitted.gain / target[known], fitted.misfit
+        held = np.where(known, gain, 0.0)
+        spreads = (np.nan_to_num(s) for s in (std, bias * target))
+        covariance = np.stack([(held * s**2) @ held.T for s in spreads])
+    if total is None:
+        total = covariance.sum(axis=0)
     entries = {}
     for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
         text = f"{part} contact stiffness of a flank"
@@ -178,6 +245,37 @@ def _roots(surface, roots, target, std, bias, modes) -> xr.Dataset:
             ),
             "jacobian": _var(
                 ("mode", "stiffness"), jacobian, "Hz", "slope of frequency by ln k", "eq. 5.16"
+            ),
+            "gain": _var(
+                ("stiffness", "mode"), gain, "1/Hz", "slope of ln k by the target frequency"
+            ),
+            "misfit": _var(
+                "mode",
+                misfit,
+                "1",
+                "ln of measured over fitted frequency, in standard deviations of measurement and "
+                "model together",
+            ),
+            "chi_square": _var(
+                (), np.nan if fitted is None else fitted.chi_square, "1", "sum of squared misfits"
+            ),
+            "freedom": _var(
+                (),
+                0 if fitted is None else max(fitted.freedom, 0),
+                "1",
+                "modes beyond the two unknowns",
+            ),
+            "probability": _var(
+                (),
+                np.nan if fitted is None or fitted.freedom < 1 else fitted.probability,
+                "1",
+                "of a larger chi-square, were the model right",
+            ),
+            "fits": _var(
+                (),
+                int(fitted is None or fitted.probability >= NOTABLE),
+                "1",
+                "0 where the model does not give more modes than unknowns within their errors",
             ),
         },
         coords={"source": list(SOURCES), "stiffness": list(STIFFNESS), "mode": modes},
@@ -210,8 +308,12 @@ def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Da
     )
 
 
-def _scatter(surface: Surface, target, std, bias, drawn, log_axis, draws: int) -> xr.Dataset:
-    """Roots of targets drawn with all errors: how many exist, and where they lie."""
+def _scatter(
+    surface: Surface, target, std, bias, drawn, log_axis, draws: int, fitted: StiffnessFit | None
+) -> xr.Dataset:
+    """Roots of targets drawn with all errors: how many exist, and where they lie; of a fit its
+    normal distribution's quantiles.
+    """
     share, quantiles = np.nan, np.full((2, len(QUANTILES)), np.nan)
     if draws:
         noise = np.random.default_rng(20240612).standard_normal((draws, len(target)))
@@ -224,12 +326,17 @@ def _scatter(surface: Surface, target, std, bias, drawn, log_axis, draws: int) -
         share = float(np.mean(good))
         if good.sum() >= 20:
             quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T
+    elif fitted is not None:
+        spread = np.outer(fitted.fit.std, ndtri(QUANTILES))
+        quantiles = np.exp(fitted.fit.parameters[:, None] + spread)
     entries = {
         "root_share": _var(
             (), share, "1", "share of draws of measurement and model errors that have a root"
         )
     }
     for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
-        text = f"{part} contact stiffness of a flank, quantiles over the draws that have a root"
+        text = (
+            f"{part} contact stiffness of a flank, quantiles over draws with a root or of the fit"
+        )
         entries[f"{name}_quantile"] = _var("quantile", quantiles[i], "N/m", text)
     return xr.Dataset(entries, coords={"quantile": list(QUANTILES)})

@@ -17,13 +17,6 @@ from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
 
-# ln of each parameter of friction: mean, standard deviation and origin.
-FRICTION = {
-    "ln_friction": (np.log(0.3), 0.5, "dry steel on steel, 0.11 to 0.8 within two std"),
-    "ln_keep": (np.log(0.01), 1.5, "next to nothing, as a punch leaves at its edges, to a fifth"),
-    "ln_exponent": (np.log(0.5), 0.5, "elliptic pressure (6.4) and twice or half as steep"),
-    "ln_spread": (np.log(0.3), 0.7, "waviness and roughness; even pressure to a factor of three"),
-}
 _STEP = 0.02  # of ln k and of the friction parameters, for slopes by differences
 
 

@@ -9,7 +9,8 @@ from numpy import ndarray
 
 NODES = 33
 REFERENCE_FORCE = 12e3  # N
-FEWEST = 3  # roots that a law of two parameters needs at least
+DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
+FEWEST = 3  # of these that a law of two parameters needs at least
 _FLOOR = 1e-6  # smallest std of ln k that a weight may rest on
 
 COLLECTED = (
@@ -21,6 +22,12 @@ COLLECTED = (
     "correlation",
     "correlation_by_source",
     "jacobian",
+    "gain",
+    "misfit",
+    "chi_square",
+    "freedom",
+    "probability",
+    "fits",
     "status",
     "needed_bias",
     "needed_bias_at_edge",
@@ -131,7 +138,7 @@ def power_law(
 
 def _laws(line: xr.Dataset, fe_forces: xr.Dataset) -> xr.Dataset:
     """The laws of one structure; NaN with fewer than three roots."""
-    good = np.flatnonzero(line["status"].values == "root")
+    good = np.flatnonzero(np.isin(line["status"].values, DETERMINED))
     names = ("kn", "kt")
     law, std, scatter = np.full((2, 2), np.nan), np.full((2, 2), np.nan), np.full(2, np.nan)
     if len(good) >= FEWEST:
@@ -165,15 +172,17 @@ def _joint_covariances(
 ) -> tuple[Float[ndarray, "force 2 force 2"], Float[ndarray, "force 2 force 2"]]:
     """Covariance of ln k between forces, from shared measurements and from the shared bias."""
     modes = [str(mode) for mode in here["mode"].values]
-    inverse = np.linalg.inv(here["jacobian"].transpose("force", "mode", "stiffness").values)
+    inverse = np.nan_to_num(here["gain"].transpose("force", "stiffness", "mode").values)
     chosen = fe_forces["frequency_covariance"].sel(
         force_error=fe_forces.attrs["primary_force_error"], mode=modes
     )
     place = [int(np.argmin(np.abs(fe_forces["force"].values - f))) for f in here["force"].values]
-    scale = 1.0 + here["fe_offset"].transpose("mode", "force").values
-    frequency = chosen.values[:, place][:, :, place] * scale[:, :, None] * scale[:, None, :]
+    scale = 1.0 + np.nan_to_num(here["fe_offset"].transpose("mode", "force").values)
+    frequency = (
+        np.nan_to_num(chosen.values)[:, place][:, :, place] * scale[:, :, None] * scale[:, None, :]
+    )
     measured = np.einsum("fkm,mfg,glm->fkgl", inverse, frequency, inverse)
     target = here["target_frequency"].transpose("force", "mode").values * scale.T
-    bias = here["fe_bias_std"].transpose("force", "mode").values * target
+    bias = np.nan_to_num(here["fe_bias_std"].transpose("force", "mode").values * target)
     gain = inverse * bias[:, None, :]
     return measured, np.einsum("fkm,glm->fkgl", gain, gain)

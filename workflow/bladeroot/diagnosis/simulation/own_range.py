@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.loads import shown
-from bladeroot.stiffness.laws import REFERENCE_FORCE
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 # The largest amplitude that the catalogue's priors are made for, m.
 REFERENCE_AMPLITUDE = 2e-5

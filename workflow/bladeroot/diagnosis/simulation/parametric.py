@@ -17,18 +17,18 @@ from bladeroot.diagnosis.structures import Structures
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom import chebyshev
-from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import ritz_of, surface_of
 from bladeroot.rom.ritz import Ritz
-from bladeroot.stiffness.joint import trimmed
-from bladeroot.stiffness.laws import PRIORS, REFERENCE_FORCE
-from bladeroot.stiffness.posterior import BIAS_TILT
+from bladeroot.stiffness.priors import (
+    BIAS_TILT,
+    CORRELATION,
+    LN_K,
+    REFERENCE_FORCE,
+    SCATTER,
+    SMOOTH_EXPONENT,
+)
 
-# Constant over force: another exponent, smooth contact's 0.05 (6.16) too, is a cause's to explain.
-EXPONENT = (0.0, 0.005)
-# ln of the scatter of k between clampings, 2 to 14 %.
-SCATTER = (np.log(0.04), 0.6)
-CORRELATION = (0.5, 0.7)  # atanh of that of kn and kt
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -89,7 +89,7 @@ def biases(modes: int) -> slice:
 class _OfRecords:
     """Parameters: ln kn and ln kt at the reference force, exponent, biases, their tilts."""
 
-    scales = (SCATTER, SCATTER, CORRELATION)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(
         self, simulated: Parametric, records: Records, hold: ndarray, rounding: float
@@ -99,17 +99,16 @@ class _OfRecords:
         self.x = np.log(records.force / REFERENCE_FORCE)
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
-        level_n, level_t = PRIORS["ln_kn"], PRIORS["ln_kt"]
         bias = simulated.bias
         self.prior = Prior(
             np.concatenate(
                 [
-                    [level_n[0], level_t[0], EXPONENT[0]],
+                    [LN_K[0], LN_K[0], SMOOTH_EXPONENT[0]],
                     np.log1p(simulated.offset),
                     np.zeros(modes),
                 ]
             ),
-            np.concatenate([[level_n[1], level_t[1], EXPONENT[1]], bias, BIAS_TILT * bias]),
+            np.concatenate([[LN_K[1], LN_K[1], SMOOTH_EXPONENT[1]], bias, BIAS_TILT * bias]),
         )
         self.own = biases(modes)
         self.structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)

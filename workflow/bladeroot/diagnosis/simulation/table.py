@@ -16,11 +16,10 @@ from numpy import ndarray
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import one_mode
-from bladeroot.diagnosis.simulation.parametric import CORRELATION, SCATTER
 from bladeroot.diagnosis.structures import shift
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.stiffness.posterior import BIAS_TILT
+from bladeroot.stiffness.priors import BIAS_TILT, CORRELATION, SCATTER
 
 CONTACT = ("by_ln_kn", "by_ln_kt")
 # Standard deviation beforehand of a named parameter: its column says in what unit it is one.
@@ -73,7 +72,7 @@ class Table:
 class _OfRecords:
     """Parameters: one of each sensitivity, bias and tilt of each mode."""
 
-    scales = (SCATTER, SCATTER, CORRELATION)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(self, simulated: Table, records: Records, hold: ndarray, rounding: float) -> None:
         self.records, self.rounding, self.table = records, rounding, simulated

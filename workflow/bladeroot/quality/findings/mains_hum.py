@@ -31,6 +31,15 @@ UNEVEN = 0.12
 
 
 def find(sight: Sight) -> Finding | None:
+    """Steady lines in the decay, or in what was taken off it with all else that rings."""
+    found = steady_lines(sight)
+    if sight.mixed is None or (found is not None and found.counts):
+        return found
+    gone = steady_lines(sight.mixed)
+    return replace(gone, excess=None) if gone is not None and gone.counts else found
+
+
+def steady_lines(sight: Sight) -> Finding | None:
     """Lines that both halves of the decay show alike; they are fitted and taken off.
 
     Around each multiple a line and a smooth background are fitted to the spectra of both halves.
@@ -70,7 +79,7 @@ def beside_hum(check: Callable[[Sight], Finding | None], sight: Sight) -> Findin
     found = check(sight)
     if found is None or not found.counts:
         return found
-    hum = find(sight)
+    hum = steady_lines(sight)
     if hum is None or not hum.counts:
         return found
     return check(replace(sight, velocity=sight.velocity - hum.excess))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from decay_bench import coulomb
 
 FREQUENCY_HZ, SAMPLING_HZ = 250.0, 25600.0
 
@@ -9,17 +10,6 @@ FREQUENCY_HZ, SAMPLING_HZ = 250.0, 25600.0
 def slip(onset, power):
     """Hinge: zero up to the onset (relative to the start), one at the start."""
     return lambda a: (np.maximum(0.0, a / onset - 1.0) / (1.0 / onset - 1.0)) ** power
-
-
-def coulomb(onset):
-    """Stiffness lost by a slider (3.19), one at the start."""
-
-    def lost(a):
-        x = np.maximum(a / onset, 1.0)
-        theta = np.arccos(1.0 - 2.0 / x)
-        return 1.0 - (theta - 0.5 * np.sin(2.0 * theta)) / np.pi
-
-    return lambda a: lost(a) / lost(1.0)
 
 
 def power_law(power):
@@ -90,7 +80,8 @@ def sticking(seed, noise_db=40.0):
     rng = np.random.default_rng([seed, 2])
     onset = float(np.exp(rng.uniform(np.log(0.06), np.log(0.6))))
     kind = rng.integers(5)
-    law = coulomb(onset) if kind == 4 else slip(onset, (0.7, 1.0, 1.5, 2.0)[kind])
+    lost = coulomb(onset)
+    law = slip(onset, (0.7, 1.0, 1.5, 2.0)[kind]) if kind < 4 else lambda a: lost(a) / lost(1.0)
     lowest = onset / 3.0 / rng.uniform(1.0, 1.5) if rng.random() < 0.5 else None
     eta = rng.uniform(0.003, 0.008)
     decay = blocks(

@@ -117,11 +117,11 @@ def beam_joint(equal_nodes=False):
     return joint_of(free, rise / 1e6, equal_nodes)
 
 
-def beam_map(axial_force=12e3, equal_nodes=False):
+def beam_map(axial_force=12e3, equal_nodes=False, modes=("1B", "2B")):
     """The map of the beam at one force."""
-    return frequency_map(_model(equal_nodes), beam_assembly(axial_force))
+    return frequency_map(_model(equal_nodes, modes), beam_assembly(axial_force))
 
 
 @cache
-def _model(equal_nodes):
-    return parametric_model(beam_joint(equal_nodes))
+def _model(equal_nodes, modes=("1B", "2B")):
+    return parametric_model(beam_joint(equal_nodes), modes)

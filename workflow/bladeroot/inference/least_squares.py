@@ -1,0 +1,70 @@
+"""Contact stiffness from the frequencies of one load: weighted least squares with priors.
+
+With as many modes as stiffnesses the fit is exact where a root exists; with more, chi-square says
+whether the model fits at all, and each mode's misfit by how much; with fewer, the priors decide
+along what the data leave open.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.stats import chi2
+
+from bladeroot.inference.gaussian import Fit, Prior, Problem, State, best_fit
+
+_STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
+_LEAST_GAIN = 1e-8  # nats
+FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
+NOTABLE = 0.05  # probability of a larger misfit, below which the model is said not to fit
+
+# ln f of the modes at ln k, their slopes, and whether the model holds there.
+Frequencies = Callable[[Float[ndarray, " parameter"]], tuple[ndarray, ndarray, bool]]
+
+
+@dataclass(frozen=True)
+class StiffnessFit:
+    """MAP estimate of ln k at one load.
+
+    misfit: ln of measured over fitted, in standard deviations of measurement and model together.
+    gain: slope of the estimate by each mode's ln f. probability: of a larger chi-square; 1 without
+    a degree of freedom.
+    """
+
+    fit: Fit
+    misfit: Float[ndarray, " mode"]
+    gain: Float[ndarray, "parameter mode"]
+    chi_square: float
+    freedom: int
+    probability: float
+
+
+def ln_range(low: float, high: float, count: int) -> Prior:
+    """Priors of ln k, two standard deviations of which reach from low to high (N/m)."""
+    ends = np.log([low, high])
+    return Prior(np.full(count, ends.mean()), np.full(count, 0.25 * (ends[1] - ends[0])))
+
+
+def fit_stiffness(
+    frequencies: Frequencies,
+    ln_measured: Float[ndarray, " mode"],
+    std: Float[ndarray, " mode"],
+    prior: Prior,
+) -> StiffnessFit:
+    """The stiffnesses that measured ln f ask for; std: of measurement and model together."""
+    errors, nothing = np.diag(std**2), Prior(np.zeros(0), np.zeros(0))
+
+    def predict(ln_k: ndarray) -> State:
+        value, slope, inside = frequencies(ln_k)
+        return State(value, slope, {}, inside)
+
+    problem = Problem(ln_measured, predict, lambda *_: (errors, list), prior, nothing)
+    starts = [prior.mean + step * prior.std for step in _STARTS]
+    found = best_fit(problem, starts, least=_LEAST_GAIN)
+    misfit = (ln_measured - found.state.mean) / std
+    square, freedom = float(misfit @ misfit), ln_measured.size - prior.mean.size
+    chance = float(chi2.sf(square, freedom)) if freedom > 0 else 1.0
+    gain = found.covariance @ (found.state.slope / std[:, None] ** 2).T
+    return StiffnessFit(found, misfit, gain, square, freedom, chance)

@@ -1,0 +1,228 @@
+"""Draws from a Gaussian model's posterior, weighted by what the posterior is not normal.
+
+Along a few parameters (and the scales) the posterior bends; given them, the rest is nearly normal
+about a point that two Gauss-Newton steps reach. So a mixture that learns from its own draws
+proposes the few, Gauss and Newton the rest, and weights make both exact.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.special import gammaln, logsumexp
+
+from bladeroot.inference.gaussian import Fit, Problem
+
+DRAWS = 4000  # that are handed out
+# Draws are added until this part of those handed out is independent, or so many times were asked
+# for. Of 2,000 the quantiles of 68 % move by 0.03 of a standard deviation from seed to seed.
+_WANTED, _MOST = 0.5, 4
+_ROUNDS, _LEARN = 4, 500  # of learning, and the draws of each
+_STEPS = 2  # of Gauss and Newton, to the rest
+_FREEDOM = 5.0  # of each part (multivariate t): heavier tails than the posterior's
+_WIDER = 1.3  # std of the first proposal over Laplace's
+_ENOUGH = 0.5  # share of the draws that are independent, from which on nothing is learnt
+_CHUNK = 500  # points at once, for memory
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Equally weighted draws of parameters and scales.
+
+    effective: how many independent draws the weighted ones are worth, (sum w)^2 / sum w^2.
+    proposed: how many points were asked for in all.
+    """
+
+    parameters: Float[ndarray, "draw parameter"]
+    scales: Float[ndarray, "draw scale"]
+    effective: float
+    proposed: int
+
+
+def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) -> Draws:
+    """Draws by adaptive importance sampling from Laplace's approximation; the same for a seed.
+
+    bent: numbers of the parameters along which the posterior bends. ValueError where no draw has a
+    finite posterior.
+    """
+    rng, bent, count = np.random.default_rng(seed), np.asarray(bent), len(bent)
+    outer = np.zeros((count + fit.scales.size,) * 2)
+    outer[:count, :count] = fit.covariance[np.ix_(bent, bent)]
+    outer[count:, count:] = fit.scales_covariance
+    centre = np.concatenate([fit.parameters[bent], fit.scales])
+    mixture = _Mixture(np.ones(1), centre[None], _WIDER**2 * outer[None])
+    proposed, learn = 0, min(_LEARN, draws)
+    for _ in range(_ROUNDS):
+        points, _, log = _proposed(fit, bent, mixture, learn, rng)
+        proposed += learn
+        if _effective(log) > _ENOUGH * learn:
+            break
+        mixture = mixture.learnt(points, _weights(log))
+    points, parameters, log = _proposed(fit, bent, mixture, draws, rng)
+    while len(log) < _MOST * draws and _effective(log) < _WANTED * draws:
+        more = _proposed(fit, bent, mixture, draws, rng)
+        points, parameters, log = (
+            np.concatenate(pair) for pair in zip((points, parameters, log), more, strict=True)
+        )
+    weight = _weights(log)
+    steps = (np.arange(draws) + rng.uniform()) / draws
+    chosen = np.minimum(np.searchsorted(np.cumsum(weight), steps), len(weight) - 1)
+    chosen = rng.permutation(chosen)
+    return Draws(parameters[chosen], points[chosen, count:], _effective(log), proposed + len(log))
+
+
+def _weights(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
+    """Weights of sum one. ValueError where all are nothing."""
+    if not np.isfinite(log).any():
+        raise ValueError("no draw has a finite posterior")
+    return np.exp(log - logsumexp(log[np.isfinite(log)]))
+
+
+def _effective(log: Float[ndarray, " draw"]) -> float:
+    return float(1.0 / np.sum(_weights(log) ** 2))
+
+
+def _proposed(
+    fit: Fit, bent: ndarray, mixture: "_Mixture", count: int, rng: np.random.Generator
+) -> tuple[ndarray, ndarray, ndarray]:
+    """Points of the mixture, all parameters there, and ln of their weights."""
+    points = mixture.draw(count, rng)
+    noise = rng.standard_normal((count, fit.parameters.size - len(bent)))
+    parts = [
+        _completed(fit, bent, points[k : k + _CHUNK], noise[k : k + _CHUNK])
+        for k in range(0, count, _CHUNK)
+    ]
+    parameters, log = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return points, parameters, log - mixture.log_density(points)
+
+
+def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tuple[ndarray, ndarray]:
+    """Parameters whose rest is drawn given the bent ones, and the posterior over its density."""
+    problem, prior = fit.problem, fit.problem.prior
+    count = len(bent)
+    rest = np.setdiff1d(np.arange(fit.parameters.size), bent)
+    along = np.linalg.solve(fit.covariance[np.ix_(bent, bent)], fit.covariance[np.ix_(bent, rest)])
+    theta, scales = np.tile(fit.parameters, (len(points), 1)), points[:, count:]
+    theta[:, bent] = points[:, :count]
+    theta[:, rest] += (points[:, :count] - fit.parameters[bent]) @ along
+    weight = np.diag(prior.std[rest] ** -2.0)
+    for _ in range(_STEPS):
+        here = _seen(problem, theta, scales)
+        white = np.linalg.solve(
+            here.root, np.concatenate([here.slope[..., rest], here.miss], axis=2)
+        )
+        slope, miss = white[..., :-1], white[..., -1:]
+        turned = slope.transpose(0, 2, 1)
+        curve = turned @ slope + weight
+        off = (theta[:, rest] - prior.mean[rest]) / prior.std[rest] ** 2
+        theta[:, rest] += np.linalg.solve(curve, turned @ miss - off[..., None])[..., 0]
+    root = np.linalg.cholesky(curve)
+    theta[:, rest] += np.linalg.solve(root.transpose(0, 2, 1), noise[..., None])[..., 0]
+    here = _seen(problem, theta, scales)
+    miss = np.linalg.solve(here.root, here.miss)[..., 0]
+    log = -0.5 * ((miss**2).sum(axis=1) - (noise**2).sum(axis=1)) - _log_det(here.root)
+    log -= 0.5 * (((theta - prior.mean) / prior.std) ** 2).sum(axis=1) + _log_det(root)
+    log -= 0.5 * (((scales - problem.scales.mean) / problem.scales.std) ** 2).sum(axis=1)
+    return theta, np.where(here.inside, log - here.repeats, -np.inf)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A model at several points: misses as columns, root of the covariance, cost of repeats."""
+
+    miss: Float[ndarray, "point datum 1"]
+    slope: Float[ndarray, "point datum parameter"]
+    root: Float[ndarray, "point datum datum"]
+    repeats: Float[ndarray, " point"]
+    inside: ndarray
+
+
+def _seen(problem: Problem, theta: ndarray, scales: ndarray) -> _Seen:
+    states = problem.states(theta)
+    pairs = list(zip(states, scales, strict=True))
+    whole = np.array([problem.covariance(state, own)[0] for state, own in pairs])
+    repeats = np.zeros(len(theta))
+    if problem.repeats is not None:
+        repeats = np.array([problem.repeats.cost(state, own) for state, own in pairs])
+    miss = np.array([problem.data - state.mean for state in states])
+    slope = np.array([state.slope for state in states])
+    root, good = _roots(whole)
+    good &= np.isfinite(miss).all(axis=1) & np.isfinite(slope).all(axis=(1, 2))
+    miss[~good], slope[~good] = 0.0, 0.0
+    inside = good & np.array([state.inside for state in states])
+    return _Seen(miss[..., None], slope, root, repeats, inside)
+
+
+def _roots(whole: Float[ndarray, "point datum datum"]) -> tuple[ndarray, ndarray]:
+    """Cholesky's factors, and which there are; where there is none, the identity."""
+    good = np.isfinite(whole).all(axis=(1, 2))
+    whole[~good] = np.eye(whole.shape[1])
+    try:
+        return np.linalg.cholesky(whole), good
+    except np.linalg.LinAlgError:
+        good &= np.linalg.eigvalsh(whole)[:, 0] > 1e-13 * np.trace(whole, axis1=1, axis2=2)
+        whole[~good] = np.eye(whole.shape[1])
+        return np.linalg.cholesky(whole), good
+
+
+def _log_det(root: Float[ndarray, "point datum datum"]) -> Float[ndarray, " point"]:
+    return np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+
+
+@dataclass(frozen=True)
+class _Mixture:
+    """Of multivariate t distributions."""
+
+    share: Float[ndarray, " part"]
+    mean: Float[ndarray, "part coordinate"]
+    scale: Float[ndarray, "part coordinate coordinate"]
+
+    def draw(self, count: int, rng: np.random.Generator) -> Float[ndarray, "draw coordinate"]:
+        """Draws, of each part its share."""
+        part = rng.choice(len(self.share), count, p=self.share)
+        root = np.linalg.cholesky(self.scale)[part]
+        noise = rng.standard_normal((count, self.mean.shape[1], 1))
+        stretch = np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, count))
+        return self.mean[part] + stretch[:, None] * (root @ noise)[..., 0]
+
+    def log_parts(self, points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:
+        """Log density by each part with its share, and the squared distance from it."""
+        n = self.mean.shape[1]
+        root = np.linalg.cholesky(self.scale)
+        away = points[None] - self.mean[:, None]
+        square = (np.linalg.solve(root, away.transpose(0, 2, 1)) ** 2).sum(axis=1)
+        constant = gammaln(0.5 * (_FREEDOM + n)) - gammaln(0.5 * _FREEDOM)
+        constant -= 0.5 * n * np.log(_FREEDOM * np.pi)
+        log = constant + np.log(self.share)[:, None] - _log_det(root)[:, None]
+        return log - 0.5 * (_FREEDOM + n) * np.log1p(square / _FREEDOM), square
+
+    def log_density(self, points: Float[ndarray, "point coordinate"]) -> ndarray:
+        """Log density at points."""
+        return logsumexp(self.log_parts(points)[0], axis=0)
+
+    def learnt(self, points: ndarray, weight: ndarray) -> "_Mixture":
+        """The mixture that the weighted draws ask for (expectation maximisation)."""
+        mixture = self
+        if len(self.share) == 1:  # three, apart along the longest axis of what was seen
+            mean = weight @ points
+            spread = (weight[:, None] * (points - mean)).T @ (points - mean)
+            spread += 0.05 * self.scale[0]
+            unit = np.sqrt(np.diag(spread))
+            size, axis = np.linalg.eigh(spread / np.outer(unit, unit))
+            along = axis[:, -1] * np.sqrt(size[-1]) * unit
+            places = mean + np.array([-1.0, 0.0, 1.0])[:, None] * along
+            mixture = _Mixture(np.full(3, 1 / 3), places, np.tile(spread, (3, 1, 1)))
+        n = points.shape[1]
+        for _ in range(5):
+            log, square = mixture.log_parts(points)
+            member = weight * np.exp(log - logsumexp(log, axis=0))
+            share = np.maximum(member.sum(axis=1), 0.02)
+            tail = member * (_FREEDOM + n) / (_FREEDOM + square)
+            mean = (tail @ points) / tail.sum(axis=1)[:, None]
+            away = points[None] - mean[:, None]
+            scale = np.einsum("kp,kpi,kpj->kij", tail, away, away) / share[:, None, None]
+            scale += 0.05 * mixture.scale  # a part that few draws hold does not shrink to a line
+            mixture = _Mixture(share / share.sum(), mean, scale)
+        return mixture
