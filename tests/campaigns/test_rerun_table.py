@@ -331,8 +331,7 @@ def _plan(folder, told, cli):
     sys.path[:] = [one for one in sys.path if not one.startswith(str(Path(__file__).parents[2]))]
     os.chdir(folder)
     with told.open("w") as out:
-        os.dup2(out.fileno(), 1)
-        os.dup2(out.fileno(), 2)
+        sys.stdout = sys.stderr = out
         cli.main(["-n", "-j1"])
 
 
