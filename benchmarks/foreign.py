@@ -2,7 +2,9 @@
 
     python benchmarks/foreign.py run --seeds 1-40 --out DIR --shipped PARAMETRIC
     python benchmarks/foreign.py run --seeds 1-5 --effect joint-slip --out DIR ...
-    python benchmarks/foreign.py score --out DIR
+    python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # quick tier
+    python benchmarks/foreign.py loop --seeds 1-40 --out DIR --shipped PARAMETRIC      # to the end
+    python benchmarks/foreign.py score --out DIR --rows FILE      # or --out FILE: the tables again
     python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
 
 PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
@@ -24,8 +26,10 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import xarray as xr  # noqa: E402
 from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
-from foreign_lab.score import outcome, report  # noqa: E402
+from foreign_lab.jointed_beam import export  # noqa: E402
+from foreign_lab.score import outcome, report, row  # noqa: E402
 
 
 def seeds_of(text: str) -> list[int]:
@@ -77,35 +81,111 @@ def run(args: argparse.Namespace) -> None:
         cache = args.cache or args.out / "cache"
         verdict = infer(folder, results, cache, args.shipped, args.keep, store)
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
-        truth = opened(args.out / f"truth-{seed}.json")
-        hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
-        causes = ", ".join("/".join(c["credible_set"]) for c in verdict["causes"]) or "-"
-        print(
-            f"  {time.process_time() - begun:.0f} s CPU; hidden {hidden}; "
-            f"{verdict['answer']}: {causes} -> {outcome(truth, verdict)}",
-            flush=True,
-        )
+        spent = time.process_time() - begun
+        _tell(opened(args.out / f"truth-{seed}.json"), verdict, spent)
         if not args.keep:
             shutil.rmtree(folder)
             shutil.rmtree(results, ignore_errors=True)
 
 
+def curves(args: argparse.Namespace) -> None:
+    """The quick tier: curves to verdict. Cases with a fault of the records are left out."""
+    from foreign_lab.curves import observations, shows
+    from foreign_lab.run import judge
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    for seed in seeds_of(args.seeds):
+        answer = args.out / f"verdict-{seed}.json"
+        case = drawn(args, seed) if args.again or not answer.is_file() else None
+        if case is None or not shows(case):
+            continue
+        seal(case, args.out / f"truth-{seed}.json")
+        with xr.open_dataset(told(args, case)) as model:
+            verdict = judge(observations(case), model.load())
+        answer.write_text(json.dumps(verdict, indent=1) + "\n")
+        _tell(opened(args.out / f"truth-{seed}.json"), verdict, verdict["seconds"]["diagnosis"])
+
+
+def loop(args: argparse.Namespace) -> None:
+    """What a verdict asks for is carried out, at most twice, and the verdict made again."""
+    import numpy as np
+    from foreign_lab.curves import observations, shows
+    from foreign_lab.further import facts, with_records
+    from foreign_lab.run import judge
+
+    args.out.mkdir(parents=True, exist_ok=True)
+    for seed in seeds_of(args.seeds):
+        answer, case = args.out / f"loop-{seed}.json", drawn(args, seed)
+        listed = case.effects and not any(one.outside for one in case.effects)
+        if answer.is_file() or not listed or not shows(case):
+            continue
+        model, rng = xr.open_dataset(told(args, case)).load(), np.random.default_rng([seed, 7])
+        known, steps = [], []
+        seal(case, args.out / f"truth-{seed}.json")
+        truth = opened(args.out / f"truth-{seed}.json")
+        for _ in range(3):
+            verdict = judge(observations(case), model, known)
+            ended = outcome(truth, verdict)
+            steps.append({"answer": verdict["answer"], "outcome": ended, "asked": ""})
+            if verdict["answer"] == "named" or not verdict["next"] or len(steps) == 3:
+                break
+            asked = verdict["next"][0]
+            steps[-1]["asked"] = asked["what"]
+            if asked["load"] is None:
+                known += facts(case, asked["measurement"], rng)
+            else:
+                case = with_records(case, asked["measurement"], asked["load"], rng)
+        answer.write_text(json.dumps(steps, indent=1) + "\n")
+        hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"])
+        said = " -> ".join(f"{one['outcome']} [{one['asked']}]" for one in steps)
+        print(f"{seed}  hidden {hidden}; {said}", flush=True)
+
+
+def told(args: argparse.Namespace, case: Case) -> Path:
+    """The analyst's `parametric.nc`."""
+    from foreign_lab.run import parametric_of
+
+    if case.specimen.told is None:
+        return args.shipped
+    cache = args.cache or args.out / "cache"
+    folder = cache / "drawings"
+    drawing = folder / f"{case.specimen.name}.yaml"
+    if not drawing.is_file():
+        folder.mkdir(parents=True, exist_ok=True)
+        export(case.specimen.told, folder, case.specimen.name)
+    return parametric_of(drawing, cache)
+
+
+def _tell(truth: dict, verdict: dict, seconds: float) -> None:
+    hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+    causes = ", ".join("/".join(c["credible_set"]) for c in verdict["causes"]) or "-"
+    print(
+        f"{truth['seed']}  {seconds:.1f} s CPU; hidden {hidden}; "
+        f"{verdict['answer']}: {causes} -> {outcome(truth, verdict)}",
+        flush=True,
+    )
+
+
 def score(args: argparse.Namespace) -> None:
-    """Tables of all verdicts of a folder."""
+    """Tables of all verdicts of a folder, or of the rows that `--rows` kept."""
     chosen = seeds_of(args.seeds) if args.seeds else None
-    cases = []
-    for path in sorted(args.out.glob("verdict-*.json")):
-        seed = int(path.stem.removeprefix("verdict-"))
-        if chosen is None or seed in chosen:
+    rows = []
+    if args.out.is_file():
+        rows = json.loads(args.out.read_text())
+    else:
+        paths = {int(p.stem.removeprefix("verdict-")): p for p in args.out.glob("verdict-*.json")}
+        for seed in sorted(paths.keys() & set(chosen) if chosen else paths):
             truth = opened(args.out / f"truth-{seed}.json")
-            cases.append((truth, json.loads(path.read_text())))
-    print(report(cases))
+            rows.append(row(truth, json.loads(paths[seed].read_text())))
+    if args.rows:
+        args.rows.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
+    print(report(rows))
 
 
 def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["make", "run", "score"])
+    parser.add_argument("what", choices=["make", "run", "curves", "loop", "score"])
     parser.add_argument("--seeds", default="", help="as 1-40 or 3,7")
     parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
     parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
@@ -113,10 +193,11 @@ def main() -> None:
     parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
     parser.add_argument("--kind", default="", choices=["", "null", "single", "pair", "outside"])
     parser.add_argument("--effect", default="", help="the id of the one effect to hide")
+    parser.add_argument("--rows", type=Path, help="score: file that keeps what tables are made of")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()
-    {"make": make, "run": run, "score": score}[args.what](args)
+    {"make": make, "run": run, "curves": curves, "loop": loop, "score": score}[args.what](args)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Do the regions of (ln kn, ln kt) hold simulated truths as often as they say?
 
     python benchmarks/joint_coverage.py [draws] [seed]
+    python benchmarks/joint_coverage.py --structure lap-joint [draws] [seed]
 
 A truth is another mesh of the structure with a law of stiffness, biases of the frequencies, a
 gauge's offset and gain, and a scatter of every clamping, all drawn from the priors that the
@@ -9,6 +10,10 @@ of two sound meshes lie apart, in quadrature. The regions are those of `joint.nc
 from fewer draws. Beside them stand Laplace's ellipse and the thesis's way: two frequencies
 interpolated to one force, the root nearest to the truth, and the covariance of the measurement
 alone (5.8-5.24).
+
+With a structure of several interfaces the regions are those of all its contact stiffnesses together
+(`bladeroot.diagnosis.interfaces`), beside Laplace's ellipsoid, from stick frequencies of all its
+modes at four loads, each with two clampings; truths have another mesh, too.
 """
 
 import os
@@ -21,14 +26,22 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 import yaml
+from bladeroot.diagnosis.interfaces import density, weighted_draws
+from bladeroot.diagnosis.simulation.parametric import of_assembly
+from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.fem.geometry import structure_from_mapping
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
+from bladeroot.inference.gaussian import best_fit
 from bladeroot.inference.sampling import sample
+from bladeroot.mechanisms.mechanism import Records
+from bladeroot.rom.bodies import reduce_bodies
 from bladeroot.rom.chebyshev import at_force, trimmed
 from bladeroot.rom.joint import joint_of_reduced
-from bladeroot.rom.parametric import parametric_model, surface_of
+from bladeroot.rom.lap_joint import lap_joint_assembly
+from bladeroot.rom.parametric import ln_frequencies, parametric_model, solved_of, surface_of
 from bladeroot.rom.reduction import reduce_structure
+from bladeroot.rom.whole import parametric_structure
 from bladeroot.stiffness.interpolation import interpolate_to
 from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
@@ -38,6 +51,7 @@ from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
 from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.roots import newton
 from bladeroot.stiffness.search import ln_covariance
+from scipy.stats import chi2
 
 ROOT = Path(__file__).resolve().parents[1]
 FORCES = {"1B": [5370, 6802, 7697, 10382, 12530, 16110, 24165],
@@ -46,6 +60,8 @@ NOISE = 1e-4  # of the frequency
 BIAS, GAUGE = np.array([0.005, 0.005]), (1253.0, 0.01)
 MESH = 0.002  # relative difference of frequencies between two meshes; `main` prints the true one
 OTHER_MESH = {"span_element_mm": 20.0, "jaw_elements": 3}
+LOADS, HOLDS = (3e3, 6e3, 9e3, 12e3), 2  # of an assembly's campaign: N, clampings at each
+OTHER_LAP_MESH = {"span_element_mm": 40.0, "width_elements": 4}
 
 
 def surface(changes: dict):
@@ -159,6 +175,76 @@ def main(draws: int, seed: int) -> None:
           f"median {np.median(rows[:, 7]):.0f}")  # fmt: skip
 
 
+def assembly_model(name: str, changes: dict):
+    """The parametric model of an assembly on its own mesh, or with a part of it changed."""
+    data = yaml.safe_load((ROOT / f"resources/structures/{name}.yaml").read_text())
+    data["mesh"] = data["mesh"] | changes
+    reduced = reduce_bodies(lap_joint_assembly(data, name))
+    return parametric_structure(reduced, {"force_kN": (0.0, 30.0)})
+
+
+def assembly_data(modes: tuple[str, ...]) -> StickData:
+    """A campaign without its frequencies."""
+    load = np.repeat(LOADS, HOLDS * len(modes))
+    hold = np.repeat(np.arange(len(LOADS) * HOLDS), len(modes))
+    mode, none = np.tile(np.arange(len(modes)), len(LOADS) * HOLDS), np.zeros(load.size)
+    records = Records(mode, load, none, none, none, 0.0, 0.0)
+    noise = np.full(load.size, NOISE)
+    return StickData(modes, records, none, noise, hold, 0.0, np.arange(load.size), False, False)
+
+
+def drawn_frequencies(true, rng) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters drawn from the priors, and ln f with the scatter that the model states."""
+    theta = true.prior.mean + true.prior.std * rng.standard_normal(true.prior.mean.size)
+    scales = true.scales.mean + true.scales.std * rng.standard_normal(true.scales.mean.size)
+    state = true.predict(theta)
+    covariance, _ = true.covariance(state, scales)
+    return theta, rng.multivariate_normal(state.mean, covariance, method="eigh")
+
+
+def of_structure(name: str, draws: int, seed: int) -> None:
+    start = time.process_time()
+    models = [assembly_model(name, changes) for changes in ({}, OTHER_LAP_MESH)]
+    bias = float(np.hypot(BIAS[0], MESH))
+    ours, other = of_assembly(models[0], {}, {}, bias), of_assembly(models[1], {}, {}, BIAS[0])
+    blank = assembly_data(ours.modes)
+    count = len(ours.parameters)
+    print(f"models built in {time.process_time() - start:.0f} s; {', '.join(ours.parameters)}")
+    middle = np.mean([models[0]["box"].values, models[1]["box"].values], axis=(0, 1))[None]
+    apart = np.subtract(*(ln_frequencies(solved_of(one), middle)[0][0] for one in models[::-1]))
+    print(f"the other mesh: {100 * apart.min():+.3f} to {100 * apart.max():+.3f} % off in f")
+    start = time.process_time()
+    rows, stds, least = [], [], np.inf
+    for k in range(draws):
+        rng = np.random.default_rng([seed, k])
+        theta, ln_f = drawn_frequencies(problem(blank, other), rng)
+        asked = problem(replace(blank, ln_f=ln_f), ours)
+        found = best_fit(asked, [asked.prior.mean + step * asked.prior.std for step in (-0.6, 0.6)])
+        off, covariance = (theta - found.parameters)[:count], found.covariance[:count, :count]
+        laplace = chi2.cdf(off @ np.linalg.solve(covariance, off), count)
+        base = asked.prior.mean.size
+        log_density = density(replace(blank, ln_f=ln_f), ours, found, [], base)
+        drawn = weighted_draws(log_density, np.array(ours.prior))
+        rows.append([drawn.share_denser(log_density(theta[None, :count])[0]), laplace])
+        center = drawn.ln_k - drawn.weight @ drawn.ln_k
+        stds.append(np.sqrt(drawn.weight @ center**2) / asked.prior.std[:count])
+        least = min(least, drawn.effective)
+    print(f"{draws} truths, seed {seed}, {time.process_time() - start:.0f} s; effective draws from "
+          f"{least:.0f}")  # fmt: skip
+    for name, column in zip(("by draws", "Laplace"), np.array(rows).T, strict=True):
+        inside = [100 * np.mean(column < c) for c in SHARES]
+        print(f"regions of all ln k {name}: 68 % {inside[0]:.1f}, 95 % {inside[1]:.1f}; sampling "
+              f"error up to {100 * np.sqrt(0.25 / draws):.1f} points")  # fmt: skip
+    told = zip(ours.parameters, np.median(stds, axis=0), strict=True)
+    print("median std over the prior's: " + ", ".join(f"{name} {std:.2f}" for name, std in told))
+
+
 if __name__ == "__main__":
-    numbers = [int(text) for text in sys.argv[1:]]
-    main(*(numbers + [200, 20261122][len(numbers) :]))
+    words = sys.argv[1:]
+    structure = words[1] if words[:1] == ["--structure"] else ""
+    numbers = [int(text) for text in (words[2:] if structure else words)]
+    numbers += [200, 20261122][len(numbers) :]
+    if structure:
+        of_structure(structure, *numbers)
+    else:
+        main(*numbers)

@@ -3,6 +3,8 @@
     python benchmarks/real_like.py --events 60 --seed 1000 --json found.json
     python benchmarks/real_like.py --small                     # some seconds
     python benchmarks/real_like.py --show 1003                 # one event, a line for every pair
+    python benchmarks/real_like.py --rows a.json b.json --commit abc1234 --json real_like.json
+                                                               # summary and README table of runs
 
 Event i of a run has the seed SEED + i. Seeds from 1000 to 1999 are for tuning; those from 100000 on
 are for scoring only, and nothing may be set by looking at them.
@@ -17,7 +19,7 @@ import numpy as np
 from drawn_world import campaign, draw
 from drawn_world.bound import bounds
 from drawn_world.product import analysed, unchecked
-from drawn_world.table import lines
+from drawn_world.table import lines, markdown, summary
 from drawn_world.verdicts import score
 
 SMALL_EVENTS = 4
@@ -60,7 +62,17 @@ def main() -> None:
         "--show", type=int, nargs="*", default=[], help="only these seeds, a line a pair"
     )
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--rows", type=Path, nargs="*", default=[], help="JSON of earlier runs")
+    parser.add_argument("--commit", default="", help="what was scored")
     chosen = parser.parse_args()
+    if chosen.rows:
+        rows = [row for path in chosen.rows for row in json.loads(path.read_text())]
+        seeds = sorted({row["seed"] for row in rows})
+        made = summary(rows, f"{seeds[0]} to {seeds[-1]}", chosen.commit)
+        print(*markdown(made), sep="\n")
+        if chosen.json:
+            chosen.json.write_text(json.dumps(made, indent=1, default=float) + "\n")
+        return
     count = SMALL_EVENTS if chosen.small else chosen.events
     seeds = chosen.show or range(chosen.seed, chosen.seed + count)
     rows = []

@@ -49,6 +49,50 @@ def lines(rows: list[dict]) -> list[str]:
     return out
 
 
+def summary(rows: list[dict], seeds: str, commit: str) -> dict:
+    """The numbers that the README's table shows, of scored pairs."""
+    count = Counter(row["class"] for row in rows)
+    whole = Counter(row["class, as a curve"] for row in rows)
+    made = {"seeds": seeds, "commit": commit, "pairs": len(rows)}
+    made["events"] = len({row["seed"] for row in rows})
+    made["classes"] = {
+        name: [100 * one[name] / len(rows) for one in (count, whole)] for name in CLASSES
+    }
+    weight = [row["points"] for row in given(rows)]
+    for name in ("frequency", "loss_factor"):
+        some = [row[name] for row in given(rows)]
+        made[name] = {
+            "within 3 stated": 100 * np.average([one["within 3"] for one in some], weights=weight),
+            "median error": np.median([one["median relative"] for one in some]),
+            "over bound": np.median([one["over bound"] for one in some if "over bound" in one]),
+        }
+    made["cpu_s"] = np.median([row["cpu_s"] for row in rows])
+    return made
+
+
+def markdown(made: dict) -> list[str]:
+    """The README's table of a summary."""
+    out = [
+        f"Scored once at {made['commit']}, on seeds {made['seeds']}: {made['events']} events,",
+        f"{made['pairs']} pairs of mode and sensor.", "",
+        "| class | of pairs | with the largest of a curve's points allowed for |", "|---|---|---|",
+    ]  # fmt: skip
+    out += [f"| {name} | {a:.1f} % | {b:.1f} % |" for name, (a, b) in made["classes"].items()]
+    out += ["", "| curves given | frequency | loss factor |", "|---|---|---|"]
+    both = [made["frequency"], made["loss_factor"]]
+    for text, name, form in (
+        ("points within three stated errors", "within 3 stated", "{:.1f} %"),
+        ("median error, relative", "median error", "{:.2g}"),
+        ("error over the Cramer-Rao bound", "over bound", "{:.1f}"),
+    ):
+        out.append(f"| {text} | {' | '.join(form.format(one[name]) for one in both)} |")
+    return [
+        *out,
+        "",
+        f"CPU of a record, all stages, reading included: {made['cpu_s']:.2f} s in the median.",
+    ]
+
+
 def by_feature(rows) -> list[str]:
     """Shares of classes where a feature is there, and seeds to repeat them with."""
     out = [

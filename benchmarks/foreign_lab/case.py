@@ -3,6 +3,7 @@
 import hashlib
 import json
 import secrets
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,6 +64,7 @@ def draw_case(seed: int, cache: Path, shipped: Path, kind: str = "", effect: str
     sheet = draw_sheet(rng, made, bench)
     sheet.state = undisturbed(rng, sheet, bench, BIAS)
     sheet.state["eta"] = np.array([bench.loss[m] for m in sheet.mode])
+    sheet.begun = dict(sheet.state)
     for _ in range(TRIES):
         effects = [
             _grown(draw_effect(rng, law), sheet, bench) for law in _chosen(rng, kind, laws, effect)
@@ -71,10 +73,15 @@ def draw_case(seed: int, cache: Path, shipped: Path, kind: str = "", effect: str
         if all(_seen(one, sheet, bench) > VISIBLE / 2 for one in effects):
             break
     effects.sort(key=lambda one: (FIRST.index(one.id) if one.id in FIRST else 9, one.id))
+    disturb(sheet, effects)
+    return Case(seed, kind, tuple(effects), sheet, bench)
+
+
+def disturb(sheet: Sheet, effects: Sequence[Effect]) -> None:
+    """Change the state by the effects, one after the other."""
     for one in effects:
         for name, change in (one.call("stick", sheet) or {}).items():
             sheet.state[name] = sheet.state[name] + change
-    return Case(seed, kind, tuple(effects), sheet, bench)
 
 
 def _grown(effect: Effect, sheet: Sheet, bench: Bench) -> Effect:

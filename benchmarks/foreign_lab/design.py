@@ -111,6 +111,7 @@ def undisturbed(rng: np.random.Generator, sheet: Sheet, bench: Bench, bias: floa
         "force": sheet.reading + newtons * rng.uniform(-0.5, 0.5, len(holds))[where],
         "ln_f": np.array([off[m] for m in sheet.mode]) + 1.5e-5 * rng.normal(size=count),
         "ln_eta": 0.03 * draws[2][where] + 0.005 * rng.normal(size=count),
+        "bias": np.array([off[m] for m in sheet.mode]),
     }
 
 

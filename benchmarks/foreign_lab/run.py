@@ -10,11 +10,12 @@ import json
 import pickle
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
+import xarray as xr
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -177,33 +178,50 @@ def _analyse(folder: Path, results: Path) -> None:
 BATCH = Path("batches/all.txt")
 
 
+def judge(seen: xr.Dataset, model: xr.Dataset, independent: Sequence[dict] = ()) -> dict:
+    """verdict.json on observations, with the shipped settings; `seconds` of CPU beside it.
+
+    model: the analyst's `parametric.nc`.
+    """
+    stage("ringdown")  # the library's path
+    from bladeroot.diagnosis import judged
+    from bladeroot.mechanisms.catalogue import catalogue
+
+    config, clock = configuration(), time.process_time()
+    facts = {**config["diagnosis"], **config["search"], "independent": list(independent)}
+    verdict = judged.judge(seen, model, facts, catalogue())[1]
+    return {**verdict, "seconds": {"diagnosis": time.process_time() - clock}}
+
+
+def _judged(seen: Path, parametric: Path, facts: dict, results: Path) -> dict:
+    from bladeroot import artifacts
+
+    config, said = configuration(), []
+    settings = json.dumps({**config["diagnosis"], **config["search"], **facts})
+    keep, artifacts.save_json = artifacts.save_json, lambda verdict, _: said.append(verdict)
+    try:
+        stage("diagnosis")(seen, [str(parametric)], settings, results / "d.nc", results, None)
+    finally:
+        artifacts.save_json = keep
+    return said[0]
+
+
 def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
     from bladeroot.io.campaign import load_campaign
 
-    campaign, config = load_campaign(folder), configuration()
+    campaign = load_campaign(folder)
     batch = results / BATCH
     if not batch.is_file():
         batch.parent.mkdir(parents=True)
         batch.write_text("".join(f"{row['record']}\n" for row in campaign.records))
     integrity, stick = results / "integrity.nc", results / "stick.nc"
-    seen, verdict = results / "observations.nc", results / "verdict.json"
+    seen = results / "observations.nc"
     stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
-    stage("diagnosis")(
-        seen,
-        [str(parametric)],
-        json.dumps(
-            {
-                **config["diagnosis"],
-                **config["search"],
-                "full_contact_from_kN": campaign.description.get("full_contact_from_kN", 0),
-                "independent": campaign.description.get("independent", []),
-            }
-        ),
-        results / "diagnosis.nc",
-        verdict,
-        None,
-    )
-    return json.loads(verdict.read_text())
+    facts = {
+        "full_contact_from_kN": campaign.description.get("full_contact_from_kN", 0),
+        "independent": campaign.description.get("independent", []),
+    }
+    return _judged(seen, parametric, facts, results)
 
 
 def _observed_facts(campaign) -> dict:

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 NONE, OTHER = "none", "none-of-these"
 # An answer without probabilities is taken at this word (a name is given for certain).
 STATED = 0.95
+LEAST_STATED = 0.02  # probability of a set that is kept with the results
 OUTCOMES = (
     "right, certain",
     "part right, certain",
@@ -69,8 +70,8 @@ def outcome(truth: dict, verdict: dict) -> str:
         if named:
             return "right, certain" if named == hidden else "part right, certain"
     if answer == "ambiguous" or (answer == "named" and not named):
-        inside = possible(verdict)
-        return f"ambiguous {'with' if hidden & inside else 'without'} truth"
+        true = hidden | kin | ({OTHER} if any(one["outside"] for one in effects) else set())
+        return f"ambiguous {'with' if (true or {NONE}) & possible(verdict) else 'without'} truth"
     if answer == "unexplained":
         return "unexplained"
     return "insufficient" if answer == "insufficient-data" else "nothing missing"
@@ -79,16 +80,23 @@ def outcome(truth: dict, verdict: dict) -> str:
 def log_score(truth: dict, verdict: dict) -> float:
     """ln of the probability given to the truth, no less than ln 0.001."""
     given = probabilities(verdict)
-    return math.log(max(given.get(true_key(truth), 0.0), 1e-3))
+    return math.log(max(sum(p for key, p in given.items() if is_true(truth, key)), 1e-3))
 
 
-def true_key(truth: dict) -> str:
-    """The key of the truth in a verdict's probabilities."""
+def is_true(truth: dict, key: str) -> bool:
+    """Whether a set of a verdict's probabilities is the truth.
+
+    What no catalogue is known to have is `OTHER`, or a name that describes it fairly.
+    """
     if truth["kind"] == "null":
-        return NONE
-    if any(one["outside"] for one in truth["effects"]):
-        return OTHER
-    return "+".join(sorted(one["id"] for one in truth["effects"]))
+        return key == NONE
+    fair = {
+        name
+        for one in truth["effects"]
+        if one["outside"]
+        for name in (OTHER, one["id"], *one["kin"])
+    }
+    return key in fair or key == "+".join(sorted(one["id"] for one in truth["effects"]))
 
 
 # Parameter of a named cause in a verdict: the measure of the truth that it should be.
@@ -116,76 +124,111 @@ def sizes(truth: dict, verdict: dict) -> list[tuple[str, float]]:
     return found
 
 
-def report(cases: Iterable[tuple[dict, dict]]) -> str:
-    """Tables in Markdown: outcomes by kind and by effect and form, log score, reliability."""
-    cases = list(cases)
-    lines = [_outcome_table("kind", cases, lambda t: [t["kind"]])]
-    lines.append(_outcome_table("effect", [c for c in cases if c[0]["effects"]], _ids))
-    lines.append(_outcome_table("form", [c for c in cases if len(c[0]["effects"]) == 1], _forms))
-    lines.append(_log_scores(cases) + "\n" + _reliability(cases))
-    lines.append(_wrong(cases))
-    off = [deviation for truth, verdict in cases for _, deviation in sizes(truth, verdict)]
-    inside = sum(abs(value) <= 3 for value in off)
-    lines.append(f"sizes within 3 standard deviations: {inside} of {len(off)}")
+def row(truth: dict, verdict: dict) -> dict:
+    """What a case's verdict was worth, as kept with the results."""
+    hidden = {one["id"] for one in truth["effects"]}
+    inside = possible(verdict) | names(verdict)
+    stated = probabilities(verdict)
+    return {
+        "seed": truth["seed"],
+        "kind": truth["kind"],
+        "hidden": [[one["id"], one["form"]] for one in truth["effects"]],
+        "answer": verdict["answer"],
+        "named": sorted(names(verdict)),
+        "outcome": outcome(truth, verdict),
+        "inside": sorted(hidden & inside),
+        "choice": len(inside),
+        "log_score": round(log_score(truth, verdict), 4),
+        "stated": [
+            [round(p, 3), is_true(truth, key)] for key, p in stated.items() if p >= LEAST_STATED
+        ],
+        "sizes": [[name, round(off, 2)] for name, off in sizes(truth, verdict)],
+        "seconds": verdict.get("seconds", {}),
+    }
+
+
+def report(rows: Iterable[dict]) -> str:
+    """Tables in Markdown of `row`s: outcomes by kind, effect and form, log score, reliability."""
+    rows = list(rows)
+    lines = [_outcome_table("kind", rows, lambda r: [r["kind"]]), _inside(rows)]
+    lines.append(_outcome_table("effect", rows, _ids))
+    lines.append(_log_scores(rows) + "\n" + _reliability(rows))
+    lines.append(_wrong(rows))
+    off = [deviation for one in rows for _, deviation in one["sizes"]]
+    lines.append(
+        f"sizes within 3 standard deviations: {sum(abs(v) <= 3 for v in off)} of {len(off)}"
+    )
+    spent = sorted(one["seconds"]["diagnosis"] for one in rows if one["seconds"])
+    if spent:
+        lines.append(f"CPU time of a verdict: median {spent[len(spent) // 2]:.1f} s, at most "
+                     f"{spent[-1]:.1f} s")  # fmt: skip
     return "\n\n".join(lines) + "\n"
 
 
-def _ids(truth: dict) -> list[str]:
-    mark = "" if len(truth["effects"]) == 1 else " (of a pair)"
-    return [one["id"] + mark for one in truth["effects"]]
+def _ids(one: dict) -> list[str]:
+    mark = "" if len(one["hidden"]) == 1 else " (of a pair)"
+    return [name + mark for name, _ in one["hidden"]]
 
 
-def _forms(truth: dict) -> list[str]:
-    return [f"{one['id']}: {one['form']}" for one in truth["effects"]]
-
-
-def _outcome_table(title: str, cases: list, keys_of) -> str:
+def _outcome_table(title: str, rows: list, keys_of) -> str:
     counts: dict[str, Counter] = {}
-    for truth, verdict in cases:
-        for key in keys_of(truth):
-            counts.setdefault(key, Counter())[outcome(truth, verdict)] += 1
+    for one in rows:
+        for key in keys_of(one):
+            counts.setdefault(key, Counter())[one["outcome"]] += 1
     used = [one for one in OUTCOMES if any(c[one] for c in counts.values())]
-    rows = [f"| {title} | cases | " + " | ".join(used) + " |", "|---" * (len(used) + 2) + "|"]
+    lines = [f"| {title} | cases | " + " | ".join(used) + " |", "|---" * (len(used) + 2) + "|"]
     for key in sorted(counts):
         cells = [str(counts[key][one] or "") for one in used]
-        rows.append(f"| {key} | {counts[key].total()} | " + " | ".join(cells) + " |")
-    return "\n".join(rows)
+        lines.append(f"| {key} | {counts[key].total()} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
-def _log_scores(cases: list) -> str:
-    rows = ["| kind | cases | mean log score | stated probabilities |", "|---|---|---|---|"]
-    for kind in sorted({truth["kind"] for truth, _ in cases}):
-        mine = [(t, v) for t, v in cases if t["kind"] == kind]
-        mean = sum(log_score(t, v) for t, v in mine) / len(mine)
-        stated = sum(bool(v.get("probabilities")) for _, v in mine)
-        rows.append(f"| {kind} | {len(mine)} | {mean:.2f} | {stated} |")
-    return "\n".join(rows)
-
-
-def _reliability(cases: list) -> str:
-    """Of all sets that were given a probability in a range, as many should be true."""
-    edges = (0.0, 0.05, 0.2, 0.5, 0.8, 0.9, 0.97, 1.0001)
-    rows = ["", "| stated | sets | mean stated | true |", "|---|---|---|---|"]
-    pairs = [
-        (value, key == true_key(truth))
-        for truth, verdict in cases
-        for key, value in probabilities(verdict).items()
+def _inside(rows: list) -> str:
+    """How often all that was hidden is named or in a credible set, and how large these are."""
+    lines = [
+        "| kind | all hidden inside | any | mean number of names inside |",
+        "|---|---|---|---|",
     ]
+    for kind in sorted({one["kind"] for one in rows}):
+        mine = [one for one in rows if one["kind"] == kind]
+        all_ = sum(len(one["inside"]) == len(one["hidden"]) for one in mine if one["hidden"])
+        any_ = sum(bool(one["inside"]) for one in mine)
+        mean = sum(one["choice"] for one in mine) / len(mine)
+        shares = (
+            ("", "") if kind == "null" else (f"{all_} of {len(mine)}", f"{any_} of {len(mine)}")
+        )
+        lines.append(f"| {kind} | {shares[0]} | {shares[1]} | {mean:.1f} |")
+    return "\n".join(lines)
+
+
+def _log_scores(rows: list) -> str:
+    lines = ["| kind | cases | mean log score |", "|---|---|---|"]
+    for kind in sorted({one["kind"] for one in rows}):
+        mine = [one["log_score"] for one in rows if one["kind"] == kind]
+        lines.append(f"| {kind} | {len(mine)} | {sum(mine) / len(mine):.2f} |")
+    return "\n".join(lines)
+
+
+def _reliability(rows: list) -> str:
+    """Of all sets that were given a probability in a range, as many should be true."""
+    edges = (LEAST_STATED, 0.05, 0.2, 0.5, 0.8, 0.9, 0.97, 1.0001)
+    lines = ["", "| stated | sets | mean stated | true |", "|---|---|---|---|"]
+    pairs = [pair for one in rows for pair in one["stated"]]
     for low, high in itertools.pairwise(edges):
         mine = [(value, right) for value, right in pairs if low <= value < high]
         if mine:
             mean = sum(value for value, _ in mine) / len(mine)
             right = sum(right for _, right in mine) / len(mine)
-            rows.append(f"| {low:g} to {min(high, 1):g} | {len(mine)} | {mean:.3f} | {right:.3f} |")
-    return "\n".join(rows)
-
-
-def _wrong(cases: list) -> str:
-    rows = ["| seed | hidden | named for certain |", "|---|---|---|"]
-    for truth, verdict in cases:
-        if outcome(truth, verdict) == "wrong, certain":
-            hidden = (
-                ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"]) or "nothing"
+            lines.append(
+                f"| {low:g} to {min(high, 1):g} | {len(mine)} | {mean:.3f} | {right:.3f} |"
             )
-            rows.append(f"| {truth['seed']} | {hidden} | {', '.join(sorted(names(verdict)))} |")
-    return "\n".join(rows)
+    return "\n".join(lines)
+
+
+def _wrong(rows: list) -> str:
+    lines = ["| seed | hidden | named for certain |", "|---|---|---|"]
+    for one in rows:
+        if one["outcome"] == "wrong, certain":
+            hidden = ", ".join(f"{name} ({form})" for name, form in one["hidden"]) or "nothing"
+            lines.append(f"| {one['seed']} | {hidden} | {', '.join(one['named'])} |")
+    return "\n".join(lines)

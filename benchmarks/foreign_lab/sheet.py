@@ -15,7 +15,7 @@ class Sheet:
     1 loading, -1 unloading. time, in_hold: s since the campaign's and the clamping's begin. group:
     operator, 0 or 1. start: amplitude at the laser at release, m. turning: force at which the
     loading turned, N. clamped: how many clampings before. temperature: K off the mean.
-    ln_kn, ln_kt, force, ln_f, ln_eta: the state, which effects change.
+    ln_kn, ln_kt, force, ln_f, ln_eta: the state, which effects change; `begun` is it before them.
     """
 
     specimen: Specimen
@@ -32,6 +32,7 @@ class Sheet:
     temperature: np.ndarray
     reference: float  # N, middle of the loads
     state: dict[str, np.ndarray] = field(default_factory=dict)
+    begun: dict[str, np.ndarray] = field(default_factory=dict)
 
     def surface(self, record: int):
         """Frequencies of the record's mode."""

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-ORDERS = (7, 9, 3)  # points along ln kn, ln kt, F
+# Points along ln kn, ln kt, F. With 3 along F a beam that tension stiffens by a quarter was off by
+# 0.2 %, a law of the load of its own.
+ORDERS = (7, 9, 7)
 
 
 @dataclass(frozen=True)

@@ -51,15 +51,17 @@ def score(answer: dict, verdict: dict) -> Outcome:
         choice = set(cause["credible_set"]) | {cause["mechanism"]}
         (sure if len(choice) == 1 else sets).append((cause, choice))
     names = {cause["mechanism"] for cause, _ in sure}
-    given = {cause["class"] for cause, _ in sets}
+    # What the records would not show is not excluded, which is no statement that it is there.
+    shown = [cause for cause, choice in sets if "none" not in choice or cause["probability"] > 0.5]
+    given = {cause["class"] for cause in shown}
     offered = set().union(*(choice for _, choice in sets)) if sets else set()
     named = [name for name in hidden if name in names]
     classed = [
         name for name in hidden if name in names or name in offered or classes[name] in given
     ]
     wrong = not names <= set(hidden)
-    if not causes:
-        column = verdict["answer"]
+    if not sure and not shown:
+        column = "nothing-missing" if sets else verdict["answer"]
     elif sure:
         column = "+".join(sorted(names))
     else:

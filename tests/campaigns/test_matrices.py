@@ -17,7 +17,7 @@ def test_matrices_give_what_the_geometry_gives(tmp_path):
     )
     np.testing.assert_allclose(one["map_frequency"], other["map_frequency"], rtol=1e-6)
     assert xr.load_dataset(structures / "own" / "checks.nc")["within"].all()
-    page = (house.folder / "results" / "lab" / "report.html").read_text()
+    page = (house.folder / "results" / "lab" / "report" / "structure.html").read_text()
     assert "rigid motion of the free beam" in page
     assert house.planned("--config", f"campaigns={folder}") == {}
     house_file = folder / "own" / "beam_mass.hb"

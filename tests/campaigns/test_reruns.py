@@ -4,9 +4,8 @@ import pytest
 
 SHEET = "resources/campaigns/small/records.csv"
 AGGREGATES = {"stick": 1, "fe_forces": 1, "stiffness": 1, "joint": 1, "amplitude": 1, "theory": 1,
-              "score": 1, "figures": 1, "figures_records": 1, "figures_stick": 1,
-              "figures_amplitude": 1, "curves": 1, "integrity": 1, "observations": 1,
-              "diagnosis": 1, "verdict": 1, "figures_diagnosis": 1, "report": 1}  # fmt: skip
+              "score": 1, "curves": 1, "integrity": 1, "observations": 1, "diagnosis": 1,
+              "verdict": 1, "report": 1}  # fmt: skip
 SEARCHES = {"search": 1}
 
 

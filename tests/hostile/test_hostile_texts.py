@@ -3,13 +3,16 @@
 import json
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import xarray as xr
 from answers import in_time
 from bladeroot import artifacts
+from bladeroot.figures.chart import Chart, Panel, Trace
+from bladeroot.figures.live import live
 from bladeroot.figures.style import nothing, panels, plain, svg, title_of_record
 from bladeroot.provenance import canonical_json
-from bladeroot.report.page import Box, Section, Table, render
+from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table, render
 
 TEXTS = {
     "script": "<script>alert(1)</script>",
@@ -32,6 +35,8 @@ TEXTS = {
     "emoji": "\U0001f600",
     "combining": "a" + "\u0301" * 200,
     "lines": "a\nb\r\nc",
+    "other lines": "a\u2028b\u2029c",
+    "place of a number": "%{x} %{customdata.y}",
 }
 
 
@@ -47,9 +52,17 @@ class Tags(HTMLParser):
         self.seen.add((tag, *(name for name, _ in attrs)))
 
 
+def chart(text):
+    trace = Trace(0, np.ones(2), np.ones(2), text, kind=text, texts=[text] * 2,
+                  switches={text: text})  # fmt: skip
+    return live(Chart(text, [Panel(text, text, text, x_ticks=[text])], [trace], colours=text))
+
+
 def page(text):
-    table = Table(text, (text, text), [(text, text)])
-    return render(text, text, False, [Section(text, [text, table, Box(text, [text])])], text)
+    table = Table(text, (text, text), [(text, Link(text, "a.html"))])
+    parts = [text, table, Box(text, [text]), Cards([(text, text, [text])])]
+    parts.append(Picture("<svg></svg>", text, chart(text)))
+    return render(text, text, False, [Section(text, parts)], text)
 
 
 @pytest.mark.parametrize("case", TEXTS)
@@ -57,6 +70,25 @@ def test_page(case):
     seen = Tags(page(TEXTS[case])).seen
     assert {tag for tag, *_ in seen} == {tag for tag, *_ in Tags(page("a")).seen}
     assert not any(name.startswith("on") for _, *names in seen for name in names)
+
+
+@pytest.mark.parametrize("case", TEXTS)
+def test_live_figure(case):
+    """What the page's script reads is the name; what the library takes for markup holds no tag."""
+    text = TEXTS[case]
+    written = chart(text)
+    assert written.isascii()
+    assert not set("<>&") & set(written)
+    read = json.loads(written)
+    (trace,) = read["data"]
+    assert trace["meta"] == {text: text}
+    shown = [trace["name"], *trace["text"], *read["layout"]["xaxis"]["ticktext"]]
+    assert not any("<" in one or "%{" in one for one in shown)
+    hover = trace["hovertemplate"].replace("%{text}", "").replace("%{y:.6g}", "")
+    for tag in ("<b>", "</b>", "<br>", "<extra>", "</extra>"):
+        hover = hover.replace(tag, "", 1)
+    assert "<" not in hover
+    assert "%{" not in hover
 
 
 QUICK = ("script", "fraction")

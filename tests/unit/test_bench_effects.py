@@ -12,10 +12,21 @@ from rig_toy import toy_bench, toy_reduced
 
 # The classes that the diagnosis answers with; `outside` is in no catalogue.
 CLASSES = {
-    "amplitude": {"joint-slip", "normal-load-variation", "geometric-hardening", "quadratic-drag"},
-    "force-law": {"load-dependent-stiffness", "incomplete-contact", "force-gain"},
+    "amplitude": {
+        "cubic-softening",
+        "joint-slip",
+        "normal-load-variation",
+        "geometric-hardening",
+        "quadratic-drag",
+    },
+    "force-law": {
+        "force-dependent-damping",
+        "load-dependent-stiffness",
+        "incomplete-contact",
+        "force-gain",
+    },
     "level": {"force-offset", "added-mass", "modulus-density", "rig-compliance"},
-    "time": {"drift", "force-relaxation"},
+    "time": {"drift", "force-relaxation", "damping-drift", "ageing"},
     "direction": {"loading-hysteresis"},
     "record": {"clipping", "shaker-recontact", "mode-beating", "mains-hum"},
 }
@@ -42,7 +53,7 @@ CHANGES = {
     "damping-drift": {"loss"},
     "force-dependent-damping": {"loss"},
     "step-change": {"kn", "kt"},
-    "bedding-in": {"kn", "kt"},
+    "ageing": {"kn", "kt"},
     "mode-coupling": {"oscillator", "oscillator_Hz", "oscillator_loss"},
 }
 PLACES = {"added_mass_x", "hum_Hz"}
@@ -73,7 +84,7 @@ def test_the_catalogue_is_complete():
     found = {name: effect(name).CLASS for name in ids()}
     for kind, names in CLASSES.items():
         assert {name for name, own in found.items() if own == kind} == names
-    assert sum(own == "outside" for own in found.values()) >= 4
+    assert sum(own == "outside" for own in found.values()) >= 2
 
 
 @pytest.mark.parametrize("name", CHANGES)
@@ -112,7 +123,7 @@ def test_sizes_of_the_laws():
     np.testing.assert_allclose(kept[[0, 1, 5]], 1 - 0.01 * np.log10([1, 4, 16]))
     hysteresis = ratio("loading-hysteresis", 0.2, "kn")
     np.testing.assert_allclose(hysteresis[[0, -1]], [0.9, 1.1])
-    bedding = ratio("bedding-in", 0.5, "kn")
+    bedding = ratio("ageing", 0.5, "kn")
     np.testing.assert_allclose(bedding[[0, 6, 12]], [1, 2**0.5, 3**0.5])
     step = ratio("step-change", 0.2, "kn")
     assert set(np.round(step, 12)) == {0.8, 1.0}

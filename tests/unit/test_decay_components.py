@@ -5,8 +5,10 @@ import pytest
 from bladeroot.decay.components import onset, separated
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
+from bladeroot.decay.freevib import freevib
 from bladeroot.io.recording import recording
-from decay_bench import ring_down
+from bladeroot.signal.lines import loudest, mode_Hz
+from decay_bench import ring_down, slider
 
 RATE = 6400.0
 NOISE = 2e-5
@@ -84,6 +86,37 @@ def test_a_mode_by_itself_is_left_as_it_is():
     found = separated(velocity, 25600.0, 247.0)
     assert found.velocity is velocity
     assert not found.lines_Hz
+    # nor one whose frequency rises by a third as it decays
+    for expected_Hz in (500.0, 544.73):
+        assert not separated(slider(), 51200.0, expected_Hz).lines_Hz
+
+
+@pytest.mark.parametrize(("close_Hz", "size"), [(86.0, 0.3), (75.0, 0.2)])
+def test_a_close_mode_that_nobody_knows_is_told_by_its_beat(close_Hz, size):
+    velocity = blow([(80.0, 0.0015, 0.05), (close_Hz, 0.002, 0.05 * size)])
+    judged, found = curve(velocity, 80.5)
+    assert np.abs(np.array(judged.attrs["components_Hz"]) - close_Hz).min() < 0.5
+    loud = found["amplitude"].values > 0.1 * found["amplitude"].values.max()
+    assert np.median(np.abs(found["frequency"].values[loud] / 80.0 - 1.0)) < 1e-4
+
+
+def test_of_two_close_modes_each_is_the_one_that_is_meant():
+    velocity = blow([(78.6, 0.0005, 0.03), (81.1, 0.0005, 0.05)], length_s=8.0)
+    for expected_Hz, other_Hz, truth_Hz in ((79.9, 80.1, 78.6), (80.1, 79.9, 81.1)):
+        found = separated(velocity, RATE, expected_Hz, (other_Hz,))
+        line_Hz = mode_Hz(*loudest(found.velocity[found.first :], RATE, truth_Hz), truth_Hz)
+        assert line_Hz == pytest.approx(truth_Hz, abs=0.3)
+
+
+def test_a_decay_begins_where_it_grows_no_more_and_ends_where_it_grows_again():
+    time = np.arange(int(4.0 * RATE)) / RATE
+    level = np.where(time < 0.2, 0.5 + 2.5 * time, np.exp(-0.8 * (time - 0.2)))
+    level = np.where(time > 3.0, level * (1.0 + 3.0 * (1.0 - np.exp(-(time - 3.0) / 0.1))), level)
+    noise = NOISE * np.random.default_rng(0).standard_normal(time.size)
+    found = freevib(0.05 * level * np.cos(2 * np.pi * 80.0 * time) + noise, RATE, 80.0, NOISE)
+    assert found["time"].values[0] >= 0.18
+    assert 2.5 < found["time"].values[-1] < 3.1
+    assert (found["loss_factor"].values > 0.0).all()
 
 
 def test_what_is_taken_off_shows_in_the_errors_where_the_decay_begins():

@@ -129,7 +129,7 @@ def test_a_decay_of_few_digitiser_steps_is_no_part_of_it_unless_noise_blurs_them
     found = cut(step * np.round(velocity / step), 25600.0, 250.0)
     last = np.abs(found["velocity"].values[-100:]).max() / step
     assert (found.attrs["end_reason"] == "the digitiser's steps") == (noise < 0.4)
-    assert 3.0 <= last <= 6.0 if noise < 0.4 else last <= 3.0
+    assert 6.0 <= last <= 10.0 if noise < 0.4 else last <= 3.0
 
 
 @pytest.mark.parametrize("above", [3.0, 5.0])

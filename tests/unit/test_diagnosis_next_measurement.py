@@ -5,7 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bladeroot.diagnosis.diagnose import Settings, diagnose
-from bladeroot.diagnosis.next_measurement import decided, next_measurements
+from bladeroot.diagnosis.next_measurement import (
+    _of_one,
+    decided,
+    following,
+    next_measurements,
+)
 from bladeroot.mechanisms.catalogue import catalogue
 from diagnosis_bench import campaign, programme
 from stiffness_beam import _model
@@ -51,20 +56,22 @@ def found(made):
 
 
 def test_every_measurement_helps_and_none_hurts(found):
-    assert found["decided"].attrs["rivals"].startswith("load-dependent-stiffness;")
+    assert found["decided"].attrs["rivals"] == "incomplete-contact;load-dependent-stiffness"
     now, others = found.isel(option=0), found.isel(option=slice(1, None))
     assert float(now["decided"]) == 0.0
     assert float(now["size_std"]) == 1.0
-    assert (others["decided"] > 0.0).all()
+    assert (others["decided"] >= 0.0).all()
     assert (others["decided"] <= 1.0).all()
+    rate = (others["decided"] / others["hours"]).values
+    assert (np.diff(rate) <= 0.0).all()
     assert (others["size_std"] <= 1.0).all()
     assert (others["expected_ln_std"] <= now["expected_ln_std"] + 1e-12).all()
 
 
 def test_higher_forces_tell_a_power_from_seating_better_than_repeats(found):
     """Far above its seating force a contact is full, where a power goes on."""
-    high = found["option"].values[2]
-    assert "kN, every mode" in str(high)
+    loads = found["new_force"].where(found["kind"] == "another load")
+    high = found["option"].values[int(np.nanargmax(loads.values))]
     again = "the whole campaign once more"
     assert found["decided"].sel(option=high) > found["decided"].sel(option=again)
 
@@ -73,5 +80,30 @@ def test_no_force_below_that_of_full_contact_is_proposed(made):
     changed = replace(made, settings=replace(made.settings, least_force=1700.0))
     options = [str(option) for option in next_measurements(changed)["option"].values]
     proposed = [float(one.split(" at ")[1].split()[0]) for one in options if " at " in one]
+    assert proposed
     assert min(proposed) >= 1.7
     assert max(proposed) <= 30.0
+
+
+def test_known_odds_leave_little_to_decide():
+    """A test that settles a question settles all of it, whatever the odds."""
+    far = [gaussian(0, 1), gaussian(60, 1)]
+    assert decided(far, np.array([0.95, 0.05])) == pytest.approx(1.0)
+    assert decided([gaussian(0, 1)] * 2, np.array([0.95, 0.05])) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_test_beside_the_campaign_tells_presence_by_its_error():
+    sharp = _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.5)
+    blunt = _of_one(gaussian(0.0, 1.0), gaussian(0.0, 1.1), 0.5)
+    assert sharp == pytest.approx(np.log(2.0), abs=0.02)
+    assert 0.0 < blunt < 0.02
+    assert _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.0) == 0.0
+
+
+def test_costs_of_the_campaign_change_the_order(made):
+    dear = {"clamping": 50.0, "load cell": 0.1}
+    changed = replace(made, settings=replace(made.settings, costs=dear))
+    first = following(next_measurements(made))
+    assert first
+    for one in following(next_measurements(changed)):
+        assert one["load"] is None or one["hours"] >= 50.0

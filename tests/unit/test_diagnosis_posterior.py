@@ -7,10 +7,13 @@ from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
     Weighed,
+    credible,
+    entropy,
     inclusion,
     labelled,
     probabilities,
     together,
+    with_unspoken,
 )
 from hypothesis import given
 from hypothesis import strategies as st
@@ -59,3 +62,23 @@ def test_kinds_of_data_speak_of_different_causes():
     assert named[f"a+{UNKNOWN}"] == pytest.approx(0.08)
     assert sum(named.values()) == pytest.approx(1.0)
     assert list(named.values()) == sorted(named.values(), reverse=True)
+
+
+def test_the_credible_set_is_of_the_fewest_sets_that_reach_its_part():
+    sets = {EMPTY: 0.7, A: 0.15, AB: 0.11, B: 0.04}
+    assert credible(sets) == pytest.approx({"none": 0.7, "a": 0.26, "b": 0.15})
+    assert credible({A: 0.97, B: 0.03}) == {"a": 0.97}
+    assert "none-of-these" in credible({EMPTY: 0.5, frozenset({UNKNOWN}): 0.5})
+
+
+def test_what_the_data_cannot_speak_of_keeps_its_prior():
+    sets = with_unspoken({EMPTY: 0.75, A: 0.25}, ["c"])
+    assert sum(sets.values()) == pytest.approx(1.0)
+    odds = inclusion(sets, "c") / (1.0 - inclusion(sets, "c"))
+    assert odds == pytest.approx(np.exp(-guards.PRIOR))
+    assert inclusion(sets, "a") == pytest.approx(0.25)
+
+
+def test_entropy_is_that_of_equal_odds_at_most():
+    assert entropy({A: 1.0, B: 0.0}) == 0.0
+    assert entropy({A: 0.5, B: 0.5}) == pytest.approx(np.log(2.0))

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.simulation.parametric import ln_frequency
+from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric import ln_frequencies, parametric_model
 from bladeroot.rom.sensitivity import changed_frequencies
 from diagnosis_bench import MODES, campaign, programme
 from stiffness_beam import beam_joint
 
 BY_ID = {one.id: one for one in catalogue()}
-BASE = 3 + 2 * len(MODES)
+BASE = 3 + 2 * len(MODES) + 1
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
     share = np.log(-np.expm1(-true / 4e3))
     x = 0.02 * np.log(data.records.force / 12e3)
     points = np.column_stack([np.log(1.2e9) + x + share, np.log(1.8e9) + x + share, true])
-    wanted = ln_frequency(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
+    wanted = ln_frequencies(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
     np.testing.assert_allclose(found, wanted, atol=1e-12)
 
 
@@ -82,17 +82,23 @@ def test_a_hold_in_which_a_frequency_jumps_counts_as_two(parts):
 
 def test_changed_matrices_move_frequencies_as_an_exact_solution_does(parts):
     data, simulated, _ = parts
-    records, drift = data.records, BY_ID["drift"]
+    records, modulus = data.records, BY_ID["modulus-density"]
     by_record = 0.13 * np.log(records.force / 12e3)
     ln_kn, ln_kt = np.log(1.27e9) + by_record, np.log(1.91e9) + by_record
     quotient = Structures(records, simulated.ritz, simulated.surface, {})
-    found = quotient(drift, np.array([0.004]), ln_kn, ln_kt)[0]
+    found = quotient(modulus, np.array([0.004, 0.0]), ln_kn, ln_kt)[0]
     for mode, ritz in enumerate(simulated.ritz):
         mine = records.mode == mode
         points = np.column_stack([ln_kn, ln_kt, records.force])[mine]
-        whole, _ = drift.structure(ritz, np.array([0.004]))
+        whole, _ = modulus.structure(ritz, np.array([0.004, 0.0]))
         f = [
             changed_frequencies(ritz, points, [whole], np.full((mine.sum(), 1), amount))
             for amount in (0.0, 1.0)
         ]
         np.testing.assert_allclose(found[mine], np.log(f[1] / f[0]), rtol=2e-3)
+
+
+def test_a_record_without_a_direction_has_that_of_its_hold():
+    way = np.array(["up", "", "", "down", "", "up", "down", ""])
+    hold = np.array(["a", "a", "b", "c", "c", "d", "d", "d"])
+    assert directions(way, hold).tolist() == [1, 1, 0, -1, -1, 1, -1, 0]

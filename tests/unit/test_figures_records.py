@@ -2,10 +2,9 @@
 
 import numpy as np
 import xarray as xr
-from bladeroot.figures import amplitude_force
-from bladeroot.figures import decay as decay_figures
+from bladeroot.figures import curves as curve_figures
 from bladeroot.figures import records as record_figures
-from bladeroot.figures.stick import over_force
+from bladeroot.figures.stick import over_load
 
 QUANTITIES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 
@@ -15,7 +14,8 @@ def curves(forces=(4000.0, 8000.0)):
     amplitude = np.geomspace(1e-8, 1e-5, 61)
     frequency = 480.0 + 1e-3 * np.array(forces)[:, None] - 0.5 * np.log(amplitude / 1e-8)
     values = {"frequency": frequency, "loss_factor": 1e-5 * frequency}
-    values |= {f"{name}_change_std": 1e-4 * value for name, value in values.items()}
+    values |= {f"{name}_{kind}": 1e-4 * value for name, value in values.items()
+               for kind in ("std", "change_std")}  # fmt: skip
     values |= {f"{name}_scatter": 1e-3 * values[name] for name in ("frequency", "loss_factor")}
     made = {name: (("level", "amplitude"), value) for name, value in values.items()}
     made["records"] = (("level", "amplitude"), np.full(frequency.shape, 4))
@@ -23,33 +23,24 @@ def curves(forces=(4000.0, 8000.0)):
     return xr.Dataset(made, coords={"amplitude": amplitude}, attrs={"simulated": 0})
 
 
-def test_what_is_too_uncertain_to_be_drawn_is_a_gap_in_the_waterfall():
+def test_what_is_too_uncertain_to_be_drawn_is_a_gap():
     made = curves()
-    made["frequency_change_std"][1, 20:40] = 100.0
-    axis = amplitude_force.waterfall(made).axes[0]
-    broken = [line for line in axis.lines if np.isnan(line.get_ydata()).any()]
-    assert len(broken) == 3  # the base line, the thin line and the thick one
-    for line in broken:
-        assert (np.isnan(line.get_ydata()) == (np.arange(61) // 20 == 1)).all()
+    made["frequency_std"][1, 20:40] = 100.0
+    lines = [one for one in curve_figures.means(made).traces if one.line and one.panel == 0]
+    assert [int(np.isnan(one.y).sum()) for one in lines] == [0, 20]
 
 
-def test_the_forces_that_were_measured_are_the_ticks_and_no_curve_reaches_the_next_base_line():
-    axis = amplitude_force.waterfall(curves((1790.0, 8000.0, 24000.0))).axes[0]
-    assert [text.get_text() for text in axis.get_yticklabels()] == ["1.79", "8", "24"]
-    highest = [line.get_ydata().max() for line in axis.lines[:9]]
-    rises = np.subtract(highest[1::3], highest[::3])  # curve over base line, force by force
-    assert ((rises > 0.5) & (rises < 1.0)).all()
+def test_softening_counts_from_the_smallest_amplitudes_of_each_load():
+    lines = [one for one in curve_figures.softening(curves()).traces if one.line]
+    assert [one.switches["axial force"] for one in lines] == ["4 kN", "8 kN"]
+    for one in lines:
+        assert abs(one.y[:15].mean()) < 1e-3
+        assert -0.8 < one.y[-1] < -0.5
 
 
-def test_the_map_shows_a_force_whose_records_lie_far_apart_but_change_alike():
-    made = curves()
-    made["frequency_std"] = 0.01 * made["frequency"]
-    shown = amplitude_force.maps(made).axes[0].collections[0].get_array()
-    assert np.isfinite(np.ma.filled(shown, np.nan)).all()
-
-
-def test_there_is_no_map_over_one_force():
-    assert not amplitude_force.maps(curves([8000.0])).axes
+def test_no_usable_record_has_no_figure():
+    assert curve_figures.means(curves(())) is None
+    assert curve_figures.records([]) is None
 
 
 def decay(record, hold="only", force=8000.0):
@@ -61,22 +52,14 @@ def decay(record, hold="only", force=8000.0):
     return xr.Dataset({name: ("point", value) for name, value in values.items()}, attrs=attrs)
 
 
-def legend(drawn):
-    """What the legend of the first panel says, and None where it has none."""
-    found = drawn.axes[0].get_legend()
-    return found and [text.get_text() for text in found.get_texts()]
-
-
-def test_backbones_are_told_apart_by_force_else_by_hold_else_by_record():
-    by_force = decay_figures.backbones([decay("a"), decay("b", force=9000.0)])
-    assert legend(by_force) is None
-    assert len(by_force.axes) == 3  # two panels and the colour bar
-    holds = [decay("a", "first"), decay("b", "second"), decay("c", "second")]
-    by_hold = decay_figures.backbones(holds)
-    assert legend(by_hold) == ["first", "second"]
-    by_record = decay_figures.backbones([decay("a"), decay("b")])
-    assert legend(by_record) == ["a", "b"]
-    assert len(by_record.axes) == 2
+def test_records_are_told_apart_by_load_else_by_what_differs():
+    by_load = curve_figures.records([decay("a"), decay("b", force=9000.0)])
+    assert by_load.colours == "axial force"
+    alone = curve_figures.records([decay("a"), decay("b")])
+    assert alone.colours == "record"
+    for chart in (by_load, alone):
+        of_record = {one.switches["record"]: one.colour for one in chart.traces}
+        assert len(set(of_record.values())) == 2
 
 
 def cut(name, force=8000.0, masked=0.0, findings=(), bins=50):
@@ -131,19 +114,17 @@ def test_measured_frequencies_are_not_hidden_by_the_simulations_at_the_same_forc
         coords={"mode": ["1B"], "force": force, "force_error": ["reading"]},
         attrs={"primary_force_error": "reading"},
     )
-    axis = over_force(stick, fe_forces, False).axes[0]
-    dots, squares = (
-        next(line for line in axis.lines if line.get_marker() == marker) for marker in "os"
-    )
-    assert dots.get_zorder() > squares.get_zorder()
+    shown = [one.marker for one in over_load(stick, fe_forces, False).traces if one.panel == 0]
+    assert shown == ["s", "o"]  # the later is on top
 
 
 def test_of_too_many_backbones_an_even_part_is_drawn_and_said():
     many = [decay(f"r{k:03d}", force=1000.0 * (1 + k % 8)) for k in range(250)]
-    axes = decay_figures.backbones(many).axes
-    assert len(axes[0].lines) == decay_figures.MOST
-    assert axes[0].get_title(loc="left") == f"mode 1B, {decay_figures.MOST} of 250 records"
-    colours = [line.get_color() for line in axes[0].lines]
-    counts = [colours.count(one) for one in set(colours)]
+    chart = curve_figures.records(many)
+    lines = [one for one in chart.traces if one.panel == 0]
+    assert len(lines) == curve_figures.MOST
+    assert chart.panels[0].title == f"mode 1B, {curve_figures.MOST} of 250 records"
+    loads = [one.switches["axial force"] for one in lines]
+    counts = [loads.count(one) for one in set(loads)]
     assert len(counts) == 8
     assert max(counts) - min(counts) <= 2

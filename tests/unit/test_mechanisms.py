@@ -13,6 +13,8 @@ from scipy.stats import norm
 FIXED = {
     "joint-slip": "amplitude", "normal-load-variation": "amplitude",
     "geometric-hardening": "amplitude", "quadratic-drag": "amplitude",
+    "cubic-softening": "amplitude", "force-dependent-damping": "force-law",
+    "damping-drift": "time", "ageing": "time", "gauge-friction": "direction",
     "load-dependent-stiffness": "force-law", "incomplete-contact": "force-law",
     "force-gain": "force-law", "force-offset": "level", "added-mass": "level",
     "modulus-density": "level", "rig-compliance": "level", "drift": "time",
@@ -174,8 +176,9 @@ def test_slip_laws_are_masings_loops_about_their_backbones(form, shape, backbone
 def test_forms_of_a_load_law_have_one_slope_and_one_seating_force():
     """The first parameter means the same in every form."""
     at = replace(RECORDS, force=np.array([11990.0, 12010.0, 3e3, 4e3]))
-    for form in ("power", "rough layer in series with the bulk"):
-        change = law_of_form("load-dependent-stiffness", form).stick(at, np.array([0.4, 0.0]))
+    for form, power in (("power", ()), ("layer in series with the bulk", (0.7,))):
+        law = law_of_form("load-dependent-stiffness", form)
+        change = law.stick(at, np.array([0.4, 0.0, *power]))
         ln_k = change.changes["ln_kn"]
         slope = (ln_k[1] - ln_k[0]) / np.log(12010.0 / 11990.0)
         assert slope == pytest.approx(0.4, rel=1e-3)

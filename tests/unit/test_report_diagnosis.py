@@ -5,6 +5,9 @@ import pytest
 import xarray as xr
 from bladeroot.figures import diagnosis as figures
 from bladeroot.figures import residual_maps
+from bladeroot.figures.chart import Chart
+from bladeroot.figures.live import live
+from bladeroot.figures.still import still
 from bladeroot.figures.style import SIMULATED_NOTE, svg
 from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.diagnosis_tables import candidates_table, gain_table
@@ -13,9 +16,10 @@ from bladeroot.report.next_measurement import best_option
 from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
-from bladeroot.report.verdict import disagreement, plain, size, verdict_box
+from bladeroot.report.verdict import disagreement, in_short, plain, size, told, with_open
+from bladeroot.report.words import words_of
 
-PICTURES = ("ranking", "frequencies", "curves", "residuals", "residual_maps", "law")
+PICTURES = [Picture(f"<svg id='{name}'/>", name) for name in ("ranking", "others")]
 POWER, SEATING = "load-dependent-stiffness", "incomplete-contact"
 
 
@@ -39,7 +43,7 @@ def verdict(answer="named", causes=(), **more):
         "probabilities": {POWER: 0.97, "none": 0.03} if causes else {"none": 0.995, POWER: 0.005},
         "shortfall": [
             {"quantity": "stick frequency", "mode": mode, "trend": trend.format(number),
-             "explained": bool(causes)}
+             "size": number / 100, "explained": bool(causes)}
             for mode, number in (("1B", 0.6), ("2B", 0.4))
         ] if missing else [],
         "gain": gain if causes else {}, "reason": "why", **more,
@@ -72,6 +76,7 @@ def found(named=POWER, barred="", lacks="", holds=True, curves=True, rivals=f"{P
             "law_ln_std": (("stage", "stiffness", "law_force"), np.full((2, 2, 3), 0.3)),
             "law_correlation": (("stage", "law_force"), np.full((2, 3), -0.9)),
             "decided": ("option", [0.0, 0.2, 0.7], {"rivals": rivals}),
+            "hours": ("option", [np.nan, 2.0, 2.0]),
             "size_std": ("option", [1.0, 0.8, 0.9]),
             "expected_ln_std": (("option", "stiffness"), [[0.5, 0.6], [0.4, 0.5], [0.45, 0.5]]),
         },
@@ -112,98 +117,98 @@ def drawn(diagnoses, verdicts, simulated=False):
 
 
 def page(one, said, simulated=False):
-    pictures = {f"diagnosis_{name}": f"<svg id='{name}'/>" for name in PICTURES}
-    section = diagnosis_section([one], [said], pictures, simulated)
+    section = diagnosis_section([one], [said], PICTURES, simulated)
     return render("t", "s", simulated, [section], "f"), section
 
 
-def test_the_box_says_what_is_missing_why_what_it_is_worth_and_what_next():
-    box = verdict_box(found(), verdict(causes=[cause()]), False)
-    assert box.head == "S: cause named"
-    assert box.lines[0] == (
-        "Missing: the stick frequency rises with the force by 0.6 % (1B) and 0.4 % (2B) more than "
-        "simulated."
+def test_a_verdict_is_told_by_subject():
+    said = told(found(), verdict(causes=[cause()]), False)
+    assert said.head == "S: cause named"
+    assert "stick frequency of mode 1B (also in 2B): rises with the force by 0.6 %" in said.missing
+    assert "it stiffens; exponent 0.600\u00a0±\u00a00.080" in said.because[0]
+    assert said.odds == ["Probabilities: load dependent stiffness 97 %; nothing at all 3 %."]
+    assert "falls, from 0.40 % to 0.10 %" in said.gain[0]
+    assert said.next[0].startswith(
+        "Measure next: another force, 2 h; it is expected to decide 70 % of"
     )
-    assert box.lines[1].startswith("Cause: load dependent stiffness (a law of the force), it ")
-    assert "exponent 0.600\u00a0±\u00a00.080" in box.lines[1]
-    assert box.lines[2] == "Probabilities: load dependent stiffness 97 %; nothing at all 3 %."
-    assert "falls, from 0.40 % to 0.10 %" in box.lines[3]
-    assert box.lines[4].startswith("Measure next: another force; it is expected to decide 70 % of")
+    assert said.box.lines == [said.missing, *said.because, *said.odds, *said.gain, *said.next]
+
+
+@pytest.mark.parametrize("credible", [(POWER,), (POWER, SEATING), (POWER, "none-of-these", "none")])
+def test_in_short_a_verdict_is_two_sentences_with_every_credible_cause(credible):
+    answer = "named" if len(credible) == 1 else "ambiguous"
+    missing, why = in_short(found(), verdict(answer, [cause(credible)]))
+    assert missing.startswith("Missing: ")
+    assert all(plain(name) in why for name in credible)
+    assert ("97 %" in why) == (len(credible) == 1)
 
 
 def test_an_ambiguous_answer_gives_the_measurement_that_splits():
-    said = verdict("ambiguous", [cause((POWER, SEATING))])
-    text = " ".join(verdict_box(found(), said, False).lines)
-    assert "load dependent stiffness or incomplete contact" in text
-    assert "do not tell which. To decide: twice the force" in text
-    assert "load dependent stiffness with a probability of 70 %" in text
+    because = told(found(), verdict("ambiguous", [cause((POWER, SEATING))]), False).because[0]
+    assert "load dependent stiffness or incomplete contact" in because
+    assert because.endswith("To decide: twice the force.")
 
 
-def test_what_is_no_mechanism_stands_in_words():
-    said = verdict("ambiguous", [cause((POWER, "none-of-these", "none"))])
-    text = " ".join(verdict_box(found(), said, False).lines)
-    assert "load dependent stiffness, something of no catalogue or nothing at all" in text
+@pytest.mark.parametrize(
+    ("after", "text"),
+    [(1e-3, "falls, from"), (3.99e-3, "stays at 0.40 %"), (8e-3, "does not fall")],
+)
+def test_a_gain_is_said_as_it_is(after, text):
+    sides = {"before": 4.01e-3, "after": after, "unit": "1"}
+    said = verdict(causes=[cause(plausible=False)]) | {"gain": {"between_forces": sides}}
+    spoken = told(found(), said, False)
+    assert text in spoken.gain[0]
+    assert "beyond what is physically plausible" in spoken.because[0]
 
 
-def test_an_error_that_stays_is_not_said_to_fall():
-    sides = {"before": 4.01e-3, "after": 3.99e-3, "unit": "1"}
-    said = verdict(causes=[cause()]) | {"gain": {"between_forces": sides}}
-    text = " ".join(verdict_box(found(), said, False).lines)
-    assert "stays at 0.40 %" in text
-    assert "falls, from" not in text
+def test_what_the_records_would_not_show_is_not_called_a_cause():
+    quiet = cause((POWER, "none", SEATING), probability=0.06)
+    said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
+    spoken = told(found(named=""), said, False)
+    assert spoken.head == "S: nothing shows to be missing, some causes would not show"
+    assert spoken.missing == "The simulation explains all records within their scatter."
+    assert "Not excluded" in spoken.because[0]
+    assert "load dependent stiffness or incomplete contact" in spoken.because[0]
+    assert in_short(found(named=""), said) == [spoken.missing, spoken.because[0]]
 
 
-def test_what_is_barred_and_explains_best_is_said():
-    one = found(named="", lacks="records")
-    one.attrs["insufficient"] = "force-gain explains the stick data best and is not named: why"
-    text = " ".join(verdict_box(one, verdict("insufficient-data"), False).lines)
-    assert "force-gain explains the stick data best and is not named: why." in text
-
-
-def test_other_answers_say_what_they_are():
+def test_answers_without_a_cause_say_what_they_are():
     few = found(named="", lacks="a second mode;more axial forces")
-    text = " ".join(verdict_box(few, verdict("insufficient-data"), False).lines)
-    assert "cannot be said" in text
-    assert "lacks a second mode; more axial forces." in text
-    said = verdict("unexplained", reason="something smooth in force")
-    assert "No cause of the catalogue explains it" in verdict_box(found(""), said, False).lines[1]
-    lines = verdict_box(found(named=""), verdict("nothing-missing"), False).lines
-    assert lines[0] == "The simulation explains all records within their scatter."
-
-
-def test_an_implausible_size_and_a_gain_that_is_none_are_said():
-    said = verdict(causes=[cause(plausible=False)])
-    said["gain"]["between_forces"] = {"before": 1e-3, "after": 2e-3}
-    text = " ".join(verdict_box(found(), said, False).lines)
-    assert "beyond what is physically plausible" in text
-    assert "does not fall" in text
+    few.attrs["insufficient"] = "force-gain explains the stick data best and is not named: why"
+    said = told(few, verdict("insufficient-data"), False)
+    assert "cannot be said" in said.missing
+    assert said.because[0].startswith("force-gain explains the stick data best")
+    assert "lacks a second mode; more axial forces." in said.because[1]
+    unexplained = told(found(""), verdict("unexplained", reason="something smooth"), False)
+    assert "No cause of the catalogue explains it: something smooth" in unexplained.because[0]
+    nothing = verdict("nothing-missing")
+    assert told(found(named=""), nothing, False).missing.startswith("The simulation explains all")
+    alone = found(named="").assign_attrs(kind="none")
+    assert in_short(alone, nothing) == ["Linear modes explain all records within their scatter."]
 
 
 def test_a_fault_of_records_is_no_cause_of_what_is_unexplained():
     hum = cause(**{"class": "record"})
-    text = " ".join(verdict_box(found(), verdict("unexplained", [hum]), False).lines)
-    assert "Besides: load dependent stiffness" in text
-    assert "Cause:" not in text
-    assert "No cause of the catalogue explains it" in text
+    because = told(found(), verdict("unexplained", [hum]), False).because
+    assert because[0].startswith("Besides: load dependent stiffness")
+    assert "No cause of the catalogue explains it" in because[-1]
+    alone = verdict(causes=[hum], shortfall=[])
+    assert "the records are faulty" in told(found(), alone, False).missing
 
 
 def test_a_level_is_worth_what_the_model_s_bias_would_hide():
     said = verdict(causes=[cause(**{"class": "level"})])
     said["gain"]["between_forces_without_bias"] = {"before": 9e-3, "after": 2e-3}
-    text = " ".join(verdict_box(found(), said, False).lines)
-    assert "what is the same at all forces counted, falls, from 0.90 % to 0.20 %" in text
-    told = [row[1] for row in gain_table([said]).rows]
-    assert "stick frequency, a force left out, without the model's bias" in told
+    assert "counted, falls, from 0.90 % to 0.20 %" in told(found(), said, False).gain[0]
+    rows = [row[1] for row in gain_table([said], words_of(found())).rows]
+    assert "stick frequency, a force left out, without the model's bias" in rows
 
 
 def test_a_rival_that_was_not_judged_is_not_hidden():
     text, _ = page(found(barred="too few records"), verdict(causes=[cause()]))
     assert "incomplete contact (18.0) would explain the records about as well" in text
     assert "because: too few records" in text
-    said = verdict(causes=[cause()], reason="x. With the records below 12 kN: named, drift +- 1")
-    text, _ = page(found(), said)
-    assert "Not judged" not in text
-    assert "S: With the records below 12 kN: named, drift ± 1." in text
+    assert "Not judged" not in page(found(), verdict(causes=[cause()]))[0]
 
 
 def test_what_shows_more_than_the_cause_says_why_it_is_not_named():
@@ -220,7 +225,7 @@ def test_structures_that_disagree_are_in_the_box():
     one, other = verdict(causes=[cause()]), verdict("unexplained", structure="T")
     assert disagreement([one, one]) == []
     assert disagreement([one, other])[0].endswith(
-        "T, something is missing, cause not in the catalogue."
+        "T: something is missing, cause not in the catalogue."
     )
 
 
@@ -228,7 +233,9 @@ def test_structures_that_disagree_are_in_the_box():
 def test_simulated_is_said_in_box_and_figures(simulated):
     _, section = page(found(), verdict(causes=[cause()]), simulated)
     assert section.parts[0].head.startswith("Simulated") == simulated
-    for name, figure in drawn([found()], [verdict(causes=[cause()])], simulated).items():
+    assert SIMULATED_NOTE not in svg(still(drawn([found()], [verdict()], False)["law"]))
+    for name, one in drawn([found()], [verdict(causes=[cause()])], simulated).items():
+        figure = still(one) if isinstance(one, Chart) else one
         note = figure._suptitle.get_text() if figure._suptitle else ""
         assert (note == SIMULATED_NOTE) == simulated, name
 
@@ -244,17 +251,19 @@ def test_simulated_is_said_in_box_and_figures(simulated):
 )
 def test_figures_and_page_bear_what_a_campaign_lacks(one):
     said = verdict(causes=[cause()]) if one.attrs["named"] else verdict("nothing-missing")
-    for figure in drawn([one], [said]).values():
-        assert svg(figure).lstrip().startswith("<?xml")
-    text, section = page(one, said)
-    shown = {part.svg for part in section.parts if isinstance(part, Picture)}
-    assert ("<svg id='curves'/>" in shown) == ("curve_mode" in one)
+    made = drawn([one], [said])
+    assert (made["curves"] is None) == ("curve_mode" not in one)
+    assert (made["law"] is None) == ("law_k" not in one)
+    assert all(live(chart) for chart in made.values() if isinstance(chart, Chart))
+    text, _ = page(one, said)
     assert "nan" not in text.lower().replace("dominan", "")
 
 
-def test_the_same_figure_has_the_same_bytes():
-    first, second = (svg(figures.ranking([found()], [verdict()], False)) for _ in range(2))
-    assert first == second
+def test_only_a_named_cause_has_a_simulation_with_it():
+    for name, stages in ((POWER, 2), ("", 1)):
+        chart = figures.frequencies([found(named=name)], False)
+        lines = [one for one in chart.traces if one.line and one.panel == 0]
+        assert len(lines) == stages
 
 
 def test_what_decides_most_is_next_else_what_fixes_the_size_best():
@@ -266,7 +275,7 @@ def test_what_decides_most_is_next_else_what_fixes_the_size_best():
 
 
 def test_gain_table_has_every_part_and_the_relative_improvement():
-    table = gain_table([verdict(causes=[cause()])])
+    table = gain_table([verdict(causes=[cause()])], words_of(found()))
     assert [row[-1] for row in table.rows] == ["75 %", "75 %", "+21.0"]
 
 

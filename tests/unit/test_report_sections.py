@@ -6,17 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.figures.decay import backbones
-from bladeroot.figures.stick import over_force
+from bladeroot.figures.curves import records
+from bladeroot.figures.stick import over_load
+from bladeroot.figures.still import still
 from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.pooling.stick import stick_from_table
 from bladeroot.report.bad_records import told
 from bladeroot.report.integrity import integrity_section
-from bladeroot.report.measurement import measurement_section, stick_section
+from bladeroot.report.measurement import stick_section
 from bladeroot.report.nonlinear import nonlinear_section
-from bladeroot.report.page import Box, Picture, Table
-from bladeroot.report.summary import summary_section
-from bladeroot.report.words import pictures, words_of
+from bladeroot.report.page import Box, Table
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
 GAUGE = ForceGauge(0.1, 1e3, "full-scale")
@@ -45,7 +44,7 @@ def tables(section):
 
 def test_errors_of_clean_records_are_no_zeros():
     stick = sticks(10e3, 16e3)
-    found = tables(stick_section(stick, "", None, fe_forces(stick, np.array([12e3]), GAUGE)))
+    found = tables(stick_section(stick, [], None, fe_forces(stick, np.array([12e3]), GAUGE)))
     assert "510.1230 ± 0.0012" in found[0].rows[0]
     assert "0.4000 ± 0.0010" in found[0].rows[0]
 
@@ -53,28 +52,8 @@ def test_errors_of_clean_records_are_no_zeros():
 def test_no_stick_frequency_leaves_no_caption():
     stick = sticks(10e3)
     nothing = stick.isel(level=slice(0))
-    section = stick_section(nothing, "", None, fe_forces(stick, np.array([12e3]), GAUGE))
+    section = stick_section(nothing, [], None, fe_forces(stick, np.array([12e3]), GAUGE))
     assert tables(section) == []
-
-
-def measured(verdicts, forces):
-    """The section on records with these verdicts, each at its force; pictures by their names."""
-    rows = {"verdict": verdicts, "record_force": forces}
-    rows |= {"record_mode": ["1B"] * len(forces), "hold": ["h"] * len(forces)}
-    rows |= {"plateau_reached": [int(verdict == "plateau") for verdict in verdicts]}
-    names = [f"r{k}" for k in range(len(forces))]
-    stick = xr.Dataset({name: ("record", row) for name, row in rows.items()}, {"record": names})
-    figures = {name: name for name in pictures(words_of(stick))}
-    parts = measurement_section(FACTS, stick, figures).parts
-    said = [part for part in parts if isinstance(part, str)]
-    return said, [part.svg for part in parts if isinstance(part, Picture)]
-
-
-@pytest.mark.parametrize("second", [12e3, 16e3])
-def test_one_axial_force_has_no_map_but_a_sentence(second):
-    said, drawn = measured(["plateau", "plateau", "rejected: short"], [12e3, second, 20e3])
-    assert ("amplitude_force" in drawn) == (second > 12e3)
-    assert any("no map over force" in text for text in said) == (second == 12e3)
 
 
 def rejections(count):
@@ -111,11 +90,10 @@ def test_a_record_unlike_its_repeats_is_not_overlooked():
 
 
 def test_the_stick_figure_without_forces_of_a_simulation():
-    stick = sticks(10e3, 16e3)
-    alone = over_force(stick, None, False)
-    (told,) = (text.get_text() for text in alone.axes[0].get_legend().get_texts())
-    assert told.startswith("measured")
-    section = stick_section(stick, "", None, None)
+    chart = over_load(sticks(10e3, 16e3), None, False)
+    assert {trace.name for trace in chart.traces} == {"mode 1B"}
+    assert "simulation" not in chart.caption
+    section = stick_section(sticks(10e3, 16e3), [], None, None)
     assert not any("simulation" in str(part) for part in section.parts)
 
 
@@ -131,30 +109,11 @@ def test_a_decay_that_grows_for_a_while_is_drawn():
         },
         attrs={"mode": "1B", "force_N": 8e3, "hold": "h1", "record": "r1"},
     )
-    svg(backbones([one]))
-
-
-@pytest.fixture
-def theory():
-    return xr.Dataset({
-        f"{k}_{end}": ("force", [1.3e9] * 2) for k in ("kn", "kt")
-        for end in ("theory", "published_ratio")
-    })  # fmt: skip
+    svg(still(records([one])))
 
 
 @pytest.mark.parametrize("of_the_thesis", [True, False])
-def test_the_thesis_is_compared_only_with_its_own_campaigns(theory, of_the_thesis):
-    stick = xr.Dataset(
-        {
-            "frequency": ("level", [500.0, 1400.0]),
-            "mode": ("level", ["1B", "2B"]),
-            "force": ("level", [12e3, 12e3]),
-            "verdict": ("record", ["plateau"]),
-        },
-        {"record": ["r1"]},
-    )
-    said = summary_section(stick, NO_PAIR, theory, [], [], of_the_thesis).parts
-    assert any("Table 5.2 of the thesis" in text for text in said) == of_the_thesis
+def test_the_thesis_is_compared_only_with_its_own_campaigns(of_the_thesis):
     slip = xr.Dataset(
         {
             "first_slip": ("exponent", [1e-4, 5e-5]),
@@ -166,7 +125,7 @@ def test_the_thesis_is_compared_only_with_its_own_campaigns(theory, of_the_thesi
          "kn": 1e9, "kt": 1e9, "reason": ""},
     )  # fmt: skip
     slip["highest"] = 4e-4
-    words = nonlinear_section([], [slip], {}, of_the_thesis).parts[0]
+    words = nonlinear_section([], [slip], [], of_the_thesis).parts[0]
     assert ("The thesis sees the frequency fall from 2 µm on" in words) == of_the_thesis
     assert "source" not in words
 

@@ -4,20 +4,23 @@ import re
 
 import pytest
 import xarray as xr
+from bladeroot.figures.curves import means, softening
 from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
-from bladeroot.report.words import gauge_sentence, pictures, words_of
+from bladeroot.report.words import CUTS, SPECTRA, gauge_sentence, words_of
 from pooling_bench import drawn
+from test_figures_records import curves
 
 FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
 
 
 def test_captions_of_a_specimen_without_a_load():
-    words = words_of(xr.Dataset(attrs={"load_name": "", "load_unit": ""}))
-    said = pictures(words)
-    del said["amplitude_force"]  # not shown: there is no map over a load
-    for caption in said.values():
+    nothing = {"load_name": "", "load_unit": ""}
+    words = words_of(xr.Dataset(attrs=nothing))
+    mean = curves().assign_attrs(nothing)
+    said = [CUTS, SPECTRA, means(mean).caption, softening(mean).caption]
+    for caption in said:
         assert not FORBIDDEN.search(caption), caption
     assert (words.at(0.0), words.value(0.0), words.header) == ("", "–", "load")
     assert gauge_sentence({}) == []
@@ -27,7 +30,9 @@ def test_captions_name_the_load_that_there_is():
     words = words_of(xr.Dataset(attrs={"load_name": "bolt torque", "load_unit": "Nm"}))
     assert words.header == "bolt torque / Nm"
     assert words.at(12.0) == " at 12 Nm"
-    assert "coloured by bolt torque" in pictures(words)["backbones"]
+    named = curves().assign_attrs(load_name="bolt torque", load_unit="Nm")
+    assert "at each bolt torque" in means(named).caption
+    assert means(named).colours == "bolt torque"
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.sparse as sp
+from bladeroot.rom.external.equations import equations_of
 from bladeroot.rom.external.export import _write_harwell_boeing
 from bladeroot.rom.external.matrix_file import formats, read_matrix
+from bladeroot.rom.external.tables import Table
 
 
 @pytest.fixture(scope="module")
@@ -190,3 +192,76 @@ def test_missing_and_unknown_files(tmp_path):
         read_matrix(tmp_path, "K.mtx")
     with pytest.raises(ValueError, match=r"expected a matrix file ending in .*\.mtx.*K\.full"):
         read_matrix(tmp_path, "K.full")
+
+
+def _punched(name, matrix):
+    """DMIG cards as Nastran punches them: a triangle by columns, three directions a node."""
+    lines = [f"DMIG    {name:<8}{0:8d}{6:8d}{2:8d}{0:8d}"]
+    for column in range(matrix.shape[0]):
+        lines.append(f"DMIG*   {name:<16}{column // 3 + 1:16d}{column % 3 + 1:16d}")
+        for row in range(column, matrix.shape[0]):
+            if matrix[row, column]:
+                value = f"{matrix[row, column]:.9E}".replace("E", "D")
+                lines.append(f"*       {row // 3 + 1:16d}{row % 3 + 1:16d}{value:>16}")
+    return lines
+
+
+def test_punch(tmp_path, matrix):
+    dense = matrix.toarray()[:39, :39]
+    lines = _punched("KAAX", dense) + _punched("MAAX", 2.0 * dense)
+    (tmp_path / "model.pch").write_text("\n".join(lines) + "\n")
+    for name, factor in (("KAAX", 1.0), ("MAAX", 2.0)):
+        found = read_matrix(tmp_path, f"model.pch#{name}").toarray()
+        np.testing.assert_allclose(found, factor * dense, atol=1e-8 * abs(dense).max())
+
+
+@pytest.mark.parametrize("square", [True, False])
+def test_abaqus(tmp_path, matrix, square):
+    small = sp.coo_array(matrix[:39, :39] if square else sp.tril(matrix[:39, :39]))
+    rows = [f"{i // 3 + 5},{i % 3 + 1}, {j // 3 + 5},{j % 3 + 1}, {v!r}"
+            for i, j, v in zip(*small.coords, small.data.tolist(), strict=True)]  # fmt: skip
+    (tmp_path / "job_STIF2.mtx").write_text("\n".join(rows) + "\n")
+    same(read_matrix(tmp_path, "job_STIF2.mtx"), sp.csr_array(matrix[:39, :39]))
+    equations = equations_of(
+        Table(tmp_path / "nodes.csv", [], {"node": [str(k) for k in range(1, 30)]}),
+        tmp_path / "job_STIF2.mtx",
+    )
+    np.testing.assert_array_equal(equations.node, np.repeat(np.arange(4, 17), 3))
+    np.testing.assert_array_equal(equations.axis, np.tile(np.arange(3), 13))
+
+
+def _op4(name, matrix, kind):
+    """OUTPUT4 as text: dense, sparse, or sparse with large rows."""
+    count = matrix.shape[0]
+    lines = [f"{count:8d}{-count if kind == 'large' else count:8d}{2:8d}{2:8d}{name:<8}1P,3E23.16"]
+
+    def numbers(values):
+        fields = [f"{value:23.16E}" for value in values]
+        return ["".join(fields[k : k + 3]) for k in range(0, len(fields), 3)]
+
+    for column in range(count):
+        used = np.flatnonzero(matrix[:, column])
+        if kind == "dense":
+            values = matrix[used[0] : used[-1] + 1, column]
+            lines += [f"{column + 1:8d}{used[0] + 1:8d}{2 * len(values):8d}", *numbers(values)]
+            continue
+        lines.append(f"{column + 1:8d}{0:8d}{100:8d}")
+        for part in np.split(used, np.flatnonzero(np.diff(used) > 1) + 1):
+            words, row = 2 * len(part), int(part[0]) + 1
+            packed = (
+                f"{words + 1:8d}{row:8d}" if kind == "large" else f"{row + 65536 * (words + 1):12d}"
+            )
+            lines += [packed, *numbers(matrix[part, column])]
+    return [*lines, f"{count + 1:8d}{1:8d}{1:8d}", f"{1.0:23.16E}"]
+
+
+@pytest.mark.parametrize("kind", ["dense", "sparse", "large"])
+def test_op4(tmp_path, matrix, kind):
+    dense = matrix.toarray()
+    lines = _op4("KAA", dense, kind) + _op4("MAA", 3.0 * dense, kind)
+    (tmp_path / "model.op4").write_text("\n".join(lines) + "\n")
+    same(read_matrix(tmp_path, "model.op4#KAA"), matrix)
+    same(read_matrix(tmp_path, "model.op4#MAA"), 3.0 * matrix)
+    (tmp_path / "binary.op4").write_bytes(b"\x18\0\0\0" + bytes(40))
+    with pytest.raises(ValueError, match="as text"):
+        read_matrix(tmp_path, "binary.op4")

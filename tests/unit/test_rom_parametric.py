@@ -276,7 +276,7 @@ def test_bad_input_is_one_line():
     joint = beam_joint()
     with pytest.raises(ValueError, match="stiffness must be 0 < low < high"):
         parametric_model(joint, stiffness=(1e9, 1e8))
-    with pytest.raises(ValueError, match="axial force must be low < high"):
+    with pytest.raises(ValueError, match="load must be low < high"):
         parametric_model(joint, force=(2e3, 2e3))
     with pytest.raises(ValueError, match="number and B, L or T, got 'X1'"):
         parametric_model(joint, ["X1"])

@@ -26,8 +26,8 @@ ALLOWED = {
     "bench": set(),
     "reproduction": {"decay", "plateau", "fem", "rom", "contact", "stiffness"},
     "figures": set(),
-    "report": set(),
-    "command": {"artifacts", "statement", "__version__", "io", "signal", "public"},
+    "report": {"figures"},
+    "command": {"artifacts", "statement", "__version__", "io", "signal", "public", "report"},
     "public": {
         "artifacts",
         "io",

@@ -1,4 +1,4 @@
-# kn, kt and friction from stick frequencies and amplitude curves together, and its figures.
+# kn, kt and friction from stick frequencies and amplitude curves together.
 import json
 
 
@@ -49,46 +49,6 @@ def amplitudes(wildcards):
         campaign=campaign.name,
         structure=structures_of(campaign),
     )
-
-
-rule figures_amplitude:
-    input:
-        amplitudes=amplitudes,
-    output:
-        amplitude_curves=report(
-            "results/{campaign}/figures/amplitude_curves.svg",
-            caption="../report/amplitude_curves.rst",
-            category="{campaign}",
-            subcategory="nonlinear joint",
-        ),
-        amplitude_stiffness=report(
-            "results/{campaign}/figures/amplitude_stiffness.svg",
-            caption="../report/amplitude_stiffness.rst",
-            category="{campaign}",
-            subcategory="nonlinear joint",
-        ),
-        slip=report(
-            "results/{campaign}/figures/slip.svg",
-            caption="../report/slip.rst",
-            category="{campaign}",
-            subcategory="nonlinear joint",
-        ),
-    log:
-        "results/logs/figures_amplitude/{campaign}.log",
-    benchmark:
-        "results/benchmarks/figures_amplitude/{campaign}.tsv"
-    threads: 1
-    resources:
-        **needs("figures_amplitude"),
-    params:
-        folder=folder_of_output,
-        simulated=lambda w: int(CAMPAIGNS[w.campaign].simulated),
-        code=code("figures_amplitude"),
-    message:
-        "figures of the nonlinear joint of {wildcards.campaign}"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/figures_amplitude.py --amplitudes {input.amplitudes:q}"
-        " --simulated {params.simulated} --folder {params.folder:q} > {log} 2>&1"
 
 
 rule shortfall:

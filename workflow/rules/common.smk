@@ -32,14 +32,14 @@ def refuse(faults):
     sys.exit(1)
 
 
-def add_structure(name, campaign, structures):
+def add_structure(name, campaign, structures, modes=()):
     """Find a structure's file, in the campaign's folder or in resources/structures/."""
     own, shared = (
         campaign.folder / f"{name}.yaml",
         ROOT / "resources" / "structures" / f"{name}.yaml",
     )
     path = own if own.is_file() else shared
-    written = check_structure(path)
+    written = check_structure(path, modes)
     if written != name:
         raise ValueError(
             f"name must be {name!r} as the file's, got {written!r} ({path})"
@@ -100,11 +100,11 @@ def checked_campaigns():
         folder = campaign_folder(name)
         try:
             campaign = load_campaign(folder)
-            wanted = list(campaign.description["structure"])
+            for structure in campaign.description["structure"]:
+                modes = campaign.description["modes"]
+                add_structure(structure, campaign, structures, modes)
             if campaign.simulated:
-                wanted.append(bench_structure(campaign))
-            for structure in wanted:
-                add_structure(structure, campaign, structures)
+                add_structure(bench_structure(campaign), campaign, structures)
         except ValueError as error:
             faults.append(str(error))
             continue
@@ -136,8 +136,10 @@ tell_warnings()
 
 
 def structures_of(campaign):
-    """Names of the structures to compare with; none where the measurement stands alone."""
-    return [] if campaign.structure_lacks else campaign.description["structure"]
+    """Names of the dovetails to compare with; none where the measurement stands alone."""
+    dovetails = campaign.description["simulation"] == "structure"
+    lacks = not dovetails or campaign.structure_lacks
+    return [] if lacks else campaign.description["structure"]
 
 
 def judged_against(campaign):

@@ -33,6 +33,7 @@ rule ledger:
         ),
     output:
         ledger="results/{campaign}/ledger.nc",
+        slider="results/{campaign}/slider.nc",
     log:
         "results/logs/ledger/{campaign}.log",
     benchmark:
@@ -48,30 +49,4 @@ rule ledger:
     shell:
         "{PYTHON:q} {SCRIPTS:q}/ledger.py --stages {input.stages:q} --checks {input.checks:q}"
         " --reduced {input.reduced:q} --maps {input.maps:q} --thesis {params.thesis:q}"
-        " --output {output.ledger} > {log} 2>&1"
-
-
-rule figures_slider:
-    input:
-        # it draws closed forms alone; an output is outdated by being older than an input
-        given(SCRIPTS / "figures_slider.py"),
-    output:
-        slider=report(
-            "results/{campaign}/figures/slider.svg",
-            caption="../report/slider.rst",
-            category="{campaign}",
-            subcategory="nonlinear joint",
-        ),
-    log:
-        "results/logs/figures_slider/{campaign}.log",
-    benchmark:
-        "results/benchmarks/figures_slider/{campaign}.tsv"
-    threads: 1
-    resources:
-        **needs("figures_slider"),
-    params:
-        code=code("figures_slider"),
-    message:
-        "figures 3.7 to 3.9 for {wildcards.campaign}"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/figures_slider.py --output {output.slider} > {log} 2>&1"
+        " --output {output.ledger} --slider {output.slider} > {log} 2>&1"

@@ -53,12 +53,7 @@ rule shapes:
         mesh=rules.mesh.output.mesh,
     output:
         shapes="results/structures/{structure}/shapes.nc",
-        modes=report(
-            "results/structures/{structure}/modes.svg",
-            caption="../report/modes.rst",
-            category="structures",
-            subcategory="{structure}",
-        ),
+        modes="results/structures/{structure}/modes.svg",
     log:
         "results/logs/shapes/{structure}.log",
     benchmark:

@@ -8,9 +8,10 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.reproduction.build import ledger
 from bladeroot.reproduction.evidence import Evidence
+from bladeroot.reproduction.slider_curves import slider_curves
 
 
-def main(stages, checks, reduced, maps, thesis, output):
+def main(stages, checks, reduced, maps, thesis, output, slider):
     folder = Path(thesis)
     loaded = {Path(path).stem: artifacts.load(path) for path in stages}
     tables = {
@@ -31,6 +32,7 @@ def main(stages, checks, reduced, maps, thesis, output):
         for name in ("ledger", "errata", "contents")
     ]
     artifacts.save(ledger(*listed, evidence), output, origin=loaded["stiffness"])
+    artifacts.save(slider_curves(), slider, origin=loaded["stiffness"])
 
 
 def _by_structure(paths):
@@ -55,4 +57,5 @@ if __name__ == "__main__":
         maps="many: frequency maps of the structures",
         thesis="folder with ledger.yaml, errata.yaml, contents.yaml and the printed tables",
         output="ledger.nc",
+        slider="slider.nc: the model of one degree of freedom that the ledger checks",
     )

@@ -4,17 +4,12 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.rom.joint import joint_of_reduced
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.whole import parametric_structure
 
 
 def main(reduced, springs, settings, output):
-    asked = json.loads(settings)
-    model = parametric_model(
-        joint_of_reduced(artifacts.load(reduced), equal_nodes=springs == "equal"),
-        asked["modes"],
-        tuple(1e9 * k for k in asked["stiffness_GN_per_m"]),
-        tuple(1e3 * force for force in asked["force_kN"]),
+    model = parametric_structure(
+        artifacts.load(reduced), json.loads(settings), equal_nodes=springs == "equal"
     )
     artifacts.save(model, output, settings=settings)
 

@@ -1,75 +1,153 @@
-"""The report of a campaign, one self-contained page -> report.html."""
+"""The report of a campaign: report.html, and its chapters and the plotting library in report/."""
 
+import datetime
+import hashlib
 import json
+import shutil
+from importlib.util import find_spec
 from pathlib import Path
 
 import pandas as pd
 import yaml
 from _cli import run
 from bladeroot import __version__, artifacts
-from bladeroot.report.contents import report
+from bladeroot.contact.published import published_stiffness
+from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
+from bladeroot.figures.records import worth_showing
+from bladeroot.io.campaign import load_campaign
+from bladeroot.provenance import environment
+from bladeroot.report.contents import LIBRARY, Material, report
 
 
-def main(
-    results, checks, accuracies, calibrations, joints, diagnoses, verdicts, extended, amplitudes,
-    shortfalls, figures, thesis, facts, output,
-):  # fmt: skip
-    known = json.loads(facts)
-    structures = known["structures"]
-    names = ["stick"] + ["fe_forces", "stiffness", "theory"] * bool(structures)
-    names += ["score"] * known["simulated"]
-    names += ["integrity", "curves"] * (known["entry"] == "records")
-    names += ["ledger"] * (known["description"].get("published") == "thesis")
-    published, errata = thesis
-    searched = [
-        Path(results) / "thesis_search" / f"{structure}.nc"
-        for structure in structures
-        if known["description"].get("published") == "thesis"
-    ]
-    page = report(
-        known,
-        {name: artifacts.load(Path(results) / f"{name}.nc") for name in names},
-        [artifacts.load(check) for check in checks],
-        [artifacts.load(accuracy) for accuracy in accuracies],
-        [artifacts.load(calibration) for calibration in calibrations],
-        [artifacts.load(joint) for joint in joints],
-        [artifacts.load(diagnosis) for diagnosis in diagnoses],
-        [artifacts.load_json(verdict) for verdict in verdicts],
-        [artifacts.load(joint) for joint in extended],
-        [artifacts.load(amplitude) for amplitude in amplitudes],
-        [artifacts.load(shortfall) for shortfall in shortfalls],
-        [artifacts.load(search) for search in searched],
-        {
-            Path(figure).stem: _inline(Path(figure).read_text(encoding="utf-8"))
-            for figure in figures
-        },
-        pd.read_csv(published),
-        yaml.safe_load(Path(errata).read_text(encoding="utf-8")),
-        __version__,
+def main(results, structures, batches, modes, calibrations, sources, thesis, folder, facts):
+    known, home = json.loads(facts), Path(results)
+    library = _library()
+    of_the_thesis = known["description"].get("published") == "thesis"
+    names = ["stick"] + ["fe_forces", "stiffness", "theory"] * bool(known["structures"])
+    names += ["score"] * known["simulated"] + ["integrity", "curves"] * bool(batches)
+    names += ["ledger", "slider"] * of_the_thesis
+    stages = {name: artifacts.load(home / f"{name}.nc") for name in names}
+
+    def by_structure(pattern, asked=known["structures"]):
+        return [artifacts.load(pattern.format(name)) for name in asked]
+
+    printed = Path(thesis)
+    made = {
+        "version": __version__,
+        "date": datetime.date.today().isoformat(),
+        "environment": environment(),
+        "command": known["command"],
+        "settings": known["settings"],
+        "sources": _hashes([*map(Path, sources), *_raw(folder, known)], Path(folder)),
+    }
+    pages = report(
+        Material(
+            known,
+            stages,
+            by_structure(f"{results}/diagnosis/{{}}.nc", known["judged"]),
+            [artifacts.load_json(home / "diagnosis" / f"{one}.json") for one in known["judged"]],
+            made,
+            **(_of_records(batches, home) if batches else {}),
+            mesh=next(
+                iter(by_structure(f"{structures}/{{}}/mesh.nc", known["structures"][:1])), None
+            ),
+            modes="".join(_inline(Path(path)) for path in modes),
+            checks=by_structure(f"{structures}/{{}}/checks.nc"),
+            accuracies=by_structure(f"{structures}/{{}}/accuracy.nc"),
+            calibrations=[artifacts.load(path) for path in calibrations],
+            searches=[
+                artifacts.load(home / "stiffness" / name / f"{force}.nc")
+                for name in known["structures"]
+                for force in known["forces"]
+            ],
+            joints=by_structure(f"{results}/joint/{{}}.nc"),
+            extended=by_structure(f"{results}/extended/{{}}/joint.nc", known["extended"]),
+            amplitudes=by_structure(f"{results}/amplitude/{{}}.nc") if batches else [],
+            shortfalls=by_structure(f"{structures}/{{}}/shortfall.nc"),
+            thesis_searches=by_structure(f"{results}/thesis_search/{{}}.nc")
+            if of_the_thesis
+            else [],
+            published=(
+                pd.read_csv(printed / "table_5_1.csv"),
+                published_stiffness(pd.read_csv(printed / "table_5_2.csv").to_dict("list")),
+            ),
+            errata=yaml.safe_load((printed / "errata.yaml").read_text(encoding="utf-8")),
+        )
     )
-    artifacts.save_text(page, output)
+    chapters = home / "report"
+    for place, page in pages.items():
+        artifacts.save_text(page, home / place)
+    artifacts.save_json(made, chapters / "provenance.json")
+    with artifacts.whole_file(chapters / LIBRARY) as part:
+        shutil.copyfile(library, part)
 
 
-def _inline(svg):
-    """The drawing without the file's XML head, to stand inside a page."""
-    return svg[svg.index("<svg") :]
+def _of_records(batches, folder):
+    """The decays, and the raw records that are worth showing with their spectra."""
+    decays = artifacts.load_records(batches, "decay")
+    found = {decay.attrs["record"]: decay for decay in decays}
+    told, not_shown = worth_showing(
+        artifacts.load_records(batches, "records", without=("velocity", "time")), found
+    )
+    shown = [
+        artifacts.load(folder / "records" / f"{one.attrs['record']}.nc").assign_attrs(one.attrs)
+        for one in told
+    ]
+    spectra = [
+        before_and_after(
+            one["velocity"].values.astype(float),
+            one.attrs["sampling_Hz"],
+            found[one.attrs["record"]],
+            one["usable"].values.astype(bool),
+        ).assign_attrs(reason=one.attrs["reason"])
+        for one in shown
+        # a few cycles have no spectrum to speak of
+        if one.sizes["time"] * one.attrs["expected_Hz"] > 2 * FADE_CYCLES * one.attrs["sampling_Hz"]
+    ]
+    return {"decays": decays, "shown": shown, "not_shown": not_shown, "spectra": spectra}
+
+
+def _raw(folder, known):
+    """The measured files."""
+    if known["simulated"] or known["entry"] != "records":
+        return []
+    return [Path(folder) / row["file"] for row in load_campaign(folder).records]
+
+
+def _hashes(paths, folder):
+    """sha256 by path, below the campaign's folder where it is there."""
+    found = {}
+    for path in dict.fromkeys(paths):
+        with open(path, "rb") as source:
+            name = path.relative_to(folder) if path.is_relative_to(folder) else path.name
+            found[str(name)] = hashlib.file_digest(source, "sha256").hexdigest()
+    return found
+
+
+def _library():
+    """The plotting library for the pages, as its package for Python brings it."""
+    package = find_spec("plotly")
+    if package is None:
+        raise ValueError("plotly is not installed; pip install -r environment.txt installs it")
+    return Path(package.origin).parent / "package_data" / LIBRARY
+
+
+def _inline(path):
+    """A drawing without the file's XML head, to stand inside a page."""
+    text = path.read_text(encoding="utf-8")
+    return text[text.index("<svg") :]
 
 
 if __name__ == "__main__":
     run(
         main,
         results="the campaign's folder of artifacts",
-        checks="any: checks.nc of its structures",
-        accuracies="any: accuracy.nc of its structures",
+        structures="the folder of the structures' artifacts",
+        batches="any: lists of the records in each batch",
+        modes="any: mode shapes of the main structure (SVG)",
         calibrations="any: calibration.nc of its structures",
-        joints="any: joint inferences of its structures",
-        diagnoses="any: diagnosis with each of its structures, the main one first",
-        verdicts="any: verdicts of the same structures (JSON)",
-        extended="any: joint inferences with the causes of a model file",
-        amplitudes="any: inferences with amplitude of its structures",
-        shortfalls="any: shortfall.nc of its structures",
-        figures="many: figures (SVG)",
-        thesis="many: table_5_1.csv and errata.yaml",
+        sources="any: files that the campaign was made of",
+        thesis="folder with the thesis's tables and errata",
+        folder="the campaign's own folder",
         facts="what is known of the campaign (JSON)",
-        output="report.html",
     )

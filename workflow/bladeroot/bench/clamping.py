@@ -11,7 +11,7 @@ from bladeroot.bench.chance import generator
 from bladeroot.bench.conditions import Conditions, baseline
 from bladeroot.bench.forces import ModalForces, modal_forces
 from bladeroot.bench.friction import pressure_profile, slider_limits
-from bladeroot.bench.joint import Parts, specimen
+from bladeroot.bench.joint import Parts, specimen, with_interfaces
 from bladeroot.bench.modes import StuckModes, stuck_modes
 
 
@@ -53,6 +53,10 @@ def clamp(
     Raises ValueError if the mode is not among those kept or the force is not positive.
     """
     true = baseline(bench, row) if conditions is None else conditions
+    real = bench["specimen"]
+    if whole.interfaces:
+        told = (bench["joint"]["interface_factor"], bench["joint"]["normal_over_load"])
+        whole = with_interfaces(whole, *(tuple(one.items()) for one in told))
     slipping = bool(np.isfinite(true.friction)) if slipping is None else slipping
     mode = str(row["mode"])
     body = specimen(
@@ -63,6 +67,7 @@ def clamp(
         added_mass=true.added_mass,
         added_mass_x=true.added_mass_x,
         slot_factor=true.slot,
+        hung_at_Hz=float(real.get("hung_at_Hz", 0.0)),
     )
     modes = stuck_modes(
         body,
@@ -72,6 +77,7 @@ def clamp(
         bench["laser"]["x_mm"][mode] * 1e-3,
         bench["tip"]["x_mm"][mode] * 1e-3,
         slipping,
+        real.get("bending_nodes"),
     )
     if mode not in modes.names:
         raise ValueError(f"mode {mode} is not among the kept modes {modes.names}")
@@ -93,15 +99,19 @@ def clamp(
         float(friction["edge_pressure"]),
         np.exp(friction["spread"] * waviness),
     )
-    pressing = slider_limits(true.force, 1.0, whole.share, profile)
+    load = true.force * whole.pressing
+    pressing = slider_limits(load, 1.0, whole.share, profile)
+    lowest = next(iter(real.get("bending_nodes", {"1B": 0})))
     return carry(
         Clamping(
             conditions=true,
             modes=modes,
             loss_factor=loss,
-            limit=slider_limits(true.force, true.friction, whole.share, profile),
+            limit=slider_limits(load, true.friction, whole.share, profile),
             number=number,
-            forces=modal_forces(true, modes, pressing, bench["laser"]["x_mm"]["1B"] * 1e-3),
+            forces=modal_forces(
+                true, modes, pressing, bench["laser"]["x_mm"][lowest] * 1e-3, lowest
+            ),
         )
     )
 

@@ -34,12 +34,13 @@ def modal_forces(
     modes: StuckModes,
     pressing: ndarray,
     laser_x: float,
+    lowest: str = "1B",
 ) -> ModalForces:
-    """Forces on the kept modes; sizes are those of 1B seen at `laser_x` (m), others follow.
+    """Forces on the kept modes; sizes are those of `lowest` seen at `laser_x` (m), others follow.
 
     `pressing` is each pair's static normal force (N) at the nominal pressure.
     """
-    first = modes.names.index("1B")
+    first = modes.names.index(lowest)
     omega = modes.omega[first]
     seen = abs(np.interp(laser_x, modes.line_x, modes.line_shape[:, first]))
     stretching = 2 * conditions.hardening * (seen * omega) ** 2 / modes.geometric[first, first] ** 2

@@ -24,7 +24,7 @@ def pressure_profile(
 
 
 def slider_limits(
-    force: float,
+    force: float | Float[ndarray, " pair"],
     coefficient: float,
     share: Float[ndarray, " pair"],
     profile: Float[ndarray, " pair"],

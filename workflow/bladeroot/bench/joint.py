@@ -16,7 +16,9 @@ class Parts:
     `normal` (pair, dof) and `tangential` (2 pair, dof; along Y and along the slope in turn) give
     the displacement of the beam relative to the slot at each pair. `share` is each pair's part of
     its flank's area. `line_x` (m) and `line` (point, axis, dof) are the positions along the beam
-    and the displacements of its middle line.
+    and the displacements of its middle line. Of an assembly, `interfaces` are what its flanks are
+    called, `factor` is what a pair's springs have of the conditions' kn and kt, and `pressing` a
+    flank's normal force over that of a dovetail's under the same load.
     """
 
     mass: Float[ndarray, "dof dof"]
@@ -30,6 +32,9 @@ class Parts:
     place: Float[ndarray, "pair 2"]
     line_x: Float[ndarray, " point"]
     line: Float[ndarray, "point 3 dof"]
+    interfaces: tuple[str, ...] = ()
+    factor: Float[ndarray, " pair"] | float = 1.0
+    pressing: Float[ndarray, " pair"] | float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +47,12 @@ class Specimen:
 
 
 def parts(reduced: xr.Dataset) -> Parts:
-    """Read beam and slots from a reduced structure.
+    """Read beam and slots from a reduced structure, or all bodies of an assembly as one beam.
 
     Raises ValueError if the beam's contact dofs are not three a pair.
     """
+    if "beam_mass" not in reduced:
+        return _assembly_parts(reduced)
     pairs = reduced.sizes["pair"]
     n_beam = reduced.sizes["beam_dof"]
     if n_beam < 3 * pairs:
@@ -87,6 +94,45 @@ def parts(reduced: xr.Dataset) -> Parts:
     )
 
 
+def _assembly_parts(reduced: xr.Dataset) -> Parts:
+    """Parts of an assembly that is one body already; an interface takes the place of a flank."""
+    pairs, total = reduced.sizes["pair"], reduced.sizes["dof"]
+    relative, pair = np.zeros((pairs, 3, total)), np.arange(pairs)[:, None]
+    relative[pair, np.arange(3), reduced["beam_dof"].values] = 1.0
+    relative[pair, np.arange(3), reduced["slot_dof"].values] -= 1.0
+    local = np.einsum("pla,pad->pld", reduced["frame"].values, relative)
+    flank = reduced["flank"].values.astype(np.int64)
+    x = reduced["display_position"].values[:, 0]
+    order = np.argsort(x)
+    return Parts(
+        mass=reduced["mass"].values,
+        beam_stiffness=reduced["stiffness"].values,
+        slot_stiffness=np.zeros((total, total)),
+        geometric=reduced["geometric_stiffness"].values,
+        normal=local[:, 0],
+        tangential=local[:, 1:].reshape(2 * pairs, total),
+        flank=flank,
+        share=reduced["weight"].values,
+        place=np.zeros((pairs, 2)),
+        line_x=x[order],
+        line=reduced["display_shape"].values[order],
+        interfaces=tuple(reduced["interface"].values.astype(str)),
+    )
+
+
+@lru_cache(maxsize=1)
+def with_interfaces(
+    whole: Parts, factor: tuple[tuple[str, float], ...], pressing: tuple[tuple[str, float], ...]
+) -> Parts:
+    """Interfaces told apart: factors of their springs, and normal forces over the load."""
+    springs, pressed = (
+        np.array([dict(one)[name] for name in whole.interfaces])[whole.flank]
+        for one in (factor, pressing)
+    )
+    # a flank at 45 degrees has the load over the root of two
+    return replace(whole, factor=springs, pressing=np.sqrt(2) * pressed)
+
+
 def project(whole: Parts, basis: Float[ndarray, "dof few"]) -> Parts:
     """The parts restricted to the displacements that the columns of `basis` span."""
     matrices = ("mass", "beam_stiffness", "slot_stiffness", "geometric")
@@ -107,12 +153,14 @@ def specimen(
     added_mass: float = 0.0,
     added_mass_x: float = 0.0,
     slot_factor: float = 1.0,
+    hung_at_Hz: float = 0.0,
 ) -> Specimen:
     """Put the parts under an axial force (N).
 
     The factors scale the modulus and density of beam and slots, `slot_factor` the stiffness of the
     slots alone; `added_mass` (kg) sits on the beam's middle line at `added_mass_x` (m) and moves
-    in all three directions: the real specimen is never quite the analyst's model.
+    in all three directions: the real specimen is never quite the analyst's model. A free one hangs
+    so softly that its rigid motions have the frequency `hung_at_Hz`.
     """
     at_mass = np.array([line_row(whole, added_mass_x, axis) for axis in range(3)])
     mass = density_factor * whole.mass + added_mass * at_mass.T @ at_mass
@@ -120,6 +168,8 @@ def specimen(
         modulus_factor * (whole.beam_stiffness + slot_factor * whole.slot_stiffness)
         + force * whole.geometric
     )
+    if hung_at_Hz:
+        stiffness = stiffness + (2 * np.pi * hung_at_Hz) ** 2 * mass
     return Specimen(whole, (mass + mass.T) / 2, (stiffness + stiffness.T) / 2)
 
 
@@ -131,8 +181,9 @@ def stuck_stiffness(
     kn and kt are totals of one flank in N/m; a pair carries its share of the flank's area.
     """
     whole = body.parts
-    slider_kt = kt * np.repeat(whole.share, 2)
-    stiffness = body.stiffness + whole.normal.T @ (kn * whole.share[:, None] * whole.normal)
+    springs = whole.share * whole.factor
+    slider_kt = kt * np.repeat(springs, 2)
+    stiffness = body.stiffness + whole.normal.T @ (kn * springs[:, None] * whole.normal)
     stiffness += whole.tangential.T @ (slider_kt[:, None] * whole.tangential)
     return stiffness, slider_kt
 

@@ -1,5 +1,6 @@
 """Modes of the stuck specimen, and the contacts' flexibility that the kept modes leave out."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -46,21 +47,23 @@ def stuck_modes(
     laser_x: float,
     tip_x: float,
     slipping: bool = True,
+    nodes: Mapping[str, int] | None = None,
 ) -> StuckModes:
     """Lowest `kept` modes of the specimen with all flanks stuck (kn, kt in N/m a flank; x in m).
 
-    Without `slipping` the residual is not worked out and stays zero.
+    Without `slipping` the residual is not worked out and stays zero. `nodes`: how many nodes the
+    bending shapes of the named modes have, where that is not one less than their numbers.
     """
     whole = body.parts
     squares, shapes, slider_kt, residual = _solved(body, kn, kt, kept, slipping)
     line = whole.line[:, 2] @ shapes
     return StuckModes(
         omega=np.sqrt(squares),
-        names=bending_names(whole.line_x, line),
+        names=bending_names(whole.line_x, line, nodes),
         slider_shape=whole.tangential @ shapes,
         slider_kt=slider_kt,
         normal_shape=whole.normal @ shapes,
-        normal_kn=kn * whole.share,
+        normal_kn=kn * whole.share * whole.factor,
         residual=residual,
         geometric=shapes.T @ whole.geometric @ shapes,
         laser_shape=line_row(whole, laser_x) @ shapes,
@@ -88,8 +91,14 @@ def _solved(
     return squares, shapes, slider_kt, (residual + residual.T) / 2
 
 
-def bending_names(x: Float[ndarray, " point"], z: Float[ndarray, "point mode"]) -> tuple[str, ...]:
+def bending_names(
+    x: Float[ndarray, " point"],
+    z: Float[ndarray, "point mode"],
+    nodes: Mapping[str, int] | None = None,
+) -> tuple[str, ...]:
     """Name modes by the nodes of their bending shape: `1B` none, `2B` one, ...; others stay empty.
+
+    `nodes` gives other names: how many nodes each has.
 
     `z` is the bending displacement of mass-normalised shapes on the middle line. Lateral, axial
     and torsional modes hardly bend that line, so they are told by their small mean square.
@@ -98,7 +107,10 @@ def bending_names(x: Float[ndarray, " point"], z: Float[ndarray, "point mode"]) 
     names: list[str] = []
     for k, column in enumerate(z.T):
         moving = column[np.abs(column) > _NODE_LEVEL * np.abs(column).max()]
-        name = f"{np.sum(moving[1:] * moving[:-1] < 0) + 1}B"
+        count = int(np.sum(moving[1:] * moving[:-1] < 0))
+        name = f"{count + 1}B"
+        if nodes is not None:
+            name = next((one for one, own in nodes.items() if own == count), "")
         bending = strength[k] > _BENDING_LEVEL * strength.max()
         names.append(name if bending and name not in names else "")
     return tuple(names)

@@ -10,7 +10,7 @@ from bladeroot.command.results import results_of
 ANSWERS = {
     "nothing-missing": "The simulation explains the records within their scatter.",
     "named": "The records name what the simulation misses.",
-    "ambiguous": "The simulation misses something; the records do not tell which of several it is.",
+    "ambiguous": "The records do not tell which of several causes is missing, or whether one is.",
     "unexplained": "The simulation misses something that no cause of the catalogue explains.",
     "insufficient-data": "The records are too few to judge the simulation.",
 }

@@ -7,7 +7,7 @@ import click
 from bladeroot import __version__
 
 # Subcommands by name; each file is loaded when it is called, for the help of one needs no other.
-COMMANDS = ("look", "new", "check", "run", "explain", "export")
+COMMANDS = ("look", "new", "check", "run", "explain", "compare", "export")
 
 
 class _Commands(click.Group):

@@ -7,47 +7,26 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 
 from bladeroot.signal.envelope import Envelope
+from bladeroot.signal.lines import one_sided
 
-# Frames (half cycles) in which a beat is looked for, beats that must fit into them, and the
-# furthest line in turns a frame: two modes 18 % apart.
-WINDOWS, FEWEST, FURTHEST = (48, 96, 192, 384, 768), 3.0, 0.09
-# A line on one side of zero, over the one on the other side, over the median line, and at least.
-ONE_SIDED, CLEAR, LEAST = 2.5, 20.0, 0.01
-DEGREE = 3
+# Frames (half cycles) in which a beat is looked for, and the furthest line in turns a frame: two
+# modes 18 % apart.
+WINDOWS, FURTHEST = (48, 96, 192, 384, 768), 0.09
+# The line over the median one, and what it swings the logarithm by at least.
+CLEAR, LEAST = 20.0, 0.01
 
 
 def beat(seen: Envelope, noise: float, begin: int) -> float | None:
-    """Frames in a beat of a decay from frame `begin` on, None where no beat is found.
-
-    A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)) to the log-phasor: lines
-    on one side of zero only, which no knock, bend or law of amplitude makes.
-    """
+    """Frames in a beat of a decay from frame `begin` on, None where no beat is found."""
     weak = np.flatnonzero(seen.level[begin:] < np.log(max(8.0 * noise, 1e-300)))
     stop = begin + int(weak[0]) if weak.size else seen.log.size
-    best = (CLEAR, None)
+    best, period = CLEAR, None
     for count in WINDOWS:
         if begin + count <= stop:
-            best = max(best, _line(seen.log[begin : begin + count]), key=lambda one: one[0])
-    return best[1]
-
-
-def _line(log: Complex[ndarray, " frame"]) -> tuple[float, float | None]:
-    """How clear the strongest one-sided line beside a smooth course is, and its period."""
-    x = np.linspace(-1.0, 1.0, log.size)
-    trend = np.polynomial.chebyshev.chebvander(x, DEGREE)
-    taper = np.hanning(log.size)
-    rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
-    line = np.fft.fft(rest, 4 * log.size) / taper.sum()
-    turns = np.abs(np.fft.fftfreq(line.size))
-    inside = (turns * log.size >= FEWEST) & (turns <= FURTHEST)
-    if not inside.any():
-        return 0.0, None
-    k = int(np.argmax(np.where(inside, np.abs(line), 0.0)))
-    level, other = float(np.abs(line[k])), float(np.abs(line[-k]))
-    if level < max(LEAST, ONE_SIDED * other):
-        return 0.0, None
-    usual = float(np.median(np.abs(line[(turns * log.size >= FEWEST) & (turns <= 0.25)])))
-    return level / max(usual, 1e-300), 1.0 / float(turns[k])
+            clear, turns = one_sided(seen.log[begin : begin + count], LEAST, FURTHEST, 0.25)
+            if clear > best:
+                best, period = clear, 1.0 / abs(turns)
+    return period
 
 
 def without_beat(seen: Envelope, begin: int, period: float) -> Envelope:

@@ -6,12 +6,12 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import magnitudes
+from bladeroot.signal.lines import TOLERANCE, magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
-LEAST, CLEAR = 1e-3, 8.0
+LEAST, CLEAR = 3e-4, 8.0
 # Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
 # than that part are one.
 APART, SAME = 0.17, 0.1
@@ -21,12 +21,19 @@ SKIRT, FAINT = 0.35, 0.03
 # Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
 # longer by a factor. Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
+# In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
+AUDIBLE = 0.08
 # Harmonics of lines from this part of the mode's amplitude on may lie nearer, but not nearer than
 # the other part of its frequency.
 OVERTONES, NEAREST = 0.3, 0.05
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
-CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.03, 8.0
+CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
+# A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
+# is over the median one by that factor (by the other one half a stretch later), and swings the
+# logarithm by that much.
+BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
+CLEAR_BEAT, AGAIN, SWING = 10.0, 3.0, 0.01
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -78,13 +85,14 @@ def _peaks(
     chunk = min(64, level.size)
     floor = np.repeat(medians(level[: level.size // chunk * chunk].reshape(-1, chunk)), chunk)
     floor = np.concatenate([floor, np.full(level.size - floor.size, floor[-1])])
-    peak = np.zeros(level.size, bool)
-    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
     peak &= frequency < 0.48 * sampling_Hz
     # within the resolution of a stretch what leaks from the mode looks like a line
-    peak &= np.abs(frequency - own_Hz) > max(APART * own_Hz, 8.0 * width)
+    others_Hz = found.lines_Hz[1:]
+    nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
+    peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
     until = max(size // found.spacing, 1)
     others = range(1, found.lines_Hz.size)
     loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[:until]) ** 2))) for k in others]
@@ -92,7 +100,8 @@ def _peaks(
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
         skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < FAINT * np.array(loud))
-        if skirt.any() or away.min() <= max(SAME * min(frequency[k], own_Hz), 2.0 * width):
+        same = min(SAME * min(frequency[k], own_Hz), 0.3 * nearest)
+        if skirt.any() or away.min() <= max(same, 2.0 * width):
             continue
         # a parabola through the logarithms: a third of a step at most is left
         before, at, after = np.log(level[k - 1 : k + 2])
@@ -116,10 +125,9 @@ def told_apart(
     frequency, level = magnitudes(x[:count], sampling_Hz)
     wanted = [expected_Hz, *close]
     inside = np.abs(frequency / expected_Hz - 1.0) < 1.2 * CLOSE
-    peak = np.zeros(level.size, bool)
-    peak[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:]) & inside[1:-1]
-    peaks = np.flatnonzero(peak & (level > HEARD * level.max(where=inside, initial=0.0)))
-    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in peaks]
+    heard = level > HEARD * level.max(where=inside, initial=0.0)
+    seen = np.flatnonzero(peaks(level) & inside & heard)
+    off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in seen]
     found: dict[int, float] = {}
     used: set[int] = set()
     for size, n, k in sorted(off):
@@ -127,6 +135,63 @@ def told_apart(
             found[n] = float(frequency[k])
             used.add(k)
     return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
+
+
+def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]:
+    """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats.
+
+    seen: first intervals that are looked at.
+    """
+    z = found.envelope(0)[:seen]
+    weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
+    z = z[: weak[0]] if weak.size else z
+    log = np.log(np.maximum(np.abs(z), 1e-300)) + 1j * np.unwrap(np.angle(z))
+    best, line = CLEAR_BEAT, []
+    for count in BEATEN:
+        if count + count // 2 > log.size:
+            break
+        clear, turns = one_sided(log[:count], SWING)
+        again, then = one_sided(log[count // 2 : count // 2 + count], SWING)
+        # a beat goes on, a bend of the mode's own laws does not
+        if clear > best and again > AGAIN and abs(turns - then) * count < 1.5:
+            best = clear
+            line = [float(found.lines_Hz[0] + turns * sampling_Hz / found.spacing)]
+    return line
+
+
+def meant(
+    lines: Float[ndarray, " line"], close: int, expected_Hz: float, modes_Hz: tuple[float, ...]
+) -> Float[ndarray, " line"]:
+    """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
+
+    The one nearer to where it is expected, where other modes near by are left the other.
+    """
+    near = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+
+    def off(own: float, other: float) -> float:
+        theirs = min((abs(np.log(other / one)) for one in near), default=0.0)
+        return abs(np.log(own / expected_Hz)) + theirs
+
+    if off(lines[close], lines[0]) < off(lines[0], lines[close]):
+        lines = lines.copy()
+        lines[[0, close]] = lines[[close, 0]]
+    return lines
+
+
+def elsewhere_first(
+    x: Float[ndarray, " sample"], sampling_Hz: float, own_Hz: float, modes_Hz: tuple[float, ...]
+) -> bool:
+    """Whether the mode rang elsewhere while it was loud: its line is not there in the first cycles.
+
+    A line near by, no known mode's, has nearly all of the motion then.
+    """
+    frequency, level = magnitudes(x[: int(FIRST_CYCLES * sampling_Hz / own_Hz)], sampling_Hz)
+    off = np.abs(frequency / own_Hz - 1.0)
+    other = (off >= APART) & (off < TOLERANCE)
+    for mode in modes_Hz:
+        other &= np.abs(frequency / mode - 1.0) > ABOUT
+    own = level.max(where=off < 0.5 * APART, initial=0.0)
+    return bool(own < AUDIBLE * level.max(where=other, initial=0.0))
 
 
 def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:

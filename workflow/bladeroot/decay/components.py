@@ -7,7 +7,18 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.component_lines import ABOUT, more_lines, moved, overtones, told_apart
+from bladeroot.decay.component_lines import (
+    ABOUT,
+    APART,
+    LEAST,
+    beating_line,
+    elsewhere_first,
+    meant,
+    more_lines,
+    moved,
+    overtones,
+    told_apart,
+)
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.signal.lines import loudest, mode_Hz
 
@@ -25,6 +36,8 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # Its contact lasts as long as the components leave over this many times what they do later; the
 # start is moved so many times at most.
 STRUCK, BLOWS = 1.7, 4
+# A free decay grows by no more than this factor, and so many times the noise of an interval.
+GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
@@ -34,6 +47,8 @@ ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
+# A mode whose frequency moves looks like two lines, of which one grows by that factor.
+BORN = 1.3
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -83,15 +98,34 @@ def separated(
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz = float(lines[0]), 0.0
-    trimmed = False
+    # it has moved so far that others may be its own
+    far = abs(own_Hz / expected_Hz - 1.0) > APART
+    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
+        return Separated(velocity, first, [], *np.zeros((3, 0)))
+    trimmed = beaten = False
+    close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
+        size = np.abs(found.envelope(0))
+        if (
+            close and size.max() > BORN * size[0]
+        ):  # one mode that moves, not two: one dies, one grows
+            lines, close = before, []
+            own_Hz = float(lines[0])
+            continue
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
         if not trimmed and (turn or not more):
             last, trimmed = _lasting(found), True
             x, known = x[:last], None if known is None else known[:last]
             if last < found.samples:
+                continue
+        if not more and not beaten:
+            beaten, close = True, beating_line(found, sampling_Hz, _seen(found, known))
+            if close:
+                before = lines
+                lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
+                own_Hz = float(lines[0])
                 continue
         if not more:
             break
@@ -101,12 +135,15 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast])[: MOST + 1]
+    if lines.size > found.lines_Hz.size:
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
     lines = np.concatenate([lines, overtones(found, lines)])
-    if lines.size == 1 and not base_Hz:
+    if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        struck = _struck(x - found.waves(), found.spacing)
+        rest = x - found.waves()
+        struck = _struck(rest, found.spacing) or _grows(found, rest, known)
         if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
             break
         first += struck
@@ -121,7 +158,7 @@ def separated(
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
-    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(own_Hz / (SHARE * nearest))
+    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
@@ -166,6 +203,36 @@ def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> i
     while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
         at += 1
     return at * length
+
+
+def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
+    """Intervals before the first one of which half cannot be used."""
+    whole = found.samples // found.spacing
+    if usable is None:
+        return whole
+    share = usable[: whole * found.spacing].reshape(whole, -1).mean(axis=1)
+    return int(np.argmax(share < 0.5)) if (share < 0.5).any() else whole
+
+
+def _grows(
+    found: Envelopes, rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+) -> int:
+    """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
+    half = found.samples // found.spacing // 2
+    size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
+    if usable is not None:
+        rest = rest[usable]
+    if not size.size:
+        return 0
+    top = int(np.argmax(size))
+    noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
+    return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
+
+
+def _sways(found: Envelopes) -> bool:
+    """Whether the baseline moves by more than a line that counts."""
+    mode = np.sqrt(np.mean(np.abs(found.envelope(0)) ** 2))
+    return bool(np.std(found.waves([])) > LEAST * mode)
 
 
 def _slowest(base_Hz: float, own_Hz: float) -> float:

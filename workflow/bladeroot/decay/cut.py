@@ -22,7 +22,8 @@ from bladeroot.signal.turning import clean_falls
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
 # A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
-LEAST_FALL = 2.0
+# Where it is known when it was let go, a short record of it falls by less.
+LEAST_FALL, SHORT_FALL = 2.0, 1.1
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
 # followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
 SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
@@ -34,7 +35,7 @@ LATE = 16
 LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
 # many steps high then follows them, not the mode.
-BLURRED, STEPS = 0.45, 4.0
+BLURRED, STEPS = 0.45, 8.0
 
 
 def cut(
@@ -159,7 +160,7 @@ def _span(
     if release is None:
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
-            f"factor of {np.exp(fall):.3g}, at least {LEAST_FALL:g} is needed"
+            f"factor of {np.exp(fall):.3g}, at least {_least_fall(known):g} is needed"
         )
     level, end_s, reason = one.level, one.end_s, one.reason
     start_s = release.time_s + 2.0 * release.std_s
@@ -215,7 +216,7 @@ def _decay(
     first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
     first = min(first, seen.time.size - 2)
     fall, level, found = _falls(seen, noise, broken, first)
-    if fall < np.log(LEAST_FALL):
+    if fall < np.log(_least_fall(known)):
         return _Decay(fall, level, found)
     peak, trough = found[0]
     release = known or find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
@@ -223,6 +224,10 @@ def _decay(
     begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
     end_s, reason = find_end(seen, noise, least, level, broken, begin, trough, ratio)
     return _Decay(fall, level, found, release, begin, end_s, reason)
+
+
+def _least_fall(known: Release | None) -> float:
+    return SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
 
 
 def _free_before(calm: _Decay, begin: int, period: float) -> bool:

@@ -61,9 +61,11 @@ def estimate(
         ours = dict(options)
         if estimator == "blocks" and "widening" in cut:
             time = cut["widening_time"].values - begin_s
-            ours["widening"] = (time, cut["widening"].values, cut["doubt"].values)
+            ours["taken"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
             curves = _later(ESTIMATORS[estimator](*record, **ours), begin_s)
+            if "taken" in ours:
+                curves.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
             peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
             facts |= {"verdict": "rejected", "reason": str(error)}

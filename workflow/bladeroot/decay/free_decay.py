@@ -46,9 +46,13 @@ def free_decay(
     for _ in range(HITS):
         parts = separated(clear, rate, expected_Hz, modes_Hz, first)
         if not parts.lines_Hz and parts.velocity is clear:
-            return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+            whole = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+            return _with_widening(whole, parts)
         release = Release(parts.first / rate, 0.0, how)
-        alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+        # what is louder than the digitiser's steps blurs them
+        blurred = np.std((clear[: parts.velocity.size] - parts.velocity)[parts.first :]) > steps
+        least = 0.0 if blurred else steps
+        alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=least)
         if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
             alone.attrs["end_reason"] = "the noise"
         alone = windowed(alone, parts.velocity, *window)

@@ -7,10 +7,16 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.decay.alone import alone
+from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
+from bladeroot.signal.phasors import Phasors
+from bladeroot.signal.runs import runs
 from bladeroot.signal.smooth import Spline
 
+# A free decay falls: where ln A rises by so many standard errors, among so many first blocks or
+# later, something drives it, and the deepest fall before or after counts, so many times at most, if
+# so many cycles are left. What grows more often than that beats. Blocks that are looked at.
+GROWS, FIRST, PARTS, LEFT, BEATS, LOOKED_AT = (3.0, 5.0), 24, 4, 16.0, 2, 100
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
@@ -37,7 +43,7 @@ def freevib(
     points: int = 500,
     usable: Bool[ndarray, " sample"] | None = None,
     damping: str = "hysteretic",
-    widening: Taken | None = None,
+    taken: Taken | None = None,
 ) -> xr.Dataset:
     """Frequency and loss factor as functions of displacement amplitude from a free decay.
 
@@ -48,7 +54,7 @@ def freevib(
     A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
     lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
     lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis. Other modes that are loud beside this one late in the decay are taken off first.
+    thesis. What else rings is taken off first (`decay.components`), unless `taken` says it was.
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
@@ -59,7 +65,7 @@ def freevib(
         points: largest number of points of the curves.
         usable: False where a sample has no weight (a gap is bridged, with larger errors).
         damping: "hysteretic" or "viscous".
-        widening: for what was taken off before: times (s), factors by which a cycle's standard
+        taken: for what was taken off before: times (s), factors by which a cycle's standard
             error is larger there than noise makes it, and an error to add.
 
     Returns:
@@ -77,9 +83,24 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    velocity, loud = alone(velocity, sampling_Hz, expected_Hz, usable)
-    blocks, fit, found = follow(velocity, sampling_Hz, band, noise, usable, widening)
-    others = loud + [line for line in found if all(abs(line - one) > 0.05 * one for one in loud)]
+    begin_s, others = 0.0, []
+    if taken is None:
+        alone = separated(velocity, sampling_Hz, expected_Hz, usable=usable)
+        begin_s, others = alone.first / sampling_Hz, alone.lines_Hz
+        velocity, usable = (
+            None if x is None else x[alone.first : alone.velocity.size]
+            for x in (alone.velocity, usable)
+        )
+        taken = alone.time - begin_s, alone.widening, alone.doubt
+    for _ in range(PARTS):
+        blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
+        free = _free(blocks, fit)
+        first, stop = (int(np.clip(t * sampling_Hz, 0, velocity.size)) for t in free)
+        if stop - first == velocity.size or (stop - first) * expected_Hz < LEFT * sampling_Hz:
+            break
+        velocity, usable = (None if x is None else x[first:stop] for x in (velocity, usable))
+        taken = taken[0] - first / sampling_Hz, *taken[1:]
+        begin_s += first / sampling_Hz
     first, last = _trusted(blocks.std)
     count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
@@ -90,7 +111,7 @@ def freevib(
     amplitude_std = amplitude * std[0, 0]
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
-    curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
+    curves = (centre + begin_s, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
     keep = (std[0, 0] < 0.3) & np.isfinite(omega_n)
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi) if keep.any() else expected_Hz
@@ -104,7 +125,7 @@ def freevib(
     own = slice(None) if whole else _between(blocks.time, centre[keep][part])
     result = decay_dataset(
         [values[keep][part] for values in (*curves, *errors)],
-        [blocks.time[own], blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
+        [blocks.time[own] + begin_s, blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["other_modes_Hz"] = others
@@ -130,6 +151,29 @@ def natural(
     if damping == "viscous":
         return omega_n, -(2.0 * alpha + chirp / omega) / omega_n
     return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
+
+
+def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
+    """First and last time (s) of the deepest fall between times at which the amplitude grows."""
+    at = np.unique(np.linspace(0, blocks.time.size - 1, LOOKED_AT).round().astype(int))
+    at = np.union1d(at, np.arange(min(FIRST, blocks.time.size)))
+    time = blocks.time[at]
+    slope, std = fit.value(time)[1, 0], fit.std(time)[1, 0]
+    grows = runs(slope > np.where(at < FIRST, GROWS[0], GROWS[1]) * std)
+    later = [span for span in grows if span[0] >= FIRST]
+    if len(later) > BEATS:
+        grows = grows[: len(grows) - len(later)]
+    if not len(grows):
+        return 0.0, np.inf
+    level, last = blocks.log.real, blocks.time.size - 1
+    starts = [0, *(min(at[b - 1] + margin, last) for _, b in grows)]
+    stops = [*(max(at[a] - margin, 0) for a, _ in grows), last]
+    falls = [level[a] - level[b] if b > a else 0.0 for a, b in zip(starts, stops, strict=True)]
+    k = int(np.argmax(falls))
+    return (
+        float(blocks.time[starts[k]]) if k else 0.0,
+        float(blocks.time[stops[k]]) if k < len(grows) else np.inf,
+    )
 
 
 def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:

@@ -1,29 +1,11 @@
-"""Follow one mode through a record, other modes fitted along with it."""
+"""Follow one mode through a record that holds no other."""
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.close_modes import (
-    CLOSE,
-    SPOILT_BEATS,
-    near_waves,
-    quieter_s,
-    widened,
-    within,
-)
-from bladeroot.decay.other_lines import find_lines
-from bladeroot.decay.rough import cut_frames, parts, roughly
-from bladeroot.signal.carrier import strongest_line
-from bladeroot.signal.phasors import (
-    Frames,
-    Phasors,
-    corrected,
-    fit_frames,
-    gather,
-    refined,
-    unleaked,
-)
+from bladeroot.signal.carrier import rough_phasors, strongest_line
+from bladeroot.signal.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather
 from bladeroot.signal.scatter import noise_ratio, without_knocks
 from bladeroot.signal.smooth import Spline, coarse, fine
 
@@ -31,8 +13,6 @@ from bladeroot.signal.smooth import Spline, coarse, fine
 Taken = tuple[Float[ndarray, " knot"], Float[ndarray, " knot"], Float[ndarray, " knot"]]
 # A first block belongs to the blow where ln A + i phase bends so many times more than after it.
 STRUCK = 8.0
-# Most cycles in a frame.
-LONGEST = 4
 
 
 def follow(
@@ -41,62 +21,69 @@ def follow(
     band_Hz: tuple[float, float],
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
-    widening: Taken | None = None,
-) -> tuple[Phasors, Spline, list[float]]:
-    """Block log-phasors of the strongest mode in a band, their spline, and the other lines."""
-    duration = velocity.size / sampling_Hz
+    taken: Taken | None = None,
+) -> tuple[Phasors, Spline]:
+    """Block log-phasors of the strongest mode in a band, and their spline."""
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
-    blocks, fit, stretches, rest = roughly(velocity, sampling_Hz, line_Hz, noise, usable)
-    stop = int(blocks.time[-1] * sampling_Hz)
-    rest = rest[:stop] if usable is None else _longest(rest[:stop], usable[:stop])
-    value = fit.value(blocks.time)
-    swept = np.quantile(value[1, 1], (0.02, 0.98)) / (2.0 * np.pi)
-    own_Hz = (float(swept[0]), float(swept[1]))
-    over = _taken_over(rest, sampling_Hz, blocks, value[1, 1])
-    if over is not None:
-        usable = None if usable is None else usable[:over]
-        return follow(velocity[:over], sampling_Hz, band_Hz, noise, usable, widening)
-    found = find_lines(rest, sampling_Hz, own_Hz, float(np.exp(value[0, 0].max())))
-    others = [other for other in found if _apart(other, own_Hz)]
-    near = [other for other in found if not _apart(other, own_Hz)]
-    first_s, last_s, beat_s = 0.0, duration, 0.0
-    if near:
-        waves = near_waves(velocity, sampling_Hz, line_Hz, near, noise, usable)
-        velocity = velocity - sum(waves)
-        blocks, fit, stretches, _ = roughly(velocity, sampling_Hz, line_Hz, noise, usable)
-        gaps = {k: abs(other - line_Hz) for k, other in enumerate(near)}
-        close = [k for k, gap in gaps.items() if gap < CLOSE * line_Hz]
-        if close:
-            beat_s = 1.0 / min(gaps[k] for k in close)
-            spoilt_s = SPOILT_BEATS * beat_s
-            taken = sum(waves[k] for k in close)
-            first_s, last_s = quieter_s(taken, sampling_Hz, fit, beat_s)
-            first_s, last_s = first_s + spoilt_s, last_s - spoilt_s
-    cycles = _cycles(others, line_Hz, duration)
-    if cycles > 1:
-        stretches = cut_frames(fit, blocks, velocity.size, sampling_Hz, cycles)
-    rates = [2j * np.pi * other for other in others]
-    frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
-    if others:
-        rates = refined(rates, frames)
-        frames = fit_frames(velocity, sampling_Hz, noise, stretches, rates, usable)
-        _, rate, change = _logs(fit, np.clip(frames.time, blocks.time[0], blocks.time[-1]))
-        frames = unleaked(frames, rates, rate, change)
-    blocks = _gathered(frames, blocks, fit, widening)
+    blocks, fit = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
+    stretches = _cut_frames(fit, blocks, velocity.size, sampling_Hz)
+    frames = fit_frames(velocity, sampling_Hz, noise, stretches, usable)
+    blocks = _gathered(frames, blocks, fit, taken)
+    duration = velocity.size / sampling_Hz
     before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
     for _ in range(3):
         if _as_known(blocks, before, fit):
             break
-        before, blocks = fit, _gathered(frames, blocks, fit, widening)
+        before, blocks = fit, _gathered(frames, blocks, fit, taken)
         fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
     # the displacement that is smoothed
     _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
-    if beat_s:
-        blocks, fit = widened(blocks, fit, beat_s)
-    return within(blocks, first_s, last_s), fit, found
+    return blocks, fine(blocks.time, parts(blocks.log), blocks.std, fit)
+
+
+def parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
+    """Log-amplitude and phase, as the splines want them."""
+    return np.stack([log.real, log.imag])
+
+
+def _roughly(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None,
+) -> tuple[Phasors, Spline]:
+    """Rough blocks of the mode near a line, and their spline."""
+    blocks, phase = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
+    scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
+    std = blocks.std * np.maximum(scatter, 0.1)
+    duration = velocity.size / sampling_Hz
+    return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
+
+
+def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[Stretch]:
+    """The record cut into frames of a cycle, anew where the frequency has moved."""
+    grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
+    omega = fit.value(grid)[1, 1]
+    # where the mode is lost its phase may stand still or even turn back
+    omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
+    step = 0.02
+    class_ = np.round(np.log(omega / np.median(omega)) / step)
+    change = np.flatnonzero(np.diff(class_)) + 1
+    found: list[Stretch] = []
+    first = 0
+    starts = np.concatenate([[0], change])
+    ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
+    for start, end in zip(starts, ends, strict=True):
+        angle = float(np.median(omega) * np.exp(class_[start] * step)) / sampling_Hz
+        length = max(round(2.0 * np.pi / angle), 8)
+        frames = int(min(end, samples) - first) // length
+        if frames > 0:
+            found.append(Stretch(first, length, frames, angle))
+            first += frames * length
+    return found
 
 
 def _logs(fit: Spline, time: Float[ndarray, " at"]) -> Complex[ndarray, "3 at"]:
@@ -105,64 +92,11 @@ def _logs(fit: Spline, time: Float[ndarray, " at"]) -> Complex[ndarray, "3 at"]:
     return value[:, 0] + 1j * value[:, 1]
 
 
-def _taken_over(
-    rest: Float[ndarray, " sample"],
-    sampling_Hz: float,
-    blocks: Phasors,
-    omega: Float[ndarray, " block"],
-    wide: float = 0.05,
-    loud: float = 0.1,
-) -> int | None:
-    """The sample where the rough phasors go over to a line that outlives the mode, if they do.
-
-    The mode's own frequencies are then those of its loud part; the other line rings before, too.
-    """
-    amplitude = np.exp(blocks.log.real)
-    weak = np.flatnonzero(amplitude < loud * amplitude[: amplitude.size // 4 + 1].max())
-    if not weak.size:
-        return None
-    own = np.quantile(omega[: weak[0] + 1], (0.02, 0.98)) / (2.0 * np.pi)
-    own_Hz = (float(own[0]), float(own[1]))
-    frequency = omega / (2.0 * np.pi)
-    away = (frequency < own_Hz[0] * (1.0 - wide)) | (frequency > own_Hz[1] * (1.0 + wide))
-    gone = weak[0] + np.flatnonzero(away[weak[0] :])
-    if not gone.size:
-        return None
-    until = int(blocks.time[gone[0]] * sampling_Hz)
-    lines = find_lines(rest[:until], sampling_Hz, own_Hz, float(amplitude.max()))
-    low, high = frequency[gone].min() * (1.0 - wide), frequency[gone].max() * (1.0 + wide)
-    if not any(low < line < high for line in lines):
-        return None
-    return until
-
-
-def _longest(
-    rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"]
-) -> Float[ndarray, " part"]:
-    """The longest usable stretch where there are many holes: at every peak they look like lines.
-
-    The whole where the holes are few, or where that leaves less than a quarter.
-    """
-    starts = np.flatnonzero(np.diff(usable.astype(int), prepend=1, append=1) > 0)
-    if starts.size < 10:
-        return rest
-    edges = np.concatenate([[-1], np.flatnonzero(~usable), [rest.size]])
-    longest = int(np.argmax(np.diff(edges)))
-    part = rest[edges[longest] + 1 : edges[longest + 1]]
-    return part if part.size > 0.25 * rest.size else rest
-
-
-def _apart(other_Hz: float, own_Hz: tuple[float, float], cycles: float = 3.0) -> bool:
-    """Whether frames of some cycles tell another line from the mode, and from a mean."""
-    gap = max(own_Hz[0] - other_Hz, other_Hz - own_Hz[1])
-    return min(gap, other_Hz) * cycles > 0.9 * own_Hz[1]
-
-
 def _gathered(
     frames: Frames,
     known: Phasors,
     fit: Spline,
-    widening: Taken | None,
+    taken: Taken | None,
 ) -> Phasors:
     """Blocks of the frames, freed of what the mode does within them, with errors as they scatter.
 
@@ -187,8 +121,8 @@ def _gathered(
         raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
     off = parts(miss)
     std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
-    if widening is not None:
-        time, factor, doubt = widening
+    if taken is not None and taken[0].size:
+        time, factor, doubt = taken
         std = np.hypot(
             std * np.interp(blocks.time, time, factor), np.interp(blocks.time, time, doubt)
         )
@@ -199,16 +133,18 @@ def _gathered(
     return Phasors(blocks.time[free], blocks.log[free], doubted[free])
 
 
-def _struck(log: Complex[ndarray, " block"], most: int = 3, reach: int = 5) -> int:
-    """Number of first blocks in which what a blow set going still rings; a spline would follow.
+def _struck(log: Complex[ndarray, " block"], most: int = 8, reach: int = 6) -> int:
+    """Number of first blocks in which what set the mode going still acts; a spline would follow.
 
-    There the log-phasor bends far more than anywhere in the blocks after it.
+    There the log-phasor bends far more than anywhere in the blocks after the next.
     """
-    bend = np.abs(np.diff(log[: most + reach + 2], n=2))
-    for first in range(min(most, bend.size - reach)):
-        if bend[first] < STRUCK * bend[first + 1 : first + 1 + reach].max():
-            return first
-    return most if bend.size == most + reach else 0
+    bend = np.abs(np.diff(log[: most + reach + 3], n=2))
+    last = [
+        first
+        for first in range(bend.size - reach - 1)
+        if bend[first] > STRUCK * bend[first + 2 : first + 2 + reach].max()
+    ]
+    return last[-1] + 2 if last else 0
 
 
 def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
@@ -233,19 +169,3 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
     rate = now.value(blocks.time)[1]
     change = np.abs(before.value(blocks.time)[1] - rate).max(axis=0) / (2.0 * rate[1])
     return bool((change < 0.5 * blocks.std).all())
-
-
-def _cycles(others: list[float], line_Hz: float, duration: float) -> int:
-    """Cycles in a frame: enough to tell the mode from other lines and these from a mean.
-
-    And the other lines from one another, while frames remain plenty.
-    """
-    plenty = int(np.clip(duration * line_Hz / 150.0, 1, LONGEST))
-    for cycles in range(1, LONGEST + 1):
-        frame = cycles / line_Hz
-        own = min((abs(line - b) * frame for line in others for b in (line_Hz, 0.0)), default=1.0)
-        lines = [*others, line_Hz, 0.0]
-        every = min(abs(a - b) * frame for k, a in enumerate(lines) for b in lines[:k])
-        if every > 0.9 or (own > 0.75 and cycles >= plenty):
-            return cycles
-    return LONGEST

@@ -34,10 +34,13 @@ def causes(
     mechanisms: Sequence[Mechanism],
     theta: Float[ndarray, " parameter"],
     records: Records,
-    structures: Callable[[Mechanism, ndarray, ndarray, ndarray], tuple[ndarray, ndarray]],
-    ln_k: Float[ndarray, "2 record"],
+    structures: Callable[[Mechanism, ndarray, ndarray], tuple[ndarray, ndarray]],
 ) -> Causes:
-    """At coordinates `theta` of all mechanisms in order; ln_k: ln kn, ln kt without them."""
+    """At coordinates `theta` of all mechanisms in order.
+
+    structures: change of ln f by changed matrices, and its derivatives, of a mechanism, its values
+    and what the others change in ln kn and ln kt.
+    """
     told, first = [], 0
     for one in mechanisms:
         told.append((one, *one.values(theta[first : first + len(one.parameters)])))
@@ -60,10 +63,10 @@ def causes(
         for i in moving:
             through[i] += rate * own[i][:, [_FORCE]]
             slopes[i] = slopes[i] + rate[:, :, None] * slopes[i][:, [_FORCE]]
-    there = ln_k + sum(changes[:, :2].T for changes in own)
+    there = sum((changes[:, :2].T for changes in own), np.zeros((2, n)))
     for k, (one, values, chain) in enumerate(told):
         if one.structure is not None:
-            change, slope = structures(one, values, *there)
+            change, slope = structures(one, values, there)
             factor, steeper = (
                 (np.ones(n), np.zeros((n, values.size)))
                 if one.course is None

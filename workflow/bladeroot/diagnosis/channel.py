@@ -92,6 +92,20 @@ def _possible(
     )
 
 
+def unspoken(
+    candidates: Sequence[Mechanism], channel: str, data: StickData, simulated: Simulation
+) -> tuple[str, ...]:
+    """Ids of those that want times or directions of records, and these are missing or alike."""
+    known = _known(data)
+    return tuple(
+        one.id
+        for one in candidates
+        if one.channel == channel
+        and not all(known[name] for name in one.over if name != "force")
+        and not (channel == "stick" and simulated.silent(one))
+    )
+
+
 def _known(data: StickData) -> dict[str, bool]:
     """Which variables of laws on records the campaign knows and varies."""
     return {

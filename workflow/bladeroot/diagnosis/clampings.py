@@ -31,6 +31,17 @@ def hold_names(
     return names
 
 
+def directions(way: ndarray, hold: ndarray) -> ndarray:
+    """+1 up, -1 down, 0 unknown; a record that says nothing was reached as others of its hold."""
+    sign = np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))
+    for one in np.unique(hold[sign == 0.0]):
+        mine = hold == one
+        said = np.unique(sign[mine & (sign != 0.0)])
+        if said.size == 1:
+            sign[mine] = said[0]
+    return sign
+
+
 def clampings(
     mode: ndarray,
     hold: Int[ndarray, " record"],

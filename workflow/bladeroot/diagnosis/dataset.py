@@ -8,8 +8,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
-from bladeroot.diagnosis.verdict import insufficient, verdict
+from bladeroot.diagnosis.simulation.parametric import Parametric
+from bladeroot.diagnosis.verdict import insufficient, is_shown, verdict
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -31,8 +33,12 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
     for found in made.found:
         if found.channel.name == "stick":
             parts.append(_records(made, found))
-            if made.simulated.kind == "structure":
+            if isinstance(made.simulated, Parametric):
                 parts.append(_stiffness(made, found))
+            if made.simulated.kind == "assembly":
+                named = [cause.mechanism for cause in found.causes]
+                told = (made.data, made.simulated, found.final, named, found.channel.base)
+                parts.append(interface_stiffness(*told))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))
         else:
@@ -43,7 +49,7 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         structure=made.structure,
         answer=said["answer"],
         reason=said["reason"],
-        named=";".join(one["mechanism"] for one in said["causes"]),
+        named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
         lacks=";".join(made.lacks),
         insufficient=". ".join(insufficient(made)),
         least_force_N=made.settings.least_force,
@@ -181,44 +187,59 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
 
 
 def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
-    """kn, kt over the campaign's forces by the law before and after, with standard deviations."""
-    records = made.data.records
+    """Contact stiffness over the campaign's loads by the law before and after, with covariance."""
+    records, simulated = made.data.records, made.simulated
     force = np.linspace(records.force.min(), records.force.max(), _GRID)
-    force = np.sort(np.append(force, REFERENCE_FORCE))
-    k, std = np.zeros((2, 2, force.size)), np.zeros((2, 2, force.size))
+    if simulated.kind == "structure":
+        force = np.sort(np.append(force, REFERENCE_FORCE))
+    names = simulated.parameters
+    k, std = (np.zeros((2, len(names), force.size)) for _ in range(2))
     correlation = np.zeros((2, force.size))
+    whole = np.zeros((2, force.size, len(names), len(names)))
+    pivot = simulated.pivot_of(records)
     for stage, fitted in enumerate(_sides(found)):
         causes = [cause.mechanism for cause in found.causes] if stage else []
-        value, rows = stiffness_law(fitted, found.channel.base, causes, force)
+        value, rows = stiffness_law(fitted, found.channel.base, causes, force, names, pivot)
         covariance = np.einsum("sfp,pq,tfq->fst", rows, fitted.covariance, rows)
         k[stage] = np.exp(value)
         std[stage] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)).T
-        correlation[stage] = covariance[:, 0, 1] / np.prod(std[stage], axis=0)
+        whole[stage] = covariance
+        if len(names) > 1:
+            first = std[stage, :2].prod(axis=0)
+            correlation[stage] = covariance[:, 0, 1] / first
     dims = ("stage", "stiffness", "law_force")
     return xr.Dataset(
         {
             "law_k": _var(dims, k, "N/m", "contact stiffness of a flank by the law"),
             "law_ln_std": _var(dims, std, "1", "standard deviation of its logarithm"),
             "law_correlation": _var(
-                ("stage", "law_force"), correlation, "1", "correlation of ln kn and ln kt"
+                ("stage", "law_force"), correlation, "1", "correlation of the first ln kn and ln kt"
+            ),
+            "law_ln_covariance": _var(
+                ("stage", "law_force", "stiffness", "stiffness_"), whole, "1", "covariance of ln k"
             ),
         },
-        coords={"stage": list(STAGES), "stiffness": ["kn", "kt"],
+        coords={"stage": list(STAGES), "stiffness": list(names), "stiffness_": list(names),
                 "law_force": ("law_force", force, {"units": "N", "long_name": "axial force"})},
     )  # fmt: skip
 
 
 def stiffness_law(
-    fitted: Fit, base: int, causes: Sequence[Mechanism], force: Float[ndarray, " force"]
-) -> tuple[Float[ndarray, "2 force"], Float[ndarray, "2 force parameter"]]:
-    """(ln kn, ln kt) over axial forces (N), and derivatives by the fit's parameters."""
-    theta = fitted.parameters
+    fitted: Fit,
+    base: int,
+    causes: Sequence[Mechanism],
+    force: Float[ndarray, " force"],
+    names: Sequence[str] = ("kn", "kt"),
+    pivot: float = REFERENCE_FORCE,
+) -> tuple[Float[ndarray, "stiffness force"], Float[ndarray, "stiffness force parameter"]]:
+    """ln k of the named stiffnesses over loads, and derivatives by the fit's parameters."""
+    theta, count = fitted.parameters, len(names)
     none = np.zeros(force.size)
-    x = np.log(force / REFERENCE_FORCE)
-    value = np.stack([theta[k] + theta[2] * x for k in (0, 1)])
-    rows = np.zeros((2, force.size, theta.size))
-    rows[0, :, 0] = rows[1, :, 1] = 1.0
-    rows[:, :, 2] = x
+    x = np.log(force / pivot)
+    value = np.stack([theta[k] + theta[count] * x for k in range(count)])
+    rows = np.zeros((count, force.size, theta.size))
+    rows[np.arange(count), :, np.arange(count)] = 1.0
+    rows[:, :, count] = x
     at = Records(np.zeros(force.size, dtype=int), force, none, none, none, 0.0, 0.0)
     first = base
     for one in causes:
@@ -228,7 +249,8 @@ def stiffness_law(
             continue
         values, chain = one.values(theta[own])
         effect = one.stick(at, values)
-        for k, name in enumerate(("ln_kn", "ln_kt")):
+        for k, called in enumerate(names):
+            name = f"ln_{called[:2]}"
             if name in effect.changes:
                 value[k] += effect.changes[name]
                 rows[k, :, own] += effect.slopes[name] * chain

@@ -12,6 +12,7 @@ from bladeroot.diagnosis.channel import (
     damping_channel,
     not_judged,
     stick_channel,
+    unspoken,
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
@@ -31,13 +32,15 @@ GAUGE_AND_LEVEL = ("force-gain", "force-offset")
 class Settings:
     """fe_bias, fe_offset: relative error of the model's frequencies by mode, standard deviation and
     known part. least_force: N, below which contact is not full and records are left out. splits:
-    independent measurements (`naming.Known`).
+    independent measurements (`naming.Known`). costs: hours of laboratory time that differ from
+    `options.COSTS`.
     """
 
     fe_bias: Mapping[str, float]
     fe_offset: Mapping[str, float] = field(default_factory=dict)
     least_force: float = 0.0
     splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    costs: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -87,18 +90,22 @@ def diagnose(
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)
-    barred = _barred(candidates, data, bool(lacks))
+    barred = _barred(candidates, data, bool(lacks), settings.splits)
     known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
     curves = curve_model.curve_data(seen, modes, skip, baseline)
     nothing = hopeless(data, simulated.kind)
     found = []
+
+    def knowing(channel: str) -> Known:
+        return replace(known, unspoken=unspoken(candidates, channel, data, simulated))
+
     if not nothing:
-        found.append(search(stick_channel(data, simulated, candidates), known))
+        found.append(search(stick_channel(data, simulated, candidates), knowing("stick")))
     damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
     if damping is not None and not nothing:
-        found.append(search(damping_channel(damping, candidates), known))
+        found.append(search(damping_channel(damping, candidates), knowing("damping")))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
         of_contact = simulated.knows_contact and not nothing
@@ -143,10 +150,14 @@ def with_lower_forces(
     return diagnose(seen, model, replace(settings, least_force=0.0), candidates)
 
 
-def _barred(candidates: Sequence[Mechanism], data: StickData, few: bool) -> dict[str, str]:
+def _barred(
+    candidates: Sequence[Mechanism], data: StickData, few: bool, splits: Mapping[str, tuple]
+) -> dict[str, str]:
     """Mechanisms that the campaign cannot speak of, and why."""
     barred = {}
     for one in candidates:
+        if one.measured_by in splits:
+            continue
         if few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
             barred[one.id] = "too few records to tell it from the scatter of clampings"
         elif one.kind == "direction" and not replicated(data):

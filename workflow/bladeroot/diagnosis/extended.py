@@ -84,6 +84,7 @@ def extended_joint(
 def _law(data: StickData, found: Fit, causes: Sequence[Mechanism]) -> Law:
     """A fit of the records with the names of its parameters, and kn and kt over the true force."""
     biases = [f"{part}_{mode}" for part in ("bias", "tilt") for mode in data.modes]
+    biases.append("tension")
     names = ["ln_kn", "ln_kt", "exponent", *biases]
     origins = [LN_K[2], LN_K[2], SMOOTH_EXPONENT[2], *["search.fe_bias_percent"] * len(biases)]
     first = len(names)

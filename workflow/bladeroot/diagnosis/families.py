@@ -1,6 +1,6 @@
 """Fits of a cause in all its forms: the evidence is the family's, the form never decides a name."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,12 +23,14 @@ class Known:
     deviation of its first parameter. replicates: whether clampings are repeated often enough to
     tell gauge and level effects from their scatter. barred: mechanisms that are ranked but never
     named for want of data, with why. ruled_out: those that the campaign says are not there.
+    unspoken: those that want what the campaign does not say of its records.
     """
 
     splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     replicates: bool = True
     barred: Mapping[str, str] = field(default_factory=dict)
     ruled_out: Mapping[str, str] = field(default_factory=dict)
+    unspoken: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
     first = mechanism.parameters[0]
     weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
     mean = weight * (first.mean / first.std**2 + value / std**2)
-    parameter = replace(first, mean=mean, std=float(np.sqrt(weight)))
+    inside = float(np.clip(mean, first.low, first.high))
+    parameter = replace(first, mean=inside, std=float(np.sqrt(weight)))
     wide = np.hypot(first.std, std)
     gain = -0.5 * ((value - first.mean) / wide) ** 2 - np.log(wide)
     gain += 0.5 * (value / std) ** 2 + np.log(std)
@@ -153,7 +156,13 @@ def _fitted(
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
         ends = [fit(problem, start, current.scales) for start in starts]
         return max(ends, key=lambda end: end.log_evidence)
-    return best_fit(problem, starts, current.scales)
+    scales = [current.scales]
+    if asks and one.starts:
+        # Beside the scatter that made up for a cause, the place of a step or of a bend shows no
+        # slope.
+        scales.append(problem.scales.mean - problem.scales.std)
+    ends = [best_fit(problem, starts, one) for one in scales]
+    return max(ends, key=lambda end: end.log_evidence)
 
 
 def _names(one: Mechanism) -> list[str]:
@@ -209,10 +218,3 @@ def smooth(channel: Channel, model: Model) -> dict[str, float]:
 def _asks(current: Fit, kernels: Kernels) -> bool:
     """Whether a fit's misses ask for one of these covariances."""
     return any(asked_for(current, unit) > guards.ASKED for unit, _ in kernels)
-
-
-def starts_of(channel: Channel, causes: Sequence[Mechanism]) -> list[np.ndarray]:
-    """Points to fit a set of causes from: all at their priors' means, the first at each start."""
-    tail = [one.start for one in causes[1:]]
-    base = channel.problem(causes, ()).prior.mean[: channel.base]
-    return [np.concatenate([base, s, *tail]) for s in (causes[0].start, *causes[0].starts)]

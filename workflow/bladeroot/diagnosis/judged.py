@@ -11,7 +11,7 @@ from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
-from bladeroot.diagnosis.next_measurement import next_measurements
+from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.possible import impossible
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.linear import JOINT, Linear
@@ -21,6 +21,7 @@ from bladeroot.diagnosis.simulation.own_range import (
     own_range,
     verdict_in_own,
 )
+from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import AXIAL_FORCE
@@ -69,13 +70,18 @@ def judge(
     splits = {
         one["measurement"]: (one["value"], one["std"]) for one in facts.get("independent", [])
     }
-    settings = Settings(bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits)
+    settings = Settings(
+        bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits,
+        facts.get("costs", {}),
+    )  # fmt: skip
     if simulation is None:
         return with_baseline(seen, settings, candidates, expected)
     if isinstance(simulation, pd.DataFrame):
         usual_bias = {"": BIAS_PERCENT / 100} | bias
         table = table_of(simulation, simulation.attrs["name"], usual_bias, offset)
         return with_table(seen, table, settings, candidates)
+    if simulation.attrs.get("kind") == "assembly":
+        return with_assembly(seen, simulation, settings, candidates, expected)
     return with_structure(
         seen, simulation, settings, candidates, expected, facts.get("structure_lacks", "")
     )
@@ -99,9 +105,26 @@ def with_structure(
         return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
     made = diagnose(seen, model, settings, candidates)
     every = with_lower_forces(seen, model, settings, candidates)
-    whole = dataset(made, every).merge(next_measurements(made))
-    said = _with_groups(verdict(made, every), seen)
+    further = next_measurements(made)
+    whole = dataset(made, every).merge(further)
+    said = _with_groups(verdict(made, every) | {"next": following(further)}, seen)
     return whole.assign_attrs(_load(seen)), said, model_file(made)
+
+
+def with_assembly(
+    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
+    expected: Mapping[str, float],
+) -> Made:  # fmt: skip
+    """With an assembly of any bodies and interfaces, unless it cannot be the specimen."""
+    name, known = str(model.attrs["structure"]), set(seen["mode"].values.astype(str))
+    usual = BIAS_PERCENT / 100
+    bias = {mode: settings.fe_bias.get(mode, usual) for mode in expected}
+    reason = impossible(model, frequencies(seen, expected), bias)
+    if reason:
+        return refused(seen, name, reason)
+    here = model.sel(mode=[mode for mode in model["mode"].values.astype(str) if mode in known])
+    simulated = of_assembly(here, bias, settings.fe_offset, usual)
+    return _in_own(seen, simulated, settings, candidates, name)
 
 
 def with_baseline(
@@ -128,16 +151,22 @@ def _in_own(
     name: str,
 ) -> Made:  # fmt: skip
     own = own_range(seen)
-    if simulated.kind == "table" and own.unit == "N":
+    if simulated.kind != "none" and own.unit == "N":
         own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
+    if isinstance(simulated, Parametric):
+        simulated = replace(simulated, per_load=own.per_load, shift=own.shift)
     if isinstance(simulated, Table):
         simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
     scaled = in_catalogue(seen, own)
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
     made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
-    whole, said = dataset_in_own(dataset(made), own), verdict_in_own(verdict(made), own)
+    further = next_measurements(
+        made, lambda force: f"{force / own.per_load - own.shift:.3g} {own.unit}".strip()
+    )
+    whole = dataset_in_own(dataset(made).merge(further), own)
+    said = verdict_in_own(verdict(made) | {"next": following(further)}, own)
     if simulated.kind == "none" or own.name != AXIAL_FORCE:
-        of_table = simulated.kind == "table"
+        of_table = simulated.kind != "none"
         whole = _dataset_plainly(whole, own.name, of_table)
         said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":
@@ -207,7 +236,7 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
         "structure": structure,
         "answer": "insufficient-data", "probabilities": {},
         "causes": [], "shortfall": [], "gain": {},
-        "records": records_of(seen), "reason": reason,
+        "records": records_of(seen), "reason": reason, "possible": {}, "next": [],
     }  # fmt: skip
     empty = np.array([], dtype=str)
     names = ("class", "channel", "sentence", "barred")

@@ -17,7 +17,16 @@ from bladeroot.diagnosis.families import (
     without,
 )
 from bladeroot.diagnosis.plausibility import explained_by_law, possible, surely_there
-from bladeroot.diagnosis.posterior import NONE, UNKNOWN, Sets, Weighed, inclusion, probabilities
+from bladeroot.diagnosis.posterior import (
+    NONE,
+    UNKNOWN,
+    Sets,
+    Weighed,
+    credible,
+    inclusion,
+    probabilities,
+    with_unspoken,
+)
 from bladeroot.inference.gaussian import Fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -53,8 +62,8 @@ class Found:
     """The search's outcome in one channel.
 
     fits: the baseline's and the final one. unexplained: what the remainder is smooth in where that
-    is more probable than not, or "". forms: of every mechanism alone, the best. insufficient: the
-    mechanism that is barred and yet the most probable, or "".
+    is more probable than not, or "". alone: of every mechanism the model that has it alone, in its
+    best form. insufficient: the mechanism that is barred and yet the most probable, or "".
     """
 
     channel: Channel
@@ -65,13 +74,26 @@ class Found:
     steps: tuple[Step, ...]
     unexplained: str
     probabilities: Sets
-    forms: Mapping[str, Mechanism]
+    alone: Mapping[str, Model]
     insufficient: str = ""
+
+    @property
+    def open(self) -> list[str]:
+        """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
+        if self.causes or max(_unknown(self.probabilities)) >= guards.CERTAIN:
+            return []
+        found = list(credible(self.probabilities))
+        return found if set(found) & set(self.alone) else []
 
     @property
     def gain(self) -> float:
         """Log evidence of the final model over the baseline's."""
         return self.final.log_evidence - self.baseline.log_evidence
+
+
+def _unknown(sets: Sets) -> tuple[float, float]:
+    """Probabilities of nothing and of something that no catalogue has, by itself."""
+    return sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)
 
 
 class _Search:
@@ -194,7 +216,7 @@ def _openings(made: _Search, here: frozenset) -> list[frozenset]:
 
 
 def _found(made: _Search) -> Found:
-    best, sets = made.best(), made.weighed()
+    best, sets = made.best(), with_unspoken(made.weighed(), made.known.unspoken)
     barred = sorted(best & set(made.known.barred))
     here = best - set(barred)
     if not made.allowed.get(here, False):
@@ -211,7 +233,7 @@ def _found(made: _Search) -> Found:
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
-        {n: made.models[frozenset({n})].causes[0] for n in first.mechanisms},
+        {n: made.models[frozenset({n})] for n in first.mechanisms},
         barred[0] if barred else "",
     )  # fmt: skip
 

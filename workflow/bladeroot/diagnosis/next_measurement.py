@@ -1,11 +1,11 @@
-"""Which further measurement would tell the possible causes apart, or make them known better.
+"""Which further measurement decides most of what is open, for an hour of the laboratory's time.
 
-Every possible cause, fitted to the campaign, predicts what a measurement will show, with its
-uncertainty. The more the predictions differ, the more the measurement decides: the expected fall of
-the entropy between the causes, counted at equal odds.
+Every possible set of causes, fitted to the campaign, predicts what a measurement will show, with
+its uncertainty; a law's own error is part of that. The more the predictions differ, the more the
+measurement decides: the expected fall of the entropy of the verdict's probabilities.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -13,129 +13,255 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis import stick_model
+from bladeroot.diagnosis import curve_model, stick_model
+from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.families import starts_of
 from bladeroot.diagnosis.naming import Found
+from bladeroot.diagnosis.options import Option, of_facts, of_records
+from bladeroot.diagnosis.plausibility import sizes
+from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
+from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
-from bladeroot.inference.gaussian import Fit, best_fit
-from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.diagnosis.verdict import probabilities
+from bladeroot.inference.gaussian import Fit, Problem
+from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 
-# Tests beside the campaign by the mechanism whose first parameter they measure, and how well.
-FACTS = {
-    "force-gain": ("a load cell in the line of force (to 0.5 %)", 0.005),
-    "force-offset": ("a load cell in the line of force (zero to 50 N)", 50.0),
-    "added-mass": ("weighing the beam as tested (to 1 g)", 1e-3),
-    "modulus-density": ("a free-free test of the beam (modulus to 0.2 %)", 2e-3),
-    "rig-compliance": ("a tap test of the empty rig (slots' stiffness to 1 %)", 0.01),
-}
-CLAMPINGS = 2  # at a new force
+_RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _DRAWS = 400
+_GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A possible cause of what the stick frequencies miss, fitted in place of the first one."""
+    """A possible set of causes of a channel: its model and its probability."""
 
     mechanisms: tuple[Mechanism, ...]
     fit: Fit
+    probability: float
 
 
-def next_measurements(made: Diagnosis) -> xr.Dataset:
-    """What each possible measurement is expected to decide; empty where there is no stick law.
+def kilonewtons(force: float) -> str:
+    """A load as text."""
+    return f"{force / 1e3:.3g} kN"
 
-    dims option, stiffness. `decided`: the expected fall of the entropy between the `rivals` (ids in
-    its attributes) over the entropy at equal odds, NaN where there is one rival. `size_std`: of the
-    first parameter of the first rival. `expected_ln_std`: of ln kn and ln kt at 12 kN. The first
-    option is the campaign as it is.
+
+def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewtons) -> xr.Dataset:
+    """What each possible measurement is expected to decide, the best for its hours first.
+
+    dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
+    of the entropy of what is possible (`rivals`, in its attributes) over that entropy, NaN where
+    nothing is open. `size_std`: of the first parameter of the most probable cause, over the present
+    one. `expected_ln_std`: of ln kn and ln kt at 12 kN, NaN without a structure.
     """
-    stick = next((one for one in made.found if one.channel.name == "stick"), None)
-    if stick is None or made.simulated.kind != "structure":
-        return xr.Dataset()  # without kn and kt there is no law to be known better
-    rivals = _rivals(made, stick)
-    rows = []
-    for name, data in _records(made).items():
-        rows.append((name, *_of_records(made, rivals, data, stick.channel.base)))
-    for one in [r.mechanisms[0] for r in rivals if r.mechanisms]:
-        if one.id in FACTS and one.measured_by not in made.known.splits:
-            rows.append((FACTS[one.id][0], *_of_fact(rivals, one.id, stick.channel.base)))
-    names, decided, size, ln_std = zip(*rows, strict=True)
+    by_name = {found.channel.name: found for found in made.found}
+    stick = by_name.get("stick")
+    if stick is None:
+        return xr.Dataset()
+    asked = _asked(made)
+    whole = _open_nats(made, asked)
+    rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
+    rows = [_row(made, asked, rivals, Option("", "as measured", np.nan), whole)]
+    options = [*of_facts(made), *of_records(made, told)]
+    others = [_row(made, asked, rivals, one, whole) for one in options]
+    rows += sorted(others, key=lambda row: -np.nan_to_num(row[1] / row[4]))
+    names, decided_, size, ln_std, hours, kinds, loads = zip(*rows, strict=True)
 
-    def var(dims, values, text: str) -> tuple:
-        return (dims, np.array(values), {"units": "1", "long_name": text})
+    def var(dims, values, text: str, units: str = "1") -> tuple:
+        return (dims, np.array(values), {"units": units, "long_name": text})
 
     found = xr.Dataset(
         {
-            "decided": var("option", decided, "expected part of the question between the rivals "
-                           "that the measurement decides"),
+            "decided": var("option", decided_, "expected part of what is open that the measurement "
+                           "decides"),
+            "hours": var("option", hours, "laboratory time", "h"),
             "size_std": var("option", size, "expected standard deviation of the cause's size over "
                             "the present one"),
             "expected_ln_std": var(("option", "stiffness"), ln_std, "expected standard deviation "
-                                   "of ln k at 12 kN"),
+                                   "of ln k at the laws' reference load"),
+            "kind": var("option", kinds, "what kind of further records, or which other test", ""),
+            "new_force": var("option", loads, "axial force of the new records", "N"),
         },
-        coords={"option": list(names), "stiffness": ["kn", "kt"]},
+        coords={
+            "option": list(names),
+            "stiffness": np.array(_stiffnesses(made), dtype=str),
+        },
     )  # fmt: skip
-    found["decided"].attrs["rivals"] = ";".join(r.mechanisms[0].id for r in rivals if r.mechanisms)
+    found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
 
 
-def _rivals(made: Diagnosis, found: Found) -> list[Rival]:
-    """The named cause first, then what explains the data about as well, or else the next best if
-    that explains half as much.
+def following(found: xr.Dataset) -> list[dict]:
+    """`next` of the verdict: measurements that decide anything, the best for its hours first."""
+    if "decided" not in found:
+        return []
+    return [
+        {
+            "measurement": str(one["kind"].item()),
+            "what": str(one["option"].item()),
+            "hours": round(float(one["hours"]), 3),
+            "decides": round(float(one["decided"]), 4),
+            "load": None if np.isnan(one["new_force"]) else float(one["new_force"]),
+        }
+        for one in (found.isel(option=k) for k in range(1, found.sizes["option"]))
+        if float(one["decided"]) > 0.0
+    ]
 
-    A mechanism that may not be named for want of data is a rival all the same. Without a cause the
-    baseline stands alone.
+
+def _asked(made: Diagnosis) -> set[str]:
+    """The mechanisms in question: those that may be what the data show to be missing, else those
+    that the data would not show.
     """
-    if not found.causes:
-        return [Rival((), found.final)]
-    first, gains = found.causes[0], found.steps[0].mechanisms
-    named = tuple(cause.mechanism for cause in found.causes)
-    order = sorted(gains, key=gains.get, reverse=True)
-    others = [n for n in order if n != first.mechanism.id]
-    near = [n for n in others if n in first.credible]
-    by_id = found.forms
-    taken = {one.id for one in named}
-    serious = [name for name in others[:1] if gains[name] > 0.5 * first.gain]
-    chosen = [by_id[name] for name in (near or serious) if name not in taken]
-    rest = named[1:]
-    rivals = [Rival(named, found.final)]
-    for one in chosen:
-        mine = (one, *rest)
-        problem, starts = found.channel.problem(mine, ()), starts_of(found.channel, mine)
-        rivals.append(Rival(mine, best_fit(problem, starts, found.final.scales)))
-    return rivals
+    shown = {
+        name
+        for found in made.found
+        for cause in found.causes
+        for name in cause.credible
+        if len(cause.credible) > 1
+    } | {found.insufficient for found in made.found if found.insufficient}
+    known = {name for found in made.found for name in found.alone}
+    return shown & known or {name for found in made.found for name in found.open} & known
 
 
-def _records(made: Diagnosis) -> dict[str, StickData | None]:
-    """The campaign with further records; None: nothing new."""
-    data, records = made.data, made.data.records
-    options: dict[str, StickData | None] = {"as measured": None}
-    options["the whole campaign once more"] = _joined(
-        data, records, data.hold + data.hold.max() + 1
+def _open_nats(made: Diagnosis, asked: set[str]) -> float:
+    """Entropy of what is in question; a cause that is barred is as open as can be."""
+    sets: Sets = {}
+    for key, value in probabilities(made).items():
+        sets[key & asked] = sets.get(key & asked, 0.0) + value
+    return entropy(sets) + (np.log(2.0) if asked & set(made.known.barred) else 0.0)
+
+
+def _stiffnesses(made: Diagnosis) -> tuple[str, ...]:
+    """Names of the simulation's contact stiffnesses; a table and a linear mode have none."""
+    return made.simulated.parameters if isinstance(made.simulated, Parametric) else ()
+
+
+def _rivals(found: Found, asked: set[str]) -> list[Rival]:
+    """The most probable sets of a channel that were fitted, with what is in question."""
+    causes = tuple(cause.mechanism for cause in found.causes)
+    here = frozenset(one.id for one in causes)
+    fitted = {frozenset({name}): (m.causes, m.fit) for name, m in found.alone.items()}
+    fitted |= {frozenset(): ((), found.baseline), here: (causes, found.final)}
+    sets = {
+        key: value
+        for key, value in found.probabilities.items()
+        if key in fitted and key - here <= asked
+    }
+    order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
+    return [Rival(*fitted[key], sets[key]) for key in order]
+
+
+def _row(
+    made: Diagnosis, asked: set[str], rivals: Mapping[str, list[Rival]], one: Option, whole: float
+) -> tuple:
+    stick = rivals["stick"]
+    base = next(found for found in made.found if found.channel.name == "stick").channel.base
+    first = max((r for r in stick if r.mechanisms), key=lambda r: r.probability, default=stick[0])
+    gained, covariance = 0.0, first.fit.covariance
+    load = np.nan
+    if one.facts:
+        gained, covariance = _by_facts(made, asked, one.facts, first, base)
+    elif one.records is not None:
+        load = float(one.records.force.mean())
+        data = _joined(made.data, one.records, made.data.hold.max() + 1 + one.hold)
+        n, m = made.data.ln_f.size, data.ln_f.size
+        problems = [stick_model.problem(data, made.simulated, r.mechanisms) for r in stick]
+        old, new = np.arange(n), np.arange(n, m)
+        gained += _gained(stick, problems, old, new)
+        covariance = _sharper(problems[stick.index(first)], first.fit)
+        if "curve" in rivals and not made.curve_lacks:
+            curves, old, new = _more_curves(made.curves, load)
+            models = [curve_model.problem(curves, r.mechanisms) for r in rivals["curve"]]
+            gained += _gained(rivals["curve"], models, old, new)
+    ratio = np.nan
+    if first.mechanisms:
+        ratio = float(np.sqrt(covariance[base, base]) / first.fit.std[base])
+    ln_std = np.zeros(0)
+    if _stiffnesses(made):
+        names, pivot = made.simulated.parameters, made.simulated.pivot_of(made.data.records)
+        at = np.array([pivot])
+        rows = stiffness_law(first.fit, base, first.mechanisms, at, names, pivot)[1]
+        ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
+    part = gained / whole if whole > 0.0 else np.nan
+    return one.what, part, ratio, ln_std, one.hours, one.kind, load
+
+
+def _gained(
+    rivals: Sequence[Rival], problems: Sequence[Problem], old: ndarray, new: ndarray
+) -> float:
+    """Nats that data at `new` decide between a channel's sets."""
+    if len(rivals) < 2:
+        return 0.0
+    odds = np.array([one.probability for one in rivals])
+    predicted = [_predicted(p, r.fit, old, new) for p, r in zip(problems, rivals, strict=True)]
+    share = odds / odds.sum()
+    return float(odds.sum() * decided(predicted, share) * -(share @ np.log(share)))
+
+
+def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tuple[ndarray, ...]:
+    """Mean and covariance of data at rows `new` of a problem, by a fit to those at `old`."""
+    state = problem.predict(fitted.parameters)
+    own, slope = problem.covariance(state, fitted.scales)[0], state.slope
+    gain = np.linalg.solve(own[np.ix_(old, old)], own[np.ix_(old, new)]).T
+    free = slope[new] - gain @ slope[old]
+    spread = (
+        own[np.ix_(new, new)] - gain @ own[np.ix_(old, new)] + free @ fitted.covariance @ free.T
     )
-    low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
-    top, bottom = float(records.force.max()), float(records.force.min())
-    higher = min(2.0 * top, high)
-    lower = max(0.5 * bottom, made.settings.least_force, low)
-    for force, worth in ((higher, higher > 1.05 * top), (lower, lower < 0.95 * bottom)):
-        if worth:
-            name = f"{CLAMPINGS} clampings at {force / 1e3:.3g} kN, every mode"
-            options[name] = _joined(data, *_clampings(data, force))
-    return options
+    # Where the scatter is large, rounding leaves it less symmetric than the noise is small.
+    return state.mean[new] + gain @ (fitted.problem.data - state.mean[old]), 0.5 * (
+        spread + spread.T
+    )
 
 
-def _clampings(data: StickData, force: float) -> tuple[Records, ndarray]:
-    """New holds at a force, each with every mode, at the end of the campaign."""
-    modes = len(data.modes)
-    n = CLAMPINGS * modes
-    none = np.zeros(n)
-    records = Records(
-        np.tile(np.arange(modes), CLAMPINGS), np.full(n, force), none,
-        np.full(n, data.records.span), none, data.records.span, data.records.hold_span,
-    )  # fmt: skip
-    return records, data.hold.max() + 1 + np.repeat(np.arange(CLAMPINGS), modes)
+def _sharper(problem: Problem, fitted: Fit) -> ndarray:
+    """Covariance of a fit's parameters with all of a problem's data."""
+    state = problem.predict(fitted.parameters)
+    own = problem.covariance(state, fitted.scales)[0]
+    weight = np.diag(1.0 / fitted.problem.prior.std**2)
+    return np.linalg.inv(state.slope.T @ np.linalg.solve(own, state.slope) + weight)
+
+
+def _by_facts(
+    made: Diagnosis, asked: set[str], facts: Mapping[str, float], first: Rival, base: int
+) -> tuple[float, ndarray]:
+    """Nats that tests of mechanisms' first parameters decide, and the fit's covariance after.
+
+    Where a mechanism is not the cause, its test shows none of it.
+    """
+    sets, gained = probabilities(made), 0.0
+    for found in made.found:
+        for name in facts.keys() & found.alone.keys() & asked:
+            (value, std), *_ = sizes(
+                found.alone[name].causes[0], found.alone[name].fit, found.channel.base
+            )
+            odds = inclusion(sets, name)
+            if name in made.known.barred:
+                odds = min(odds, 0.5)
+            there = (np.array([value]), np.array([[std**2 + facts[name] ** 2]]))
+            absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
+            gained += _of_one(absent, there, odds)
+    covariance = first.fit.covariance
+    name = first.mechanisms[0].id if first.mechanisms else ""
+    if name in facts:
+        column = covariance[:, base]
+        covariance = covariance - np.outer(column, column) / (column[base] + facts[name] ** 2)
+    return gained, covariance
+
+
+def _of_one(absent: tuple, there: tuple, odds: float) -> float:
+    """Mutual information (nats) of a number and of whether a cause of such odds is there."""
+    if not 0.0 < odds < 1.0:
+        return 0.0
+    places = [m[0] + np.sqrt(v[0, 0]) * _GRID for m, v in (absent, there)]
+    y = np.sort(np.concatenate(places))
+    p, q = (
+        np.exp(-0.5 * (y - m[0]) ** 2 / v[0, 0]) / np.sqrt(2.0 * np.pi * v[0, 0])
+        for m, v in (absent, there)
+    )
+    both = np.maximum((1.0 - odds) * p + odds * q, 1e-300)
+    inside = (1.0 - odds) * p * np.log(np.maximum(p, 1e-300) / both)
+    inside += odds * q * np.log(np.maximum(q, 1e-300) / both)
+    return float(np.trapezoid(inside, y))
 
 
 def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
@@ -158,87 +284,51 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
     )
 
 
-def _of_records(
-    made: Diagnosis, rivals: Sequence[Rival], data: StickData | None, base: int
-) -> tuple[float, float, ndarray]:
-    """Expected part decided, ratio of the size's standard deviation, and std of ln kn, ln kt."""
-    first = rivals[0]
-    if data is None:
-        nothing = 0.0 if len(rivals) > 1 else np.nan
-        return nothing, 1.0 if first.mechanisms else np.nan, _ln_std(first, base, None)
-    predicted, covariance = [], first.fit.covariance
-    for number, rival in enumerate(rivals):
-        fitted = rival.fit
-        problem = stick_model.problem(data, made.simulated, rival.mechanisms)
-        state = problem.predict(fitted.parameters)
-        own = problem.covariance(state, fitted.scales)[0]
-        n, slope = fitted.residual.size, state.slope
-        gain = np.linalg.solve(own[:n, :n], own[:n, n:]).T
-        miss = fitted.problem.data - state.mean[:n]
-        free = slope[n:] - gain @ slope[:n]
-        spread = own[n:, n:] - gain @ own[:n, n:] + free @ fitted.covariance @ free.T
-        # Where the scatter is large, rounding leaves it less symmetric than the noise is small.
-        predicted.append((state.mean[n:] + gain @ miss, 0.5 * (spread + spread.T)))
-        if number == 0:
-            weight = np.diag(1.0 / fitted.problem.prior.std**2)
-            covariance = np.linalg.inv(slope.T @ np.linalg.solve(own, slope) + weight)
-    ratio = _ratio(first, covariance, base)
-    return decided(predicted), ratio, _ln_std(first, base, covariance)
+def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, ndarray]:
+    """Curve data with the levels nearest to a force once more, there; rows of old and new data."""
+    points, count = data.points, data.points.mode.size
+    off = np.abs(np.log(points.force / force))
+    near = np.array([off[k] <= off[points.mode == points.mode[k]].min() for k in range(count)])
+    extra = np.flatnonzero(near)
+    rows = np.concatenate([np.arange(count), extra])
+    there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
+    there.force[count:] = force
+    both = np.concatenate([rows, rows + count])
+    noise = data.noise[np.ix_(both, both)]
+    new = np.tile(np.arange(rows.size) >= count, 2)
+    noise[np.ix_(new, ~new)] = noise[np.ix_(~new, new)] = 0.0
+    levels = data.level[rows] + np.where(np.arange(rows.size) >= count, data.level.max() + 1, 0)
+    made = CurveData(
+        data.modes, there, data.value[both], noise, np.unique(levels, return_inverse=True)[1],
+        data.records[rows], data.stuck[rows],
+    )  # fmt: skip
+    return made, np.flatnonzero(~new), np.flatnonzero(new)
 
 
-def _of_fact(rivals: Sequence[Rival], name: str, base: int) -> tuple[float, float, ndarray]:
-    """The same for an independent measurement of a mechanism's first parameter.
-
-    Where the mechanism is not the cause, the measurement shows none of it.
-    """
-    std, predicted = FACTS[name][1], []
-    for rival in rivals:
-        has = rival.mechanisms[0].id == name
-        mean, spread = (rival.fit.parameters[base], rival.fit.std[base]) if has else (0.0, 0.0)
-        predicted.append((np.array([mean]), np.array([[spread**2 + std**2]])))
-    first, covariance = rivals[0], rivals[0].fit.covariance
-    if first.mechanisms[0].id == name:
-        column = covariance[:, base]
-        covariance = covariance - np.outer(column, column) / (column[base] + std**2)
-    return decided(predicted), _ratio(first, covariance, base), _ln_std(first, base, covariance)
-
-
-def decided(predicted: Sequence[tuple[ndarray, ndarray]]) -> float:
+def decided(
+    predicted: Sequence[tuple[ndarray, ndarray]], odds: Float[ndarray, " rival"] | None = None
+) -> float:
     """Expected fall of the entropy between Gaussian predictions (mean, covariance) of the same
-    data, over ln of their number; at equal odds, by draws. NaN for one.
+    data, over that entropy; of such odds (equal ones), by draws. NaN for one.
     """
     count = len(predicted)
     if count < 2:
         return np.nan
     rng = np.random.default_rng(0)
     roots = [np.linalg.cholesky(covariance) for _, covariance in predicted]
+    share = np.full(count, 1.0 / count) if odds is None else odds
     left = 0.0
-    for (mean, _), root in zip(predicted, roots, strict=True):
+    for p, (mean, _), root in zip(share, predicted, roots, strict=True):
         drawn = mean + rng.standard_normal((_DRAWS, mean.size)) @ root.T
         log = np.stack(
             [_log_density(drawn, m, r) for (m, _), r in zip(predicted, roots, strict=True)]
         )
-        log -= log.max(axis=0)
-        odds = np.exp(log) / np.exp(log).sum(axis=0)
-        left += -np.sum(odds * np.log(np.maximum(odds, 1e-300)), axis=0).mean() / count
-    return float(1.0 - left / np.log(count))
+        log += np.log(share)[:, None] - log.max(axis=0)
+        after = np.exp(log) / np.exp(log).sum(axis=0)
+        left += -p * np.sum(after * np.log(np.maximum(after, 1e-300)), axis=0).mean()
+    return float(np.clip(1.0 + left / (share @ np.log(share)), 0.0, 1.0))
 
 
 def _log_density(drawn: Float[ndarray, "draw datum"], mean: ndarray, root: ndarray) -> ndarray:
     scaled = np.linalg.solve(root, (drawn - mean).T)
     return -0.5 * (scaled**2).sum(axis=0) - np.log(np.diag(root)).sum()
-
-
-def _ratio(rival: Rival, covariance: ndarray, base: int) -> float:
-    """Standard deviation of the first cause's size over the present one."""
-    if not rival.mechanisms:
-        return np.nan
-    return float(np.sqrt(covariance[base, base]) / rival.fit.std[base])
-
-
-def _ln_std(rival: Rival, base: int, covariance: ndarray | None) -> Float[ndarray, " 2"]:
-    """Of ln kn and ln kt at 12 kN."""
-    at = np.array([REFERENCE_FORCE])
-    rows = stiffness_law(rival.fit, base, rival.mechanisms, at)[1][:, 0]
-    of_k = rows @ (rival.fit.covariance if covariance is None else covariance) @ rows.T
-    return np.sqrt(np.diag(of_k))

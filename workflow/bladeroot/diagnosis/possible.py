@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.rom import chebyshev
-from bladeroot.rom.parametric import surface_of
+from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
 
 # A structure is the specimen's if some point of its box lies within so many of the model's stated
 # errors (0.5 % unless told otherwise, so 5 %). It guards against another machine's structure. The
@@ -17,6 +17,7 @@ from bladeroot.rom.parametric import surface_of
 # mass, which the diagnosis names, moves modes by some per cent; a 122 Hz beam is 77 % off.
 FACTOR = 10.0
 _GRID = (17, 17, 7)  # of ln kn, ln kt and the load
+_SOLVED = 5  # of each of any number of stiffnesses, where each point is an eigenproblem
 
 
 def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[str, float]) -> str:
@@ -62,10 +63,13 @@ def _off(ratio: float) -> str:
 
 def _box(model: xr.Dataset) -> Float[ndarray, "point mode"]:
     """ln f on a grid of the model's whole box."""
-    surface = surface_of(model)
-    axes = [np.linspace(a, b, n) for a, b, n in zip(surface.low, surface.high, _GRID, strict=True)]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    return chebyshev.evaluate(surface, points)[0]
+    sums = "ln_frequency" in model
+    surface = surface_of(model) if sums else solved_of(model)
+    size = len(surface.low)
+    count = _GRID if sums else (*[_SOLVED] * (size - 1), 2)
+    axes = [np.linspace(a, b, n) for a, b, n in zip(surface.low, surface.high, count, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, size)
+    return chebyshev.evaluate(surface, points)[0] if sums else ln_frequencies(surface, points)[0]
 
 
 def _miss(

@@ -70,6 +70,22 @@ def _invented(one: Weighed, alone: float) -> float:
     return min(guards.FURTHER_PART * count * alone * faded, more)
 
 
+def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
+    """With causes that the data cannot speak of, each as probable as before any data.
+
+    One at a time: two of them beside each other are rarer than what is listed.
+    """
+    names = list(names)
+    odds = float(np.exp(-guards.PRIOR))
+    whole = dict(sets)
+    for key, value in sets.items():
+        if len(key - {UNKNOWN}) < guards.MOST_CAUSES:
+            for name in names:
+                whole[key | {name}] = whole.get(key | {name}, 0.0) + odds * value
+    total = sum(whole.values())
+    return {key: value / total for key, value in whole.items()}
+
+
 def together(parts: Iterable[Sets]) -> Sets:
     """Of the sets over several kinds of data, which speak of different causes."""
     whole: Sets = {frozenset(): 1.0}
@@ -86,6 +102,29 @@ def together(parts: Iterable[Sets]) -> Sets:
 def inclusion(sets: Mapping[frozenset[str], float], name: str) -> float:
     """Probability that a cause, or `UNKNOWN`, is in the set."""
     return float(sum(value for key, value in sets.items() if name in key))
+
+
+def entropy(sets: Mapping[frozenset[str], float]) -> float:
+    """Of what is possible, nats."""
+    p = np.array([value for value in sets.values() if value > 0.0])
+    return float(-(p @ np.log(p)))
+
+
+def credible(sets: Mapping[frozenset[str], float]) -> dict[str, float]:
+    """What the most probable sets hold that reach `guards.CREDIBLE` together, by inclusion.
+
+    Names of causes, `UNKNOWN`, and `NONE` where the empty set is one of them.
+    """
+    found, covered = {}, 0.0
+    for key in sorted(sets, key=lambda one: (-sets[one], sorted(one))):
+        if covered >= guards.CREDIBLE:
+            break
+        covered += sets[key]
+        for name in key:
+            found[name] = inclusion(sets, name)
+        if not key:
+            found[NONE] = sets[key]
+    return dict(sorted(found.items(), key=lambda pair: (-pair[1], pair[0])))
 
 
 def labelled(sets: Mapping[frozenset[str], float]) -> dict[str, float]:

@@ -6,6 +6,7 @@ about it by clampings, by what differs between records of one, and by their own 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
-from bladeroot.diagnosis.clampings import clampings, hold_names
+from bladeroot.diagnosis.clampings import clampings, directions, hold_names
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Simulation
@@ -85,7 +86,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
         force=force,
-        sign=np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))[row],
+        sign=directions(way, holds)[row],
         time=time,
         since=since,
         span=float(time.max(initial=0.0)),
@@ -156,7 +157,7 @@ def problem(
 
     def predict(theta: ndarray) -> State:
         own = theta[:base]
-        made = causes(mechanisms, theta[base:], records, here.structures, here.ln_k(own))
+        made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
         said = here.at(own, made.changes)
         whole = np.column_stack([said.gradient, np.ones(n)])
         columns = [said.slope]

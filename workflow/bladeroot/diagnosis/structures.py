@@ -48,23 +48,15 @@ class Structures:
         change, slopes = np.zeros(n), np.zeros((n, values.size))
         for mode, ritz in enumerate(self.ritz):
             mine = self.records.mode == mode
-            own, y = self._shapes(mode, corner)
-            whole, parts = one.structure(ritz, values)
-            kept = slice(0, ritz.own)
-
-            def share(matrix: ndarray, y: ndarray = y, kept: slice = kept) -> ndarray:
-                return ((y @ matrix[kept, kept]) * y).sum(axis=1)
+            at_shapes, by_values = _of_shapes(ritz, one, values, *self._shapes(mode, corner))
 
             def between(at_corners: ndarray) -> ndarray:
                 at_forces = (at_corners.reshape(weight.shape) * weight).sum(axis=1)
                 return at_forces[self.where[mine]]  # noqa: B023 - used in this round only
 
-            stiff = np.maximum(1.0 + share(whole.stiffness) / own, LEAST)
-            mass = np.maximum(1.0 + share(whole.mass), LEAST)
-            change[mine] = between(0.5 * (np.log(stiff) - np.log(mass)))
-            for k, part in enumerate(parts):
-                slope = share(part.stiffness) / own / stiff - share(part.mass) / mass
-                slopes[mine, k] = between(0.5 * slope)
+            change[mine] = between(at_shapes)
+            for k, slope in enumerate(by_values):
+                slopes[mine, k] = between(slope)
         return change, slopes
 
     def _place(self, ln_k: Float[ndarray, "force 2"]) -> tuple[ndarray, ndarray]:
@@ -94,6 +86,55 @@ class Structures:
         values, shapes = zip(*(self.known[key] for key in keys), strict=True)
         self.together[whole] = np.array(values), np.array(shapes)
         return self.together[whole]
+
+
+def solved_change(
+    records: Records,
+    ritzes: Sequence[Ritz],
+    one: Mechanism,
+    values: ndarray,
+    points: Float[ndarray, "record coordinate"],
+) -> tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]]:
+    """The same with the shapes at each record's own place (ln k..., load)."""
+    n = records.force.size
+    change, slopes = np.zeros(n), np.zeros((n, values.size))
+    for mode, ritz in enumerate(ritzes):
+        mine = records.mode == mode
+        places, where = distinct(points[mine])
+        found = solve(ritz, places)
+        here, by_values = _of_shapes(ritz, one, values, found.value, found.shape)
+        change[mine] = here[where]
+        slopes[mine] = np.reshape(by_values, (values.size, -1)).T[where]
+    return change, slopes
+
+
+def distinct(points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:
+    """The different points, and which of them each is; `np.unique` of rows takes far longer."""
+    order = np.lexsort(points.T)
+    placed = points[order]
+    new = np.ones(len(points), dtype=bool)
+    new[1:] = (placed[1:] != placed[:-1]).any(axis=1)
+    where = np.empty(len(points), dtype=int)
+    where[order] = np.cumsum(new) - 1
+    return placed[new], where
+
+
+def _of_shapes(
+    ritz: Ritz, one: Mechanism, values: ndarray, own: ndarray, y: ndarray
+) -> tuple[ndarray, list[ndarray]]:
+    """Change of ln f at shapes of omega^2 `own`, and its derivative by each parameter."""
+    whole, parts = one.structure(ritz, values)
+    kept = slice(0, ritz.own)
+
+    def share(matrix: ndarray) -> ndarray:
+        return ((y @ matrix[kept, kept]) * y).sum(axis=1)
+
+    stiff = np.maximum(1.0 + share(whole.stiffness) / own, LEAST)
+    mass = np.maximum(1.0 + share(whole.mass), LEAST)
+    slopes = [
+        0.5 * (share(part.stiffness) / own / stiff - share(part.mass) / mass) for part in parts
+    ]
+    return 0.5 * (np.log(stiff) - np.log(mass)), slopes
 
 
 def shift(whole: Change, parts: Sequence[Change]) -> tuple[float, Float[ndarray, " parameter"]]:

@@ -1,5 +1,7 @@
 """The answer in the words of `verdict.json`."""
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
@@ -8,9 +10,17 @@ from bladeroot.diagnosis.gain import score, within_records
 from bladeroot.diagnosis.guards import CERTAIN
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
-from bladeroot.diagnosis.posterior import UNKNOWN, Sets, labelled, together
+from bladeroot.diagnosis.posterior import (
+    NONE,
+    UNKNOWN,
+    Sets,
+    credible,
+    inclusion,
+    labelled,
+    together,
+)
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.simulation.parametric import biases
+from bladeroot.diagnosis.simulation.parametric import Parametric, biases
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -28,7 +38,8 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
         "campaign": str(made.seen.attrs.get("campaign", "")),
         "structure": made.structure,
         "answer": answer,
-        "probabilities": labelled(probabilities(made)),
+        "probabilities": labelled(sets := probabilities(made)),
+        "possible": {name: round(value, 9) for name, value in credible(sets).items()},
         "causes": causes,
         "shortfall": _shortfall(made),
         "gain": gains(made),
@@ -45,6 +56,9 @@ def _causes(made: Diagnosis) -> list[dict]:
         for cause in found.causes:
             rows.append((cause.gain, _cause(made, found, cause, first)))
             first += len(cause.mechanism.parameters)
+        if found.open and not _cannot_name(made, found):
+            alone, cause = _as_if(found)
+            rows.append((cause.gain, _cause(made, alone, cause, found.channel.base)))
     for one in made.faulty:
         if one.named:
             rows.append((-one.ln_chance, _fault(one)))
@@ -72,6 +86,17 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
         "splitter": mechanism.splitter,
         "log_evidence": cause.gain,
     }
+
+
+def _as_if(found: Found) -> tuple[Found, Cause]:
+    """The most probable mechanism of an open question, with all that may stand in its place."""
+    name = next(one for one in found.open if one in found.alone)
+    model = found.alone[name]
+    others = tuple(one for one in found.open if one != name)
+    cause = Cause(
+        model.causes[0], model.log_evidence, (name, *others), inclusion(found.probabilities, name)
+    )
+    return replace(found, final=model.fit, causes=(cause,)), cause
 
 
 def _fault(one) -> dict:
@@ -112,24 +137,30 @@ def probabilities(made: Diagnosis) -> Sets:
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
     """The answer; faults of records alone do not name what the simulation lacks besides them."""
     others = [one for one in causes if one["class"] != "record"]
-    insufficient = any(found.insufficient for found in made.found if not _cannot_name(made, found))
-    if not others:
-        if insufficient:
-            return "insufficient-data"
-        if any(found.unexplained for found in made.found if not _cannot_name(made, found)):
-            return "unexplained"
-        open_curves = any(_open(found) for found in made.found if _cannot_name(made, found))
-        if open_curves or (made.lacks and not causes):
-            return "insufficient-data"
-        return "named" if causes else "nothing-missing"
     if any(certain(one) for one in others):
         return "named"
-    return "insufficient-data" if insufficient else "ambiguous"
+    judged = [found for found in made.found if not _cannot_name(made, found)]
+    if any(NONE not in one["credible_set"] for one in others):
+        return "ambiguous"
+    if any(found.unexplained for found in judged if not found.open):
+        return "unexplained"
+    if any(_open(found) for found in made.found if _cannot_name(made, found)):
+        return "insufficient-data"
+    if others:
+        return "ambiguous"
+    if made.lacks and not causes:
+        return "insufficient-data"
+    return "named" if causes else "nothing-missing"
 
 
 def certain(cause: dict) -> bool:
     """Whether a cause is named for certain."""
     return len(cause["credible_set"]) == 1
+
+
+def is_shown(cause: dict) -> bool:
+    """Whether the data show a cause, or would hardly show it and do not exclude it."""
+    return NONE not in cause["credible_set"] or cause["probability"] > 0.5
 
 
 def _cannot_name(made: Diagnosis, found: Found) -> bool:
@@ -172,8 +203,8 @@ def gains(made: Diagnosis) -> dict:
             continue
         if found.channel.name == "stick":
             mode = made.data.records.mode
-            of_structure = made.simulated.kind == "structure"
-            bias = biases(len(made.data.modes)) if of_structure else slice(0)
+            parametric = isinstance(made.simulated, Parametric)
+            bias = biases(made.simulated) if parametric else slice(0)
             for name, part, allowance in (
                 ("between_forces", "force", slice(0)),
                 ("between_forces_without_bias", "force", bias),
@@ -257,6 +288,21 @@ def _out_of_line(made: Diagnosis) -> list[str]:
     return [f"unlike their repeats are the records {records}{places}: a wrong label, or force?"]
 
 
+def _open_question(found: Found) -> str:
+    """What may be missing where no cause is named and none is excluded."""
+    names = [one for one in found.open if one not in (NONE, UNKNOWN)]
+    seen = found.probabilities.get(frozenset(), 0.0)
+    text = (
+        f"the {found.channel.name} data show nothing missing (probability {100.0 * seen:.0f} %) "
+        "and would hardly show"
+        if seen > 0.5
+        else f"the {found.channel.name} data do not tell which is missing:"
+    )
+    first = next(one for one in names if one in found.alone)
+    decide = found.alone[first].causes[0].splitter
+    return f"{text} {' or '.join(names)}; to decide on {first}: {decide}"
+
+
 def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
     departing = [
@@ -299,6 +345,8 @@ def _reason(made: Diagnosis, answer: str) -> str:
                     f"{', '.join(cause.credible[1:])}"
                 )
                 lines.append(f"to decide: {cause.mechanism.splitter}")
+        if found.open and not _cannot_name(made, found):
+            lines.append(_open_question(found))
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "

@@ -71,7 +71,7 @@ def block(
     return grid, part
 
 
-def _mirrored(grid: Block, sign_x: int, sign_z: int) -> Block:
+def mirrored(grid: Block, sign_x: int, sign_z: int) -> Block:
     """A block on another side of the planes x = 0 and z = 0."""
     nodes, part = grid
     return nodes[::sign_x, ::sign_z] * [sign_x, sign_z], part
@@ -124,7 +124,7 @@ def beam_mesh(structure: Structure, with_pad: bool) -> Mesh:
         (start, h), (end, _) = edges[0].start, edges[0].end
         floor = Edge((start, -h - pad.thickness), (end, -h - pad.thickness))
         right.append(block(floor, _below(edges[0]), (_elements(structure, edges[0]), 1), part=1))
-    blocks = [_mirrored(one, sign, 1) for sign in (-1, 1) for one in right]
+    blocks = [mirrored(one, sign, 1) for sign in (-1, 1) for one in right]
     return extrude(blocks, structure.width, density.width)
 
 
@@ -162,10 +162,10 @@ def slot_mesh(structure: Structure, side: str) -> Mesh:
         blocks.append(block(edge, high, (count, density.jaw), growth=8.0))
     floor, roof = (Edge((back, z), (end, z)) for z in (ceiling, top))
     blocks.append(block(floor, roof, base, growth=8.0))
-    blocks += [_mirrored(one, 1, -1) for one in blocks]
+    blocks += [mirrored(one, 1, -1) for one in blocks]
     blocks.append(block(_below(floor), floor, (base[0], 2)))
     if side == "Xn":
-        blocks = [_mirrored(one, -1, 1) for one in blocks]
+        blocks = [mirrored(one, -1, 1) for one in blocks]
     elif side != "Xp":
         raise ValueError(f"side must be one of {SLOTS}, got {side!r}")
     return extrude(blocks, structure.width, density.width)

@@ -4,21 +4,20 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from bladeroot.figures import style
+from bladeroot.figures.chart import AMPLITUDE, Chart, Panel, Trace
 from bladeroot.figures.style import (
     MEASURED,
-    STRUCTURE_COLOURS,
     force_colours,
-    load_axis,
     note_simulated,
     nothing,
-    panels,
     plain,
-    plain_log_scale,
 )
+from bladeroot.loads import shown
 
 BEFORE, AFTER = "#b5462f", "#2a7f62"
 PALE = "#c9d1d8"
@@ -49,20 +48,21 @@ def ranking(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping], simulated:
     if not wanted:
         return nothing("nothing explains the records better than the simulation as it is")
     rows = (len(wanted) + 1) // 2
-    drawn, axes = panels(rows, min(2, len(wanted)), 9.2, 0.5 + 2.5 * rows)
+    drawn, axes = style.panels(rows, min(2, len(wanted)), 9.2, 0.5 + 2.5 * rows)
     for axis, (one, said, channel) in zip(axes.flat, wanted, strict=False):
         _ranks(axis, one, said, channel)
     for axis in axes.flat[len(wanted) :]:
         axis.set_axis_off()
-    shown = [Patch(color=colour, label=name) for name, colour in _FILL.items()]
-    shown.append(Patch(facecolor="white", edgecolor="#5c6b7a", hatch="///", label="any smooth law"))
-    drawn.legend(handles=shown, loc="outside lower center", ncols=5, fontsize=7.5)
+    fills = [Patch(color=colour, label=name) for name, colour in _FILL.items()]
+    fills.append(Patch(facecolor="white", edgecolor="#5c6b7a", hatch="///", label="any smooth law"))
+    drawn.legend(handles=fills, loc="outside lower center", ncols=5, fontsize=7.5)
     return note_simulated(drawn, simulated)
 
 
 def _ranks(axis, one: xr.Dataset, said: Mapping, channel: str) -> None:
     here = one.isel(candidate=np.flatnonzero(one["channel"].values == channel)[:_SHOWN][::-1])
-    credible = {n for cause in said["causes"] for n in cause["credible_set"]}
+    named = set(str(one.attrs.get("named", "")).split(";"))
+    credible = {n for c in said["causes"] if c["mechanism"] in named for n in c["credible_set"]}
     evidence = here["log_evidence"].values
     for y, name in enumerate(here["candidate"].values.astype(str)):
         row = here.isel(candidate=y)
@@ -97,118 +97,136 @@ def _kind(row: xr.Dataset, name: str, credible: set[str]) -> str:
     return _BARRED if str(row["barred"].values) else _OTHER
 
 
-def frequencies(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
-    """Stick frequency over force, measured and simulated before and after, and what is left."""
+def frequencies(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
+    """Stick frequency over the load, measured and simulated before and after, and what is left.
+
+    None where there is no law over a load.
+    """
     full = [one for one in found if "stick_residual" in one]
-    if not full:
-        return nothing("too few stick frequencies for a law of the load")
-    factor, load = load_axis(full[0].attrs)
+    factor, unit, load = shown(full[0].attrs) if full else (1.0, "", "")
     if not load:
-        return nothing("one condition: there is no law over a load")
+        return None
     modes = [str(m) for m in full[0]["mode"].values]
-    drawn, axes = panels(
-        2 * len(full), len(modes), 9.2, 4.4 * len(full), sharex="col",
-        height_ratios=[1.35, 1.0] * len(full),
+    panels, traces = [], []
+    for one in full:
+        for label in ("stick frequency / Hz", "measured less simulated / %"):
+            for mode in modes:
+                above = label.startswith("stick")
+                panels.append(Panel(f"{one.attrs['structure']}, {mode}", f"{load} / {unit}", label,
+                                    zero=not above))  # fmt: skip
+                here = one.isel(stick_record=one["stick_mode"].values == mode)
+                traces += _frequency(here, factor, len(panels) - 1, above)
+    return Chart(
+        f"Stick frequency over the {load}, measured and as judged, before and after the cause is "
+        "part of the simulation; below, what is left.",
+        panels, traces, columns=len(modes), simulated=simulated,
     )  # fmt: skip
-    for k, one in enumerate(full):
-        for column, mode in enumerate(modes):
-            _frequency(axes[2 * k, column], axes[2 * k + 1, column], one, mode, factor)
-            axes[2 * k, column].set_title(f"{one.attrs['structure']}, {mode}", loc="left")
-        axes[2 * k, 0].set_ylabel("stick frequency / Hz")
-        axes[2 * k + 1, 0].set_ylabel("measured less\nsimulated / %")
-    for axis in axes[-1]:
-        axis.set_xlabel(load)
-    axes[0, 0].legend(fontsize=7)
-    return note_simulated(drawn, simulated)
 
 
-def _frequency(above, below, one: xr.Dataset, mode: str, factor: float) -> None:
-    here = one.isel(stick_record=one["stick_mode"].values == mode)
+def _frequency(here: xr.Dataset, factor: float, panel: int, above: bool) -> list[Trace]:
+    names = here["stick_record"].values.astype(str).tolist()
     force = factor * here["stick_force"].values
     every = np.unique(force)
-    changed = bool(one.attrs["named"])
-    for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
-        if stage == "after" and not changed:
-            continue
-        said = here["stick_simulated"].sel(stage=stage).values
-        mean = [said[force == f].mean() for f in every]
-        name = "simulated as it was" if stage == "before" else "simulated with the cause"
-        above.plot(every, mean, style, color=colour, label=name)
-        left = 100.0 * here["stick_residual"].sel(stage=stage).values
-        below.plot(force, left, "o", color=colour, markersize=3.5,
-                   markerfacecolor="white" if stage == "before" else colour)  # fmt: skip
-        below.plot(every, [left[force == f].mean() for f in every], style, color=colour,
-                   linewidth=0.8)  # fmt: skip
-    above.plot(force, here["stick_frequency"], "o", color=MEASURED, markersize=3, label="measured")
-    below.axhline(0.0, color="black", linewidth=0.8)
+    key, scale = ("stick_simulated", 1.0) if above else ("stick_residual", 100.0)
+    traces = []
+    for stage, (colour, line, kind) in _stages(here).items():
+        value = scale * here[key].sel(stage=stage).values
+        mean = np.array([value[force == f].mean() for f in every])
+        switches = {"shown": kind}
+        traces.append(Trace(panel, every, mean, kind, colour, line, kind=kind, switches=switches))
+        if not above:
+            traces.append(
+                Trace(panel, force, value, kind, colour, marker="o", size=3.5, texts=names,
+                      hollow=stage == "before", switches=switches)
+            )  # fmt: skip
+    if above:
+        traces.append(Trace(panel, force, here["stick_frequency"].values, "measured", MEASURED,
+                            marker="o", size=3.5, texts=names, kind="measured",
+                            switches={"shown": "measured"}))  # fmt: skip
+    return traces
 
 
-def curves(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
-    """Frequency and loss factor over amplitude, measured and simulated before and after."""
+def stage_names(one: xr.Dataset) -> dict[str, str]:
+    """What a simulation is called before and after its causes are part of it."""
+    if one.attrs.get("kind") == "none":
+        return {"before": "a linear mode", "after": "with the cause"}
+    return {"before": "simulated as it was", "after": "simulated with the cause"}
+
+
+def _stages(one: xr.Dataset) -> dict[str, tuple[str, str, str]]:
+    """Colour, line and name of the simulation as it was, and with causes where there are any."""
+    name = stage_names(one)
+    made = {"before": (BEFORE, "--", name["before"])}
+    return made | ({"after": (AFTER, "-", name["after"])} if one.attrs["named"] else {})
+
+
+def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
+    """Frequency and loss factor over amplitude, measured and simulated before and after.
+
+    None where the campaign begins at stick frequencies.
+    """
     one = next((one for one in found if "curve_mode" in one), None)
     if one is None:
-        return nothing("no curves over amplitude: the campaign begins at stick frequencies")
-    modes = np.unique(one["curve_mode"].values.astype(str))
-    drawn, axes = panels(2, len(modes), 9.2, 5.6, sharex="col")
+        return None
+    modes = [str(mode) for mode in np.unique(one["curve_mode"].values)]
+    factor, unit, load = shown(one.attrs)
     forces = np.unique(one["curve_force"].values)
-    chosen = forces[
-        np.unique(np.linspace(0, forces.size - 1, min(4, forces.size)).round().astype(int))
-    ]
-    factor, load = load_axis(one.attrs)
     colours = force_colours(forces.tolist(), factor)
-    for column, mode in enumerate(modes):
-        for row, name in enumerate(("curve_frequency", "curve_loss")):
-            axis = axes[row, column]
-            for f in chosen:
-                _curve(axis, one, mode, f, name, colours.to_rgba(factor * f), (100.0, 1e3)[row])
-            plain_log_scale(axis, "x")
-        axes[0, column].set_title(mode, loc="left")
-        axes[1, column].set_xlabel("amplitude at the sensor / µm")
-    axes[0, 0].set_ylabel("frequency less its plateau / %")
-    axes[1, 0].set_ylabel("loss factor less its plateau / 10⁻³")
-    kinds = [
-        Line2D([], [], color="#5c6b7a", marker="o", linestyle="", markersize=3, label="measured"),
-        Line2D([], [], color="#5c6b7a", linestyle="--", label="simulated as it was"),
-        Line2D([], [], color="#5c6b7a", label="simulated with the cause"),
-    ]
-    axes[0, 0].legend(handles=kinds, fontsize=7, loc="lower left")
-    if load:
-        drawn.colorbar(colours, ax=axes, label=load, shrink=0.7)
-    return note_simulated(drawn, simulated)
+    panels, traces = [], []
+    for name, label, scale in (
+        ("curve_frequency", "frequency less its plateau / %", 100.0),
+        ("curve_loss", "loss factor less its plateau / 10⁻³", 1e3),
+    ):
+        for mode in modes:
+            panels.append(Panel(f"mode {mode}", AMPLITUDE, label, x_log=True))
+            for force in forces:
+                mine = (one["curve_mode"].values == mode) & (one["curve_force"].values == force)
+                here = one.isel(point=np.flatnonzero(mine)).sortby("curve_amplitude")
+                at = f"{factor * force:.4g} {unit}" if load else ""
+                colour = to_hex(colours.to_rgba(factor * force)) if forces.size > 1 else MEASURED
+                x, panel = 1e6 * here["curve_amplitude"].values, len(panels) - 1
+                switches = {load: at} if load else {}
+                for stage, (_, line, kind) in _stages(one).items():
+                    value = scale * here[f"{name}_simulated"].sel(stage=stage).values
+                    traces.append(Trace(panel, x, value, f"{kind} {at}", colour, line, kind=kind,
+                                        switches={**switches, "shown": kind}))  # fmt: skip
+                traces.append(
+                    Trace(panel, x, scale * here[name].values, f"measured {at}", colour, marker="o",
+                          size=3.0, error=scale * here[f"{name}_std"].values, kind="measured",
+                          switches={**switches, "shown": "measured"})
+                )  # fmt: skip
+    return Chart(
+        "Frequency and loss factor over amplitude as change from the plateau: measured (dots), "
+        "and as judged before and after the cause is part of the simulation (lines).",
+        panels, traces, columns=len(modes), colours=load, simulated=simulated,
+    )  # fmt: skip
 
 
-def _curve(axis, one: xr.Dataset, mode: str, force: float, name: str, colour, unit: float) -> None:
-    mine = (one["curve_mode"].values == mode) & (one["curve_force"].values == force)
-    here = one.isel(point=np.flatnonzero(mine)).sortby("curve_amplitude")
-    amplitude = 1e6 * here["curve_amplitude"].values
-    axis.plot(amplitude, unit * here[name], "o", color=colour, markersize=2.2)
-    for stage, style in (("before", "--"), ("after", "-")):
-        axis.plot(amplitude, unit * here[f"{name}_simulated"].sel(stage=stage), style,
-                  color=colour, linewidth=1.0)  # fmt: skip
-
-
-def law(found: Sequence[xr.Dataset], simulated: bool) -> Figure:
+def law(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
     """kn and kt over force with their standard deviations, before and after."""
     full = [one for one in found if "law_k" in one]
     if not full:
-        return nothing("too few stick frequencies for a law of the force")
-    drawn, axes = panels(len(full), 2, 9.2, 2.8 * len(full))
-    for row, one in enumerate(full):
-        force = one["law_force"].values / 1e3
-        for column, name in enumerate(("kn", "kt")):
-            axis = axes[row, column]
-            for stage, colour, style in (("before", BEFORE, "--"), ("after", AFTER, "-")):
-                if stage == "after" and not one.attrs["named"]:
-                    continue
+        return None
+    panels, traces = [], []
+    for one in full:
+        factor, unit, called = shown(one.attrs)
+        force = one["law_force"].values * factor
+        for name in one["stiffness"].values.astype(str):
+            of_flank = " of a flank" if name in ("kn", "kt") else ""
+            panels.append(Panel(one.attrs["structure"], f"{called} / {unit}",
+                                f"{name}{of_flank} / GN/m", y_log=True))  # fmt: skip
+            panel = len(panels) - 1
+            for stage, (colour, line, kind) in _stages(one).items():
                 here = one.sel(stage=stage, stiffness=name)
                 k, spread = 1e-9 * here["law_k"].values, np.exp(here["law_ln_std"].values)
-                axis.fill_between(force, k / spread, k * spread, color=colour, alpha=0.18,
-                                  linewidth=0)  # fmt: skip
-                label = "as it was" if stage == "before" else "with the cause"
-                axis.plot(force, k, style, color=colour, label=label)
-            axis.set_xlabel("axial force / kN")
-            axis.set_ylabel(f"{name} of a flank / GN/m")
-            plain_log_scale(axis)
-            axis.set_title(one.attrs["structure"], loc="left", color=STRUCTURE_COLOURS[3])
-    axes[0, 0].legend(fontsize=7, title="simulation ± std", title_fontsize=7)
-    return note_simulated(drawn, simulated)
+                switches = {"shown": kind}
+                traces += [
+                    Trace(panel, force, low=k / spread, high=k * spread, colour=colour,
+                          switches=switches),
+                    Trace(panel, force, k, kind, colour, line, kind=kind, switches=switches),
+                ]  # fmt: skip
+    return Chart(
+        "Contact stiffness over the force as the simulation has it before and after, each with "
+        "one standard deviation. A band before the cause is that of what does not fit.",
+        panels, traces, simulated=simulated,
+    )  # fmt: skip

@@ -2,22 +2,16 @@
 
 from collections.abc import Sequence
 
+import contourpy
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from numpy import ndarray
 
-from bladeroot.figures.style import (
-    MODE_COLOURS,
-    PUBLISHED,
-    STRUCTURE_COLOURS,
-    note_simulated,
-    nothing,
-    panels,
-    plain_log_scale,
-)
+from bladeroot.figures.chart import Chart, Panel, Trace
+from bladeroot.figures.style import MODE_COLOURS, PUBLISHED, STRUCTURE_COLOURS
 
 _NAMES = {"kn": "kn of a flank / GN/m", "kt": "kt of a flank / GN/m"}
+_DRAWS = 700  # dots: more only blacken the cloud
 
 
 def joint(
@@ -25,97 +19,124 @@ def joint(
     searches: Sequence[xr.Dataset],
     stiffness: xr.Dataset,
     simulated: bool,
-) -> Figure:
+) -> Chart | None:
     """Bands of kn(F) and kt(F), and draws of (kn, kt) at 12 kN with what fixes them.
 
     found: joint inferences, a row each. searches: force by force, whose maps give the lines of the
-    measured frequencies. stiffness: these side by side, with Table 5.2.
+    measured frequencies. stiffness: these side by side, with Table 5.2. None without a posterior.
     """
     full = [one for one in found if one.attrs["law"]]
     if not full:
-        return nothing("no stick frequency: no joint posterior")
-    drawn, axes = panels(len(full), 3, 9.2, 2.9 * len(full))
+        return None
+    panels, traces = [], []
     for row, one in enumerate(full):
         colour = STRUCTURE_COLOURS[row % len(STRUCTURE_COLOURS)]
-        for column, name in enumerate(_NAMES):
-            _over_force(axes[row, column], one, stiffness, name, colour)
-        _plane(axes[row, 2], one, searches, stiffness, colour)
-        axes[row, 0].set_title(f"{one.attrs['structure']}: {one.attrs['law']}", loc="left")
-    axes[0, 0].legend(fontsize=6.5, loc="best")
-    axes[0, 2].legend(fontsize=6.5, loc="best")
-    return note_simulated(drawn, simulated)
+        name = one.attrs["structure"]
+        for key, label in _NAMES.items():
+            panels.append(Panel(f"{name}: {one.attrs['law']}", "axial force / kN", label,
+                                y_log=True))  # fmt: skip
+            traces += _over_force(len(panels) - 1, one, stiffness, key, colour)
+        kn, kt = (1e-9 * one[f"region_{key}"].values for key in _NAMES)
+        panels.append(Panel(f"{name}: at {one.attrs['reference_force_N'] / 1e3:g} kN",
+                            *_NAMES.values(), x_log=True, y_log=True, x_range=(kn[0], kn[-1]),
+                            y_range=(kt[0], kt[-1])))  # fmt: skip
+        traces += _plane(len(panels) - 1, one, searches, stiffness, colour)
+    return Chart(
+        "Left and middle: kn and kt over force; bands hold 68 and 95 % of the joint posterior. "
+        "Dots: the root of each force by itself, where there is one. Right: draws of the posterior "
+        "at 12 kN with the regions that hold 68 and 95 % of it, and lines on which the model has "
+        "the frequency interpolated to 12 kN, one for each mode: where they cross is the root of "
+        "that force by itself.",
+        panels, traces, columns=3, simulated=simulated,
+    )  # fmt: skip
 
 
-def _over_force(axis, one: xr.Dataset, stiffness: xr.Dataset, name: str, colour: str) -> None:
+def _over_force(
+    panel: int, one: xr.Dataset, stiffness: xr.Dataset, name: str, colour: str
+) -> list[Trace]:
     band = 1e-9 * one["curve_quantile"].sel(stiffness=name)
     force = one["curve_force"].values / 1e3
-    for low, high, alpha in ((0.025, 0.975, 0.15), (0.16, 0.84, 0.3)):
-        axis.fill_between(
-            force, band.sel(quantile=low), band.sel(quantile=high), color=colour, alpha=alpha,
-            linewidth=0, label=f"{100 * (high - low):.0f} % of the joint posterior",
-        )  # fmt: skip
-    axis.plot(force, band.sel(quantile=0.5), color=colour, label="its median")
+    traces = [
+        Trace(panel, force, low=band.sel(quantile=low).values, high=band.sel(quantile=high).values,
+              colour=colour, switches={"shown": "joint posterior"})
+        for low, high in ((0.025, 0.975), (0.16, 0.84))
+    ]  # fmt: skip
+    traces.append(
+        Trace(panel, force, band.sel(quantile=0.5).values, "median of the joint posterior", colour,
+              "-", kind="joint posterior, 68 and 95 %", switches={"shown": "joint posterior"})
+    )  # fmt: skip
     here = stiffness.sel(structure=one.attrs["structure"])
     each = here["force"].values / 1e3
     rooted = np.isin(here["status"].values, ("root", "fit"))
-    axis.plot(each[rooted], 1e-9 * here[name].values[rooted], "o", color="black", markersize=3.5,
-              label="root of each force by itself")  # fmt: skip
+    alone = "root of each force by itself"
+    traces.append(
+        Trace(panel, each[rooted], 1e-9 * here[name].values[rooted], alone, "#000000", marker="o",
+              size=3.5, kind=alone, switches={"shown": alone})
+    )  # fmt: skip
     if f"published_{name}_total" in here and here[f"published_{name}_total"].notnull().any():
-        axis.errorbar(
-            each, 1e-9 * here[f"published_{name}_total"],
-            1e-9 * here[f"published_{name}_total_std"],
-            fmt="D", markersize=3, color=PUBLISHED, label="thesis, Table 5.2 × 33",
+        table = "thesis, Table 5.2 × 33"
+        traces.append(
+            Trace(panel, each, 1e-9 * here[f"published_{name}_total"].values, table, PUBLISHED,
+                  marker="D", error=1e-9 * here[f"published_{name}_total_std"].values, size=3.0,
+                  kind=table, switches={"shown": table})
         )  # fmt: skip
-    axis.set_xlabel("axial force / kN")
-    axis.set_ylabel(_NAMES[name])
-    plain_log_scale(axis)
+    return traces
 
 
-def _plane(axis, one: xr.Dataset, searches: Sequence[xr.Dataset], stiffness, colour: str) -> None:
-    axis.plot(
-        *(1e-9 * one["reference_draw"].values.T), ".", color=colour, markersize=1.2, alpha=0.35
-    )
-    kn, kt = (1e-9 * one[f"region_{name}"].values for name in _NAMES)
+def _plane(
+    panel: int, one: xr.Dataset, searches: Sequence[xr.Dataset], stiffness: xr.Dataset, colour: str
+) -> list[Trace]:
+    draws = 1e-9 * one["reference_draw"].values
+    draws = draws[:: -(-len(draws) // _DRAWS)]
+    posterior = {"shown": "joint posterior"}
+    traces = [Trace(panel, draws[:, 0], draws[:, 1], "draw", colour, marker="o", size=1.5,
+                    opacity=0.35, switches=posterior)]  # fmt: skip
+    axes = [1e-9 * one[f"region_{name}"].values for name in _NAMES]
     share = one["region_share"].transpose("region_kt", "region_kn").values
-    axis.set(xlim=(kn[0], kn[-1]), ylim=(kt[0], kt[-1]), xscale="log")
-    for level, style in ((0.68, "-"), (0.95, "--")):
-        axis.contour(kn, kt, share, [level], colors="black", linewidths=0.9, linestyles=style)
-        axis.plot([], [], style, color="black", linewidth=0.9, label=f"{100 * level:.0f} % region")
-    _lines(axis, one, searches)
+    traces += [
+        Trace(panel, *_contour(*axes, share, level), f"{100 * level:.0f} % region", "#000000", line,
+              kind=f"{100 * level:.0f} % region", width=0.9, switches=posterior)
+        for level, line in ((0.68, "-"), (0.95, "--"))
+    ]  # fmt: skip
+    traces += _lines(panel, one, searches)
     at = stiffness["force"].values
     near = int(np.argmin(np.abs(at - one.attrs["reference_force_N"])))
     if "published_kn_total" in stiffness and abs(at[near] - one.attrs["reference_force_N"]) < 1:
-        here = stiffness.isel(force=near)
-        axis.errorbar(
-            1e-9 * float(here["published_kn_total"]), 1e-9 * float(here["published_kt_total"]),
-            1e-9 * float(here["published_kt_total_std"]),
-            1e-9 * float(here["published_kn_total_std"]),
-            fmt="D", markersize=3, color=PUBLISHED, label="Table 5.2 × 33, 12 kN",
+        here = {f"{k}{end}": 1e-9 * stiffness[f"published_{k}_total{end}"].values[[near]]
+                for k in _NAMES for end in ("", "_std")}  # fmt: skip
+        table = "thesis, Table 5.2 × 33"
+        traces.append(
+            Trace(panel, here["kn"], here["kt"], table, PUBLISHED, marker="D", size=3.0,
+                  error=here["kt_std"], x_error=here["kn_std"], switches={"shown": table})
         )  # fmt: skip
-    axis.xaxis.set_minor_formatter(NullFormatter())
-    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    plain_log_scale(axis)
-    axis.set_xlabel(_NAMES["kn"])
-    axis.set_ylabel(_NAMES["kt"])
-    axis.set_title("at 12 kN", loc="left")
+    return traces
 
 
-def _lines(axis, one: xr.Dataset, searches: Sequence[xr.Dataset]) -> None:
+def _lines(panel: int, one: xr.Dataset, searches: Sequence[xr.Dataset]) -> list[Trace]:
     """Where each mode by itself has its measured frequency, were the model without a bias."""
-    reference = one.attrs["reference_force_N"]
+    wanted = one.attrs["structure"], one.attrs["reference_force_N"]
+    traces = []
     for search in searches:
-        here = search.attrs["structure"], search.attrs["axial_force"]
-        if here != (one.attrs["structure"], reference):
+        if (search.attrs["structure"], search.attrs["axial_force"]) != wanted:
             continue
-        kn, kt = 1e-9 * search["map_kn"].values, 1e-9 * search["map_kt"].values
+        axes = [1e-9 * search[f"map_{name}"].values for name in _NAMES]
         for mode, colour in MODE_COLOURS.items():
             of_mode = search.sel(mode=mode)
             target = float(of_mode["target_frequency"] * (1.0 + of_mode["fe_offset"]))
-            label = f"{mode} as measured"
-            if np.isfinite(target):
-                frequency = of_mode["map_frequency"].transpose("map_kt", "map_kn").values
-                met = frequency.min() < target < frequency.max()
-                label += "" if met else ": nowhere"
-                if met:
-                    axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.3)
-                axis.plot([], [], color=colour, linewidth=1.3, label=label)
+            frequency = of_mode["map_frequency"].transpose("map_kt", "map_kn").values
+            if not np.isfinite(target):
+                continue
+            met = frequency.min() < target < frequency.max()
+            label = f"{mode} as measured" + ("" if met else ": nowhere")
+            x, y = _contour(*axes, frequency, target)
+            traces.append(Trace(panel, x, y, label, colour, "-", kind=label,
+                                switches={"shown": f"{mode} as measured"}))  # fmt: skip
+    return traces
+
+
+def _contour(x: ndarray, y: ndarray, z: ndarray, level: float) -> tuple[ndarray, ndarray]:
+    """The line on which z has a value, its pieces one after the other with NaN between them."""
+    pieces = contourpy.contour_generator(x, y, z).lines(level)
+    joined = [np.vstack([piece, [[np.nan, np.nan]]]) for piece in pieces]
+    both = np.vstack(joined) if joined else np.zeros((0, 2))
+    return both[:, 0], both[:, 1]

@@ -2,49 +2,58 @@
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, panels
+from bladeroot.figures.chart import Chart, Panel, Trace
+from bladeroot.figures.style import MEASURED, PUBLISHED
 
 _SHOWN = 0.08  # s of the decay: to the last slip and somewhat further
+_OVER = "amplitude over the critical one"
 
 
-def slider(curves: xr.Dataset) -> Figure:
+def slider(curves: xr.Dataset) -> Chart:
     """`curves` is `bladeroot.reproduction.slider_curves.slider_curves`."""
-    drawn, axes = panels(3, 2, 8.4, 8.0)
     here = curves.isel(sample=slice(0, int(_SHOWN * curves.attrs["sampling_Hz"])))
     time = 1e3 * np.arange(here.sizes["sample"]) / curves.attrs["sampling_Hz"]
-    for axis, name, label in zip(
-        axes[0], ("velocity", "force"), ("velocity / m/s", "contact force / N"), strict=True
-    ):
-        axis.plot(time, here[name], color=MEASURED, linewidth=0.7)
-        axis.set_xlabel("time / ms")
-        axis.set_ylabel(label)
-    axes[0, 0].set_title("direct integration (fig. 3.7)", loc="left")
-    for sign in (-1.0, 1.0):
-        axes[0, 1].axhline(sign * curves.attrs["slip_force_N"], color=PUBLISHED, linestyle=":")
-    axes[0, 1].set_title("slip at the dotted lines", loc="left")
     critical = curves.attrs["critical_amplitude_m"]
-    read, balanced = curves["amplitude"] / critical, curves["balanced_amplitude"] / critical
-    for axis, name, label, stuck in zip(
-        axes[1],
-        ("frequency", "loss_factor"),
-        ("frequency / Hz", "loss factor"),
-        (curves.attrs["stick_frequency_Hz"], curves.attrs["loss_factor"]),
-        strict=True,
+    read, balanced = (curves[n].values / critical for n in ("amplitude", "balanced_amplitude"))
+    ends = np.array([balanced[0], balanced[-1]])
+    panels = [
+        Panel("direct integration (fig. 3.7)", "time / ms", "velocity / m/s"),
+        Panel("contact force; slip at the dotted lines", "time / ms", "contact force / N"),
+        Panel("FREEVIB on the decay (fig. 3.8)", _OVER, "frequency / Hz", x_log=True),
+        Panel("FREEVIB on the decay (fig. 3.8)", _OVER, "loss factor", x_log=True),
+        Panel("first harmonic of the contact (fig. 3.9)", _OVER, "stiffness over kt", x_log=True),
+        Panel("first harmonic of the contact (fig. 3.9)", _OVER, "damping over kt", x_log=True),
+    ]
+    traces = [
+        Trace(k, time, here[name].values, name, line="-", width=0.7)
+        for k, name in enumerate(("velocity", "force"))
+    ]
+    traces += [
+        Trace(1, time[[0, -1]], np.full(2, sign * curves.attrs["slip_force_N"]), "slip", PUBLISHED,
+              ":")
+        for sign in (-1.0, 1.0)
+    ]  # fmt: skip
+    for k, (name, stuck) in enumerate(
+        (("frequency", "stick_frequency_Hz"), ("loss_factor", "loss_factor")), start=2
     ):
-        axis.plot(balanced, curves[f"balanced_{name}"], color=PUBLISHED, label="closed form (3.19)")
-        axis.plot(read, curves[name], ".", color=MEASURED, markersize=4, label="FREEVIB")
-        axis.axhline(stuck, color="#888888", linestyle=":", label="adhesion")
-        axis.set_ylabel(label)
-    axes[1, 0].set_title("FREEVIB on the decay (fig. 3.8)", loc="left")
-    axes[1, 0].legend(loc="best")
-    for axis, name in zip(axes[2], ("stiffness", "damping"), strict=True):
-        axis.plot(balanced, curves[name], color=PUBLISHED)
-        axis.set_ylabel(f"equivalent {name} over kt")
-    axes[2, 0].set_title("first harmonic of the contact (fig. 3.9)", loc="left")
-    for axis in axes[1:].ravel():
-        axis.set_xscale("log")
-        axis.set_xlabel("amplitude over the critical one")
-        axis.axvline(1.0, color="#888888", linewidth=0.6)
-    return drawn
+        traces += [
+            Trace(k, balanced, curves[f"balanced_{name}"].values, "closed form (3.19)", PUBLISHED,
+                  "-", kind="closed form (3.19)"),
+            Trace(k, read, curves[name].values, "FREEVIB", MEASURED, marker="o", size=2.5,
+                  kind="FREEVIB"),
+            Trace(k, ends, np.full(2, curves.attrs[stuck]), "adhesion", "#888888", ":",
+                  kind="adhesion"),
+        ]  # fmt: skip
+    traces += [
+        Trace(k, balanced, curves[name].values, name, PUBLISHED, "-")
+        for k, name in enumerate(("stiffness", "damping"), start=4)
+    ]
+    return Chart(
+        "Figures 3.7 to 3.9: the model of one degree of freedom with a slider, released at a "
+        "hundred critical amplitudes and integrated from event to event; frequency and loss factor "
+        "that FREEVIB reads off that decay; stiffness and damping of the contact by its first "
+        "harmonic. Below some ten critical amplitudes the decay crosses the hump of damping within "
+        "a few cycles: there no single harmonic describes it, and FREEVIB has a point a cycle.",
+        panels, traces,
+    )  # fmt: skip

@@ -1,68 +1,97 @@
-"""Stick frequency, loss factor and onset of slip against axial force (figs 3.13, 3.18, 5.10)."""
+"""Stick frequency and loss factor against the load (figs 3.13, 3.18, 5.10)."""
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, load_axis, note_simulated, nothing, panels
+from bladeroot.figures.chart import Chart, Panel, Trace
+from bladeroot.figures.style import MEASURED, PUBLISHED
+from bladeroot.loads import shown
+
+_OTHERS = ("#d08a1d", "#6a51a3", "#2a7f62", "#b5462f", "#4c4c4c")
 
 
-def over_force(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool) -> Figure:
-    """Stick frequency and loss factor of each mode, with the interpolation to the FE forces.
+def over_load(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool) -> Chart | None:
+    """Levels, the records that they are the mean of, and the interpolation to the FE forces.
 
-    fe_forces: None where there is no structure, and so no force of a simulation.
+    fe_forces: None where there is no structure, and so no force of a simulation. Without a load the
+    levels stand side by side, by group. None where no record reached its plateau.
     """
-    modes = list(dict.fromkeys(stick["mode"].values))
-    factor, load = load_axis(stick.attrs)
+    modes = [str(mode) for mode in dict.fromkeys(stick["mode"].values)]
     if not modes:
-        return note_simulated(nothing("no record reached its stick plateau"), simulated)
-    drawn, axes = panels(2, len(modes), 4.2 * len(modes), 5.6, sharex=True if load else "col")
-    for column, mode in enumerate(modes):
-        levels = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
-        for axis, name, scale in (
-            (axes[0, column], "frequency", 1.0),
-            (axes[1, column], "loss_factor", 1e2),
-        ):
-            axis.errorbar(
-                factor * levels["force"] if load else np.arange(levels.sizes["level"]),
-                scale * levels[name],
-                scale * levels[f"{name}_std"],
-                fmt="o",
-                markersize=3.5,
-                color=MEASURED,
-                elinewidth=0.8,
-                zorder=4,  # on top of the squares, which lie there where the forces coincide
-                label="measured, ±1 std",
-            )
+        return None
+    factor, unit, load = shown(stick.attrs)
+    traces, panels = [], []
+    for row, (name, scale, label) in enumerate(
+        (("frequency", 1.0, "stick frequency / Hz"), ("loss_factor", 1e2, "loss factor / %"))
+    ):
+        for column, mode in enumerate(modes):
+            here = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
+            groups = here["group"].values.astype(str) if "group" in here else np.array([""])
+            kinds = list(dict.fromkeys(groups))
+            panel = row * len(modes) + column
+            panels.append(
+                Panel(f"mode {mode}", f"{load} / {unit}" if load else "", label,
+                      x_ticks=() if load else kinds)
+            )  # fmt: skip
             if fe_forces is not None:
-                _interpolated(axis, fe_forces.sel(mode=mode), name, scale)
-        axes[0, column].set_title(f"mode {mode}", loc="left")
-        axes[1, column].set_xlabel(load)
-        groups = levels["group"].values.astype(str) if "group" in levels else np.array([""])
-        if not load:
-            axes[1, column].set_xticks(np.arange(groups.size), groups)
-        elif np.unique(groups).size > 1:
-            for at, value, name in zip(levels["force"], levels["frequency"], groups, strict=True):
-                axes[0, column].annotate(name, (factor * float(at), float(value)), fontsize=6)
-        axes[1, column].set_ylim(0, 1.12 * axes[1, column].get_ylim()[1])
-    axes[0, 0].set_ylabel("stick frequency / Hz")
-    axes[1, 0].set_ylabel("loss factor / %")
-    axes[0, 0].legend(loc="lower right")
-    return note_simulated(drawn, simulated)
-
-
-def _interpolated(axis: Axes, target: xr.Dataset, name: str, scale: float) -> None:
-    spread = target[f"{name}_std"].sel(force_error=target.attrs["primary_force_error"])
-    axis.errorbar(
-        target["force"] / 1e3,
-        scale * target[name],
-        scale * spread,
-        fmt="s",
-        markersize=6.5,
-        markerfacecolor="white",
-        color=PUBLISHED,
-        elinewidth=0.8,
-        capsize=2,
-        label="at the simulation's forces, with force error",
+                traces.append(_interpolated(fe_forces.sel(mode=mode), name, scale, panel))
+            for k, group in enumerate(kinds):
+                mine = here.isel(level=np.flatnonzero(groups == group)) if group else here
+                colour = (MEASURED, *_OTHERS)[k % 6]
+                x = factor * mine["force"].values if load else np.full(mine.sizes["level"], k)
+                switches = {"group": group} if len(kinds) > 1 else {}
+                traces.append(
+                    Trace(panel, x, scale * mine[name].values, name=group or f"mode {mode}",
+                          colour=colour, marker="o", error=scale * mine[f"{name}_std"].values,
+                          kind="" if len(kinds) > 1 else "measured, ±1 std",
+                          switches={"kind": "means", **switches})
+                )  # fmt: skip
+                if row == 0:
+                    traces += _records(stick, mode, group, k, panel, switches)
+    return Chart(
+        f"Stick frequency and loss factor{f' against {load}' if load else ''}, with one standard "
+        "deviation; small and pale: the records"
+        + (
+            ""
+            if fe_forces is None
+            else "; squares: their linear interpolation to the simulation's forces with the force "
+            "error included (5.13, 5.14)"
+        )
+        + ".",
+        panels,
+        traces,
+        columns=len(modes),
+        colours="group",
+        simulated=simulated,
     )
+
+
+def _records(
+    stick: xr.Dataset, mode: str, group: str, place: int, panel: int, switches: dict
+) -> list[Trace]:
+    """Stick frequency of each record of a mode and group."""
+    if "stick_frequency" not in stick or not stick.sizes["record"]:
+        return []
+    mine = (stick["record_mode"].values == mode) & np.isfinite(stick["stick_frequency"].values)
+    if "record_group" in stick and group:
+        mine &= stick["record_group"].values == group
+    here = stick.isel(record=np.flatnonzero(mine))
+    factor, _, load = shown(stick.attrs)
+    count = here.sizes["record"]
+    x = factor * here["record_force"].values if load else np.full(count, place)
+    return [
+        Trace(panel, x, here["stick_frequency"].values, "record", "#8aa0b8", marker="o", size=2.5,
+              opacity=0.6, error=here["stick_frequency_std"].values,
+              texts=here["record"].values.astype(str).tolist(),
+              switches={"kind": "records", **switches})
+    ] if count else []  # fmt: skip
+
+
+def _interpolated(target: xr.Dataset, name: str, scale: float, panel: int) -> Trace:
+    spread = target[f"{name}_std"].sel(force_error=target.attrs["primary_force_error"])
+    return Trace(
+        panel, target["force"].values / 1e3, scale * target[name].values,
+        name="interpolated to the simulation's force", colour=PUBLISHED, marker="s", hollow=True,
+        size=6.5, error=scale * spread.values, kind="at the simulation's forces, with force error",
+        switches={"kind": "at the simulation's forces"},
+    )  # fmt: skip

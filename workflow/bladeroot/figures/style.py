@@ -7,9 +7,9 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
@@ -32,8 +32,6 @@ _ROUND = (
     (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
     (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0),
 )
-# Points of curves are drawn up to these relative standard errors; the artifacts hold them all.
-DRAWN = {"frequency": 1e-3, "loss_factor": 0.2}
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
 _STYLE = {
@@ -50,7 +48,8 @@ _STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     "lines.linewidth": 1.2,
-    "svg.fonttype": "path",
+    # Texts stay texts: a page is smaller, and can be searched. Its style names the fonts.
+    "svg.fonttype": "none",
     # Same data, same bytes: Snakemake then sees that nothing changed.
     "svg.hashsalt": "bladeroot",
 }
@@ -88,26 +87,14 @@ def svg(drawn: Figure) -> str:
         if label not in ticks:
             label.set_parse_math(False)
     text = io.StringIO()
-    drawn.savefig(text, format="svg", metadata={"Date": None})
+    # `savefig` draws everything once more, to no end
+    FigureCanvasSVG(drawn).print_svg(text, metadata={"Date": None})
     return text.getvalue()
 
 
 def plain(text: str) -> str:
     """A name as a label of ticks, where dollar signs would begin mathematics."""
     return text.replace("$", r"\$")
-
-
-def drawn_values(curves: xr.Dataset, name: str, error: str = "std") -> ndarray:
-    """Values of a curve, NaN where their relative standard error exceeds what is drawn."""
-    value = curves[name].values
-    known = curves[f"{name}_{error}"].values < DRAWN[name] * np.abs(value)
-    return np.where(known, value, np.nan)
-
-
-def load_axis(facts: Mapping[str, Any]) -> tuple[float, str]:
-    """Factor from an artifact's `force` to what is shown, and the label of its axis."""
-    factor, unit, name = shown(facts)
-    return factor, f"{name} / {unit}" if name else ""
 
 
 def force_colours(forces: Sequence[float], factor: float = 1e-3) -> ScalarMappable:

@@ -12,7 +12,7 @@ from bladeroot.io.load import force_scale as force_scale
 from bladeroot.io.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
 from bladeroot.io.rows import RECORD_COLUMNS, RecordRows
 from bladeroot.io.sheet import read_sheet
-from bladeroot.io.simulation import simulation_of
+from bladeroot.io.simulation import STRUCTURE, simulation_of
 from bladeroot.io.stick_rows import STICK_COLUMNS, VALUES, StickRows
 from bladeroot.io.stick_rows import stick_table as stick_table
 from bladeroot.schema import read_yaml
@@ -35,10 +35,10 @@ class Campaign:
     """A checked campaign.
 
     `description` is campaign.yaml, its `structure` a list of the structures to compare with and its
-    `simulation` "structure", "none" or a table's file name. `load` is None where records have none.
-    `records` (one dict a record, SI units) or `stick` (one dict a row) is filled, the other is
-    empty. `excluded` holds the ids of the records marked `exclude`, `warnings` a line for each
-    suspicion that is no fault.
+    `simulation` "structure", "assembly", "none" or a table's file name. `load` is None where
+    records have none. `records` (one dict a record, SI units) or `stick` (one dict a row) is
+    filled, the other is empty. `excluded` holds the ids of the records marked `exclude`,
+    `warnings` a line for each suspicion that is no fault.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Campaign:
     @property
     def structure_lacks(self) -> str:
         """Why nothing can be inferred with the campaign's structures, a phrase, or ""."""
-        if not self.description["structure"]:
+        if self.description["simulation"] != STRUCTURE:
             return ""
         if self.load is None:
             return "a structure is prestressed by a load, and the campaign states none"
@@ -153,7 +153,7 @@ def load_campaign(folder: str | Path) -> Campaign:
 def _unplaced(description: dict, load: Load | None, folder: Path) -> list[str]:
     """Faults of modes of which a structure is not told where they are looked at."""
     campaign = Campaign("", folder, description, load, (), (), ())
-    if not description["structure"] or campaign.structure_lacks:
+    if description["simulation"] != STRUCTURE or campaign.structure_lacks:
         return []
     return [
         f"modes.{mode}.laser_x_mm is missing: a structure must know where the mode is looked at "

@@ -42,5 +42,6 @@ def diagnosis_facts(campaign: Campaign, config: Mapping) -> dict:
         "structure_lacks": campaign.structure_lacks,
         "load": {"name": load.name, "unit": load.unit, "given": load.given} if load else None,
         "full_contact_from_kN": described.get("full_contact_from_kN", 0),
+        "costs": described.get("costs", {}),
         "independent": described.get("independent", []),
     }

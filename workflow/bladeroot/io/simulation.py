@@ -1,16 +1,21 @@
 """What a campaign is judged against: structures, a table of simulated frequencies, or nothing."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from bladeroot.io.load import Load
+from bladeroot.schema import parse_yaml
+from bladeroot.shipped_files import structure_file
 
-NONE, STRUCTURE = "none", "structure"
+NONE, STRUCTURE, ASSEMBLY = "none", "structure", "assembly"
+# Kinds of structure files that bring their own modes and bear any load; the others are dovetails.
+OF_ASSEMBLIES = ("assembly", "lap-joint")
 RESERVED = ("linear", "table")  # names of diagnoses without a structure
 
 
 def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict:
-    """`structure` as a list and `simulation` as "structure", "none" or a table's file name.
+    """`structure` as a list and `simulation` as "structure", "assembly", "none" or a table's file
+    name.
 
     Raises:
         ValueError: both keys, a table that is not there, or a load that no structure can bear.
@@ -33,9 +38,23 @@ def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict
     reserved = [name for name in names if name in RESERVED]
     if reserved:
         raise ValueError(f"a structure must not be named {reserved[0]}: results/ uses the name")
+    if _are_assemblies(names, folder):
+        return {"structure": names, "simulation": ASSEMBLY}
     if load is not None and not load.is_force:
         raise ValueError(
             f"a structure bears a force: the load's unit must be N or kN, got {load.unit!r} "
             f"({load.name})"
         )
     return {"structure": names, "simulation": STRUCTURE}
+
+
+def _are_assemblies(names: Iterable[str], folder: Path) -> bool:
+    """Whether structures are assemblies; ValueError if some are. A missing file is told later."""
+    files = {name: structure_file(name, folder) for name in names}
+    read = {name: parse_yaml(file) for name, file in files.items() if file.is_file()}
+    kinds = {name: isinstance(one, dict) and one.get("kind") in OF_ASSEMBLIES
+             for name, one in read.items()}  # fmt: skip
+    if any(kinds.values()) and not all(kinds.values()):
+        other = next(name for name, one in kinds.items() if not one)
+        raise ValueError(f"a dovetail cannot stand beside an assembly, got {other} beside others")
+    return any(kinds.values())

@@ -1,23 +1,35 @@
-"""A modulus that wanders through the campaign, as with the temperature of the rig."""
+"""Frequencies that wander through the campaign, as with the temperature of the rig."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-from bladeroot.rom.ritz import Ritz
-from bladeroot.rom.sensitivity import Change, scaled
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-_EDGE = 0.01  # of the campaign, over which a step is smeared, so that a fit finds its time
+# Change and moment, every twentieth of the clampings: a step shows no slope to records that are
+# away from it.
+MOMENTS = tuple((1e-3, float(np.log(k / (20 - k)))) for k in range(1, 20))
+WAVES = (1, 2, 3, 4)  # halves a campaign
+_EDGE = 0.015  # of the clampings, over which a step is smeared, so that a fit finds its place
 
 
-def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
-    """Twice the change in the modulus of beam and slots; the axial force's stiffness stays."""
-    parts = [scaled(ritz, part) for part in ("beam_stiffness", "slot_stiffness")]
-    stiffness = 2.0 * (parts[0].stiffness + parts[1].stiffness)
-    none = parts[0].mass
-    nothing = [Change(np.zeros_like(stiffness), none)] * (values.size - 1)
-    return Change(values[0] * stiffness, none), [Change(stiffness, none), *nothing]
+def columns(course: Callable, records: Records, values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The first parameter times a course, and derivatives by all parameters of the law."""
+    along, slopes = course(records, values)
+    by_values = values[0] * slopes
+    by_values[:, 0] = along
+    return values[0] * along, by_values
+
+
+def law(course: Callable):
+    """The hook: all ln f alike. A modulus leaves out what tension holds, a part of the change."""
+
+    def stick(records: Records, values: np.ndarray) -> StickEffect:
+        change, slopes = columns(course, records, values)
+        return StickEffect({"ln_f": change}, {"ln_f": slopes})
+
+    return stick
 
 
 def linear(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -37,8 +49,8 @@ def saturating(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def step(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """At once, at a part of the campaign's time."""
-    course = 0.5 * np.tanh((_share(records) - values[1]) / _EDGE)
+    """At once, after a part of the campaign's clampings: a pause has none."""
+    course = 0.5 * np.tanh((clamped(records) - values[1]) / _EDGE)
     slope = -(0.5 - 2.0 * course**2) / _EDGE
     return course, np.stack([np.zeros(course.size), slope], axis=1)
 
@@ -49,6 +61,19 @@ def periodic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
     angle = 2.0 * np.pi * values[1] * t + values[2]
     slope = 0.5 * np.cos(angle)
     return 0.5 * np.sin(angle), np.stack([np.zeros(t.size), 2.0 * np.pi * t * slope, slope], axis=1)
+
+
+def wandering(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Any slow course, as the weather's: a line and waves of one half to two a campaign."""
+    t = _share(records)
+    basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in WAVES)])
+    return basis @ values[1:], np.column_stack([np.zeros(t.size), basis])
+
+
+def clamped(records: Records) -> np.ndarray:
+    """Number of the clamping by when it began, from 0 to 1."""
+    number = np.unique(np.round(records.time - records.since), return_inverse=True)[1]
+    return number / max(int(number.max(initial=0)), 1)
 
 
 def _share(records: Records) -> np.ndarray:
@@ -63,11 +88,10 @@ _CHANGE = Parameter(
 MECHANISM = Mechanism(
     id="drift",
     kind="time",
-    sentence="the modulus drifts through the campaign, as with the temperature of the rig",
+    sentence="the frequencies drift through the campaign, as with the temperature of the rig",
     parameters=(_CHANGE,),
     splitter="a thermometer on beam and rig; the first forces again at the end",
-    structure=structure,
-    course=linear,
+    stick=law(linear),
     over=("time",),
     form="linear",
 )
@@ -83,7 +107,7 @@ MECHANISM = replace(
                     "of the campaign: hours, as a rig of some 100 kg", log=True,
                 ),
             ),
-            course=saturating,
+            stick=law(saturating),
             starts=((1e-3, float(np.log(0.1))),),
             form="saturating",
         ),
@@ -92,12 +116,31 @@ MECHANISM = replace(
             parameters=(
                 _CHANGE,
                 Parameter(
-                    "moment", "1", 0.5, 1.5, 0.0, 1.0, "of the campaign's time", bounded=True
+                    "moment", "1", 0.5, 1.5, 0.0, 1.0, "of the campaign's clampings", bounded=True
                 ),
             ),
-            course=step,
-            starts=tuple((1e-3, x) for x in (-2.2, -1.4, -0.85, -0.4, 0.4, 0.85, 1.4, 2.2)),
+            stick=law(step),
+            starts=MOMENTS,
             form="step",
+        ),
+        replace(
+            MECHANISM,
+            parameters=(
+                Parameter(
+                    "change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True
+                ),
+                *(
+                    Parameter(
+                        f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
+                        "of a line, then of waves: slow ones are the larger",
+                    )
+                    for k in (0, *WAVES)
+                ),
+            ),
+            stick=law(wandering),
+            starts=((float(np.log(2e-3)), 0.5, 0.2, 0.0, 0.0, 0.0),
+                    (float(np.log(2e-3)), -0.5, -0.2, 0.0, 0.0, 0.0)),
+            form="wandering",
         ),
         replace(
             MECHANISM,
@@ -106,7 +149,7 @@ MECHANISM = replace(
                 Parameter("cycles", "1", 1.5, 0.7, 0.3, 20.0, "a campaign of days", log=True),
                 Parameter("phase", "1", 0.0, 2.0, -20.0, 20.0, "at the first record, rad"),
             ),
-            course=periodic,
+            stick=law(periodic),
             starts=tuple(
                 (1e-3, float(np.log(n)), phase)
                 for n in (0.7, 1.0, 1.5, 2.0, 3.0, 4.5)

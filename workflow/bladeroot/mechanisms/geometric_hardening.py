@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
+from bladeroot.mechanisms.over_amplitude import of_spring
 
 _TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness at A = 2 gap
 _SPREAD = 0.25 * np.linspace(-2.5, 2.5, 21)  # of ln gap
@@ -13,14 +14,14 @@ _WEIGHTS = np.exp(-0.5 * (_SPREAD / 0.25) ** 2) / np.exp(-0.5 * (_SPREAD / 0.25)
 
 def cubic(points: Points, values: np.ndarray) -> CurveEffect:
     """Restoring force x + alpha x^3 (3/8 alpha A^2 of ln f); the other modes' times a ratio."""
-    return _effect(points, values[:2], 0.375 * points.amplitude**2)
+    return of_spring(points, values[:2], 0.375 * points.amplitude**2)
 
 
 def large(points: Points, values: np.ndarray) -> CurveEffect:
     """The same where the stretch gives way at large amplitudes: A^2 / (1 + (A / bend)^2)."""
     square = points.amplitude**2
     left = 1.0 / (1.0 + square / values[2] ** 2)
-    return _effect(
+    return of_spring(
         points, values[:2], 0.375 * square * left,
         0.75 * square**2 * left**2 / values[2] ** 3,
     )  # fmt: skip
@@ -38,28 +39,11 @@ def stop(points: Points, values: np.ndarray) -> CurveEffect:
     touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _WEIGHTS
     by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _WEIGHTS
     scale = 1.5 * values[2] ** 2 / _TWICE
-    return _effect(
+    return of_spring(
         points, values[:2], scale * touching,
         scale * (2.0 * touching + by_ln) / values[2],
         scale * by_ln * other / values[3],
     )  # fmt: skip
-
-
-def _effect(
-    points: Points, values: np.ndarray, course: np.ndarray, *slopes: np.ndarray
-) -> CurveEffect:
-    """ln f rises by alpha times a course over amplitude (m^2), by the other modes times a ratio.
-
-    A stiffness without loss of its own takes its part of the loss factor down.
-    """
-    alpha, ratio = values
-    other = points.mode > 0
-    of_mode = np.where(other, ratio, 1.0)
-    columns = [of_mode * course, np.where(other, alpha * course, 0.0)]
-    columns += [alpha * of_mode * slope for slope in slopes]
-    whole, slope = alpha * of_mode * course, np.stack(columns, axis=1)
-    share = -2.0 * points.loss
-    return CurveEffect(whole, share * whole, slope, share[:, None] * slope)
 
 
 MECHANISM = Mechanism(

@@ -5,33 +5,28 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.slip_curve import PLACES, Spread, curve, free, lognormal, power, rounded
+from bladeroot.mechanisms.slip_curve import (
+    PLACES,
+    Spread,
+    curve,
+    free,
+    lognormal,
+    parameters,
+    power,
+    rounded,
+    starts,
+)
 from bladeroot.mechanisms.slip_curve import coulomb as element
 
-SHARED = (
-    Parameter(
-        "share", "1", 0.2, 1.2, 0.0, 1.0,
-        "part of the mode's stiffness that goes through the flanks' friction, in a simulation at "
-        "most the tangential contact springs'", bounded=True, tie="tangential",
-    ),
-    Parameter(
-        "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
-        log=True, tie="tangential", ratio=True,
-    ),
-    Parameter(
-        "threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5,
-        "at 12 kN; sliding of a whole flank begins at 130 um at 4 kN with a friction of 0.42, "
-        "the thesis sees 2 um", log=True,
-    ),
-    Parameter(
-        "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3,
-        "other modes over the first: slip per unit of the sensor's amplitude", log=True,
-    ),
-    Parameter(
-        "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
-        "friction's limit over the axial force, 1; displacement of a rounded contact 2/3",
-    ),
-)  # fmt: skip
+SHARED = parameters(
+    "tangential",
+    "part of the mode's stiffness that goes through the flanks' friction, in a simulation at most "
+    "the tangential contact springs'",
+    "at 12 kN; sliding of a whole flank begins at 130 um at 4 kN with a friction of 0.42, the "
+    "thesis sees 2 um",
+    "other modes over the first: slip per unit of the sensor's amplitude",
+    "friction's limit over the axial force, 1; displacement of a rounded contact 2/3",
+)
 SPREAD = Parameter(
     "spread", "1", 0.6, 0.6, 0.01, 5.0, "pressure varies over the flank: edges slip first", log=True
 )
@@ -48,14 +43,6 @@ def law(spread: Spread):
         )
 
     return slip
-
-
-def starts(*shape: float) -> tuple[tuple[float, ...], ...]:
-    """Coordinates to begin from: shares and thresholds, small to large, with a spread's shape."""
-    return tuple(
-        (share, 0.0, np.log(threshold), np.log(0.5), 1.0, *shape)
-        for share, threshold in ((-3.0, 1e-10), (-1.5, 1e-9), (0.0, 1e-8))
-    )
 
 
 def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:

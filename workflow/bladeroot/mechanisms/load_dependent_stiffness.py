@@ -7,6 +7,7 @@ import numpy as np
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 REFERENCE_FORCE = 12e3  # N
+_LEAST = 0.05  # compliance over that at 12 kN
 _DIFFERENCE = Parameter(
     "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6, "kt less kn; Table 5.2 has -0.18, theory 0"
 )
@@ -19,22 +20,32 @@ def power(records: Records, values: np.ndarray) -> StickEffect:
 
 
 def series(records: Records, values: np.ndarray) -> StickEffect:
-    """A rough layer, whose stiffness is in proportion to the force, in series with the bulk.
+    """A layer, whose stiffness is as a power of the force, in series with the bulk.
 
-    Of the compliance at 12 kN the layer has the part `exponent`, which is the slope of ln k there.
+    Of the compliance at 12 kN the layer has the part exponent / power: `exponent` is the slope of
+    ln k there.
     """
-    part = values[0]
+    exponent, difference, power = values
     x = np.log(records.force / REFERENCE_FORCE)
-    ratio = np.exp(-x)
-    soft = 1.0 + part * (ratio - 1.0)
-    return _effect(x, -np.log(soft), -(ratio - 1.0) / soft, values[1])
+    ratio = np.exp(-power * x)
+    part = exponent / power
+    plain = 1.0 + part * (ratio - 1.0)
+    soft = np.maximum(plain, _LEAST)
+    free = np.where(plain > _LEAST, 1.0 / soft, 0.0)
+    by_power = free * part * ((ratio - 1.0) / power + ratio * x)
+    return _effect(x, -np.log(soft), -free * (ratio - 1.0) / power, difference, by_power)
 
 
-def _effect(x: np.ndarray, growth: np.ndarray, slope: np.ndarray, difference: float) -> StickEffect:
+def _effect(
+    x: np.ndarray, growth: np.ndarray, slope: np.ndarray, difference: float, *others: np.ndarray
+) -> StickEffect:
     half = 0.5 * x
     return StickEffect(
         {"ln_kn": growth - difference * half, "ln_kt": growth + difference * half},
-        {"ln_kn": np.stack([slope, -half], axis=1), "ln_kt": np.stack([slope, half], axis=1)},
+        {
+            "ln_kn": np.stack([slope, -half, *others], axis=1),
+            "ln_kt": np.stack([slope, half, *others], axis=1),
+        },
     )
 
 
@@ -62,13 +73,18 @@ MECHANISM = replace(
             parameters=(
                 Parameter(
                     "exponent", "1", 0.3, 1.2, 0.0, 1.0,
-                    "slope of ln k at 12 kN: the rough layer's part of the compliance there",
+                    "slope of ln k at 12 kN: the layer's part of the compliance times its power",
                     bounded=True,
                 ),
                 _DIFFERENCE,
+                Parameter(
+                    "power", "1", 0.9, 0.4, 0.2, 4.0,
+                    "of the layer's stiffness over the force: spheres 1/3, rough surfaces 1, a gap "
+                    "that closes at once more", log=True,
+                ),
             ),
             stick=series,
-            form="rough layer in series with the bulk",
+            form="layer in series with the bulk",
         ),
     ),
 )  # fmt: skip

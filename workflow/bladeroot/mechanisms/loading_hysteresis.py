@@ -15,7 +15,7 @@ def law(opening: Callable[[np.ndarray], np.ndarray]):
     """
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        half = -0.5 * records.sign * opening(_part(records))
+        half = -0.5 * records.sign * opening(part(records))
         slope = half[:, None]
         return StickEffect(
             {"ln_kn": values[0] * half, "ln_kt": values[0] * half}, {"ln_kn": slope, "ln_kt": slope}
@@ -24,7 +24,7 @@ def law(opening: Callable[[np.ndarray], np.ndarray]):
     return stick
 
 
-def _part(records: Records) -> np.ndarray:
+def part(records: Records) -> np.ndarray:
     """Place of each force between the campaign's least and largest, 0 to 1."""
     low, high = records.force.min(initial=np.inf), records.force.max(initial=0.0)
     return (records.force - low) / (high - low) if high > low else np.full(records.force.size, 0.5)

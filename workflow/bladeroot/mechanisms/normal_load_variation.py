@@ -5,7 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.slip_curve import Spread, curve, lift_off, lognormal, power
+from bladeroot.mechanisms.slip_curve import (
+    Spread,
+    curve,
+    lift_off,
+    lognormal,
+    parameters,
+    power,
+    starts,
+)
 
 
 def law(spread: Spread):
@@ -23,26 +31,13 @@ def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
         kind="amplitude",
         sentence="the vibration unloads the flanks: they part in one half of the cycle",
         parameters=(
-            Parameter(
-                "share", "1", 0.2, 1.2, 0.0, 1.0,
+            *parameters(
+                "normal",
                 "part of the mode's stiffness that goes through the flanks' normal contact, in a "
-                "simulation at most the normal contact springs'", bounded=True, tie="normal",
-            ),
-            Parameter(
-                "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
-                log=True, tie="normal", ratio=True,
-            ),
-            Parameter(
-                "threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5,
+                "simulation at most the normal contact springs'",
                 "at 12 kN: preload of a flank over its dynamic load, where that is a small part "
-                "of the nominal", log=True,
-            ),
-            Parameter(
-                "threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, "other modes over the first",
-                log=True,
-            ),
-            Parameter(
-                "threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5,
+                "of the nominal",
+                "other modes over the first",
                 "preload over the axial force; an opening whatever the force is none of a flank",
             ),
             Parameter(
@@ -55,10 +50,7 @@ def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
         splitter="even harmonics of the velocity: a contact that parts is not symmetric, "
         "friction is",
         curve=law(spread),
-        starts=tuple(
-            (share, 0.0, np.log(threshold), np.log(0.5), 1.0, -0.75, *(p.start for p in own))
-            for share, threshold in ((-3.0, 1e-10), (-1.5, 1e-9), (0.0, 1e-8))
-        ),
+        starts=starts(-0.75, *(p.start for p in own)),
         form=form,
     )  # fmt: skip
 

@@ -5,40 +5,28 @@ from dataclasses import replace
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
+from bladeroot.mechanisms.over_amplitude import of_loss
 
 REFERENCE_AMPLITUDE = 1e-5  # m, where `beta` is a loss factor over an amplitude in all forms
 
 
 def quadratic(points: Points, values: np.ndarray) -> CurveEffect:
     """The loss factor grows by beta A, whatever the force; frequency stays."""
-    return _effect(points, values[:2], points.amplitude)
+    return of_loss(points, values[:2], points.amplitude)
 
 
 def power(points: Points, values: np.ndarray) -> CurveEffect:
     """By a power of A between that of a viscous layer and of a separated flow that grows."""
     x = np.log(points.amplitude / REFERENCE_AMPLITUDE)
     course = REFERENCE_AMPLITUDE * np.exp(values[2] * x)
-    return _effect(points, values[:2], course, course * x)
+    return of_loss(points, values[:2], course, course * x)
 
 
 def onset(points: Points, values: np.ndarray) -> CurveEffect:
     """By beta A beyond an amplitude at which the flow parts from the edges, by A^2 below."""
     at = values[2]
     whole = np.hypot(points.amplitude, at)
-    return _effect(points, values[:2], whole - at, at / whole - 1.0)
-
-
-def _effect(
-    points: Points, values: np.ndarray, course: np.ndarray, *slopes: np.ndarray
-) -> CurveEffect:
-    """Loss `beta` times a course over amplitude (m), whose slopes are by the form's own shape."""
-    beta, ratio = values
-    other = points.mode > 0
-    of_mode = np.where(other, ratio, 1.0)
-    columns = [of_mode * course, np.where(other, beta * course, 0.0)]
-    columns += [beta * of_mode * slope for slope in slopes]
-    none = np.zeros((course.size, len(columns)))
-    return CurveEffect(np.zeros(course.size), beta * of_mode * course, none, np.stack(columns, 1))
+    return of_loss(points, values[:2], whole - at, at / whole - 1.0)
 
 
 MECHANISM = Mechanism(

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
-from bladeroot.mechanisms.mechanism import CurveEffect, Points
+from bladeroot.mechanisms.mechanism import CurveEffect, Parameter, Points
 
 REFERENCE_FORCE = 12e3  # N
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
@@ -36,6 +36,32 @@ Array = Float[ndarray, "..."]
 Lost = Callable[[Array], tuple[Array, Array, Array, Array]]
 # Nodes of ln(threshold over the law's), their weights, and derivatives of both by the shape.
 Spread = Callable[[Float[ndarray, " shape"]], tuple[ndarray, ndarray, ndarray, ndarray]]
+
+
+def parameters(
+    tie: str, share: str, threshold: str, ratio: str, exponent: str
+) -> tuple[Parameter, ...]:
+    """The first five values of `curve`; tie: the contact springs that have the share; then what
+    each is by.
+    """
+    return (
+        Parameter("share", "1", 0.2, 1.2, 0.0, 1.0, share, bounded=True, tie=tie),
+        Parameter(
+            "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
+            log=True, tie=tie, ratio=True,
+        ),
+        Parameter("threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5, threshold, log=True),
+        Parameter("threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, ratio, log=True),
+        Parameter("threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5, exponent),
+    )  # fmt: skip
+
+
+def starts(*own: float) -> tuple[tuple[float, ...], ...]:
+    """Coordinates to begin from: shares and thresholds, small to large, then a law's own."""
+    return tuple(
+        (share, 0.0, np.log(threshold), np.log(0.5), 1.0, *own)
+        for share, threshold in ((-3.0, 1e-10), (-1.5, 1e-9), (0.0, 1e-8))
+    )
 
 
 def coulomb(z: Array) -> tuple[Array, Array, Array, Array]:

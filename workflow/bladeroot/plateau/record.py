@@ -40,6 +40,8 @@ def record_plateau(decay: xr.Dataset) -> xr.Dataset:
         name: ((), found[name], {"units": units, "long_name": text} | _source(source))
         for name, (units, text, source) in RECORD.items()
     }
+    if decay.attrs.get("damping") == "viscous":
+        made["loss_factor"][2]["long_name"] = "twice the damping ratio of the stick plateau"
     if np.size(decay.attrs.get("other_modes_Hz", ())):
         made["onset_amplitude"][2]["note"] = OTHERS
     text = {

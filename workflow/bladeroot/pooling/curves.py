@@ -13,7 +13,7 @@ from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.pooling.components import QUANTILE_95
 from bladeroot.pooling.settling import unsettled
 
-CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "hysteretic loss factor")}
+CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "loss factor")}
 KINDS = {
     "": "mean over records of",
     "_std": "standard error of the mean",

@@ -46,8 +46,10 @@ class Verdict:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """Ids of the named causes, what explains most first."""
-        return tuple(one["mechanism"] for one in self.said["causes"])
+        """Ids of the causes that the data show, what explains most first."""
+        from bladeroot.diagnosis.verdict import is_shown
+
+        return tuple(one["mechanism"] for one in self.said["causes"] if is_shown(one))
 
     def plot(self):
         """Measured stick frequencies over the load, by mode; a Figure."""
@@ -157,18 +159,14 @@ def _simulation(
 ) -> xr.Dataset | pd.DataFrame | None:
     """What `bladeroot.diagnosis.judged.judge` compares with."""
     from bladeroot.io.table import read_table
-    from bladeroot.rom.joint import joint_of_reduced
-    from bladeroot.rom.parametric import parametric_model
+    from bladeroot.rom.file import check_structure
+    from bladeroot.rom.whole import parametric_structure
 
     asked = campaign.description["simulation"]
     if campaign.description["structure"]:
-        box = config["parametric"]
-        return parametric_model(
-            joint_of_reduced(reduced(campaign.description["structure"][0])),
-            box["modes"],
-            tuple(1e9 * k for k in box["stiffness_GN_per_m"]),
-            tuple(1e3 * force for force in box["force_kN"]),
-        )
+        name = campaign.description["structure"][0]
+        check_structure(structure_file(name, campaign.folder), campaign.description["modes"])
+        return parametric_structure(reduced(name), config["parametric"])
     if asked == "none":
         return None
     return read_table(campaign.folder / asked, campaign.description, campaign.load)

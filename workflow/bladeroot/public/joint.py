@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.io.names import is_id
+from bladeroot.rom.assembly import frames
 from bladeroot.shipped_files import structure_file
 
 # Of the largest entry, by which a matrix may differ from its transpose.
@@ -244,7 +245,7 @@ def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
     of = np.array(pairs.interface or [""] * count)
     if of.shape != (count,):
         raise ValueError(f"pairs.interface must name {count} interfaces, got {of.size}")
-    frame = _frames(normal / length[:, None])
+    frame = frames(normal)
     gap, slip = {}, {}
     for name in pairs.interfaces:
         mine = np.flatnonzero(of == name)
@@ -252,14 +253,6 @@ def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
         gap[name] = _rows(scaled[:, :1], first[mine], second[mine], size)
         slip[name] = _rows(scaled[:, 1:], first[mine], second[mine], size)
     return gap, slip
-
-
-def _frames(normal: Float[ndarray, "pair 3"]) -> Float[ndarray, "pair 3 3"]:
-    """A normal and two tangents at each pair, which may be any: they share one kt."""
-    least = np.eye(3)[np.argmin(abs(normal), axis=1)]
-    one = np.cross(normal, least)
-    one /= np.linalg.norm(one, axis=1)[:, None]
-    return np.stack([normal, one, np.cross(normal, one)], axis=1)
 
 
 def _rows(

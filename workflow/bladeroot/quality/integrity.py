@@ -79,7 +79,8 @@ def judge(
                 found.append(("sampling-rate", _fact(told, "warn")))
     else:
         seen = sight(decay, whole, expected_Hz, modes_Hz)
-        examined = examine(seen, seen if alone is None else sight(decay, alone, expected_Hz))
+        own = seen if alone is None else sight(decay, alone, expected_Hz, modes_Hz)
+        examined = examine(seen, own)
         if recording is not None and recording.quantity != "velocity":
             examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:

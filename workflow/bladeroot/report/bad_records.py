@@ -6,7 +6,7 @@ import xarray as xr
 _PREFIX = "rejected: "
 SHOWN = 10  # lines of a kind where a run ends
 MORE = (
-    "    more on them: in the report, What was measured and Integrity of the records; "
+    "    more on them: in the report's chapters Measurement and Quality; "
     "what a finding means: docs/findings.md"
 )
 

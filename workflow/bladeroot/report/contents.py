@@ -1,115 +1,281 @@
-"""The report as a whole: which sections, in which order."""
+"""The report as a whole: the first page and its chapters, each a page of its own."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import pandas as pd
 import xarray as xr
 
-from bladeroot.report.diagnosis import diagnosis_section
+from bladeroot.figures import (
+    curves,
+    diagnosis,
+    joint,
+    nonlinear,
+    records,
+    residual_maps,
+    spectra,
+    stick,
+    stiffness,
+    structure,
+    theory,
+    thesis_search,
+)
+from bladeroot.figures.slider import slider
+from bladeroot.report.diagnosis import RANKING, diagnosis_section
 from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
+from bladeroot.report.front import front_sections
 from bladeroot.report.groups import groups_section
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.joint import joint_parts
 from bladeroot.report.ledger import ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
-from bladeroot.report.nonlinear import nonlinear_section
-from bladeroot.report.page import Section, render
-from bladeroot.report.stiffness import stiffness_section
-from bladeroot.report.structure import structure_section
-from bladeroot.report.summary import alone_section, summary_section, undecided_section
+from bladeroot.report.nonlinear import SLIP, nonlinear_section
+from bladeroot.report.page import Picture, Place, Section, pictures, render
+from bladeroot.report.provenance import provenance_section
+from bladeroot.report.stiffness import MAPS, stiffness_section
+from bladeroot.report.structure import MODES, SIDE, structure_section
 from bladeroot.report.table_5_2 import table_5_2_remarks
-from bladeroot.report.theory import theory_section
-from bladeroot.report.thesis_search import thesis_search_parts
+from bladeroot.report.theory import COMPARED, NORMAL, TRACTIONS, theory_section
+from bladeroot.report.thesis_search import OVER_FORCE, SETS, thesis_search_parts
+from bladeroot.report.words import CUTS, SPECTRA
+
+FRONT, INDEX = "report.html", "index.html"
+LIBRARY = "plotly.min.js"
+_TITLES = {
+    "measurement": "Measurement",
+    "quality": "Quality",
+    "stick": "Stick frequencies",
+    "structure": "Structure",
+    "stiffness": "Stiffness",
+    "nonlinear": "Nonlinear joint",
+    "diagnosis": "Diagnosis",
+    "theory": "Theory",
+    "comparison": "Comparison with the source",
+}
 
 
-def report(
-    facts: Mapping,
-    stages: Mapping[str, xr.Dataset],
-    checks: Sequence[xr.Dataset],
-    accuracies: Sequence[xr.Dataset],
-    calibrations: Sequence[xr.Dataset],
-    joints: Sequence[xr.Dataset],
-    diagnoses: Sequence[xr.Dataset],
-    verdicts: Sequence[Mapping],
-    extended: Sequence[xr.Dataset],
-    amplitudes: Sequence[xr.Dataset],
-    shortfalls: Sequence[xr.Dataset],
-    thesis_searches: Sequence[xr.Dataset],
-    figures: Mapping[str, str],
-    published_5_1: pd.DataFrame,
-    errata: Sequence[dict],
-    version: str,
-) -> str:
-    """A campaign's report as one HTML page.
+@dataclass(frozen=True)
+class Material:
+    """All that a report is made of; what a campaign has not is empty.
 
     facts: campaign, description (campaign.yaml), structures, simulated, excluded, entry. stages:
-    stick; with records, integrity and curves; for simulated ones, score; with a structure,
-    fe_forces, stiffness, theory; for the thesis's tables, ledger. checks, accuracies, joints,
-    diagnoses, verdicts, shortfalls: of each structure; extended: joints with the causes of a model
-    file; calibrations: of those that have one; amplitudes: of each, with records; thesis_searches:
-    of each structure of a campaign of the thesis. figures: SVG text by name. published_5_1 and
-    errata: of the thesis, as shipped.
-    Without a structure the page ends with the measurement.
+    artifacts by name (stick; with records, integrity and curves; for simulated ones, score; with a
+    structure, fe_forces, stiffness, theory; for the thesis's tables, ledger and slider). By
+    structure, the main one first: checks, accuracies, calibrations, joints, diagnoses with their
+    verdicts, extended (joints with the causes of a model file), amplitudes, shortfalls,
+    thesis_searches, searches (and by force). shown, not_shown, spectra: raw records as from
+    `bladeroot.figures.records.worth_showing`. modes: SVG text. published: Tables 5.1 and 5.2 as
+    shipped. made: as `bladeroot.report.provenance.provenance_section`.
     """
-    score = stages.get("score")
-    sticks = stick_section(stages["stick"], figures["stick"], score, stages.get("fe_forces"))
-    of_the_thesis = facts["description"].get("published") == "thesis"
-    if of_the_thesis:
-        comparison = table_5_1(stages["fe_forces"], published_5_1)
-        sticks = Section(sticks.title, [*sticks.parts, *comparison])
-    measured = [
-        measurement_section(facts, stages["stick"], figures),
-        *([integrity_section(stages["integrity"])] if "integrity" in stages else []),
-        sticks,
-    ]
-    differences = groups_section(stages["curves"]) if "curves" in stages else None
-    measured[1:1] = [differences] if differences else []
-    if not facts["structures"]:
-        judged = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"])
-        sections = [alone_section(stages["stick"], verdicts[0]), judged, *measured]
-        return _page(facts, "stick frequencies", sections, version)
-    stiffness = stiffness_section(stages["stiffness"], figures["maps"], score)
-    whole = joint_parts(joints, figures["joint"])
-    if thesis_searches:
-        whole += thesis_search_parts(
-            thesis_searches, figures["solution_sets"], figures["thesis_search"]
+
+    facts: Mapping
+    stages: Mapping[str, xr.Dataset]
+    diagnoses: Sequence[xr.Dataset]
+    verdicts: Sequence[Mapping]
+    made: Mapping
+    decays: Sequence[xr.Dataset] = ()
+    shown: Sequence[xr.Dataset] = ()
+    not_shown: str = ""
+    spectra: Sequence[xr.Dataset] = ()
+    mesh: xr.Dataset | None = None
+    modes: str = ""
+    checks: Sequence[xr.Dataset] = ()
+    accuracies: Sequence[xr.Dataset] = ()
+    calibrations: Sequence[xr.Dataset] = ()
+    searches: Sequence[xr.Dataset] = ()
+    joints: Sequence[xr.Dataset] = ()
+    extended: Sequence[xr.Dataset] = ()
+    amplitudes: Sequence[xr.Dataset] = ()
+    shortfalls: Sequence[xr.Dataset] = ()
+    thesis_searches: Sequence[xr.Dataset] = ()
+    published: tuple[pd.DataFrame, xr.Dataset] | None = None
+    errata: Sequence[dict] = field(default_factory=list)
+
+    @property
+    def simulated(self) -> bool:
+        """Whether a virtual bench made the records."""
+        return bool(self.facts["simulated"])
+
+    @property
+    def of_the_thesis(self) -> bool:
+        """Whether its tables belong beside the results."""
+        return self.facts["description"].get("published") == "thesis"
+
+
+def report(given: Material) -> dict[str, str]:
+    """The pages as HTML by their place below the campaign's results."""
+    judged = _judged(given)
+    every = pictures(curves.means(given.stages["curves"])) if "curves" in given.stages else []
+    of_stick = pictures(
+        stick.over_load(given.stages["stick"], given.stages.get("fe_forces"), given.simulated)
+    )
+    chapters = {
+        "measurement": _measurement(given, every),
+        "quality": [integrity_section(given.stages["integrity"])]
+        if "integrity" in given.stages
+        else [],
+        "stick": [_stick(given, of_stick)],
+        **_of_structures(given),
+        "diagnosis": [_diagnosis(given, judged)],
+    }
+    chapters = {name: chapters[name] for name in _TITLES if chapters.get(name)}
+    shows_it = _that_shows_it(given, judged)
+    pages = {
+        f"report/{name}.html": _page(given, name, sections, chapters)
+        for name, sections in chapters.items()
+    }
+    # the first page stands beside the chapters' folder, and once more inside it for an archive
+    for place, where in ((f"report/{INDEX}", ""), (FRONT, "report/")):
+        front = front_sections(
+            given.facts,
+            given.stages,
+            given.joints,
+            given.amplitudes,
+            given.diagnoses,
+            given.verdicts,
+            every or of_stick,
+            shows_it,
+            where,
         )
-    remarks = (
-        table_5_2_remarks(verdicts, stages["stiffness"], stages["theory"]) if of_the_thesis else []
-    )
-    what_is_wrong = diagnosis_section(diagnoses, verdicts, figures, facts["simulated"], remarks)
-    held = {check.attrs["structure"]: check for check in checks}
-    sections = [
-        summary_section(
-            stages["stick"],
-            stages["stiffness"],
-            stages["theory"],
-            joints,
-            amplitudes,
-            of_the_thesis,
-        ),
-        Section(what_is_wrong.title, [*what_is_wrong.parts, *extended_parts(joints, extended)]),
-        *measured,
-        structure_section(held, accuracies, calibrations, figures),
-        Section(stiffness.title, [*stiffness.parts, *whole]),
-        nonlinear_section(amplitudes, shortfalls, figures, of_the_thesis),
-        theory_section(stages["theory"], stages["stiffness"], figures),
-        undecided_section(facts, stages["stick"], stages["stiffness"]),
-    ]
-    if of_the_thesis:
-        sections += [
-            ledger_section(stages["ledger"], errata, figures["slider"]),
-            errata_section(errata),
-        ]
-    return _page(facts, "contact stiffness", sections, version)
+        front.append(provenance_section(given.made))
+        pages[place] = _page(given, "", front, chapters, where)
+    return pages
 
 
-def _page(facts: Mapping, aim: str, sections: Sequence[Section], version: str) -> str:
+def _page(
+    given: Material, here: str, sections: Sequence[Section], chapters: Mapping, where: str = ""
+) -> str:
+    """A chapter, or without a name the first page; where: the way from it to the chapters."""
+    links = [("In short", INDEX if here else "", not here)]
+    links += [(_TITLES[name], f"{where}{name}.html", name == here) for name in chapters]
     return render(
-        facts["description"]["title"],
-        f"Campaign {facts['campaign']}: from ring-downs to {aim}",
-        facts["simulated"],
+        given.facts["description"]["title"],
+        f"Campaign {given.facts['campaign']}{', ' + _TITLES[here].lower() if here else ''}",
+        given.simulated,
         sections,
-        f"bladeroot {version}",
+        f"bladeroot {given.made['version']}, {given.made['date']}",
+        Place(links, f"{where}{LIBRARY}"),
     )
+
+
+def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
+    drawn = []
+    if "curves" in given.stages:
+        drawn = [
+            *pictures(curves.records(given.decays)),
+            *every,
+            *pictures(curves.softening(given.stages["curves"])),
+            *pictures(records.cuts(given.shown, given.not_shown), CUTS),
+            *pictures(spectra.spectra(given.spectra, given.not_shown), SPECTRA),
+        ]
+    groups = groups_section(given.stages["curves"]) if "curves" in given.stages else None
+    measured = measurement_section(given.facts, given.stages["stick"], drawn)
+    return [measured, *([groups] if groups else [])]
+
+
+def _stick(given: Material, drawn: Sequence[Picture]) -> Section:
+    found, forces = given.stages["stick"], given.stages.get("fe_forces")
+    section = stick_section(found, drawn, given.stages.get("score"), forces)
+    if not given.of_the_thesis:
+        return section
+    return Section(section.title, [*section.parts, *table_5_1(forces, given.published[0])])
+
+
+def _judged(given: Material) -> dict[str, list[Picture]]:
+    """Figures of the diagnosis by what they show."""
+    found, simulated = given.diagnoses, given.simulated
+    if found[0].attrs.get("refused"):
+        return {}
+    return {
+        "ranking": pictures(diagnosis.ranking(found, given.verdicts, simulated), RANKING),
+        "stick": pictures(diagnosis.frequencies(found, simulated)),
+        "curve": pictures(diagnosis.curves(found, simulated)),
+        "residuals": pictures(residual_maps.records(found, simulated)),
+        "maps": pictures(residual_maps.curves(found, simulated)),
+        "law": pictures(diagnosis.law(found, simulated)),
+    }
+
+
+def _that_shows_it(given: Material, judged: Mapping[str, list[Picture]]) -> list[Picture]:
+    """The one figure of the verdict: that of the data in which the first cause is seen."""
+    one, named = given.diagnoses[0], [c["mechanism"] for c in given.verdicts[0]["causes"]]
+    channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
+    wanted = [channels.get(name) for name in named[:1]]
+    if wanted[:1] == ["stick"] or (not wanted and judged.get("stick")):
+        # the front page is about the main structure alone
+        return pictures(diagnosis.frequencies(given.diagnoses[:1], given.simulated))
+    return judged.get("curve", [])
+
+
+def _diagnosis(given: Material, judged: Mapping[str, list[Picture]]) -> Section:
+    remarks = (
+        table_5_2_remarks(given.verdicts, given.stages["stiffness"], given.stages["theory"])
+        if given.of_the_thesis
+        else []
+    )
+    drawn = [picture for several in judged.values() for picture in several]
+    section = diagnosis_section(given.diagnoses, given.verdicts, drawn, given.simulated, remarks)
+    return Section(section.title, [*section.parts, *extended_parts(given.joints, given.extended)])
+
+
+def _of_structures(given: Material) -> dict[str, list[Section]]:
+    """The chapters that need a structure."""
+    if not given.facts["structures"]:
+        return {}
+    stages, simulated = given.stages, given.simulated
+    main = given.facts["structures"][0]
+    side = pictures(structure.side_view(given.mesh), SIDE.format(main))
+    side += [Picture(given.modes, MODES)] if given.modes else []
+    maps = pictures(stiffness.maps(given.searches, given.published[1], simulated), MAPS)
+    posterior = pictures(joint.joint(given.joints, given.searches, stages["stiffness"], simulated))
+    whole = stiffness_section(stages["stiffness"], maps, stages.get("score"))
+    parts = [*whole.parts, *joint_parts(given.joints, posterior), *_thesis_search(given)]
+    profiles = TRACTIONS.format(stages["theory"].attrs["profile_axial_force"] / 1e3)
+    drawn = {
+        "tractions": pictures(theory.tractions(stages["theory"]), profiles),
+        "against_normal_force": pictures(theory.against_normal_force(stages["theory"]), NORMAL),
+        "compared": pictures(
+            theory.compared(stages["theory"], stages["stiffness"], simulated), COMPARED
+        ),
+    }
+    checks = {check.attrs["structure"]: check for check in given.checks}
+    return {
+        "structure": [structure_section(checks, given.accuracies, given.calibrations, side)],
+        "stiffness": [Section(whole.title, parts)],
+        "nonlinear": [
+            nonlinear_section(given.amplitudes, given.shortfalls, _slip(given), given.of_the_thesis)
+        ],
+        "theory": [theory_section(stages["theory"], stages["stiffness"], drawn)],
+        "comparison": [
+            ledger_section(stages["ledger"], given.errata, pictures(slider(stages["slider"]))),
+            errata_section(given.errata),
+        ]
+        if given.of_the_thesis
+        else [],
+    }
+
+
+def _thesis_search(given: Material) -> list:
+    if not given.thesis_searches:
+        return []
+    found, table_5_2 = given.thesis_searches, given.published[1]
+    return thesis_search_parts(
+        found,
+        pictures(
+            thesis_search.solution_sets(found[0], table_5_2),
+            SETS.format(found[0].attrs["structure"]),
+        ),
+        pictures(thesis_search.over_force(found, table_5_2), OVER_FORCE),
+    )
+
+
+def _slip(given: Material) -> list[Picture]:
+    one = next((one for one in given.amplitudes if one.attrs["law"]), None)
+    if one is None:
+        return []
+    return [
+        *pictures(nonlinear.curves(one, given.simulated)),
+        *pictures(nonlinear.stiffness(one, given.simulated)),
+        *pictures(nonlinear.slip(one, given.simulated), SLIP),
+    ]

@@ -7,7 +7,8 @@ import xarray as xr
 
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Table
-from bladeroot.report.verdict import ANSWERS, between_forces, plain, size
+from bladeroot.report.verdict import answer_of, between_forces, plain, size
+from bladeroot.report.words import Words
 
 # as `bladeroot.diagnosis.verdict` says it
 NOT_THOUGH_AHEAD = "beyond its limits, by its error, or less beside the other causes"
@@ -23,7 +24,7 @@ def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -
         rows.append(
             (
                 said["structure"],
-                ANSWERS[said["answer"]],
+                answer_of(said),
                 listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
                 size(first["parameters"][0]) if first else NONE,
                 fixed(first["log_evidence"], 1) if first else NONE,
@@ -91,7 +92,7 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
     ]
     return Table(
         "All that was tried, by evidence (record faults: -ln of the chance of as many by mistake)",
-        ("structure", "possible cause", "class", "data", "log evidence", "not named because"),
+        ("judged", "possible cause", "class", "data", "log evidence", "not named because"),
         rows,
         folded=True,
     )
@@ -114,15 +115,15 @@ def sizes_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Tab
     ]
     return Table(
         "The causes with their parameters",
-        ("structure", "cause", "parameter", "value", "plausible", "what would tell it from others"),
+        ("judged", "cause", "parameter", "value", "plausible", "what would tell it from others"),
         rows,
         folded=True,
     )
 
 
-def gain_table(verdicts: Sequence[Mapping]) -> Table:
+def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
     """Held-out errors before and after."""
-    rows = []
+    rows, load = [], words.short or "condition"
 
     def add(structure: str, text: str, sides: Mapping, digits: int = 3) -> None:
         before, after = sides["before"], sides["after"]
@@ -131,8 +132,8 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
 
     for said in verdicts:
         for key, text in (
-            ("between_forces", "a force left out"),
-            ("between_forces_without_bias", "a force left out, without the model's bias"),
+            ("between_forces", f"a {load} left out"),
+            ("between_forces_without_bias", f"a {load} left out, without the model's bias"),
             ("between_holds", "a clamping left out"),
         ):
             if key in said["gain"]:
@@ -142,7 +143,7 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
                     add(said["structure"], f"stick frequency of {mode}, {text}", part)
         for name, sides in said["gain"].get("within_records", {}).items():
             text = "frequency" if name == "frequency" else "loss factor (absolute)"
-            add(said["structure"], f"{text} over amplitude, a force left out", sides)
+            add(said["structure"], f"{text} over amplitude, a {load} left out", sides)
         for key, text in (("log_score", "stick frequency"), ("log_score_curves", "curves")):
             if key in said["gain"]:
                 before, after = said["gain"][key]["before"], said["gain"][key]["after"]
@@ -153,7 +154,7 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
         "What the cause is worth: errors (root mean square) of predictions of data that the fit "
         "did not see, before and after. The model's bias is a constant error of each mode that the "
         "fit learns and a prediction is spared; without it the error is that of the simulation",
-        ("structure", "prediction of", "before", "after", "smaller by"),
+        ("judged", "prediction of", "before", "after", "smaller by"),
         rows,
     )
 
@@ -161,6 +162,9 @@ def gain_table(verdicts: Sequence[Mapping]) -> Table:
 def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
     """kn and kt at the ends of the campaign's forces and at 12 kN."""
     full = [one for one in found if "law_k" in one]
+    several = [one for one in full if "interface_k" in one]
+    if several:
+        return [_interfaces(one) for one in several]
     if not full:
         return []
     rows = []
@@ -184,6 +188,26 @@ def stiffness_tables(found: Sequence[xr.Dataset]) -> list[Table]:
             rows,
         )
     ]  # fmt: skip
+
+
+def _interfaces(one: xr.Dataset) -> Table:
+    """Contact stiffness of each interface with its intervals."""
+    rows = []
+    for called in one["stiffness"].values.astype(str):
+        here = one.sel(stiffness=called)
+        low, less, middle, more, high = (
+            significant(1e-9 * k, 2) for k in here["interface_k"].values
+        )
+        std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
+        known = fixed(std / float(here["interface_prior_std"]), 2)
+        rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
+    return Table(
+        "Contact stiffness of each interface, GN/m, named causes included: "
+        "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "
+        "structure file's range (1: the frequencies say nothing)",
+        ("stiffness", "median", "68 %", "95 %", "of the range"),
+        rows,
+    )
 
 
 def _k(here: xr.Dataset, name: str, stage: str) -> str:

@@ -15,7 +15,7 @@ _HEADER = (
 )  # fmt: skip
 
 
-def joint_parts(found: Sequence[xr.Dataset], picture: str) -> list:
+def joint_parts(found: Sequence[xr.Dataset], drawn: Sequence[Picture]) -> list:
     """Posterior of kn(F), kt(F), laws, misfit, what it rests on, what would help."""
     full = [one for one in found if one.attrs["law"]]
     if not full:
@@ -32,14 +32,7 @@ def joint_parts(found: Sequence[xr.Dataset], picture: str) -> list:
         "from clamping to clamping. All of them are unknown, with priors that the artifact lists. "
         "Each frequency is compared at its own force, so nothing is interpolated.",
         *[_said(one) for one in full],
-        Picture(
-            picture,
-            "Left and middle: kn and kt over force; bands hold 68 and 95 % of the joint posterior. "
-            "Dots: the root of each force by itself, where there is one. Right: draws of the "
-            "posterior at 12 kN with the regions that hold 68 and 95 % of it, and lines on which "
-            "the model has the frequency interpolated to 12 kN, one for each mode: where they "
-            "cross is the root of that force by itself.",
-        ),
+        *drawn,
         Table(
             "Joint posterior: median and 95 % interval; standard deviations of ln kn and ln kt by "
             "draws and by curvature (Laplace); the combinations of ln kn and ln kt that the data "

@@ -12,20 +12,11 @@ _VERDICTS = ("reproduced", "differs", "erratum", "not reproducible")
 _HEADER = ("what", "printed", "ours", "difference (allowed)", "verdict", "remark")
 _VALUE_HEADER = ("where", "value", "printed", "ours", "difference", "allowed", "within")
 
-_SLIDER = (
-    "Figures 3.7 to 3.9: the model of one degree of freedom with a slider, released at a hundred "
-    "critical amplitudes and integrated from event to event; frequency and loss factor that "
-    "FREEVIB reads off that decay; stiffness and damping of the contact by its first harmonic. "
-    "Below some ten critical amplitudes the decay crosses the hump of damping within a few cycles: "
-    "there no single harmonic describes it, and FREEVIB has a point a cycle."
-)
 
-
-def ledger_section(ledger: xr.Dataset, errata: Sequence[Mapping], slider: str) -> Section:
-    """Counts of the verdicts, then a table for each chapter with its numbers folded below it.
-
-    slider: SVG text of figures 3.7 to 3.9.
-    """
+def ledger_section(
+    ledger: xr.Dataset, errata: Sequence[Mapping], slider: Sequence[Picture]
+) -> Section:
+    """Counts of the verdicts, then a table for each chapter with its numbers folded below it."""
     chapters = list(dict.fromkeys(ledger["chapter"].values))
     errors = {entry["id"]: entry["where"] for entry in errata}
     parts: list = [
@@ -48,7 +39,7 @@ def ledger_section(ledger: xr.Dataset, errata: Sequence[Mapping], slider: str) -
             text = f"{_title(chapter)}, number by number ({len(values)} values)"
             parts.append(Table(text, _VALUE_HEADER, values, folded=True))
         if chapter == "3":
-            parts.append(Picture(slider, _SLIDER))
+            parts += slider
     return Section("The thesis, number by number", parts)
 
 

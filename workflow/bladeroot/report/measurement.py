@@ -1,7 +1,7 @@
 """The sections on what was measured and which stick frequencies came of it."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,7 @@ from bladeroot.loads import AXIAL_FORCE
 from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
 from bladeroot.report.page import Picture, Section, Table
-from bladeroot.report.words import gauge_sentence, pictures, words_of
+from bladeroot.report.words import gauge_sentence, words_of
 
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.plateau.plateau`
 VERDICTS = {
@@ -23,10 +23,11 @@ VERDICTS = {
 }
 
 
-def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str, str]) -> Section:
+def measurement_section(
+    facts: Mapping, stick: xr.Dataset, drawn: Sequence[Picture] = ()
+) -> Section:
     """The specimen's campaign: gauge, modes, records, what was left out and why."""
     description = facts["description"]
-    words = words_of(stick)
     parts: list = [part for part in (description.get("notes", ""),) if part]
     parts += gauge_sentence(description)
     if facts["entry"] == "stick frequencies":
@@ -54,22 +55,14 @@ def measurement_section(facts: Mapping, stick: xr.Dataset, figures: Mapping[str,
         parts.append(_bounds(stick))
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
-    drawn = ["cuts", "spectra"]
-    if len(bad) < stick.sizes["record"]:
-        drawn += ["backbones", "waterfall"]
-        if _several_forces(stick):
-            drawn.append("amplitude_force")
-        elif words.load:
-            parts.append(
-                f"Every mode was measured at one {words.load}: there is no map over {words.short}."
-            )
-    captions = pictures(words)
-    parts += [Picture(figures[name], captions[name]) for name in drawn]
-    return Section("What was measured", parts)
+    return Section("What was measured", [*parts, *drawn])
 
 
 def stick_section(
-    stick: xr.Dataset, figure: str, score: xr.Dataset | None, fe_forces: xr.Dataset | None
+    stick: xr.Dataset,
+    drawn: Sequence[Picture],
+    score: xr.Dataset | None,
+    fe_forces: xr.Dataset | None,
 ) -> Section:
     """Stick frequency, loss factor and onset for each mode and force.
 
@@ -98,17 +91,7 @@ def stick_section(
         + ("all flanks stick and the joint is linear" if of_joint else "it is constant")
         + ". Nothing is extrapolated: a record that never reaches its plateau "
         "gives a bound and no frequency.",
-        Picture(
-            figure,
-            f"Stick frequency and loss factor{' against ' + words.load if words.load else ''}"
-            + (
-                ""
-                if fe_forces is None
-                else ", and their linear interpolation to the simulation's forces with the force "
-                "error included (5.13, 5.14)"
-            )
-            + ".",
-        ),
+        *drawn,
     ]
     if rows:
         parts.append(Table(
@@ -208,15 +191,6 @@ def _printed_errors(stick: xr.Dataset) -> Table:
         ("mode", "stick frequency", "loss factor"),
         rows,
     )
-
-
-def _several_forces(stick: xr.Dataset) -> bool:
-    """Whether any mode has records at two forces or more that were not rejected."""
-    kept = ~np.char.startswith(stick["verdict"].values.astype(str), "rejected")
-    levels = set(
-        zip(stick["record_mode"].values[kept], stick["record_force"].values[kept], strict=True)
-    )
-    return len(levels) > len({mode for mode, _ in levels})
 
 
 def _interval(low: float, high: float) -> str:

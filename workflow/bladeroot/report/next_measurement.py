@@ -10,9 +10,9 @@ from bladeroot.report.page import Table
 
 
 def best_option(one: xr.Dataset) -> str:
-    """What decides most between the causes, or fixes the cause's size, or kn and kt, best."""
+    """What decides most in an hour, or fixes the cause's size, or kn and kt, best."""
     if one["decided"].values[0] == 0.0 and np.nanmax(one["decided"].values) > 0.0:
-        best = int(np.nanargmax(one["decided"].values))
+        best = int(np.nanargmax(one["decided"].values / one["hours"].values))
     elif np.isfinite(one["size_std"].values).all():
         best = int(np.argmin(one["size_std"].values))
     else:
@@ -25,12 +25,14 @@ def next_sentence(one: xr.Dataset) -> list[str]:
     if "decided" not in one:
         return []
     name = best_option(one)
+    if name == str(one["option"].values[0]):
+        return []
     here, now = one.sel(option=name), one.isel(option=0)
     text = f"Measure next: {name}"
     if float(here["decided"]) > 0.0:
         text += (
-            f"; it is expected to decide {percent(float(here['decided']), 0)} of the question "
-            f"between {_rivals(one)}"
+            f", {float(here['hours']):.3g} h; it is expected to decide "
+            f"{percent(float(here['decided']), 0)} of the question between {_rivals(one)}"
         )
     elif np.isfinite(float(here["size_std"])):
         text += (
@@ -38,8 +40,9 @@ def next_sentence(one: xr.Dataset) -> list[str]:
         )
     else:
         better = 1.0 - here["expected_ln_std"].values / now["expected_ln_std"].values
-        kn, kt = (percent(float(part), 0) for part in better)
-        text += f"; ln kn would be known {kn} and ln kt {kt} better"
+        known = zip(here["stiffness"].values, better, strict=True)
+        texts = [f"ln {name} {percent(float(part), 0)}" for name, part in known]
+        text += f"; better would be known {listed(texts)}"
     return [text + "."]
 
 
@@ -51,13 +54,16 @@ def _rivals(one: xr.Dataset) -> str:
 
 def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
     """A table of the measurements that were weighed."""
+    every = [tuple(one["stiffness"].values.astype(str)) for one in found if "decided" in one]
+    names = every[0] if len(set(every)) == 1 else ()
     rows = [
         (
             one.attrs["structure"],
             str(name),
+            fixed(float(here["hours"]), 1),
             percent(float(here["decided"]), 0),
             percent(1.0 - float(here["size_std"]), 0),
-            *(fixed(float(v), 2) for v in here["expected_ln_std"]),
+            *(fixed(float(v), 2) for v in here["expected_ln_std"] if names),
         )
         for one in found
         if "decided" in one
@@ -74,16 +80,17 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
     return [
         Table(
             "What a further measurement is expected to bring. Question decided: how much of the "
-            "doubt between the possible causes, each taken to be as probable as the others, it "
-            f"removes on average{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
-            "much better the first cause's size would be known. std: of ln kn and ln kt at 12 kN",
+            "doubt between the possible causes it removes on average, the best for its hours "
+            f"first{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
+            "much better the first cause's size would be known"
+            f"{'. std: of ln k at the reference load' if names else ''}",
             (
-                "structure",
+                "judged",
                 "measurement",
+                "hours",
                 "question decided",
                 "size better by",
-                "std ln kn",
-                "std ln kt",
+                *(f"std ln {name}" for name in names),
             ),
             rows,
         )

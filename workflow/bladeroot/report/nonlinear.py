@@ -1,6 +1,6 @@
 """The part of the report on the nonlinear joint: what curves add, and what slips first."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,13 +8,17 @@ import xarray as xr
 from bladeroot.report.numbers import fixed, significant
 from bladeroot.report.page import Picture, Section, Table
 
+SLIP = (
+    "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the part of each "
+    "node pair that slips on one flank."
+)
 _CLOSE = 1.1  # what falls at an amplitude that much off does what the source saw
 
 
 def nonlinear_section(
     found: Sequence[xr.Dataset],
     shortfalls: Sequence[xr.Dataset],
-    figures: Mapping[str, str],
+    drawn: Sequence[Picture],
     of_the_thesis: bool,
 ) -> Section:
     """Inference with amplitude where there are records; the shortfall of uniform friction, for a
@@ -73,21 +77,7 @@ def nonlinear_section(
             "These numbers describe how slip spreads in this joint; they are no measured constants "
             "of its surfaces. High places of the pressure act like less friction, so one joint's "
             "curves do not part the two, and the factors, at fixed kn and kt, leave this out.",
-            Picture(
-                figures["amplitude_curves"],
-                "Fall of frequency and friction's loss factor over amplitude: measured (dots, bars "
-                "with the error granted to the model) and simulated (lines) at every axial force.",
-            ),
-            Picture(
-                figures["amplitude_stiffness"],
-                "Top: kn and kt with 95 % intervals, without and with curves. Bottom: simulated "
-                "fall of the frequency over amplitude and force; dots are where it was measured.",
-            ),
-            Picture(
-                figures["slip"],
-                "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the "
-                "part of each node pair that slips on one flank.",
-            ),
+            *drawn,
         ]
     parts += [
         f"{one.attrs['structure']}: no curves were used: {one.attrs['reason']}."

@@ -1,5 +1,7 @@
 """The section on kn and kt: what was found with each structure, and how certain it is."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -18,7 +20,16 @@ _MISS_HEADER = (
 )  # fmt: skip
 
 
-def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None) -> Section:
+MAPS = (
+    "Lines of constant frequency over (kn, kt). Thick: the measured stick frequency of each mode, "
+    "the band one standard deviation with the model's bias. Where the two thick lines cross, the "
+    "pair of frequencies has a root; else none exists."
+)
+
+
+def stiffness_section(
+    stiffness: xr.Dataset, drawn: Sequence[Picture], score: xr.Dataset | None
+) -> Section:
     """Roots and missing roots, the maps, the laws over force, the bench's truth."""
     roots, misses = [], []
     for structure in stiffness["structure"].values:
@@ -44,12 +55,7 @@ def stiffness_section(stiffness: xr.Dataset, maps: str, score: xr.Dataset | None
         "(ln kn, ln kt), from the measured frequencies and from a bias of the model's "
         f"frequencies (std {_bias(stiffness)}). Nodal values are the flank's total over 33 nodes, "
         "as Table 5.2 prints them; our springs are shared by area.",
-        Picture(
-            maps,
-            "Lines of constant frequency over (kn, kt). Thick: the measured stick frequency of "
-            "each mode, the band one standard deviation with the model's bias. Where the two "
-            "thick lines cross, the pair of frequencies has a root; else none exists.",
-        ),
+        *drawn,
     ]
     if roots:
         parts.append(Table(

@@ -9,37 +9,31 @@ from bladeroot.report.calibration import calibration_parts
 from bladeroot.report.numbers import NONE, percent
 from bladeroot.report.page import Picture, Section, Table
 
+SIDE = (
+    "Structure {} seen from the side: 27-node hexahedra, or the nodes of matrices from another "
+    "program. Above the beam and both slots, below one joint."
+)
+MODES = (
+    "Its first elastic modes, free and without a load, named by their reflection parity: Fy bends "
+    "about Y, Fz about Z, T twists. Side views show the near face."
+)
+
 
 def structure_section(
     checks: Mapping[str, xr.Dataset],
     accuracies: Sequence[xr.Dataset],
     calibrations: Sequence[xr.Dataset],
-    figures: Mapping[str, str],
+    drawn: Sequence[Picture],
 ) -> Section:
-    """Checks with residual and limit, a table a structure; accuracy of reduction; dimensions.
-
-    figures: `structure`, the side view, and `modes`, the mode shapes, if there are any.
-    """
+    """Checks with residual and limit, a table a structure; accuracy of reduction; dimensions."""
     parts: list = [
         "Each dovetail is compared with what the thesis prints of its beam, with exact identities, "
         "and reduced with full; matrices of another program with exact identities alone. The "
         "thesis publishes neither the beam's root block and length nor the slots: the shipped "
         "structures are effective geometries, fits to some of its tables and not metrology, and "
         "no single one satisfies all of them. “Within” counts the comparisons that have a limit.",
-        Picture(
-            figures["structure"],
-            f"Structure {next(iter(checks))} seen from the side: 27-node hexahedra, or the nodes "
-            "of matrices from another program. Above the beam and both slots, below one joint.",
-        ),
+        *drawn,
     ]
-    if "modes" in figures:
-        parts.append(
-            Picture(
-                figures["modes"],
-                "Its first elastic modes, free and without a load, named by their reflection "
-                "parity: Fy bends about Y, Fz about Z, T twists. Side views show the near face.",
-            )
-        )
     for name, check in checks.items():
         parts.append(Table(f"{name}: {check.attrs['description']}", _HEADER, _rows(check)))
         failed = sorted(set(check["check"].values[check["within"].values == 0]))

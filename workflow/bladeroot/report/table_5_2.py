@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.report.numbers import fixed, listed
+from bladeroot.report.verdict import with_open
 
 CAUSE = "load-dependent-stiffness"
 
@@ -24,7 +25,7 @@ def table_5_2_remarks(
     """A paragraph where load-dependent stiffness was named with any structure, else nothing."""
     sizes = []
     for said in verdicts:
-        for cause in said["causes"]:
+        for cause in with_open(said)["causes"]:
             if cause["mechanism"] == CAUSE:
                 p = cause["parameters"][0]
                 sizes.append((p["value"], p["std"], str(said["structure"])))

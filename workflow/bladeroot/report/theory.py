@@ -1,6 +1,6 @@
 """The section on contact theory: what chapter 6 predicts beside what was identified."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -12,10 +12,28 @@ _HEADER = ("force / kN", "state", "theory kn / N/mm", "theory kt / N/mm", "thesi
            "thesis kt / theory")  # fmt: skip
 
 
+TRACTIONS = (
+    "Pressure and shear across the flank at {:g} kN axial force for several ratios of tangential "
+    "to limiting force (figs 6.4, 6.5); grey: the flat part."
+)
+NORMAL = (
+    "Tangential and normal stiffness of a flank against the normal force on it at T = 0 (figs 6.7, "
+    "6.8)."
+)
+COMPARED = (
+    "Stiffness of one flank against axial force: theory without tangential load (T = 0) and at the "
+    "limit of friction (T = µN), Table 5.2 times 33 (6.16), and ours with one standard deviation "
+    "(measurement and model bias)."
+)
+
+
 def theory_section(
-    theory: xr.Dataset, stiffness: xr.Dataset, figures: Mapping[str, str]
+    theory: xr.Dataset, stiffness: xr.Dataset, drawn: Mapping[str, Sequence[Picture]]
 ) -> Section:
-    """Traction profiles, stiffness against force in both limits of friction, ratios."""
+    """Traction profiles, stiffness against force in both limits of friction, ratios.
+
+    drawn: tractions, against_normal_force and compared.
+    """
     rows = []
     for force in theory["force"].values:
         for state in theory["friction_state"].values:
@@ -35,25 +53,11 @@ def theory_section(
         "the contact's half-width depends on the force, and only through a logarithm: theory "
         "predicts stiffness that hardly grows with the force, and a tangential one below the "
         "normal one.",
-        Picture(
-            figures["tractions"],
-            f"Pressure and shear across the flank at {theory.attrs['profile_axial_force'] / 1e3:g}"
-            " kN axial force for several ratios of tangential to limiting force (figs 6.4, 6.5); "
-            "grey: the flat part.",
-        ),
+        *drawn["tractions"],
         _boundary_sentence(theory),
-        Picture(
-            figures["against_normal_force"],
-            "Tangential and normal stiffness of a flank against the normal force on it at T = 0 "
-            "(figs 6.7, 6.8).",
-        ),
+        *drawn["against_normal_force"],
         _sensitivity_table(theory),
-        Picture(
-            figures["compared"],
-            "Stiffness of one flank against axial force: theory without tangential load (T = 0) "
-            "and at the limit of friction (T = µN), Table 5.2 times 33 (6.16), and ours with one "
-            "standard deviation (measurement and model bias).",
-        ),
+        *drawn["compared"],
         Table(
             "Theory of a flank; where the thesis has the force, its stiffness over theory",
             _HEADER,

@@ -2,13 +2,15 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import fixed, listed, percent
-from bladeroot.report.page import Box
+from bladeroot.report.page import Box, Table
+from bladeroot.report.words import Judge, Words, judge_of, words_of
 
 ANSWERS = {
     "nothing-missing": "nothing is missing",
@@ -17,16 +19,15 @@ ANSWERS = {
     "unexplained": "something is missing, cause not in the catalogue",
     "insufficient-data": "too few data",
 }
-BELOW = "With the records below"  # how a verdict's reason begins to speak of lower forces
+QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
 INSTEAD = {"none": "nothing at all", "none-of-these": "something of no catalogue"}
 NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
 _SHOWN = 0.02  # least probability of a set that is told
-_NUMBER = re.compile(r"(?<=by )(up to )?[\d.e+-]+( %)?")
 CLASSES = {
     "amplitude": "an effect of the amplitude",
-    "force-law": "a law of the force",
-    "level": "the same at all forces",
+    "force-law": "a law of the load",
+    "level": "the same at all loads",
     "time": "a change in time",
     "direction": "an effect of loading and unloading",
     "record": "a fault of records",
@@ -45,17 +46,79 @@ def plain(name: str) -> str:
     return INSTEAD.get(name) or re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
 
 
-def verdict_box(one: xr.Dataset, said: Mapping, simulated: bool) -> Box:
-    """What is missing, why, and what to do, a line each."""
-    lines = [_missing(one, said), *_because(one, said)]
-    lines += odds(said) + _gain(said)
-    lines += [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else []
+@dataclass(frozen=True)
+class Told:
+    """A verdict in sentences, a list a subject."""
+
+    head: str
+    missing: str
+    because: Sequence[str]
+    odds: Sequence[str]
+    gain: Sequence[str]
+    ranked: Sequence[str]
+    next: Sequence[str]
+
+    @property
+    def box(self) -> Box:
+        """All of it."""
+        lines = [self.missing, *self.because, *self.odds, *self.gain, *self.ranked, *self.next]
+        return Box(self.head, lines)
+
+
+def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
+    """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
+    words, judge = words_of(one), judge_of(one)
+    head = f"{against(one, said)}: {answer_of(said)}"
     first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
-    lines += (next_sentence(one) if of_stick else []) or first
-    head = f"{said['structure']}: {ANSWERS[said['answer']]}"
-    return Box(f"Simulated campaign. {head}" if simulated else head, lines)
+    return Told(
+        f"Simulated campaign. {head}" if simulated else head,
+        _missing(said, judge),
+        _because(one, said),
+        odds(said),
+        _gain(said, words, judge),
+        [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else [],
+        (next_sentence(one) if of_stick else []) or first,
+    )
+
+
+def with_open(said: Mapping) -> dict:
+    """The verdict with the causes that the records show; `open`: those that they would not show."""
+    quiet = [c for c in said["causes"] if "none" in c["credible_set"] and c["probability"] < 0.5]
+    return {**said, "causes": [c for c in said["causes"] if c not in quiet], "open": quiet}
+
+
+def answer_of(said: Mapping) -> str:
+    """The answer as words."""
+    if said["answer"] == "ambiguous" and said.get("open") and not said["causes"]:
+        return QUIET
+    return ANSWERS[said["answer"]]
+
+
+def against(one: xr.Dataset, said: Mapping) -> str:
+    """Name of what a verdict judges."""
+    return str(said["structure"] or one.attrs["structure"])
+
+
+def in_short(one: xr.Dataset, said: Mapping) -> list[str]:
+    """The verdict in two sentences: what is missing, and why."""
+    judge, words = judge_of(one), words_of(one)
+    missing = _missing(said, judge)
+    if not said["causes"]:
+        if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
+            return [missing, *_open(said)]
+        why = _because(one, said)[:1] or [f"{said['reason'].partition('. ')[0].rstrip('.')}."]
+        return [missing, *why]
+    texts = []
+    for cause in said["causes"]:
+        names = listed([plain(name) for name in cause["credible_set"]], "or")
+        kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
+        sure = f", with a probability of {chance(cause['probability'])}"
+        texts.append(f"{names} ({kind}{sure if len(cause['credible_set']) == 1 else ''})")
+    what = "Cause" if said["answer"] in ("named", "ambiguous") else "Besides"
+    gain = [g[0].lower() + g[1:].rstrip(".") for g in _gain(said, words, judge)]
+    return [missing, "; ".join([f"{what}: {listed(texts)}", *gain]) + "."]
 
 
 def of_level(said: Mapping) -> bool:
@@ -69,18 +132,20 @@ def between_forces(said: Mapping) -> Mapping:
     return said["gain"].get(key, {})
 
 
-def _gain(said: Mapping) -> list[str]:
-    """What the causes are worth at forces left out."""
+def _gain(said: Mapping, words: Words, judge: Judge) -> list[str]:
+    """What the causes are worth at loads left out."""
     gain = between_forces(said)
     if not gain:
         return []
-    constant = ", what is the same at all forces counted," if of_level(said) else ""
+    loads = f"{words.short or 'load'}s"
+    constant = f", what is the same at all {loads} counted," if of_level(said) else ""
     better = "falls" if gain["after"] < gain["before"] else "does not fall"
     before, after = (percent(gain[side], 2) for side in ("before", "after"))
     change = f"{better}, from {before} to {after}" if before != after else f"stays at {before}"
     return [
-        f"With {'it' if len(said['causes']) == 1 else 'them'} in the simulation the error at "
-        f"forces that the fit has not seen{constant} {change} of the stick frequency."
+        f"With {'it' if len(said['causes']) == 1 else 'them'} in the "
+        f"{'model' if judge.plural else 'simulation'} the error at {loads} that the fit has not "
+        f"seen{constant} {change} of the stick frequency."
     ]
 
 
@@ -112,35 +177,40 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
     texts = []
     for said in others:
         names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
-        texts.append(
-            f"{said['structure']}, {ANSWERS[said['answer']]}{': ' + names if names else ''}"
-        )
+        texts.append(f"{said['structure']}: {answer_of(said)}{', ' + names if names else ''}")
     return [
         "Other structures lead elsewhere, so this holds for the one named above: "
         f"{'; '.join(texts)}."
     ]
 
 
-def _missing(one: xr.Dataset, said: Mapping) -> str:
-    """What the simulation misses: quantity, modes, trend."""
-    if said["answer"] == "nothing-missing":
-        return "The simulation explains all records within their scatter."
-    rows: dict[tuple[str, str], list[str]] = {}
-    for row in said["shortfall"]:
-        number = _NUMBER.search(row["trend"])
-        text = f"{number[0]} ({row['mode']})" if number else row["mode"]
-        rows.setdefault((row["quantity"], _NUMBER.sub("{}", row["trend"])), []).append(text)
-    texts = [
-        f"the {quantity} {trend.replace('{}', listed(sizes))}"
-        if trend.startswith(("rises", "falls", "differs"))
-        else f"of the {quantity}, {trend.replace('{}', listed(sizes))}"
-        for (quantity, trend), sizes in rows.items()
-    ]
+def _missing(said: Mapping, judge: Judge) -> str:
+    """What is missing: of each quantity the mode that misses most and how, and the other modes."""
+    if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
+        return f"{judge.does('explains', 'explain')} all records within their scatter."
+    rows: dict[str, list[Mapping]] = {}
+    for row in sorted(said["shortfall"], key=lambda row: -abs(row["size"])):
+        rows.setdefault(row["quantity"], []).append(row)
+    texts = []
+    for quantity, several in rows.items():
+        others = listed([row["mode"] for row in several[1:]])
+        also = f" (also in {others})" if others else ""
+        texts.append(f"{quantity} of mode {several[0]['mode']}{also}: {several[0]['trend']}")
     if texts:
         return f"Missing: {'; '.join(texts)}."
     if said["causes"] and all(cause["class"] == "record" for cause in said["causes"]):
-        return "The simulation misses nothing that these records show; the records are faulty."
+        text = judge.does("misses", "miss")
+        return f"{text} nothing that these records show; the records are faulty."
     return "Whether something is missing cannot be said."
+
+
+def shortfall_table(said: Mapping) -> Table:
+    """Everything that is missing, by mode."""
+    rows = [
+        (row["quantity"], row["mode"], row["trend"], "yes" if row["explained"] else "no")
+        for row in said["shortfall"]
+    ]
+    return Table("What is missing", ("quantity", "mode", "how it runs", "explained"), rows)
 
 
 def _because(one: xr.Dataset, said: Mapping) -> list[str]:
@@ -167,6 +237,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
                 f"{chance(cause['probability'])}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
+    lines += _open(said)
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
     if said["causes"] and left:
         lines.append(
@@ -182,6 +253,18 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     return lines
 
 
+def _open(said: Mapping) -> list[str]:
+    """What is not excluded, for the records would hardly show it."""
+    lines = []
+    for cause in said.get("open", []):
+        names = [plain(name) for name in cause["credible_set"] if name not in INSTEAD]
+        lines.append(
+            f"Not excluded, for these records would hardly show it: {listed(names, 'or')}. To "
+            f"decide on the first: {cause['splitter']}."
+        )
+    return lines
+
+
 def lacks_of(one: xr.Dataset) -> list[str]:
     """What the campaign lacks, a phrase each."""
     return [text for text in str(one.attrs["lacks"]).split(";") if text]
@@ -191,26 +274,24 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
     """What the verdicts do not allow to conclude."""
     texts, lacks = [], {}
     for one, said in zip(found, verdicts, strict=True):
+        name = against(one, said)
         for cause in said["causes"]:
             rivals: dict[str, list[str]] = {}
-            for name, evidence, why in _barred_rivals(one, cause):
-                rivals.setdefault(why, []).append(f"{plain(name)} ({fixed(evidence, 1)})")
+            for rival, evidence, why in _barred_rivals(one, cause):
+                rivals.setdefault(why, []).append(f"{plain(rival)} ({fixed(evidence, 1)})")
             texts += [
-                f"Mind, with {said['structure']}: {listed(names)} would explain the records about "
-                f"as well as {plain(cause['mechanism'])} ({fixed(cause['log_evidence'], 1)}), or "
-                f"better where the log evidence in brackets is larger. Not judged, because: {why}. "
-                "The cause above holds as far as that does."
+                f"Mind, with {name}: {listed(names)} would explain the records about as well as "
+                f"{plain(cause['mechanism'])} ({fixed(cause['log_evidence'], 1)}), or better where "
+                f"the log evidence in brackets is larger. Not judged, because: {why}. The cause "
+                "above holds as far as that does."
                 for why, names in rivals.items()
             ]
-        below = said["reason"].find(BELOW)
-        if below >= 0:
-            text = said["reason"][below:].rstrip(".").replace("+-", "±")
-            texts.append(f"{said['structure']}: {plain(text.replace('_', ' '))}.")
         if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":
-            lacks.setdefault("; ".join(lacks_of(one)), []).append(said["structure"])
+            lacks.setdefault("; ".join(lacks_of(one)), []).append(name)
+    loads = f"{words_of(found[0]).short or 'load'}s"
     texts += [
         f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "
-        f"all forces. The campaign lacks {lack}."
+        f"all {loads}. The campaign lacks {lack}."
         for lack, names in lacks.items()
     ]
     return texts

@@ -1,4 +1,4 @@
-"""What a report calls the load, and the captions that depend on it."""
+"""What a report calls the load, and what it compares with."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -72,43 +72,36 @@ def gauge_sentence(description: Mapping) -> list[str]:
     return [f"The {name} is {what}."]
 
 
-def pictures(words: Words) -> dict[str, str]:
-    """Captions of the figures of records by name."""
-    load = words.short
-    ends = f" at the lowest and the highest {load}" if load else ""
-    colour = (
-        f"coloured by {load} (by hold or record where there is one {load} only)"
-        if load
-        else "coloured by group and sensor, hold or record"
-    )
-    where = (
-        f"at each {load}, over the base line of its {load}"
-        if load
-        else "of each group and sensor, each over a base line of its own"
-    )
-    return {
-        "cuts": f"Raw records and the free decay that was cut out by itself: for each mode{ends}, "
-        "then a few that are rejected (one for each kind of fault) and those of which most is "
-        "masked, with the reason. Dashed: release, or start of the decay, and its end.",
-        "spectra": "Amplitude spectra of the same free decays before and after the mode was "
-        "separated, all three of the longest stretch that is not masked and where the mode was "
-        "followed (its times after the start of the cut in the title; the whole decay where none "
-        "was). What is left over should hold the other modes and the noise, and nothing of the "
-        "mode: where it stands above the free decay the separation failed.",
-        "backbones": "Natural frequency and loss factor against displacement amplitude (FREEVIB, "
-        f"3.11), a curve for each usable record (at most 100 a mode), {colour}; bands are one "
-        "standard error, and points are drawn where it is below 0.1 % of the frequency and 20 % of "
-        "the loss factor.",
-        "waterfall": f"Mean curve of all records {where}; the base lines are evenly spaced, the "
-        "bar at the right is the curves' scale. Softening: how far the frequency lies below its "
-        "value at the smallest amplitudes. The records' own levels are taken off before the mean "
-        "and their mean is put back. Bands: plus and minus one standard error of the change with "
-        "amplitude, of one record alone where the line is thin; ±: standard deviation between the "
-        "records, levels included (median over amplitude).",
-        "amplitude_force": f"Natural frequency and loss factor over amplitude and {words.load}: "
-        f"interpolated linearly between the {load}s that were measured (triangles). Blank where "
-        f"one of the two {load}s beside has no record of that amplitude, or where the standard "
-        "error of the change with amplitude exceeds 0.1 % of the frequency or 20 % of the loss "
-        f"factor. At each {load} it is the mean of the records; how far they lie apart is beside "
-        "the curves above.",
-    }
+@dataclass(frozen=True)
+class Judge:
+    """What the measurement is compared with, as the subject of a sentence: a simulation that there
+    is, or linear modes.
+    """
+
+    subject: str
+    plural: bool
+
+    def does(self, one: str, many: str) -> str:
+        """`The simulation explains`, `Linear modes explain`."""
+        return f"{self.subject} {many if self.plural else one}"
+
+
+def judge_of(diagnosis: xr.Dataset) -> Judge:
+    """From a diagnosis's artifact."""
+    alone = diagnosis.attrs.get("kind") == "none"
+    return Judge("Linear modes", True) if alone else Judge("The simulation", False)
+
+
+CUTS = (
+    "Raw records and the free decay that was cut out by itself: for each mode the lowest and the "
+    "highest load, where there is one, then a few that are rejected (one for each kind of fault) "
+    "and those of which most is masked, with the reason. Dashed: release, or start of the decay, "
+    "and its end."
+)
+SPECTRA = (
+    "Amplitude spectra of the same free decays before and after the mode was separated, all three "
+    "of the longest stretch that is not masked and where the mode was followed (its times after "
+    "the start of the cut in the title; the whole decay where none was). What is left over should "
+    "hold the other modes and the noise, and nothing of the mode: where it stands above the free "
+    "decay the separation failed."
+)

@@ -6,8 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.linalg
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
+
+# Mass-weighted MAC above which a mode is the known one: no second one can have more.
+MATCHED = 0.5
 
 
 def assemble(reduced: xr.Dataset, force: float) -> xr.Dataset:
@@ -151,26 +154,23 @@ def find_modes(
     A name is a number and a letter: B moves the middle line mostly in Z (bending), L mostly in Y
     with upper and lower flanks alike (lateral bending), T mostly in Y with the flanks opposed
     (torsion). Odd numbers are even in x; 3B is the second even bending mode. `shapes` must be in
-    order of frequency. ValueError if a name is none of these or its mode is not among the shapes.
+    order of frequency. An assembly with shapes of its own (`bodies`) knows its modes by these.
+    ValueError if a name is none of these or its mode is not among the shapes.
     """
+    if "mode_shape" in assembly:
+        return _matched(assembly, shapes, names)
     shown = np.einsum("daq,qm->dam", assembly.display_shape.values, shapes)
-    shown = shown[np.argsort(assembly.display_position.values[:, 0])]
-    size = (shown**2).sum(axis=0)
-    parity = (shown * shown[::-1]).sum(axis=0) / np.maximum(size, 1e-300)
-    share = size / np.maximum(size.sum(axis=0), 1e-300)
     alike = _flanks_alike(assembly, shapes)
-    families = {
-        "B": (2, share[2] > 0.5),
-        "L": (1, (share[1] > 0.5) & alike),
-        "T": (1, (share[1] > 0.5) & ~alike),
-    }
+    every = np.full(shapes.shape[1], True)
+    families = {"B": (2, every), "L": (1, alike), "T": (1, ~alike)}
     found = {}
     for name in names:
         if not re.fullmatch(r"[1-9]\d*[BLT]", name):
             raise ValueError(f"a mode's name must be a number and B, L or T, got {name!r}")
-        number, (axis, moves) = int(name[:-1]), families[name[-1]]
+        number, (axis, family) = int(name[:-1]), families[name[-1]]
         sign = 1 if number % 2 else -1
-        good = np.flatnonzero(moves & (sign * parity[axis] > 0.8))
+        good = of_parity(assembly.display_position.values, shown, axis, sign)
+        good = good[family[good]]
         if len(good) <= (number - 1) // 2:
             raise ValueError(
                 f"no mode {name} among the lowest {shapes.shape[1]}: "
@@ -178,6 +178,50 @@ def find_modes(
             )
         found[name] = int(good[(number - 1) // 2])
     return found
+
+
+def of_parity(
+    position: Float[ndarray, "display 3"],
+    shown: Float[ndarray, "display 3 mode"],
+    axis: int,
+    sign: int,
+) -> Int[ndarray, " found"]:
+    """Modes that move the display points mostly along an axis, even (1) or odd (-1) in x."""
+    shown = shown[np.argsort(position[:, 0])]
+    size = (shown**2).sum(axis=0)
+    parity = (shown * shown[::-1]).sum(axis=0) / np.maximum(size, 1e-300)
+    share = size / np.maximum(size.sum(axis=0), 1e-300)
+    return np.flatnonzero((share[axis] > 0.5) & (sign * parity[axis] > 0.8))
+
+
+def _matched(
+    assembly: xr.Dataset, shapes: Float[ndarray, "dof mode"], names: Sequence[str]
+) -> dict[str, int]:
+    """Columns most like the shapes that the modes are known by, by mass-weighted MAC."""
+    known = dict(
+        zip(assembly["mode"].values.astype(str), assembly["mode_shape"].values, strict=True)
+    )
+    found = {}
+    for name in names:
+        if name not in known:
+            raise ValueError(f"the structure knows modes {', '.join(known)}, not {name}")
+        mac = (known[name] @ assembly["mass"].values @ shapes) ** 2
+        if not mac.max() > MATCHED:
+            raise ValueError(
+                f"no mode agrees with the shape of mode {name}: largest MAC {mac.max():.2f}, "
+                f"expected {MATCHED:g}"
+            )
+        found[name] = int(np.argmax(mac))
+    return found
+
+
+def frames(normal: Float[ndarray, "pair 3"]) -> Float[ndarray, "pair 3 3"]:
+    """A unit normal and two tangents at each pair, which may be any: they share one kt."""
+    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+    least = np.eye(3)[np.argmin(abs(normal), axis=1)]
+    one = np.cross(normal, least)
+    one /= np.linalg.norm(one, axis=1)[:, None]
+    return np.stack([normal, one, np.cross(normal, one)], axis=1)
 
 
 def _flanks_alike(assembly: xr.Dataset, shapes: Float[ndarray, "dof mode"]) -> ndarray:

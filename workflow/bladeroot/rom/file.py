@@ -1,9 +1,12 @@
 """Reading a structure file, of a built-in dovetail or of matrices made elsewhere."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from bladeroot.fem.geometry import Structure, structure_from_mapping
 from bladeroot.schema import parse_yaml, read_yaml
+
+ASSEMBLY, LAP_JOINT = "assembly", "lap-joint"
 
 
 def load_structure(path: str | Path) -> Structure:
@@ -11,18 +14,38 @@ def load_structure(path: str | Path) -> Structure:
     return structure_from_mapping(read_yaml(path, "structure"), str(path))
 
 
+def kind_of(path: str | Path) -> str:
+    """`matrices`, `assembly`, `lap-joint`, or "" for a dovetail.
+
+    ValueError if it cannot be read.
+    """
+    document = parse_yaml(path)
+    return str(document.get("kind", "")) if isinstance(document, dict) else ""
+
+
 def is_matrices(path: str | Path) -> bool:
     """Whether the file is of kind `matrices`; ValueError if it cannot be read."""
-    document = parse_yaml(path)
-    return isinstance(document, dict) and document.get("kind") == "matrices"
+    return kind_of(path) == "matrices"
 
 
-def check_structure(path: str | Path) -> str:
+def check_structure(path: str | Path, modes: Iterable[str] = ()) -> str:
     """Name of the structure, its file and the tables that it names checked; matrices come later.
 
-    Raises ValueError with a line a fault.
+    modes: those of a campaign that an assembly must know. Raises ValueError with a line a fault.
     """
-    if not is_matrices(path):
+    kind = kind_of(path)
+    if kind in (ASSEMBLY, LAP_JOINT):
+        data = read_yaml(path, "assembly")
+        unknown = [mode for mode in modes if mode not in data["modes"]]
+        if unknown:
+            known = ", ".join(data["modes"])
+            raise ValueError(f"modes: {path} knows {known}, not {', '.join(unknown)}")
+        if kind == ASSEMBLY:
+            from bladeroot.rom.external.assembly import assembly_tables, read_assembly
+
+            assembly_tables(read_assembly(path))
+        return data["name"]
+    if kind != "matrices":
         return read_yaml(path, "structure")["name"]
     # numpy and xarray need not load for the dovetail
     from bladeroot.rom.external.description import read_description

@@ -7,6 +7,7 @@ which the mode answers to perturbations.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import scipy.linalg
@@ -19,6 +20,7 @@ from bladeroot.rom.joint import (
     Modes,
     described,
     exact_modes,
+    held_at,
     stable_factor,
     stiffness_at,
 )
@@ -31,7 +33,7 @@ _COUPLED = 1e-6  # modal product of a sample and a neighbour, above which the tw
 _LARGEST_CHANGE = 0.1  # of omega^2: the shape follows perturbations up to this one's size
 _LEFT_OUT = 1e-7  # of omega^2 that the answer to such a perturbation may lack
 
-Sample = tuple[Float[ndarray, "3"], Modes]
+Sample = tuple[Float[ndarray, " coordinate"], Modes]
 
 
 @dataclass(frozen=True)
@@ -47,18 +49,18 @@ class Norm:
 
 @dataclass(frozen=True)
 class Span:
-    """Vectors of unit modal mass, and K0, Kg, Kn, Kt, M upon them, plain and in the dual norm."""
+    """Vectors of unit modal mass, and K0, Kg, Kc..., M upon them, plain and in the dual norm."""
 
     vectors: Float[ndarray, "dof vector"]
-    images: Float[ndarray, "dof vector 5"]
-    dual: Float[ndarray, "dof vector 5"]
+    images: Float[ndarray, "dof vector part"]
+    dual: Float[ndarray, "dof vector part"]
 
 
 def find_bases(
     joint: Joint,
     names: Sequence[str],
-    low: Float[ndarray, "3"],
-    high: Float[ndarray, "3"],
+    low: Float[ndarray, " coordinate"],
+    high: Float[ndarray, " coordinate"],
     tolerance: float,
 ) -> tuple[list[Ritz], int]:
     """One projected mode a name, with error bounds below `tolerance` of the frequency over the box.
@@ -69,7 +71,7 @@ def find_bases(
     norm = _norm(joint, low, high)
     corners, training = _corners(low, high), _training(low, high)
     empty = np.empty((len(joint.mass), 0))
-    nothing = empty[:, :, None] * np.ones(5)
+    nothing = empty[:, :, None] * np.ones(3 + len(joint.rows))
     spans = [Span(empty, nothing, nothing) for _ in names]
     samples: list[Sample] = []
     missed = [np.arange(len(training))] * len(names)
@@ -129,9 +131,9 @@ def _worst(
 
 
 def _norm(joint: Joint, low: ndarray, high: ndarray) -> Norm:
-    middle, reach = 0.5 * (low[2] + high[2]), 0.5 * (high[2] - low[2])
-    softest = np.array([*low[:2], middle])
-    factor = stable_factor(stiffness_at(joint, softest), described(softest))
+    middle, reach = 0.5 * (low[-1] + high[-1]), 0.5 * (high[-1] - low[-1])
+    softest = np.array([*low[:-1], middle])
+    factor = stable_factor(held_at(joint, softest), described(softest))
 
     def relative(vector: ndarray) -> ndarray:
         inner = scipy.linalg.solve_triangular(factor, vector, lower=True, trans="T")
@@ -148,24 +150,27 @@ def _norm(joint: Joint, low: ndarray, high: ndarray) -> Norm:
     coercivity = 1.0 - reach * abs(float(largest))
     if not coercivity > 0.0:
         raise ValueError(
-            f"axial forces from {low[2]:g} to {high[2]:g} N change the stiffness of the softest "
+            f"loads from {low[-1]:g} to {high[-1]:g} change the stiffness of the softest "
             "contact too much; narrow the box of force"
         )
     return Norm(factor, coercivity)
 
 
-def _corners(low: ndarray, high: ndarray) -> Float[ndarray, "point 3"]:
+def _corners(low: ndarray, high: ndarray) -> Float[ndarray, "point coordinate"]:
     """Corners and centre of the stiffness, at the middle force."""
     middle = 0.5 * (low + high)
-    ends = [(a, b, middle[2]) for a in (low[0], high[0]) for b in (low[1], high[1])]
-    return np.array([*ends, middle])
+    pairs = zip(low[:-1], high[:-1], strict=True)
+    return np.array([*((*one, middle[-1]) for one in product(*pairs)), middle])
 
 
-def _training(low: ndarray, high: ndarray) -> Float[ndarray, "point 3"]:
+def _training(low: ndarray, high: ndarray) -> Float[ndarray, "point coordinate"]:
     """A net that includes the edges of the box, and random points between."""
-    net = [np.linspace(bottom, top, n) for bottom, top, n in zip(low, high, (5, 5, 3), strict=True)]
-    inside = np.random.default_rng(3).uniform(low, high, (_TRAINING, 3))
-    return np.vstack([np.stack(np.meshgrid(*net), axis=-1).reshape(-1, 3), inside])
+    size = len(low)
+    of_k = 5 if size <= 3 else 3  # more stiffnesses: the net would be all that is computed
+    points = (*[of_k] * (size - 1), 3)
+    net = [np.linspace(bottom, top, n) for bottom, top, n in zip(low, high, points, strict=True)]
+    inside = np.random.default_rng(3).uniform(low, high, (_TRAINING, size))
+    return np.vstack([np.stack(np.meshgrid(*net), axis=-1).reshape(-1, size), inside])
 
 
 def _extended(span: Span, joint: Joint, norm: Norm, shape: Float[ndarray, " dof"]) -> Span:
@@ -187,8 +192,7 @@ def _extended(span: Span, joint: Joint, norm: Norm, shape: Float[ndarray, " dof"
         [
             joint.stiffness @ rest,
             joint.geometric @ rest,
-            joint.normal @ rest,
-            joint.tangential @ rest,
+            *(square @ rest for square in joint.squares),
             mass @ rest,
         ]
     )
@@ -215,9 +219,8 @@ def _projected(joint: Joint, span: Span) -> Ritz:
         beam=upon(beam, 0),
         slots=upon(slots, 0),
         geometric=upon(beam, 1),
-        gap=contact_factor(joint.gap @ basis),
-        slip=contact_factor(joint.slip @ basis),
-        beam_mass=upon(beam, 4),
+        springs=tuple(contact_factor(rows @ basis) for rows in joint.rows),
+        beam_mass=upon(beam, -1),
         contact=contact,
         display=np.einsum("daq,qv->dav", assembly["display_shape"].values, basis),
         display_x=assembly["display_position"].values[:, 0],
@@ -291,7 +294,7 @@ def _answers(
         shifted = stiffness_at(joint, point) - value * joint.mass + value * np.outer(modal, modal)
         answers.append(-scipy.linalg.solve(shifted, columns, assume_a="sym") / np.sqrt(value))
     whole = np.hstack(answers)
-    whole -= span.vectors @ (span.images[:, :, 4].T @ whole)
+    whole -= span.vectors @ (span.images[:, :, -1].T @ whole)
     left, sizes, _ = np.linalg.svd(norm.factor.T @ whole, full_matrices=False)
     kept = left[:, sizes**2 > _LEFT_OUT]
     return scipy.linalg.solve_triangular(norm.factor, kept, lower=True, trans="T")

@@ -1,8 +1,9 @@
-"""The joint as an operator that is affine in kn, kt and axial force, and its exact modes.
+"""The joint as an operator that is affine in its contact stiffnesses and the load; exact modes.
 
-K(kn, kt, F) = K0 + F Kg + kn Kn + kt Kt, with a constant mass (eqs 4.1, 5.3). A point is
-(ln kn, ln kt, F), with flank totals in N/m and the axial force in N. Contact is kept as rows of
-gaps and slips, too: a stiff contact multiplies what a matrix's rounding leaves of a small gap.
+K(k, F) = K0 + F Kg + sum over the stiffnesses of k Kc, with a constant mass (eqs 4.1, 5.3). A point
+is (ln k..., F): of the dovetail (ln kn, ln kt, F), with flank totals in N/m and the axial force in
+N. Contact is kept as rows of gaps and slips, too: a stiff contact multiplies what a matrix's
+rounding leaves of a small gap.
 """
 
 from collections.abc import Sequence
@@ -20,33 +21,42 @@ from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
 from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
 
-COORDINATES = ("ln_kn", "ln_kt", "force")
-
 
 @dataclass(frozen=True)
 class Joint:
     """Beam and slots; the beam's dofs come first.
 
-    mass kg, stiffness N/m, geometric 1/m (stiffness per newton of force). normal, tangential: Kn
-    and Kt of 1 N/m of flank stiffness; gap, slip: the rows whose squares they are. springs: how a
-    flank's stiffness is shared. assembly: by which modes are named.
+    mass kg, stiffness N/m, geometric 1/m (stiffness per newton of force). parameters: names of the
+    contact stiffnesses; rows: of each, motions whose squares are its Kc of 1 N/m, kept in squares.
+    springs: how an interface's stiffness is shared. assembly: by which modes are named. shift:
+    1/s^2, by which a body that is free is held while a matrix is factored; no mode is changed.
     """
 
     mass: Float[ndarray, "dof dof"]
     stiffness: Float[ndarray, "dof dof"]
     geometric: Float[ndarray, "dof dof"]
-    normal: Float[ndarray, "dof dof"]
-    tangential: Float[ndarray, "dof dof"]
-    gap: Float[ndarray, "pair dof"]
-    slip: Float[ndarray, "slip dof"]
+    rows: tuple[Float[ndarray, "_ dof"], ...]
+    squares: tuple[Float[ndarray, "dof dof"], ...]
     beam_dofs: int
     springs: str
     assembly: xr.Dataset
+    parameters: tuple[str, ...] = ("kn", "kt")
+    shift: float = 0.0
+
+    @property
+    def gap(self) -> Float[ndarray, "pair dof"]:
+        """Rows of the only interface's gaps."""
+        return self.rows[0]
+
+    @property
+    def slip(self) -> Float[ndarray, "slip dof"]:
+        """Rows of the only interface's slips."""
+        return self.rows[1]
 
     @cached_property
     def sectors(self) -> tuple[JointSector, ...]:
         """The joint by the parities of its motion, which do not mix."""
-        matrices = (self.mass, self.stiffness, self.geometric, self.normal, self.tangential)
+        matrices = (self.mass, self.stiffness, self.geometric, *self.squares)
         return joint_sectors(self.assembly, *matrices)
 
 
@@ -68,10 +78,8 @@ def joint_of(
         assembly["mass"].values,
         assembly["stiffness"].values,
         whole,
-        gap.T @ gap,
-        slip.T @ slip,
-        gap,
-        slip,
+        (gap, slip),
+        (gap.T @ gap, slip.T @ slip),
         int(assembly["slot_dof"].values.min()),
         "equal at every node" if equal_nodes else "by area",
         assembly,
@@ -83,27 +91,36 @@ def joint_of_reduced(reduced: xr.Dataset, equal_nodes: bool = False) -> Joint:
     return joint_of(assemble(reduced, 0.0), reduced["beam_geometric_stiffness"].values, equal_nodes)
 
 
-def stiffness_at(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, "dof dof"]:
-    """Stiffness at (ln kn, ln kt, F), N/m."""
-    return _sum(point, joint.stiffness, joint.geometric, joint.normal, joint.tangential)
+def stiffness_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
+    """Stiffness at (ln k..., F), N/m."""
+    return _sum(point, joint.stiffness, joint.geometric, *joint.squares)
 
 
-def _sum(point, stiffness, geometric, normal, tangential) -> Float[ndarray, "dof dof"]:
-    kn, kt = np.exp(point[:2])
-    return stiffness + point[2] * geometric + (kn * normal + kt * tangential)
+def held_at(joint: Joint, point: Float[ndarray, " coordinate"]) -> Float[ndarray, "dof dof"]:
+    """The same, with free bodies held by the shift: what can be factored."""
+    return _held(stiffness_at(joint, point), joint.mass, joint.shift)
+
+
+def _sum(point, stiffness, geometric, *squares) -> Float[ndarray, "dof dof"]:
+    contact = 0.0
+    for k, square in zip(np.exp(point[:-1]), squares, strict=True):
+        contact = contact + k * square
+    return stiffness + point[-1] * geometric + contact
+
+
+def _held(stiffness: ndarray, mass: ndarray, shift: float) -> Float[ndarray, "dof dof"]:
+    return stiffness + shift * mass if shift else stiffness
 
 
 def energy(
-    joint: Joint, point: Float[ndarray, "3"], shapes: Float[ndarray, "dof mode"]
+    joint: Joint, point: Float[ndarray, " coordinate"], shapes: Float[ndarray, "dof mode"]
 ) -> Float[ndarray, " mode"]:
     """Twice the strain energy of shapes, J; the contact's from the gaps themselves."""
-    kn, kt = np.exp(point[:2])
-    load = joint.stiffness @ shapes + point[2] * (joint.geometric @ shapes)
-    return (
-        (shapes * load).sum(axis=0)
-        + kn * ((joint.gap @ shapes) ** 2).sum(axis=0)
-        + kt * ((joint.slip @ shapes) ** 2).sum(axis=0)
-    )
+    load = joint.stiffness @ shapes + point[-1] * (joint.geometric @ shapes)
+    whole = (shapes * load).sum(axis=0)
+    for k, rows in zip(np.exp(point[:-1]), joint.rows, strict=True):
+        whole = whole + k * ((rows @ shapes) ** 2).sum(axis=0)
+    return whole
 
 
 @dataclass(frozen=True)
@@ -127,10 +144,10 @@ def stable_factor(stiffness: Float[ndarray, "dof dof"], where: str) -> Float[nda
         raise ValueError(f"the joint must be stable, but is not {where}") from None
 
 
-def described(point: Float[ndarray, "3"]) -> str:
+def described(point: Float[ndarray, " coordinate"]) -> str:
     """A point in words."""
-    kn, kt = np.exp(point[:2])
-    return f"at kn {kn:.3g}, kt {kt:.3g} N/m and {point[2]:g} N"
+    stiffness = ", ".join(f"{k:.3g}" for k in np.exp(point[:-1]))
+    return f"at contact stiffnesses {stiffness} N/m and a load of {point[-1]:g}"
 
 
 class Operator:
@@ -140,12 +157,13 @@ class Operator:
     point asks one operator. ValueError, saying `where`, if the joint is not stable there.
     """
 
-    def __init__(self, joint: Joint, point: Float[ndarray, "3"], where: str = "") -> None:
-        """Factor the stiffness; where: the point in words."""
+    def __init__(self, joint: Joint, point: Float[ndarray, " coordinate"], where: str = "") -> None:
+        """Factor the stiffness, free bodies held; where: the point in words."""
         self.joint, self.point = joint, point
         self._parts = [one.part for one in joint.sectors]
         self._problems = [
-            (_sum(point, *m), mass) for mass, *m in (s.matrices for s in joint.sectors)
+            (_held(_sum(point, *m), mass, joint.shift), mass)
+            for mass, *m in (s.matrices for s in joint.sectors)
         ]
         where = where or described(point)
         self._factors = [stable_factor(stiffness, where) for stiffness, _ in self._problems]
@@ -164,11 +182,11 @@ class Operator:
         return moved
 
     def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
-        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes."""
+        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes, rigid ones too."""
         if count not in self._lowest:
             solves = [partial(_solved, factor) for factor in self._factors]
             values, found = sector_eigenpairs(self._problems, solves, count)
-            self._lowest[count] = values, whole_shapes(self._parts, found)
+            self._lowest[count] = values - self.joint.shift, whole_shapes(self._parts, found)
         return self._lowest[count]
 
     def modes(self, names: Sequence[str]) -> Modes:
@@ -181,7 +199,7 @@ def _solved(factor: ndarray, right: ndarray) -> ndarray:
     return scipy.linalg.cho_solve((factor, True), right, check_finite=False)
 
 
-def exact_modes(joint: Joint, point: Float[ndarray, "3"], names: Sequence[str]) -> Modes:
+def exact_modes(joint: Joint, point: Float[ndarray, " coordinate"], names: Sequence[str]) -> Modes:
     """Modes of the whole operator at a point, by inverse iteration.
 
     Raises ValueError if the joint is not stable there or a mode is not found.

@@ -19,7 +19,7 @@ _ALIKE = 1.0 - 1e-6  # correlation of a mode's inertia with its image's
 
 @dataclass(frozen=True)
 class JointSector:
-    """The joint's matrices in one sector: mass, stiffness, geometric, normal, tangential."""
+    """Matrices in one sector: mass, stiffness, geometric, then of each contact stiffness."""
 
     part: Sector
     matrices: tuple[Float[ndarray, "own own"], ...]

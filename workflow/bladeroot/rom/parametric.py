@@ -1,10 +1,13 @@
-"""The parametric reduced model: frequencies over (ln kn, ln kt, F), once for each structure.
+"""The parametric reduced model: frequencies over (ln k..., load), once for each structure.
 
-For each named mode it holds a small basis with an error bound (`ritz`), and on top of it ln f as a
-sum of Chebyshev polynomials (`chebyshev`), which is the fast way to values, gradients and Hessians.
+For each named mode it holds a small basis with an error bound (`ritz`). Of two stiffnesses it holds
+ln f as a sum of Chebyshev polynomials (`chebyshev`), too, the fast way to values, gradients and
+Hessians; of other numbers of them the small problem itself is solved wherever it is asked for
+(`solved`): a grid in five dimensions would take more solutions than any inference asks for.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -14,7 +17,7 @@ from numpy import ndarray
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.rom.greedy import find_bases
-from bladeroot.rom.joint import COORDINATES, Joint, exact_modes
+from bladeroot.rom.joint import Joint, exact_modes
 from bladeroot.rom.ritz import Ritz, error_bound, frequency, solve
 
 MODES = ("1B", "2B")
@@ -29,8 +32,6 @@ _PROJECTIONS = {
     "beam": (_SQUARE, "s-2", "projected stiffness of the beam without force"),
     "slots": (_SQUARE, "s-2", "projected stiffness of the slots"),
     "geometric": (_SQUARE, "s-2 N-1", "projected geometric stiffness per newton of axial force"),
-    "gap": (_SQUARE, "kg-1/2", "factor of the projected Kn of unit flank stiffness"),
-    "slip": (_SQUARE, "kg-1/2", "factor of the projected Kt of unit flank stiffness"),
     "beam_mass": (_SQUARE, "1", "the beam's share of the projected mass, which is the identity"),
     "contact": (
         ("pair", "local", "vector"),
@@ -46,14 +47,25 @@ _PROJECTIONS = {
 }
 
 
+def _springs(count: int) -> dict[str, tuple]:
+    """Of each contact stiffness the factor of its projection: gap and slip by interface."""
+    names = ("gap", "slip") if count == 2 else tuple(f"spring_{k + 1}" for k in range(count))
+    text = "factor of the projected contact matrix of unit stiffness"
+    return {name: (_SQUARE, "kg-1/2", text) for name in names}
+
+
 def parametric_model(
     joint: Joint,
     modes: Sequence[str] = MODES,
-    stiffness: tuple[float, float] = STIFFNESS,
+    stiffness: tuple[float, float] | Sequence[tuple[float, float]] = STIFFNESS,
     force: tuple[float, float] = FORCE,
     tolerance: float = TOLERANCE,
+    sums: bool = True,
 ) -> xr.Dataset:
-    """Build the model of the named modes over a box of flank stiffness (N/m) and force (N).
+    """Build the model of the named modes over a box of contact stiffness (N/m) and load.
+
+    stiffness: ends of every stiffness, or of each in the order of the joint's parameters. sums:
+    whether Chebyshev sums are made, which take two stiffnesses.
 
     tolerance: largest relative error of a frequency against the whole joint that the bound of the
     bases may leave at their training points. `error_bound` of the result adds what the Chebyshev
@@ -61,19 +73,22 @@ def parametric_model(
     solutions at some of them. Raises ValueError if the box is empty, a mode is not found or not
     followed through it, or the tolerance cannot be reached.
     """
-    if not 0.0 < stiffness[0] < stiffness[1]:
-        raise ValueError(f"the box of stiffness must be 0 < low < high N/m, got {stiffness}")
+    ends = np.broadcast_to(np.asarray(stiffness, float), (len(joint.rows), 2))
+    for one in ends:
+        if not 0.0 < one[0] < one[1]:
+            raise ValueError(f"the box of stiffness must be 0 < low < high N/m, got {tuple(one)}")
     if not force[0] < force[1]:
-        raise ValueError(f"the box of axial force must be low < high N, got {force}")
-    low = np.array([*np.log([stiffness[0]] * 2), force[0]])
-    high = np.array([*np.log([stiffness[1]] * 2), force[1]])
+        raise ValueError(f"the box of the load must be low < high, got {force}")
+    low, high = (np.append(np.log(ends[:, k]), force[k]) for k in (0, 1))
     ritzes, solutions = find_bases(joint, modes, low, high, tolerance)
-    surface = chebyshev.fit(
-        lambda points: np.stack([np.log(frequency(solve(one, points).value)) for one in ritzes]),
-        low,
-        high,
-        tolerance / 10.0,
-    )
+    surface = Surface(np.zeros((0, 0, 0, 0)), low, high)
+    if sums:
+        surface = chebyshev.fit(
+            lambda points: np.stack([np.log(frequency(solve(m, points).value)) for m in ritzes]),
+            low,
+            high,
+            tolerance / 10.0,
+        )
     return _dataset(joint, list(modes), ritzes, surface).assign_attrs(
         tolerance=tolerance, exact_solutions=solutions
     )
@@ -90,12 +105,15 @@ def ritz_of(model: xr.Dataset, mode: str) -> Ritz:
         raise ValueError(f"the parametric model has modes {list(model['mode'].values)}, not {mode}")
     one = model.sel(mode=mode)
     counts = {name: int(one[name]) for name in ("vectors", "own", "rank")}
-    parts = {}
-    for name, (dims, _, _) in _PROJECTIONS.items():
-        size = 5 * counts["own"] if name == "residual" else counts["vectors"]
+    parts, of_k = {}, _springs(len(model["coordinate"]) - 1)
+    for name, (dims, _, _) in (_PROJECTIONS | of_k).items():
+        size = counts["vectors"]
+        if name == "residual":
+            size = (3 + len(of_k)) * counts["own"]
         kept = {dim: slice(0, size) for dim in dims if dim in (*_SQUARE, "part", "part_")}
         parts[name] = one[name].transpose(*dims).isel(kept).values
     return Ritz(
+        springs=tuple(parts.pop(name) for name in of_k),
         **parts,
         display_x=model["display_x"].values,
         own=counts["own"],
@@ -134,13 +152,53 @@ def frequencies_hessian(
     return f, f[..., None] * slope, f[..., None, None] * curve
 
 
+@dataclass(frozen=True)
+class Solved:
+    """The modes' own small problems, solved at every point; `low` and `high`: the box."""
+
+    ritzes: tuple[Ritz, ...]
+    low: Float[ndarray, " coordinate"]
+    high: Float[ndarray, " coordinate"]
+
+
+def solved_of(model: xr.Dataset) -> Solved:
+    """Of every mode in the order of `mode`."""
+    return Solved(tuple(ritz_of(model, str(m)) for m in model["mode"].values), *model["box"].values)
+
+
+def ln_frequencies(
+    model: Surface | Solved, points: Float[ndarray, "point coordinate"]
+) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode coordinate"]]:
+    """ln f (Hz) and its gradient by (ln k..., load); straight on outside the box."""
+    inside = np.clip(points, model.low, model.high)
+    if isinstance(model, Surface):
+        value, slope = chebyshev.evaluate(model, inside, order=1)
+    else:
+        rows = [_solved(one, inside) for one in model.ritzes]
+        value, slope = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
+    return value + np.einsum("pma,pa->pm", slope, points - inside), slope
+
+
+def _solved(
+    ritz: Ritz, points: Float[ndarray, "point coordinate"]
+) -> tuple[Float[ndarray, " point"], Float[ndarray, "point coordinate"]]:
+    """ln f of one mode, and its gradient by Rayleigh's quotient (5.16, in log k)."""
+    found, own = solve(ritz, points), slice(0, ritz.own)
+    parts = [
+        k * ((found.shape @ rows[own, own].T) ** 2).sum(axis=1)
+        for k, rows in zip(np.exp(points[:, :-1].T), ritz.springs, strict=True)
+    ]
+    parts.append(((found.shape @ ritz.geometric[own, own]) * found.shape).sum(axis=1))
+    return np.log(frequency(found.value)), 0.5 * np.stack(parts, axis=1) / found.value[:, None]
+
+
 def _checks(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surface) -> dict:
     """Bound and errors at random points; the first of them are corners of the stiffness."""
     low, high = surface.low, surface.high
-    unseen = np.random.default_rng(4).uniform(low, high, (_BOUNDS, 3))
+    unseen = np.random.default_rng(4).uniform(low, high, (_BOUNDS, len(low)))
     unseen[:4, :2] = [(a, b) for a in (low[0], high[0]) for b in (low[1], high[1])]
-    fast = frequencies(surface, unseen).T
     projected = np.stack([frequency(solve(one, unseen).value) for one in ritzes])
+    fast = frequencies(surface, unseen).T if surface.coefficients.size else projected
     bound = np.stack([error_bound(one, unseen) for one in ritzes])
     exact = [frequency(exact_modes(joint, point, modes).values) for point in unseen[:_EXACT]]
     exact = np.stack(exact, axis=1)
@@ -158,21 +216,24 @@ def _dataset(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surfac
         attrs = {"units": units, "long_name": long_name}
         return (dims, values, attrs | ({"source": source} if source else {}))
 
+    of_k = _springs(len(joint.rows))
+    parts = [vars(one) | dict(zip(of_k, one.springs, strict=True)) for one in ritzes]
     entries = {
-        name: var(("mode", *dims), _padded([getattr(one, name) for one in ritzes]), unit, text)
-        for name, (dims, unit, text) in _PROJECTIONS.items()
+        name: var(("mode", *dims), _padded([one[name] for one in parts]), unit, text)
+        for name, (dims, unit, text) in (_PROJECTIONS | of_k).items()
     }
     checks = _checks(joint, modes, ritzes, surface)
     orders = ("order_kn", "order_kt", "order_force")
     mixed = "N/m in logarithm, N"
-    entries |= {
-        "ln_frequency": var(
+    if surface.coefficients.size:
+        entries["ln_frequency"] = var(
             ("mode", *orders),
             surface.coefficients,
             "1",
             "Chebyshev coefficients of ln(f / Hz) over the box",
             "eq. 5.4",
-        ),
+        )
+    entries |= {
         "box": var(
             ("end", "coordinate"), np.stack([surface.low, surface.high]), mixed, "ends of the box"
         ),
@@ -202,7 +263,7 @@ def _dataset(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surfac
         entries,
         coords={
             "mode": modes,
-            "coordinate": list(COORDINATES),
+            "coordinate": [*(f"ln_{name}" for name in joint.parameters), "force"],
             "axis": list("XYZ"),
             "local": ["normal", "along Y", "along slope"],
         },

@@ -6,6 +6,7 @@ basis misses. Vectors that come after the first `own` serve perturbations: what 
 another modulus does to the shape.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,18 +21,18 @@ class Ritz:
     """Projections of one mode; the projected mass is the identity.
 
     beam, slots: stiffness without contact and force, 1/s^2. geometric: per newton, 1/(s^2 N).
-    gap, slip: factors whose squares are what 1 N/m of flank stiffness adds, kg^-1/2. beam_mass: the
+    springs: of each contact stiffness, the factor whose square is what 1 N/m adds, kg^-1/2; gap and
+    slip are kn's and kt's of a single interface. beam_mass: the
     beam's share of the mass. contact: motion across each pair by local axis, display: motion of the
     display nodes at `display_x` (m), kg^-1/2. residual: factor of the residual's dual norm over
-    (own vector, [K0, Kg, Kn, Kt, M]). own: how many vectors are the mode's own. rank: how many
+    (own vector, [K0, Kg, Kc..., M]). own: how many vectors are the mode's own. rank: how many
     lower modes are in them. amplification: how much the nearest neighbour enlarges the error.
     """
 
     beam: Float[ndarray, "vector vector"]
     slots: Float[ndarray, "vector vector"]
     geometric: Float[ndarray, "vector vector"]
-    gap: Float[ndarray, "vector vector"]
-    slip: Float[ndarray, "vector vector"]
+    springs: tuple[Float[ndarray, "vector vector"], ...]
     beam_mass: Float[ndarray, "vector vector"]
     contact: Float[ndarray, "pair 3 vector"]
     display: Float[ndarray, "display 3 vector"]
@@ -40,6 +41,16 @@ class Ritz:
     own: int
     rank: int
     amplification: float
+
+    @property
+    def gap(self) -> Float[ndarray, "vector vector"]:
+        """The factor of kn of a single interface."""
+        return self.springs[0]
+
+    @property
+    def slip(self) -> Float[ndarray, "vector vector"]:
+        """The factor of kt of a single interface."""
+        return self.springs[1]
 
 
 def contact_factor(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector vector"]:
@@ -63,20 +74,21 @@ class Pairs:
     place: Int[ndarray, " point"]
 
 
-def solve(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Pairs:
-    """Eigenpairs at points (ln kn, ln kt, F) in the mode's own vectors."""
+def solve(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
+    """Eigenpairs at points (ln k..., F) in the mode's own vectors."""
     kept = slice(0, ritz.own)
-    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip)
-    body, geometric, gap, slip = (part[kept, kept] for part in parts)
-    values, shapes = np.linalg.eigh(_stiffness(body, geometric, gap, slip, points))
+    body, geometric, *springs = (
+        part[kept, kept] for part in (ritz.beam + ritz.slots, ritz.geometric, *ritz.springs)
+    )
+    values, shapes = np.linalg.eigh(_stiffness(body, geometric, springs, points))
     shape = shapes[:, :, ritz.rank]
     place = np.full(len(points), ritz.rank)
-    return Pairs(quotient(body, geometric, gap, slip, shape, points), shape, values, shapes, place)
+    return Pairs(quotient(body, geometric, springs, shape, points), shape, values, shapes, place)
 
 
-def solve_whole(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Pairs:
+def solve_whole(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
     """The same with the vectors for perturbations; the mode is told by its shape."""
-    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip)
+    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.springs)
     values, shapes = np.linalg.eigh(_stiffness(*parts, points))
     place = closest(shapes[:, : ritz.own], solve(ritz, points).shape)
     shape = shapes[np.arange(len(points)), :, place]
@@ -91,39 +103,35 @@ def closest(
 
 
 def stiffness_of(
-    ritz: Ritz, points: Float[ndarray, "point 3"]
+    ritz: Ritz, points: Float[ndarray, "point coordinate"]
 ) -> Float[ndarray, "point vector vector"]:
     """Projected stiffness in the whole basis, 1/s^2."""
-    return _stiffness(ritz.beam + ritz.slots, ritz.geometric, ritz.gap, ritz.slip, points)
+    return _stiffness(ritz.beam + ritz.slots, ritz.geometric, ritz.springs, points)
 
 
-def _stiffness(body, geometric, gap, slip, points) -> ndarray:
-    kn, kt = np.exp(points[:, :2].T)[:, :, None, None]
-    matrix = body + points[:, 2, None, None] * geometric
-    matrix += kn * (gap.T @ gap)
-    matrix += kt * (slip.T @ slip)
+def _stiffness(body, geometric, springs, points) -> ndarray:
+    matrix = body + points[:, -1, None, None] * geometric
+    for k, rows in zip(np.exp(points[:, :-1].T)[:, :, None, None], springs, strict=True):
+        matrix += k * (rows.T @ rows)
     return matrix
 
 
 def quotient(
     body: Float[ndarray, "vector vector"],
     geometric: Float[ndarray, "vector vector"],
-    gap: Float[ndarray, "row vector"],
-    slip: Float[ndarray, "row2 vector"],
+    springs: Sequence[Float[ndarray, "_ vector"]],
     shape: Float[ndarray, "point vector"],
-    points: Float[ndarray, "point 3"],
+    points: Float[ndarray, "point coordinate"],
 ) -> Float[ndarray, " point"]:
     """Rayleigh's quotient of shapes of unit mass; the contact's part from the gaps themselves.
 
     An eigenvalue solver rounds by the largest eigenvalue, a stiff contact's; this does not.
     """
-    kn, kt = np.exp(points[:, :2].T)
-    return (
-        ((shape @ body) * shape).sum(axis=1)
-        + points[:, 2] * ((shape @ geometric) * shape).sum(axis=1)
-        + kn * ((shape @ gap.T) ** 2).sum(axis=1)
-        + kt * ((shape @ slip.T) ** 2).sum(axis=1)
-    )
+    whole = ((shape @ body) * shape).sum(axis=1)
+    whole = whole + points[:, -1] * ((shape @ geometric) * shape).sum(axis=1)
+    for k, rows in zip(np.exp(points[:, :-1].T), springs, strict=True):
+        whole = whole + k * ((shape @ rows.T) ** 2).sum(axis=1)
+    return whole
 
 
 def frequency(value: Float[ndarray, "*shape"]) -> Float[ndarray, "*shape"]:
@@ -131,7 +139,7 @@ def frequency(value: Float[ndarray, "*shape"]) -> Float[ndarray, "*shape"]:
     return np.sqrt(value) / (2.0 * np.pi)
 
 
-def error_bound(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, " point"]:
+def error_bound(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Float[ndarray, " point"]:
     """Bound of the relative error of the frequency against the whole joint, at many points.
 
     Kato and Temple's bound for K^-1 M, whose eigenvalues are 1/lambda: the relative error of lambda
@@ -144,10 +152,11 @@ def error_bound(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray,
 
 
 def residual_bound(
-    residual: Float[ndarray, "row part"], pairs: Pairs, points: Float[ndarray, "point 3"]
+    residual: Float[ndarray, "row part"], pairs: Pairs, points: Float[ndarray, "point coordinate"]
 ) -> Float[ndarray, " point"]:
     """The bound before amplification, from any factor of the residual's dual norm."""
-    kn, kt = np.exp(points[:, :2].T)
-    weights = np.stack([np.ones_like(kn), points[:, 2], kn, kt, -pairs.value], axis=1)
+    stiffness = np.exp(points[:, :-1].T)
+    one = np.ones(len(points))
+    weights = np.stack([one, points[:, -1], *stiffness, -pairs.value], axis=1)
     combination = (pairs.shape[:, :, None] * weights[:, None, :]).reshape(len(points), -1)
     return 0.5 * ((combination @ residual.T) ** 2).sum(axis=1) / pairs.value

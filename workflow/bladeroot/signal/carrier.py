@@ -53,9 +53,7 @@ def rough_phasors(
             f"{velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
-    frames = fit_frames(
-        velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], (), usable
-    )
+    frames = fit_frames(velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], usable)
     if frames.time.size < 8:
         raise ValueError(
             f"expected at least 8 usable cycles near {line_Hz:.4g} Hz, got {frames.time.size}"

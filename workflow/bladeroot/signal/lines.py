@@ -1,7 +1,7 @@
 """Spectral lines of a piece of a record."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 LOUD_CYCLES = 80.0
@@ -9,6 +9,10 @@ LOUD_CYCLES = 80.0
 # nearer part goes before a louder one further off, from this part of its height on, where the level
 # between them sinks below this part of its own: a mode that softens by as much leaves no valley.
 TOLERANCE, NEAR, LEAST, VALLEY = 0.3, 0.17, 0.1, 0.5
+
+# Turns that a line on one side makes at least, what it is over the line on the other side, and the
+# degree of the course that is taken off.
+FEWEST_TURNS, ONE_SIDED, COURSE = 3.0, 2.5, 3
 
 
 def magnitudes(
@@ -60,6 +64,39 @@ def mode_Hz(
     if level[k] > LEAST * level[strongest] and between.min() < VALLEY * level[k]:
         inside = near
     return peak_Hz(frequency, inside) if inside.any() else expected_Hz
+
+
+def peaks(level: Float[ndarray, " line"]) -> Bool[ndarray, " line"]:
+    """Where a level is higher than on either side."""
+    found = np.zeros(level.size, bool)
+    found[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
+    return found
+
+
+def one_sided(
+    log: Complex[ndarray, " frame"], least: float, furthest: float = 0.5, usual: float = 0.5
+) -> tuple[float, float]:
+    """How clear a log-envelope's strongest line on one side of zero is, and its turns a frame.
+
+    A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)): lines on one side of zero
+    only, which no knock, bend or law of amplitude makes. A smooth course is taken off; the line
+    makes FEWEST_TURNS turns at least and `furthest` a frame at most, swings the logarithm by
+    `least`, and is compared with the median one up to `usual` turns a frame. (0, 0): there is none.
+    """
+    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE)
+    taper = np.hanning(log.size)
+    rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
+    level = np.abs(np.fft.fft(rest, 4 * log.size)) / taper.sum()
+    turns = np.fft.fftfreq(level.size)
+    apart = np.abs(turns) * log.size >= FEWEST_TURNS
+    inside = apart & (np.abs(turns) <= furthest)
+    if not inside.any():
+        return 0.0, 0.0
+    k = int(np.argmax(np.where(inside, level, 0.0)))
+    if level[k] < max(least, ONE_SIDED * level[-k]):
+        return 0.0, 0.0
+    middle = float(np.median(level[apart & (np.abs(turns) <= usual)]))
+    return float(level[k]) / max(middle, 1e-300), float(turns[k])
 
 
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:

@@ -1,14 +1,14 @@
 """From samples to independent log-phasors: frames of whole cycles, gathered where they are weak.
 
 A record is cut into frames of equal length; each is fitted by least squares with a cosine, a sine
-and a constant (and the same for other modes), so that frames at the very ends are as good as
-any other and need no filter. As frames of one length share their matrix, the whole record is one
-matrix product. For white noise the frames are independent with a known standard error:
-everything that follows (derivatives, plateau) is then ordinary weighted regression.
+and a constant, so that frames at the very ends are as good as any other and need no filter. As
+frames of one length share their matrix, the whole record is one matrix product. For white noise the
+frames are independent with a known standard error: everything that follows (derivatives, plateau)
+is then ordinary weighted regression.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import no_type_check
 
 import numpy as np
@@ -19,8 +19,6 @@ from bladeroot.compiled import njit
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4
-# Another mode's local rate counts where its phasors are so many standard errors high.
-CLEAR = 6.0
 _NO_PHASOR = -100.0  # ln of one that is exactly none: lost, and no overflow
 
 
@@ -48,9 +46,7 @@ class Frames:
     """The mode's phasor in the middle of each frame.
 
     `own` and `image` are what a term t^k/k! of the relative phasor (k = 1 ... TAYLOR, t from the
-    frame's middle in s) and its conjugate add to the fitted phasor. `others`: phasors of the other
-    modes, NaN where a frame cannot tell them apart. `given`: what the same terms, and their
-    conjugates, add to those; `taken`: what a term t of theirs, and its conjugate, add to it.
+    frame's middle in s) and its conjugate add to the fitted phasor.
     """
 
     time: Float[ndarray, " frame"]
@@ -59,9 +55,6 @@ class Frames:
     omega: Float[ndarray, " frame"]
     own: Complex[ndarray, "frame power"]
     image: Complex[ndarray, "frame power"]
-    others: Complex[ndarray, "other frame"]
-    given: Complex[ndarray, "2 other frame power"]
-    taken: Complex[ndarray, "2 other frame"]
 
 
 def fit_frames(
@@ -69,21 +62,16 @@ def fit_frames(
     sampling_Hz: float,
     noise: float,
     stretches: Sequence[Stretch],
-    others: Sequence[complex] = (),
     usable: Bool[ndarray, " sample"] | None = None,
 ) -> Frames:
     """Least-squares phasors of the frames; those with few usable samples are left out.
 
-    The model in a frame is v = Re[z exp(i omega t)] + constant, and the same again for each other
-    mode exp(other t), other in rad/s, that differs by most of a cycle in a frame. The standard
-    error is that of white noise with rms `noise`.
+    The model in a frame is v = Re[z exp(i omega t)] + constant. The standard error is that of
+    white noise with rms `noise`.
     """
     total = sum(stretch.frames for stretch in stretches)
     time, std, omega = np.empty((3, total))
-    phasor, apart = np.empty(total, complex), np.full((len(others), total), np.nan, complex)
-    own, image = np.empty((2, total, TAYLOR), complex)
-    given = np.zeros((2, len(others), total, TAYLOR), complex)
-    taken = np.zeros((2, len(others), total), complex)
+    phasor, (own, image) = np.empty(total, complex), np.empty((2, total, TAYLOR), complex)
     at = 0
     for stretch in stretches:
         here = slice(at, at + stretch.frames)
@@ -91,38 +79,30 @@ def fit_frames(
         stop = stretch.first + stretch.frames * stretch.length
         pieces = velocity[stretch.first : stop].reshape(stretch.frames, stretch.length)
         local = np.arange(stretch.length) - 0.5 * (stretch.length - 1)
-        moment = local / sampling_Hz
+        moment, turn = local / sampling_Hz, stretch.angle * local
         omega[here] = stretch.angle * sampling_Hz
-        columns, told = _columns(moment, stretch.angle * sampling_Hz, others)
+        columns = np.stack([np.cos(turn), -np.sin(turn), np.ones_like(turn)], axis=1)
         powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR + 1), axis=1)
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
-        theirs = moment[:, None] * np.concatenate([columns[:, 3::2], columns[:, 4::2]], axis=1)
         solver = _solver(columns)
-        z = pieces @ np.ascontiguousarray(solver.T)
+        z = pieces @ np.ascontiguousarray(solver[:2].T)
         spread = np.full(stretch.frames, 0.5 * (solver[:2] ** 2).sum())
         own[here], image[here] = _answers(solver @ waves)
-        for row, other in enumerate(told):
-            given[:, other, here] = _answers(solver[3 + 2 * row :] @ waves)[:, None]
-        taken[:, told, here] = _answers(solver @ theirs)[..., None]
         if usable is not None:
             good = usable[stretch.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
             spread[count < max(0.4 * stretch.length, 2 * columns.shape[1])] = np.inf
             for k in np.flatnonzero((count < stretch.length) & np.isfinite(spread)):
                 solver = _solver(columns[good[k]])
-                z[k] = solver @ pieces[k, good[k]]
+                z[k] = solver[:2] @ pieces[k, good[k]]
                 # amplitude and phase are known unequally: the worse counts
                 spread[k] = np.linalg.eigvalsh(solver[:2] @ solver[:2].T)[1]
                 own[here][k], image[here][k] = _answers(solver @ waves[good[k]])
         middle = stretch.first + np.arange(stretch.frames) * stretch.length + local[-1]
         time[here], std[here] = middle / sampling_Hz, noise * np.sqrt(spread)
         phasor[here] = z[:, 0] + 1j * z[:, 1]
-        apart[told, here] = (z[:, 3::2] + 1j * z[:, 4::2]).T
     seen = np.isfinite(std)
-    if seen.all():
-        seen = slice(None)
-    values = (column[seen] for column in (time, phasor, std, omega, own, image))
-    return Frames(*values, apart[:, seen], given[:, :, seen], taken[:, :, seen])
+    return Frames(*(column[seen] for column in (time, phasor, std, omega, own, image)))
 
 
 def _answers(fitted: Float[ndarray, "column wave"]) -> Complex[ndarray, "2 half"]:
@@ -139,77 +119,6 @@ def _solver(columns: Float[ndarray, "sample column"]) -> Float[ndarray, "column 
     gram = columns.T @ columns
     gram[np.diag_indices(gram.shape[0])] *= 1.0 + 1e-12
     return np.linalg.solve(gram, columns.T)
-
-
-def _columns(
-    time: Float[ndarray, " sample"], omega: float, others: Sequence[complex]
-) -> tuple[Float[ndarray, "sample column"], list[int]]:
-    """Cosine, minus sine, constant, and those of the other modes that a frame can tell apart."""
-    columns = [np.cos(omega * time), -np.sin(omega * time), np.ones_like(time)]
-    taken, told = [omega, 0.0], []
-    length = time.size * (time[1] - time[0])
-    for number, other in enumerate(others):
-        if min(abs(other.imag - one) for one in taken) * length > 0.7 * 2.0 * np.pi:
-            wave = np.exp(other * time)
-            columns += [wave.real, -wave.imag]
-            taken.append(other.imag)
-            told.append(number)
-    return np.stack(columns, axis=1), told
-
-
-def refined(others: Sequence[complex], frames: Frames) -> list[complex]:
-    """The other modes' rates (rad/s), from how their phasors advance from frame to frame."""
-    step = np.diff(frames.time)
-    near = step < 1.5 * step.min()
-    better = []
-    for other, phasor in zip(others, frames.others, strict=True):
-        clear = np.abs(phasor) > 6.0 * frames.std
-        pairs = near & clear[1:] & clear[:-1]
-        if pairs.sum() >= 3:
-            still = phasor * np.exp(-1j * other.imag * frames.time)
-            before, after = still[:-1][pairs], still[1:][pairs]
-            power = np.abs(before) ** 2
-            advance = np.log(np.vdot(before, after) / power.sum())
-            other = 1j * other.imag + advance * power.sum() / (power @ step[pairs])
-        better.append(complex(other))
-    return better
-
-
-def unleaked(
-    frames: Frames,
-    others: Sequence[complex],
-    rate: Complex[ndarray, " frame"],
-    change: Complex[ndarray, " frame"],
-    reach: int = 8,
-) -> Frames:
-    """The frames without what other modes add to the mode because their rates change in time.
-
-    others: the rates (rad/s) with which the frames were fitted; their own, local ones are the
-    advance of their phasors over `reach` frames on either side, freed of what the mode adds to
-    them. rate, change: first and second derivative of the mode's log-phasor in the frames.
-    """
-    step = np.diff(frames.time)
-    near = step < 1.5 * step.min()
-    delta = rate - 1j * frames.omega
-    grown = frames.phasor[:, None] * np.stack([delta, delta**2 + change], axis=1)
-    phasor = frames.phasor.copy()
-    for k, other in enumerate(others):
-        direct, mirrored = frames.given[:, k, :, :2]
-        added = (grown * direct + grown.conj() * mirrored).sum(axis=1)
-        theirs = np.nan_to_num(frames.others[k]) - added
-        still = theirs * np.exp(-1j * other.imag * frames.time)
-        pairs = [still[1:] * still[:-1].conj(), np.abs(still[:-1]) ** 2]
-        advance, power = (
-            np.convolve(np.where(near, pair, 0.0), np.ones(2 * reach))[reach - 1 : -reach + 1]
-            for pair in pairs
-        )
-        # in the noise there is no rate
-        seen = (power > CLEAR**2 * 2 * reach * frames.std**2) & (advance != 0.0)
-        advance = np.where(seen, advance, 1.0) / np.where(seen, power, 1.0)
-        term = theirs * np.where(seen, np.log(advance) / step.min() - other.real, 0.0)
-        direct, mirrored = frames.taken[:, k]
-        phasor -= term * direct + term.conj() * mirrored
-    return replace(frames, phasor=phasor)
 
 
 def corrected(
@@ -304,7 +213,7 @@ def _edges(share, level, target, fewest):
         fall = (level[before] - level[after]) / max(after - before, 1)
         length = min((share[k] / target) ** 2, 0.4 / max(fall, 1e-12))
         length = max(np.ceil(length), fewest)
-        if k + length > last + 1:
+        if not k + length <= last + 1:  # nor where an error is no number
             break
         edges.append(k + int(length))
     return np.array(edges)

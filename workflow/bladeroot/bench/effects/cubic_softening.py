@@ -1,4 +1,4 @@
-"""Cubic softening (in no catalogue): the tangential springs soften elastically, without any loss.
+"""Cubic softening: the tangential springs soften elastically, without any loss.
 
 Size: s in the spring's force kt (u - s u^3), with the shear displacement u of a pair.
 """
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from bladeroot.bench.conditions import Conditions, Moment
 
-CLASS = "outside"
+CLASS = "amplitude"
 UNIT = "1/m^2"
 BOUND = 2e12
 SIGNED = False

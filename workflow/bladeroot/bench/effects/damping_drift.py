@@ -1,4 +1,4 @@
-"""Damping drift (in no catalogue): damping alone changes with time, as with a glue that warms up.
+"""Damping drift: damping alone changes with time, as with a glue that warms up.
 
 Size: relative change of all loss factors from the campaign's first record to its last.
 """
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from bladeroot.bench.conditions import Conditions, Moment
 
-CLASS = "outside"
+CLASS = "time"
 UNIT = "1"
 BOUND = 0.10
 SIGNED = True

@@ -1,4 +1,4 @@
-"""Force-dependent damping (in no catalogue): the material's damping depends on the axial stress.
+"""Force-dependent damping: the material's damping depends on the axial stress.
 
 Size: p in loss factors proportional to F^p, as drawn at 12 kN.
 """
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from bladeroot.bench.conditions import Conditions, Moment
 
-CLASS = "outside"
+CLASS = "force-law"
 UNIT = "1"
 BOUND = 0.10
 SIGNED = True

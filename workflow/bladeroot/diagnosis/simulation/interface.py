@@ -4,7 +4,7 @@ A simulation says ln f of each record with its derivatives by its own parameters
 and the load, which causes move; how clampings scatter; and of which causes it cannot speak.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -32,15 +32,21 @@ class OfRecords(Protocol):
     """A simulation of the records of one campaign.
 
     prior: of its parameters. scales: of its clampings' scatter, mean and standard deviation each.
-    structures: change of ln f of each record by changed matrices, and its derivatives.
     """
 
     prior: Prior
     scales: Sequence[tuple[float, float]]
-    structures: Callable[[Mechanism, ndarray, ndarray, ndarray], tuple[ndarray, ndarray]]
 
-    def ln_k(self, theta: Float[ndarray, " parameter"]) -> Float[ndarray, "2 record"]:
-        """ln kn and ln kt without causes; any two numbers where there is no such thing."""
+    def structures(
+        self,
+        theta: Float[ndarray, " parameter"],
+        one: Mechanism,
+        values: Float[ndarray, " value"],
+        changed: Float[ndarray, "2 record"],
+    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"]]:
+        """Change of ln f of each record by changed matrices, and its derivatives; changed: ln kn
+        and ln kt by other causes.
+        """
 
     def at(self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"]) -> Said:
         """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it."""

@@ -99,16 +99,12 @@ class _OfRecords:
         self.ritz = one_mode()
 
     def structures(
-        self, one: Mechanism, values: ndarray, ln_kn: ndarray, ln_kt: ndarray
+        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
     ) -> tuple[ndarray, ndarray]:
         """Changed matrices of a mode of one degree of freedom, the same for all."""
         n = self.records.force.size
         change, slope = shift(*one.structure(self.ritz, values))
         return np.full(n, change), np.tile(slope, (n, 1))
-
-    def ln_k(self, theta: ndarray) -> ndarray:
-        """There is none: laws of it act by their changes."""
-        return np.zeros((2, self.records.force.size))
 
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The line at each record's load, and the joint's part of what a law changes."""

@@ -11,7 +11,7 @@ def one_mode() -> Ritz:
     display = np.zeros((2, 3, 1))
     display[:, 2] = 1.0
     return Ritz(
-        beam=one, slots=none, geometric=none, gap=none, slip=none, beam_mass=one,
+        beam=one, slots=none, geometric=none, springs=(none, none), beam_mass=one,
         contact=np.zeros((1, 3, 1)), display=display, display_x=np.array([-1.0, 1.0]),
         residual=np.zeros((1, 5)), own=1, rank=0, amplification=1.0,
     )  # fmt: skip

@@ -19,7 +19,7 @@ from bladeroot.stiffness.priors import REFERENCE_FORCE
 # The largest amplitude that the catalogue's priors are made for, m.
 REFERENCE_AMPLITUDE = 2e-5
 _TOKEN = re.compile(r"([A-Za-z]+)(\d*)")
-_LOADS = ("force", "stick_force", "curve_force", "law_force")
+_LOADS = ("force", "stick_force", "curve_force", "law_force", "new_force")
 _AMPLITUDES = ("amplitude", "curve_amplitude", "onset_amplitude")
 
 
@@ -102,6 +102,10 @@ def verdict_in_own(said: Mapping, own: OwnRange) -> dict:
     made["causes"] = [
         cause | {"parameters": [_sized(one, own) for one in cause["parameters"]]}
         for cause in said["causes"]
+    ]
+    made["next"] = [
+        one if one["load"] is None else one | {"load": one["load"] / own.per_load - own.shift}
+        for one in said["next"]
     ]
     return made
 

@@ -1,10 +1,10 @@
-"""A parametric structure: frequencies over (ln kn, ln kt, F), with the model's bias by mode.
+"""A parametric structure: frequencies over (ln k..., load), with the model's bias by mode.
 
-ln f = ln f_model(ln kn, ln kt, F) + bias. Contact stiffness is one law over all forces; each
-clamping of the specimen changes kn and kt at random, and the gauge is read to a step.
+ln f = ln f_model(ln k..., F) + bias. Contact stiffness is one law over all loads; each clamping of
+the specimen changes kn and kt at random, of all interfaces alike, and the gauge is read to a step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,12 +13,11 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
-from bladeroot.diagnosis.structures import Structures
+from bladeroot.diagnosis.structures import Structures, distinct, solved_change
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
-from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface, trimmed
-from bladeroot.rom.parametric import ritz_of, surface_of
+from bladeroot.rom.parametric import Solved, ln_frequencies, ritz_of, solved_of, surface_of
 from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.priors import (
     BIAS_TILT,
@@ -29,6 +28,9 @@ from bladeroot.stiffness.priors import (
     SMOOTH_EXPONENT,
 )
 
+# Relative error of what the axial force does to the model's frequencies, over that of these: a
+# depth or length that is off changes the tension's part of the stiffness by some times as much.
+TENSION = 4.0
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -40,12 +42,15 @@ _AXES = (
 
 @dataclass(frozen=True)
 class Parametric:
-    """Frequencies over (ln kn, ln kt, F), bias (std) and known offset by mode, projected problems.
+    """Frequencies over (ln k..., F), bias (std) and known offset by mode, projected problems.
 
+    parameters: names of the stiffnesses, kn or kt and the interface. prior: mean and standard
+    deviation of each one's logarithm. pivot: the load about which laws and biases tilt; None: the
+    middle of the records'. per_load, shift: from a load of the model to the records' (`OwnRange`).
     shapes: those already worked out (`Structures`).
     """
 
-    surface: Surface
+    surface: Surface | Solved
     ritz: tuple[Ritz, ...]
     bias: Float[ndarray, " mode"]
     offset: Float[ndarray, " mode"]
@@ -54,12 +59,23 @@ class Parametric:
     shapes: dict = field(default_factory=dict)
     kind: str = "structure"
     knows_contact: bool = True
+    parameters: tuple[str, ...] = ("kn", "kt")
+    prior: tuple[tuple[float, float], ...] = (LN_K[:2], LN_K[:2])
+    pivot: float | None = REFERENCE_FORCE
+    per_load: float = 1.0
+    shift: float = 0.0
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
     ) -> "_OfRecords":
         """As the interface says."""
         return _OfRecords(self, records, hold, rounding)
+
+    def pivot_of(self, records: Records) -> float:
+        """The load about which laws tilt."""
+        if self.pivot is not None:
+            return self.pivot
+        return float(np.exp(np.log(records.force).mean())) if records.force.size else 1.0
 
     def silent(self, one: Mechanism) -> str:
         """It speaks of every cause."""
@@ -81,13 +97,35 @@ def parametric(
     return Parametric(surface, ritz, np.array(bias), np.array(offset), tuple(modes), name)
 
 
-def biases(modes: int) -> slice:
+def of_assembly(model: xr.Dataset, bias: Mapping[str, float], offset: Mapping[str, float],
+                usual: float) -> Parametric:  # fmt: skip
+    """Of an assembly's model, all its modes; usual: the bias of a mode that is not named.
+
+    What is thought of a stiffness beforehand is its box: two standard deviations to either side.
+    """
+    modes = tuple(model["mode"].values.astype(str))
+    solved = solved_of(model)
+    prior = tuple(zip(0.5 * (solved.low + solved.high)[:-1], 0.25 * (solved.high - solved.low)[:-1],
+                      strict=True))  # fmt: skip
+    return Parametric(
+        solved, solved.ritzes, np.array([bias.get(mode, usual) for mode in modes]),
+        np.array([offset.get(mode, 0.0) for mode in modes]), modes, str(model.attrs["structure"]),
+        kind="assembly",
+        parameters=tuple(str(name)[3:] for name in model["coordinate"].values[:-1]), prior=prior,
+        pivot=None,
+    )  # fmt: skip
+
+
+def biases(simulated: Parametric) -> slice:
     """Where the model's biases and their tilts stand among the parameters."""
-    return slice(3, 3 + 2 * modes)
+    first = len(simulated.parameters) + 1
+    return slice(first, first + 2 * len(simulated.modes))
 
 
 class _OfRecords:
-    """Parameters: ln kn and ln kt at the reference force, exponent, biases, their tilts."""
+    """Parameters: each ln k at the pivot, exponent, biases, their tilts, and the error of what the
+    load does.
+    """
 
     scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
@@ -95,39 +133,82 @@ class _OfRecords:
         self, simulated: Parametric, records: Records, hold: ndarray, rounding: float
     ) -> None:
         self.surface, self.records, self.rounding = simulated.surface, records, rounding
-        modes = len(simulated.ritz)
-        self.x = np.log(records.force / REFERENCE_FORCE)
+        self.simulated = simulated
+        modes, self.count = len(simulated.ritz), len(simulated.parameters)
+        # which of the changes, of kn or of kt, is each stiffness's
+        self.kind = np.array([int(name.startswith("kt")) for name in simulated.parameters])
+        self.x = np.log(records.force / simulated.pivot_of(records))
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
-        bias = simulated.bias
+        levels, bias = np.array(simulated.prior), simulated.bias
         self.prior = Prior(
             np.concatenate(
                 [
-                    [LN_K[0], LN_K[0], SMOOTH_EXPONENT[0]],
+                    levels[:, 0],
+                    SMOOTH_EXPONENT[:1],
                     np.log1p(simulated.offset),
-                    np.zeros(modes),
+                    np.zeros(modes + 1),
                 ]
             ),
-            np.concatenate([[LN_K[1], LN_K[1], SMOOTH_EXPONENT[1]], bias, BIAS_TILT * bias]),
+            np.concatenate(
+                [
+                    levels[:, 1],
+                    SMOOTH_EXPONENT[1:2],
+                    bias,
+                    BIAS_TILT * bias,
+                    [TENSION * bias.mean()],
+                ]
+            ),
         )
-        self.own = biases(modes)
-        self.structures = Structures(records, simulated.ritz, simulated.surface, simulated.shapes)
+        self.own = biases(simulated)
         self.same_hold = hold[:, None] == hold
+        self.at_grid = None
+        if isinstance(self.surface, Surface):
+            self.at_grid = Structures(records, simulated.ritz, self.surface, simulated.shapes)
+
+    def structures(
+        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
+    ) -> tuple[ndarray, ndarray]:
+        """Changed matrices, by the modes' shapes at each record's place."""
+        if self.at_grid is not None:
+            return self.at_grid(one, values, *(self.ln_k(theta) + changed))
+        points = self._places(theta, changed, 0.0)
+        return solved_change(self.records, self.simulated.ritz, one, values, points)
 
     def ln_k(self, theta: ndarray) -> ndarray:
         """By the law."""
-        return theta[:2, None] + theta[2] * self.x
+        return theta[: self.count, None] + theta[self.count] * self.x
+
+    def _places(self, theta: ndarray, changed: ndarray, load: ndarray | float) -> ndarray:
+        """(ln k..., load of the model) of each record."""
+        own = (self.records.force + load) / self.simulated.per_load - self.simulated.shift
+        return np.vstack([self.ln_k(theta) + changed[self.kind], own]).T
 
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The surface at each record's place, and the bias."""
-        ln_kn, ln_kt = self.ln_k(theta) + changes[:, :2].T
-        places = np.stack([ln_kn, ln_kt, self.records.force + changes[:, 2]], axis=1)
-        points, where = _distinct(places)
-        value, gradient = ln_frequency(self.surface, points)
-        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
+        count = self.count
+        places = self._places(theta, changes[:, :2].T, changes[:, 2])
+        points, where = distinct(places)
+        value, gradient = ln_frequencies(self.surface, points)
         g = gradient[where, self.records.mode]
-        slope = [g[:, :1], g[:, 1:2], (g[:, :2].sum(axis=1) * self.x)[:, None], self.bias_rows]
-        return Said(mean, np.hstack(slope), g)
+        tension = g[:, count] * places[:, count]
+        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
+        slope = [g[:, :count], (g[:, :count].sum(axis=1) * self.x)[:, None], self.bias_rows]
+        # The first order of the tension's error; how it changes with the rest is of the second.
+        return Said(
+            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g)
+        )
+
+    def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
+        """Gradients by all kn alike, by all kt alike, and by the records' load."""
+        of_k = [g[..., : self.count][..., self.kind == kind].sum(axis=-1) for kind in (0, 1)]
+        return np.stack([*of_k, g[..., self.count] / self.simulated.per_load], axis=-1)
+
+    def of_clamping(self, scales: Float[ndarray, " scale"]) -> Float[ndarray, "3 3"]:
+        """Covariance of (ln kn, ln kt, load) between clampings."""
+        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
+        both = r * (s_n * s_t * _AXES[2])
+        return s_n**2 * _AXES[0] + s_t**2 * _AXES[1] + both + np.diag([0, 0, self.rounding**2])
 
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
@@ -148,23 +229,3 @@ class _OfRecords:
             ]
 
         return of_hold(normal + tangential + r * both + read), slopes
-
-
-def ln_frequency(
-    surface: Surface, points: Float[ndarray, "point 3"]
-) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode 3"]]:
-    """ln f and its gradient; straight on outside the box."""
-    inside = np.clip(points, surface.low, surface.high)
-    value, slope = chebyshev.evaluate(surface, inside, order=1)
-    return value + np.einsum("pma,pa->pm", slope, points - inside), slope
-
-
-def _distinct(points: Float[ndarray, "point 3"]) -> tuple[ndarray, ndarray]:
-    """The different points, and which of them each is; `np.unique` of rows takes far longer."""
-    order = np.lexsort(points.T)
-    placed = points[order]
-    new = np.ones(len(points), dtype=bool)
-    new[1:] = (placed[1:] != placed[:-1]).any(axis=1)
-    where = np.empty(len(points), dtype=int)
-    where[order] = np.cumsum(new) - 1
-    return placed[new], where

@@ -94,18 +94,12 @@ class _OfRecords:
         self.ritz = one_mode()
 
     def structures(
-        self, one: Mechanism, values: ndarray, ln_kn: ndarray, ln_kt: ndarray
+        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
     ) -> tuple[ndarray, ndarray]:
         """Changed matrices of a mode of one degree of freedom, the same for all."""
         n = self.records.force.size
         change, slope = shift(*one.structure(self.ritz, values))
         return np.full(n, change), np.tile(slope, (n, 1))
-
-    def ln_k(self, theta: ndarray) -> ndarray:
-        """From the table's own kn and kt."""
-        n = self.records.force.size
-        return np.array([np.full(n, theta[k]) if k is not None else np.zeros(n)
-                         for k in self.contact])  # fmt: skip
 
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The table at each record's load, moved along its sensitivities."""

@@ -5,7 +5,7 @@ import numpy as np
 from bladeroot.quality.finding import Finding
 from bladeroot.quality.findings.sampling_rate import outside
 from bladeroot.quality.sight import Sight
-from bladeroot.signal.lines import TOLERANCE, peak_Hz
+from bladeroot.signal.lines import TOLERANCE, peak_Hz, peaks
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
@@ -15,6 +15,9 @@ THRESHOLD = 5.0
 # A second line in the band with more than this part of the first leaves open which is the mode; if
 # it lies less than half as far from the expected frequency, with more than the other part.
 SECOND, NEARER = 0.5, 0.1
+# A mode that far (relative) from where it is expected may be another one. Sheets state frequencies
+# to some per cent, and few joints soften by more.
+FAR = 0.06
 
 
 def find(sight: Sight) -> Finding | None:
@@ -34,9 +37,7 @@ def find(sight: Sight) -> Finding | None:
     apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
         0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
     )
-    peaks = np.zeros(level.size, bool)
-    peaks[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])
-    second = np.where(apart & peaks, within, 0.0)
+    second = np.where(apart & peaks(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
     off = abs(sight.own_Hz - sight.expected_Hz)
     close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
@@ -54,6 +55,9 @@ def find(sight: Sight) -> Finding | None:
         # the strongest may be the mode all the same, unless the sheet has another one there
         known = any(abs(sight.own_Hz - mode) < off for mode in sight.modes_Hz)
         return Finding(statistic, THRESHOLD, "drop" if known else "warn", text)
+    if ratio <= THRESHOLD and off > FAR * sight.expected_Hz:
+        text = f"the mode lies at {sight.own_Hz:.5g} Hz, expected at {sight.expected_Hz:.5g} Hz"
+        return Finding(THRESHOLD * off / (FAR * sight.expected_Hz), THRESHOLD, "warn", text)
     text = (
         f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
         f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"

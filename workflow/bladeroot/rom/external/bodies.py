@@ -42,7 +42,7 @@ def load_bodies(description: Description, mesh: xr.Dataset) -> list[Body]:
     Raises ValueError, one line that names the file, for matrices that are not of one size, a mass
     with a diagonal that is not positive, bodies that are connected, and a slot that is not held.
     """
-    models = {name: _model(description, name) for name in description.models}
+    models = {name: model_matrices(description, name) for name in description.models}
     for name, (mass, _, _) in models.items():
         mine = [description.model_of(body) == (name, False) for body in BODIES]
         expected = int(np.isin(mesh.equation_body, np.flatnonzero(mine)).sum())
@@ -60,7 +60,7 @@ def load_bodies(description: Description, mesh: xr.Dataset) -> list[Body]:
     return bodies
 
 
-def _model(
+def model_matrices(
     description: Description, name: str
 ) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array | None]:
     """Mass, stiffness at zero force and its change per newton, in SI units."""

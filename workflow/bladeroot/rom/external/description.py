@@ -34,7 +34,11 @@ class Description:
 
     @property
     def models(self) -> dict[str, dict[str, Any]]:
-        """The given sets of matrices: `whole` alone, or `beam` and one or two of `Xn`, `Xp`."""
+        """The given sets of matrices: those of an assembly's bodies; else `whole` alone, or `beam`
+        and one or two of `Xn`, `Xp`.
+        """
+        if "bodies" in self.data:
+            return self.data["bodies"]
         if "whole" in self.data:
             return {"whole": self.data["whole"]}
         return {"beam": self.data["beam"], **self.data["slots"]}
@@ -63,8 +67,8 @@ def read_description(path: str | Path) -> Description:
     faults = []
     for name, model in description.models.items():
         if name in ("beam", "whole"):
-            _check_loads(model, f"{path}, {name}")
-        faults += _missing(description, model)
+            check_loads(model, f"{path}, {name}")
+        faults += missing(description, model)
     if faults:
         raise ValueError("\n".join(faults))
     return description
@@ -96,10 +100,14 @@ def matrix_files_of(description: Description) -> list[Path]:
     return [description.folder / name for name in names]
 
 
-def _check_loads(model: dict[str, Any], where: str) -> None:
-    """Either a stiffness and its change per force, or stiffnesses at several forces."""
+def check_loads(model: dict[str, Any], where: str, unloaded: bool = False) -> None:
+    """Either a stiffness and its change per force, or stiffnesses at several forces.
+
+    unloaded: whether a stiffness that no load changes will do.
+    """
     given = {"stiffness", "geometric_stiffness", "stiffness_at"} & set(model)
-    if given not in ({"stiffness", "geometric_stiffness"}, {"stiffness_at"}):
+    alone = {"stiffness"} if unloaded else {"stiffness_at"}
+    if given not in ({"stiffness", "geometric_stiffness"}, {"stiffness_at"}, alone):
         raise ValueError(
             "expected stiffness and geometric_stiffness, or stiffness_at, got "
             f"{', '.join(sorted(given)) or 'neither'} ({where})"
@@ -109,7 +117,8 @@ def _check_loads(model: dict[str, Any], where: str) -> None:
         raise ValueError(f"stiffness_at: expected different forces, got {forces} ({where})")
 
 
-def _missing(description: Description, model: dict[str, Any]) -> list[str]:
+def missing(description: Description, model: dict[str, Any]) -> list[str]:
+    """A line for each file of matrices that is not there or cannot be read."""
     faults = []
     for reference in dict.fromkeys(split(one)[0] for one in matrices_of(model)):
         try:

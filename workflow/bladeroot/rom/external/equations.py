@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Int
 from numpy import ndarray
 
+from bladeroot.rom.external.labelled import abaqus_entries, labels_of, punch_entries
 from bladeroot.rom.external.reading import check_path
 from bladeroot.rom.external.tables import DIGITS, Table, whole_numbers
 
@@ -61,11 +62,14 @@ def _from_columns(nodes: Table) -> Equations:
 
 
 def _from_mapping(path: Path, place: dict[int, int], table: Path) -> Equations:
-    if path.suffix.lower() not in (".mapping", ".dof"):
+    if path.suffix.lower() not in (".mapping", ".dof", ".pch", ".mtx"):
         raise ValueError(
-            f"expected a mapping ending in .mapping (HBMAT) or .dof (CalculiX), got {path}"
+            "expected a mapping ending in .mapping (HBMAT) or .dof (CalculiX), or a matrix with "
+            f"labels ending in .pch (Nastran) or .mtx (Abaqus), got {path}"
         )
     check_path(path, "a mapping file")
+    if path.suffix.lower() in (".pch", ".mtx"):
+        return _from_labels(path, place, table)
     read = _hbmat_row if path.suffix.lower() == ".mapping" else _calculix_row
     number, node, axis = [], [], []
     for line, text in enumerate(path.read_text(encoding="latin-1").splitlines(), 1):
@@ -82,6 +86,17 @@ def _from_mapping(path: Path, place: dict[int, int], table: Path) -> Equations:
         node.append(place[row[1]])
         axis.append(row[2])
     return _ordered(*(np.array(part, dtype=np.int64) for part in (number, node, axis)), path)
+
+
+def _from_labels(path: Path, place: dict[int, int], table: Path) -> Equations:
+    """From a matrix, the first of its file, whose entries name nodes and directions."""
+    labels = labels_of(abaqus_entries(path) if path.suffix.lower() == ".mtx" else
+                       punch_entries(path, first=True))  # fmt: skip
+    for node, axis in labels.tolist():
+        if node not in place or not 1 <= axis <= 6:
+            raise ValueError(f"node {node}, direction {axis} is not in {table} ({path})")
+    node = np.array([place[one] for one in labels[:, 0].tolist()])
+    return Equations(node, labels[:, 1] - 1)
 
 
 def _hbmat_row(text: str, _: int) -> tuple[int, int, int] | None:

@@ -51,7 +51,7 @@ def export_matrices(
     listed = {}
     for body, given in zip(BODIES, _bodies(structure, mesh, prestress), strict=True):
         files = {"nodes": f"{body}_nodes.csv"}
-        _table(
+        write_table(
             inner / files["nodes"],
             ("node", "x", "y", "z"),
             ((k, *map(repr, row)) for k, row in enumerate(given.nodes.tolist(), 1)),
@@ -63,10 +63,10 @@ def export_matrices(
             _mapping(inner / files["mapping"], kept)
         elif len(given.fixed):
             files["fixed"] = f"{body}_fixed.csv"
-            _table(inner / files["fixed"], ("node",), ((node,) for node in given.fixed))
+            write_table(inner / files["fixed"], ("node",), ((node,) for node in given.fixed))
         for kind, matrix in given.matrices.items():
             files[kind] = f"{body}_{kind}.{form}"
-            _write(
+            write_matrix(
                 inner / files[kind], sp.csr_array(matrix[kept][:, kept]), f"{name} {body} {kind}"
             )
         listed[body] = {key: f"{name}/{file}" for key, file in files.items()}
@@ -104,7 +104,8 @@ def _bodies(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> It
         yield _Given(matrices, slot.nodes, base_nodes(slot) + 1)
 
 
-def _table(path: Path, header: Iterable[str], rows: Iterable[Iterable]) -> None:
+def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable]) -> None:
+    """A table of any cells."""
     lines = [",".join(header), *(",".join(map(str, row)) for row in rows)]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -128,7 +129,7 @@ def _contact(path: Path, mesh: xr.Dataset) -> None:
             strict=True,
         )
     )
-    _table(path, ("flank", "beam_node", "slot_node", "area", "nx", "ny", "nz"), rows)
+    write_table(path, ("flank", "beam_node", "slot_node", "area", "nx", "ny", "nz"), rows)
 
 
 def _mapping(path: Path, kept: np.ndarray) -> None:
@@ -141,7 +142,8 @@ def _mapping(path: Path, kept: np.ndarray) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _write(path: Path, matrix: sp.csr_array, title: str) -> None:
+def write_matrix(path: Path, matrix: sp.csr_array, title: str) -> None:
+    """Matrix Market or Harwell-Boeing text, by the ending."""
     if path.suffix == ".mtx":
         mmwrite(path, sp.coo_array(matrix), comment=title, precision=17, symmetry="symmetric")
     else:

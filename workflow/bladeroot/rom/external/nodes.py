@@ -40,11 +40,11 @@ class BodyNodes:
 
 def body_nodes(description: Description) -> list[BodyNodes]:
     """Beam, slot Xn and slot Xp. ValueError, one line with file and row, for a wrong table."""
-    models = {name: _model(description, name) for name in description.models}
+    models = {name: node_table(description, name) for name in description.models}
     return [_body(description, models, name) for name in BODIES]
 
 
-def _model(description: Description, name: str) -> tuple[Table, Equations, ndarray]:
+def node_table(description: Description, name: str) -> tuple[Table, Equations, ndarray]:
     """Node table, equations and which equations are fixed, of one set of matrices."""
     model: dict[str, Any] = description.models[name]
     columns = ("node", "x", "y", "z", *(("body",) if name == "whole" else ()))

@@ -1,0 +1,142 @@
+"""The lap joint as the diagnosed structure: its stiffnesses, its causes, and what is refused."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.diagnosis.interfaces import density, weighted_draws
+from bladeroot.diagnosis.judged import judge
+from bladeroot.diagnosis.simulation.parametric import of_assembly
+from bladeroot.diagnosis.stick_model import problem, stick_data
+from bladeroot.inference.gaussian import best_fit
+from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.rom.parametric import ln_frequencies, solved_of
+from lap_coarse import lap_model
+
+MODES = ("bend1", "bend2", "bend3")
+CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
+LOADS = (3e3, 6e3, 9e3, 12e3)
+# ln k of outer and middle bolts
+TRUE = np.log([4e9, 1.4e9, 1.6e9, 0.6e9])
+BIAS = np.array([0.001, -0.001, 0.0005])
+
+
+def seen(exponent=0.0, factor=1.0, seed=1):
+    """A campaign's observations: four preloads, up and down, clamped anew each time."""
+    rng = np.random.default_rng(seed)
+    rows = [(m, load, hold, way) for hold, (load, way) in enumerate(
+        [(load, "up") for load in LOADS] + [(load, "down") for load in LOADS[::-1]]
+    ) for m in range(3)]  # fmt: skip
+    mode, load, hold, way = (np.array(part) for part in zip(*rows, strict=True))
+    scatter = 0.03 * rng.standard_normal((8, 1))[hold]
+    points = np.column_stack([TRUE + exponent * np.log(load / 6e3)[:, None] + scatter, load])
+    ln_f = ln_frequencies(solved_of(lap_model()), points)[0][np.arange(mode.size), mode]
+    ln_f = ln_f + BIAS[mode] + 2e-5 * rng.standard_normal(mode.size)
+    frequency, count = factor * np.exp(ln_f), mode.size
+    none = np.full(count, np.nan)
+    return xr.Dataset(
+        {
+            "mode": ("record", np.array(MODES)[mode]), "force": ("record", load),
+            "hold": ("record", [f"h{k}" for k in hold]), "direction": ("record", way),
+            "stick_frequency": ("record", frequency),
+            "stick_frequency_std": ("record", 2e-5 * frequency),
+            "stick_loss_factor": ("record", none), "stick_loss_factor_std": ("record", none),
+            "onset_amplitude": ("record", none), "plateau_reached": ("record", np.ones(count, int)),
+            "verdict": ("record", np.full(count, "usable")),
+            "time": ("record", 180.0 * np.arange(count)),
+            "findings": ("record", np.full(count, "")),
+            "correlation_decades": ("record", np.ones(count)),
+            "laser_x_m": ("sensor_mode", [0.34] * 3),
+        }
+        | {name: (("record", "amplitude"), np.zeros((count, 0))) for name in CURVES},
+        coords={"record": [f"r{k:02d}" for k in range(count)], "amplitude": np.zeros(0),
+                "sensor_mode": list(MODES)},
+        attrs={"campaign": "lap", "gauge_full_scale_std_N": 0.0, "gauge_relative_std": 0.01,
+               "gauge_resolution_N": 0.0, "load_name": "bolt preload", "load_unit": "N"},
+    )  # fmt: skip
+
+
+def told(observations):
+    expected = {"bend1": 160.0, "bend2": 580.0, "bend3": 1150.0}
+    return judge(observations, lap_model(), {"expected_Hz": expected}, catalogue())
+
+
+@pytest.fixture(scope="module")
+def null():
+    return told(seen())
+
+
+def test_no_cause_is_named_where_there_is_none(null):
+    _, said, model = null
+    assert said["answer"] != "named", said["reason"]
+    assert said["structure"] == "lap-joint"
+    assert model is None
+
+
+def test_true_stiffnesses_lie_in_their_intervals(null):
+    low, *_, high = null[0]["interface_k"].values.T
+    assert list(null[0]["stiffness"].values) == ["kn outer", "kt outer", "kn middle", "kt middle"]
+    assert (low < np.exp(TRUE)).all()
+    assert (np.exp(TRUE) < high).all()
+    assert null[0].attrs["interface_effective_draws"] > 50
+
+
+def test_stiffening_over_the_preload_is_named():
+    whole, said, _ = told(seen(exponent=0.5))
+    assert [one["mechanism"] for one in said["causes"]] == ["load-dependent-stiffness"]
+    exponent = said["causes"][0]["parameters"][0]
+    assert abs(exponent["value"] - 0.5) < 3 * exponent["std"] + 0.05
+    assert "bolt preload" in said["reason"]
+    low, *_, high = whole["interface_k"].values.T
+    at_reference = np.exp(TRUE) * np.sqrt(2.0)  # the law's, 12 kN
+    assert (low < at_reference).all()
+    assert (at_reference < high).all()
+
+
+def test_another_machine_is_refused_in_one_sentence():
+    _, said, _ = told(seen(factor=0.7))
+    assert said["answer"] == "insufficient-data"
+    assert said["causes"] == []
+    assert said["reason"].startswith("lap-joint cannot be this specimen")
+
+
+def test_weighted_draws_are_the_posterior_of_a_normal_density():
+    prior = np.array([[0.0, 2.0], [1.0, 1.0]])
+    precision = np.linalg.inv([[0.5, 0.3], [0.3, 0.4]])
+    center = np.array([0.5, 0.2])
+
+    def log_density(x):
+        off = x - center
+        return -0.5 * np.einsum("di,ij,dj->d", off, precision, off)
+
+    found = weighted_draws(log_density, prior, 4000)
+    mean = found.weight @ found.ln_k
+    off = found.ln_k - mean
+    np.testing.assert_allclose(mean, center, atol=0.05)
+    np.testing.assert_allclose((off * found.weight[:, None]).T @ off, np.linalg.inv(precision),
+                               atol=0.05)  # fmt: skip
+    assert found.effective > 1500
+    # within one Mahalanobis unit of two dimensions lies 1 - exp(-1/2)
+    assert found.share_denser(-0.5) == pytest.approx(1.0 - np.exp(-0.5), abs=0.03)
+
+
+def test_the_density_is_that_of_the_problem_with_biases_integrated_out():
+    data = stick_data(seen(), MODES)
+    simulated = of_assembly(lap_model(), {}, {}, 0.005)
+    asked = problem(data, simulated)
+    fitted = best_fit(asked, [asked.prior.mean])
+    base = asked.prior.mean.size
+    log_density = density(data, simulated, fitted, [], base)
+    theta, values = fitted.parameters.copy(), []
+    theta[4:] = asked.prior.mean[4:]
+    steps = np.array([[0.0] * 4, [0.1, -0.2, 0.05, 0.3]])
+    for step in steps:
+        theta[:4] = fitted.parameters[:4] + step
+        state = asked.predict(theta)
+        whole, _ = asked.covariance(state, fitted.scales)
+        rows = state.slope[:, 5:base] * asked.prior.std[5:base]
+        whole = whole + rows @ rows.T
+        off = data.ln_f - state.mean
+        log = -0.5 * (off @ np.linalg.solve(whole, off) + np.linalg.slogdet(whole)[1])
+        values.append(log - 0.5 * (((theta - asked.prior.mean) / asked.prior.std)[:4] ** 2).sum())
+    mine = log_density(fitted.parameters[:4] + steps)
+    assert mine[1] - mine[0] == pytest.approx(values[1] - values[0], rel=1e-3, abs=1e-2)

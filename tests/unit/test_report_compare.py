@@ -1,0 +1,91 @@
+"""Two runs side by side: what is the same is counted, what differs is told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from bladeroot import artifacts
+from bladeroot.command.main import main
+from bladeroot.pooling.stick import stick_from_table
+from bladeroot.report.compare import Side, compared, page, text
+from click.testing import CliRunner
+from test_report_diagnosis import SEATING, cause, verdict
+
+MADE = {"version": "1", "date": "2030-01-01", "settings": {"decay": "blocks", "search": "a"},
+        "sources": {"records.csv": "0" * 64}}  # fmt: skip
+
+
+@pytest.fixture
+def side():
+    rows = [("1B", f, 500.0 + 1e-3 * f, 0.01, 0.004, 1e-5) for f in (10e3, 16e3)]
+    columns = ["mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor",
+               "loss_factor_std"]  # fmt: skip
+    stick = stick_from_table(pd.DataFrame([map(str, row) for row in rows], columns=columns))
+    stick = stick.drop_dims("record").assign(
+        verdict=("record", ["plateau", "plateau"]), stick_frequency=("record", [510.0, 516.0])
+    )
+    stick = stick.assign_coords(record=["r1", "r2"]).assign_attrs(simulated=0, campaign="lab")
+    return Side("before", MADE, stick, verdict(causes=[cause()]))
+
+
+def said(a, b):
+    return "\n".join(text(compared(a, b)))
+
+
+def test_a_run_beside_itself_differs_in_nothing(side):
+    told = said(side, replace(side, label="after"))
+    assert "that both have: 2, of which 2 are the same" in told
+    assert "2 records are in both; 0 in before alone, 0 in after alone." in told
+    assert "They are read alike." in told
+    assert "No settings differ." in told
+    assert "No sources differ." in told
+
+
+def test_what_changed_is_told_by_kind(side):
+    stick = side.stick.copy(deep=True)
+    stick["frequency"] = stick["frequency"] + [0.0, 0.03]
+    stick["verdict"] = ("record", ["plateau", "rejected: hum"])
+    stick = stick.assign_coords(record=["r1", "r2"])
+    other = Side(
+        "after",
+        MADE | {"settings": {"decay": "thesis", "search": "a"}, "sources": {}},
+        stick,
+        verdict(causes=[cause((SEATING,))]),
+    )
+    told = said(side, other)
+    assert "+58 ppm (2.1 std)" in told
+    assert "of which 1 are the same" in told
+    assert "rejected: hum" in told
+    assert "incomplete contact" in told
+    assert "not named" in told
+    assert "blocks" in told
+    assert "000000000000" in told
+    assert "search" not in told
+
+
+def test_simulated_is_said_of_the_one_that_is(side):
+    made = replace(side, label="rig", stick=side.stick.assign_attrs(simulated=1))
+    assert "simulated: rig" in page(side, made)
+    assert "Simulated records" in page(made, replace(made, label="rig 2"))
+    told = page(side, side)
+    assert "Simulated records" not in told
+    assert "simulated: " not in told
+
+
+def test_the_command_compares_folders_of_results(side, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("old", "new"):
+        folder = tmp_path / name / "lab"
+        artifacts.save(side.stick.assign(one=xr.DataArray(np.ones(2), dims="level")),
+                       folder / "stick.nc")  # fmt: skip
+        artifacts.save_json(MADE, folder / "report" / "provenance.json")
+        artifacts.save_json(dict(side.verdict), folder / "diagnosis" / "verdict.json")
+    done = CliRunner().invoke(main, ["compare", "old/lab", "new/lab"])
+    assert done.exit_code == 0, done.output
+    assert "old/lab" in done.output
+    assert (tmp_path / "results" / "lab-lab.html").is_file()
+    gone = CliRunner().invoke(main, ["compare", "old/lab", "nothing"])
+    assert gone.exit_code == 1
+    assert "no results here" in gone.output

@@ -1,0 +1,49 @@
+"""A stuck joint whose losses depend on the axial force."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
+
+REFERENCE_FORCE = 12e3  # N
+
+
+def power(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Loss factors as a power of the force, of the other modes times a ratio."""
+    return _of_modes(records, values, np.log(records.force / REFERENCE_FORCE))
+
+
+def contact_part(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As far as the linear term goes, a part of the loss is as one over the force, the rest fixed.
+
+    `exponent` is the slope at 12 kN in this form too.
+    """
+    return _of_modes(records, values, 1.0 - REFERENCE_FORCE / records.force)
+
+
+def _of_modes(records: Records, values: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    exponent, ratio = values
+    other = records.mode > 0
+    factor = np.where(other, ratio, 1.0)
+    return exponent * factor * x, np.stack([factor * x, np.where(other, exponent * x, 0.0)], axis=1)
+
+
+MECHANISM = Mechanism(
+    id="force-dependent-damping",
+    kind="force-law",
+    sentence="the stuck joint's losses depend on the axial force, the frequencies as simulated",
+    parameters=(
+        Parameter(
+            "exponent", "1", 0.0, 0.3, -1.5, 1.5,
+            "of the loss factors over the force: a rubbing joint loses less the tighter it is",
+        ),
+        Parameter("ratio", "1", 1.0, 0.5, -3.0, 3.0, "other modes over the first"),
+    ),
+    splitter="loss factors at twice the force; another lubricant",
+    damping=power,
+    form="power",
+)  # fmt: skip
+MECHANISM = replace(
+    MECHANISM, forms=(replace(MECHANISM, damping=contact_part, form="contact's part"),)
+)

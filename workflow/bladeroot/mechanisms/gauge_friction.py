@@ -1,0 +1,55 @@
+"""Friction between the gauge and the specimen: the true force lags behind the reading."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bladeroot.mechanisms import loading_hysteresis as hysteresis
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+
+REFERENCE_FORCE = 12e3  # N
+
+
+def proportional(records: Records, values: np.ndarray) -> StickEffect:
+    """Less than the reading by a part of it when loading, more when unloading."""
+    return _effect(records, values, records.force)
+
+
+def constant(records: Records, values: np.ndarray) -> StickEffect:
+    """By the same at all forces, as stated at 12 kN."""
+    return _effect(records, values, np.full(records.force.size, REFERENCE_FORCE))
+
+
+def from_the_top(records: Records, values: np.ndarray) -> StickEffect:
+    """In proportion, but that the lag turns over below the upper turning point."""
+    opening = hysteresis.from_the_top(hysteresis.part(records))
+    return _effect(records, values, records.force * np.where(records.sign < 0, opening, 1.0))
+
+
+def _effect(records: Records, values: np.ndarray, lag: np.ndarray) -> StickEffect:
+    change = -records.sign * lag
+    return StickEffect({"force": values[0] * change}, {"force": change[:, None]})
+
+
+MECHANISM = Mechanism(
+    id="gauge-friction",
+    kind="direction",
+    sentence="friction in the loading line: the true force lags behind the gauge's, up and down",
+    parameters=(
+        Parameter(
+            "friction", "1", 0.0, 0.08, 0.0, 0.4, "over the force: seals of a cylinder 2 to 20 %"
+        ),
+    ),
+    splitter="a load cell between cylinder and specimen, up and down",
+    stick=proportional,
+    measured_by="load cell hysteresis",
+    over=("sign", "force"),
+    form="proportional",
+)
+MECHANISM = replace(
+    MECHANISM,
+    forms=(
+        replace(MECHANISM, stick=constant, form="constant"),
+        replace(MECHANISM, stick=from_the_top, form="closed at the upper turning point"),
+    ),
+)
