@@ -13,7 +13,7 @@ def files_of_assembly(wildcards):
     from bladeroot.rom.external.assembly import files_of, read_assembly
 
     path = ASSEMBLIES[wildcards.structure]
-    return local(files_of(read_assembly(path))) if kind_of(path) == ASSEMBLY else []
+    return given(files_of(read_assembly(path))) if kind_of(path) == ASSEMBLY else []
 
 
 ruleorder: assembly_reduced > matrices_reduced > reduced
