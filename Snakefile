@@ -8,7 +8,6 @@ configfile: f"{workflow.basedir}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/current.smk"
 include: "workflow/rules/tell.smk"
 include: "workflow/rules/resources.smk"
 
@@ -38,6 +37,8 @@ include: "workflow/rules/extended.smk"
 include: "workflow/rules/ledger.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/export_tables.smk"
+# Last: what is refused leaves nothing behind.
+include: "workflow/rules/current.smk"
 
 
 onstart:

@@ -234,7 +234,7 @@ def test_a_laser_at_a_node_of_the_mode_is_refused():
 
 def test_a_joint_that_cannot_slide_is_named_by_its_own_stiffness():
     """Tension holds it while it sticks; the sliding joint behind the kept modes is not stable."""
-    with pytest.raises(ValueError, match=r"kt 2e\+09 N/m and 1e\+07 N once its flanks slide"):
+    with pytest.raises(ValueError, match=r"2e\+09 N/m and a load of 1e\+07 once its flanks slide"):
         system_of(coarse_joint(), np.array([*POINT[:2], 1e7]), "1B")
 
 

@@ -112,7 +112,7 @@ def _levels(a: Side, b: Side) -> list[Table]:
 def _alike(one: xr.Dataset, other: xr.Dataset) -> bool:
     names = [k for k in ("mode", "group") if k in one and k in other]
     same = all(str(one[k].item()) == str(other[k].item()) for k in names)
-    return same and np.isclose(float(one["force"]), float(other["force"]), rtol=_SAME_LOAD)
+    return same and bool(np.isclose(float(one["force"]), float(other["force"]), rtol=_SAME_LOAD))
 
 
 def _stiffness(a: Side, b: Side) -> list[Table]:
