@@ -46,8 +46,10 @@ onstart:
 
 
 onsuccess:
+    STATED.state_rest()
     tell_results()
 
 
 onerror:
+    STATED.state_rest()
     tell_failures(log)

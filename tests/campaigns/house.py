@@ -84,7 +84,7 @@ class House:
 
 
 def copy_house(folder: Path) -> House:
-    """The workflow with the small campaign as its only one, and with short chains of draws."""
+    """The workflow with the small campaign as its only one."""
     folder.mkdir(parents=True, exist_ok=True)
     # another process may be writing to caches, under passing names
     passing = shutil.ignore_patterns("compiled", "*.pyc.*", "*.tmp.*")
@@ -103,8 +103,6 @@ def copy_house(folder: Path) -> House:
     # another library is installed: a house takes the one that it holds
     (folder / "no" / "bladeroot").mkdir(parents=True)
     (folder / "no" / "bladeroot" / "__init__.py").write_text("raise ImportError('of another')\n")
-    # How well a posterior is drawn is tested on the function; here chains were half of a run.
-    house.edit("workflow/bladeroot/stiffness/sampler.py", "STEPS, THIN = 1000", "STEPS, THIN = 200")
     return house
 
 

@@ -241,7 +241,7 @@ TABLE = [
     ("spectra", code("decay/spectra.py"), "figures_records"),
     ("pooled curves", code("pooling/curves.py"), "curves", "integrity"),
     ("interpolation", code("stiffness/interpolation.py"), "fe_forces", "joint amplitude diagnosis"),
-    ("sampler", code("stiffness/sampler.py"), "joint amplitude", "diagnosis figures"),
+    ("posterior", code("stiffness/posterior.py"), "joint amplitude", "diagnosis figures"),
     ("theory", code("contact/theory.py"), "theory"),
     ("law of friction", code("contact/laws/iwan.py"), "amplitude shortfall"),
     ("verdict", code("diagnosis/verdict.py"), "diagnosis"),
@@ -260,7 +260,7 @@ TABLE = [
     ("printed table, older time", put_older("resources/thesis/table_5_2.csv", "\n", "\n\n"), "stiffness theory figures"),
     ("table of the checks", put_older("resources/thesis/table_4_2.csv", "\n", "\n\n"), "checks"),
     ("contact parameters", put_older("resources/thesis/contact_parameters.csv", "\n", "\n\n"), "theory"),
-    ("errata", put_older("resources/thesis/errata.yaml", "\n", "\n\n"), "report"),
+    ("errata, layout", put_older("resources/thesis/errata.yaml", "\n", "\n\n"), NOTHING),
     # times
     *((f"touched {name}", touched(pattern), NOTHING) for name, pattern in (
         ("structure", TINY), ("bench", BENCH), ("sheet", SHEET), ("config", CONFIG), ("library", LIBRARY + "**/*.py"),
@@ -331,8 +331,7 @@ def _plan(folder, told, cli):
     sys.path[:] = [one for one in sys.path if not one.startswith(str(Path(__file__).parents[2]))]
     os.chdir(folder)
     with told.open("w") as out:
-        os.dup2(out.fileno(), 1)
-        os.dup2(out.fileno(), 2)
+        sys.stdout = sys.stderr = out
         cli.main(["-n", "-j1"])
 
 

@@ -33,14 +33,6 @@ def test_an_added_record_redoes_itself_and_what_aggregates_it(restored):
     assert restored.planned() == {"bench": 1, "ringdown": 1, **AGGREGATES, **SEARCHES}
 
 
-def test_a_search_setting_redoes_the_search_and_what_follows(restored):
-    restored.edit("config/config.yaml", "1B: 0.5", "1B: 0.4")
-    assert restored.planned() == {
-        **SEARCHES, "stiffness": 1, "joint": 1, "amplitude": 1, "theory": 1,
-        "report": 1, "diagnosis": 1, "verdict": 1,
-    }  # fmt: skip
-
-
 def test_another_estimator_and_a_new_force_redo_no_structure(restored):
     """The one redoes decays, the other maps; neither makes a record or a body anew."""
     restored.edit("config/config.yaml", "[12, 16]", "[12, 14, 16]")
@@ -48,21 +40,3 @@ def test_another_estimator_and_a_new_force_redo_no_structure(restored):
     assert planned["ringdown"] > 0
     assert (planned["frequency_maps"], planned["search"]) == (1, 1)
     assert planned["reduced"] + planned["bench"] + planned["parametric"] == 0
-
-
-def test_changed_library_code_redoes_its_stages(restored):
-    """What else a stage's code stands on: tests/unit/test_provenance.py."""
-    for module in ("decay/freevib.py", "rom/greedy.py"):
-        path = restored.folder / "workflow" / "bladeroot" / module
-        path.write_text(path.read_text() + "\n\n_changed = True\n")
-    planned = restored.planned()
-    assert planned["ringdown"] >= 1
-    assert planned["parametric"] == planned["report"] == 1
-    assert planned["bench"] + planned["mesh"] + planned["reduced"] == 0
-
-
-def test_a_second_run_a_comment_and_the_order_of_settings_redo_nothing(restored):
-    path = restored.folder / "workflow" / "bladeroot" / "decay" / "freevib.py"
-    path.write_text(path.read_text() + "\n# A remark.\n")
-    restored.edit("config/config.yaml", "{1B: 0.5, 2B: 0.6}", "{2B: 0.6, 1B: 0.5}")
-    assert restored.planned() == {}

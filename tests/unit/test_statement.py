@@ -109,3 +109,12 @@ def test_a_folder_is_its_files_and_their_names(tmp_path):
     assert len(seen) == 3
     (folder / ".snakemake_timestamp").write_text("x")
     assert statement.Contents().of(folder) in seen
+
+
+def test_yaml_is_what_it_says(tmp_path):
+    place = tmp_path / "a.yaml"
+    seen = set()
+    for text in ("a: 1\nb: 2\n", "b:  2  # two\na: 1\n", "a: 1\nb: 3\n", "a: [", "a: ["):
+        place.write_text(text)
+        seen.add(statement.Contents().of(place))
+    assert len(seen) == 3

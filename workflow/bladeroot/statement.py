@@ -14,6 +14,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from bladeroot import artifacts
+from bladeroot.provenance import canonical_json
+from bladeroot.schema import parse_yaml
 
 FOLDER = "provenance"
 # Folders of results/ whose files no job takes as an input, and endings of what jobs make.
@@ -51,8 +53,7 @@ class Contents:
             return ""
         known = self._known.get(str(path))
         if known is None or known[0] != who:
-            with open(path, "rb") as file:
-                known = who, hashlib.file_digest(file, "sha256").hexdigest()
+            known = who, _hash(path)
             self._known[str(path)] = known
             self._read += 1
         return known[1]
@@ -76,6 +77,15 @@ class Contents:
             # they only save time
             with suppress(ValueError):
                 artifacts.save_text(json.dumps(self._known), self._place)
+
+
+def _hash(path: str | Path) -> str:
+    """Of a file's bytes; of YAML, whose comments and layout nobody reads, of what it says."""
+    if Path(path).suffix == ".yaml":
+        with suppress(ValueError, TypeError):
+            return hashlib.sha256(canonical_json(parse_yaml(path)).encode()).hexdigest()
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def identity(path: str | Path) -> list[int] | None:

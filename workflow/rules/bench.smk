@@ -27,7 +27,7 @@ for campaign in CAMPAIGNS.values():
             name:
                 f"bench.{campaign.name}.{batch}"
             input:
-                bench=read_for_meaning(bench_of(campaign)),
+                bench=given(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
                 raw=[
@@ -46,7 +46,6 @@ for campaign in CAMPAIGNS.values():
             resources:
                 **needs("bench"),
             params:
-                bench=meaning(bench_of(campaign)),
                 rows=canonical_json(rows),
                 folder=folder_of_output,
                 code=code("bench"),

@@ -6,7 +6,7 @@ CALIBRATION = ROOT / "resources" / "structures" / "calibration"
 
 rule calibrate:
     input:
-        asked=lambda w: read_for_meaning(CALIBRATION / f"{w.structure}.yaml"),
+        asked=given(CALIBRATION / "{structure}.yaml"),
         structure=structure_file,
         tables=given(
             expand(
@@ -24,8 +24,6 @@ rule calibrate:
     resources:
         **needs("calibrate"),
     params:
-        structure=structure_meaning,
-        asked=lambda w: meaning(CALIBRATION / f"{w.structure}.yaml"),
         code=code("calibrate"),
     message:
         "unpublished dimensions of {wildcards.structure} from the thesis's tables"

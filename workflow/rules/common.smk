@@ -1,5 +1,4 @@
 # What every rule uses: the checked configuration and campaigns, and what a stage's parameters hold.
-import hashlib
 import os
 import sys
 
@@ -15,7 +14,7 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
-from bladeroot.schema import check, parse_yaml, read_yaml
+from bladeroot.schema import check, read_yaml
 from bladeroot.rom.file import check_structure
 
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -211,24 +210,8 @@ def given(files):
     return [given(file) for file in files]
 
 
-def read_for_meaning(file):
-    """A YAML file whose comments and layout redo nothing: its rule has `meaning` as a parameter."""
-    return ancient(given(file))
-
-
-@cache
-def meaning(file):
-    """Hash of what a YAML file says."""
-    said = canonical_json(parse_yaml(file))
-    return hashlib.sha256(said.encode()).hexdigest()[:16]
-
-
 def structure_file(wildcards):
-    return read_for_meaning(STRUCTURES[wildcards.structure])
-
-
-def structure_meaning(wildcards):
-    return meaning(STRUCTURES[wildcards.structure])
+    return given(STRUCTURES[wildcards.structure])
 
 
 def batch_lists(wildcards):

@@ -63,8 +63,14 @@ class Stated(logging.Handler):
             self.state(record.job_id)
 
     def read(self, number):
-        """Inputs that count by their bytes; of the others a parameter says what they mean."""
-        return [str(file) for file in self.job(number).input if not file.is_ancient]
+        return [str(file) for file in self.job(number).input]
+
+    def state_rest(self):
+        """Those whose end is told to nobody: Snakemake's --quiet."""
+        if self.began:
+            for job in workflow.dag.finished_jobs:
+                if job.jobid in self.began:
+                    self.state(job.jobid)
 
     def state(self, number):
         job, began = self.job(number), self.began.pop(number, {})
@@ -94,6 +100,9 @@ class Stated(logging.Handler):
             print(f"{place}: {error}; its job is done again", file=sys.stderr)
 
 
+STATED = Stated()
+
+
 def begin():
     """Sign in, tidy up after dead runs, and settle what is current."""
     run = runs.Run()
@@ -107,7 +116,7 @@ def begin():
     if alone:
         runs.remove_what_is_left()
         settle()
-    logger.addHandler(Stated())
+    logger.addHandler(STATED)
     return run
 
 

@@ -43,7 +43,6 @@ rule matrices_mesh:
     resources:
         **needs("matrices_mesh"),
     params:
-        structure=structure_meaning,
         code=code("matrices_mesh"),
     message:
         "nodes and contact pairs of {wildcards.structure}"
@@ -69,7 +68,6 @@ rule matrices_reduced:
     resources:
         **needs("matrices_reduced"),
     params:
-        structure=structure_meaning,
         code=code("matrices_reduced"),
     message:
         "Craig-Bampton reduction of the matrices of {wildcards.structure} (4.3-4.12)"
@@ -95,7 +93,6 @@ rule matrices_checks:
     resources:
         **needs("matrices_checks"),
     params:
-        structure=structure_meaning,
         code=code("matrices_checks"),
     message:
         "mass, rigid motions and load of {wildcards.structure}"
@@ -122,7 +119,6 @@ rule matrices_accuracy:
     resources:
         **needs("matrices_accuracy"),
     params:
-        structure=structure_meaning,
         forces=forces_used,
         code=code("matrices_accuracy"),
     message:
@@ -151,7 +147,6 @@ rule export:
     resources:
         **needs("export"),
     params:
-        structure=structure_meaning,
         code=code("export"),
     message:
         "full matrices of {wildcards.structure} as {wildcards.form} files"
@@ -188,7 +183,6 @@ rule paraview:
     resources:
         **needs("paraview"),
     params:
-        structure=structure_meaning,
         prestress=lambda w, input: (
             f"--prestress {input.prestress}" if input.prestress else ""
         ),

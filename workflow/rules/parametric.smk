@@ -71,7 +71,6 @@ rule accuracy:
     resources:
         **needs("accuracy"),
     params:
-        structure=structure_meaning,
         forces=forces_used,
         code=code("accuracy"),
     message:

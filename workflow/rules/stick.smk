@@ -5,7 +5,7 @@ def stick_sources(wildcards):
     """The campaign's table, or the batches of its records."""
     campaign = CAMPAIGNS[wildcards.campaign]
     if campaign.stick:
-        return ancient(given(campaign.folder / "stick.csv"))
+        return given([campaign.folder / "stick.csv"])
     return batch_lists(wildcards)
 
 
@@ -24,8 +24,6 @@ rule stick:
     resources:
         **needs("stick"),
     params:
-        # its rows as they are read: other columns redo nothing
-        table=lambda w: canonical_json(CAMPAIGNS[w.campaign].stick),
         settings=settings("stick"),
         code=code("stick"),
     message:

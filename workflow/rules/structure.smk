@@ -15,7 +15,6 @@ rule mesh:
     resources:
         **needs("mesh"),
     params:
-        structure=structure_meaning,
         code=code("mesh"),
     message:
         "mesh of {wildcards.structure}"
@@ -39,7 +38,6 @@ rule prestress:
     resources:
         **needs("prestress"),
     params:
-        structure=structure_meaning,
         code=code("prestress"),
     message:
         "static stress of {wildcards.structure} under axial force (4.2)"
@@ -64,7 +62,6 @@ rule shapes:
     resources:
         **needs("shapes"),
     params:
-        structure=structure_meaning,
         code=code("shapes"),
     message:
         "mode shapes of the free beam of {wildcards.structure}"
@@ -90,7 +87,6 @@ rule reduced:
     resources:
         **needs("reduced"),
     params:
-        structure=structure_meaning,
         code=code("reduced"),
     message:
         "Craig-Bampton reduction of {wildcards.structure} (4.3-4.12)"
@@ -119,7 +115,6 @@ rule checks:
     resources:
         **needs("checks"),
     params:
-        structure=structure_meaning,
         code=code("checks"),
     message:
         "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"
