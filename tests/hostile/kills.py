@@ -26,10 +26,10 @@ LIMIT_S = 900.0
 # What a trial deletes, and what it asks for besides the report: stages that take a second or two.
 SMALL, TINY = "results/small", "results/structures/tiny"
 WORK = [
-    [f"{SMALL}/stick.nc", f"{SMALL}/figures/stick.svg", f"{SMALL}/report.html"],
-    [f"{SMALL}/theory.nc", f"{SMALL}/figures/compared.svg", f"{SMALL}/report.html"],
+    [f"{SMALL}/stick.nc", f"{SMALL}/report.html"],
+    [f"{SMALL}/theory.nc", f"{SMALL}/report.html"],
     [f"{SMALL}/score.nc", f"{SMALL}/report.html"],
-    [f"{SMALL}/figures/backbones.svg", f"{SMALL}/curves.nc", f"{SMALL}/report.html"],
+    [f"{SMALL}/curves.nc", f"{SMALL}/report.html"],
     [f"{TINY}/modes.svg", f"{TINY}/shapes.nc", f"{SMALL}/report.html"],
     [f"{TINY}/matrices-mtx", f"{SMALL}/report.html"],
     [f"{SMALL}/export", f"{SMALL}/diagnosis/verdict.json", f"{SMALL}/report.html"],
@@ -39,7 +39,7 @@ AIMED = {
     "Snakemake's lock": (".snakemake/locks/*.lock", 0),
     "a job that began": (".snakemake/incomplete/*", 1),
     "a half-written artifact": ("results/small/.*.part", 2),
-    "a half-written figure": ("results/small/figures/.*.part", 3),
+    "a half-written chapter": ("results/small/report/.*.part", 3),
     "a statement": ("results/provenance/**/.*.part", 4),
     "a half-written folder of matrices": ("results/structures/tiny/.*.part", 5),
     "a half-written export": ("results/small/.*.part", 6),
