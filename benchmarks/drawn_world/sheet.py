@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 import yaml
 
@@ -71,9 +70,3 @@ def campaign(event: Event, folder: Path) -> list[dict]:
         entries.append({"raw": files[sensor], "facts": known, "mode": mode, "sensor": sensor})
     (folder / "records.csv").write_text("\n".join(rows) + "\n")
     return entries
-
-
-def relative_white(event: Event, sensor: int) -> float:
-    """White noise over the peak of the record."""
-    one = event.sensors[sensor]
-    return float(one.noise / np.max(np.abs(one.samples)))

@@ -5,22 +5,9 @@ import xarray as xr
 from bladeroot.figures import curves as curve_figures
 from bladeroot.figures import records as record_figures
 from bladeroot.figures.stick import over_load
+from report_bench import curves
 
 QUANTITIES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
-
-
-def curves(forces=(4000.0, 8000.0)):
-    """Mean curves that soften by one percent of the logarithm, known at every amplitude."""
-    amplitude = np.geomspace(1e-8, 1e-5, 61)
-    frequency = 480.0 + 1e-3 * np.array(forces)[:, None] - 0.5 * np.log(amplitude / 1e-8)
-    values = {"frequency": frequency, "loss_factor": 1e-5 * frequency}
-    values |= {f"{name}_{kind}": 1e-4 * value for name, value in values.items()
-               for kind in ("std", "change_std")}  # fmt: skip
-    values |= {f"{name}_scatter": 1e-3 * values[name] for name in ("frequency", "loss_factor")}
-    made = {name: (("level", "amplitude"), value) for name, value in values.items()}
-    made["records"] = (("level", "amplitude"), np.full(frequency.shape, 4))
-    made |= {"mode": ("level", ["1B"] * len(forces)), "force": ("level", list(forces))}
-    return xr.Dataset(made, coords={"amplitude": amplitude}, attrs={"simulated": 0})
 
 
 def test_what_is_too_uncertain_to_be_drawn_is_a_gap():

@@ -15,7 +15,7 @@ def predict(theta):
     a, b, c = theta
     mean = np.array([np.exp(a + b), b + 0.3 * a**2, c + a])
     slope = np.array([[mean[0], mean[0], 0.0], [0.6 * a, 1.0, 0.0], [1.0, 0.0, 1.0]])
-    return State(mean, slope, {}, a > -1.0)
+    return State(mean, slope, {}, bool(a > -1.0))
 
 
 def covariance(state, scales):

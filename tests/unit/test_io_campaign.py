@@ -48,7 +48,7 @@ def test_a_good_sheet_is_read_in_si_units(folder):
     (record,) = campaign.records
     assert record["force_N"] == pytest.approx(20 * 179.0)
     assert (record["unit"], record["hold"], record["time_s"]) == ("mm/s", "h1", 0.0)
-    assert campaign.force_full_scale == pytest.approx(125300.0)
+    assert campaign.load.full_scale == pytest.approx(125300.0)
 
 
 def test_the_published_campaign_is_good():

@@ -11,7 +11,7 @@ from bladeroot.command.main import main
 from bladeroot.pooling.stick import stick_from_table
 from bladeroot.report.compare import Side, compared, page, text
 from click.testing import CliRunner
-from test_report_diagnosis import SEATING, cause, verdict
+from report_bench import SEATING, cause, verdict
 
 MADE = {"version": "1", "date": "2030-01-01", "settings": {"decay": "blocks", "search": "a"},
         "sources": {"records.csv": "0" * 64}}  # fmt: skip

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from bladeroot.report.front import front_sections
 from bladeroot.report.page import Cards, Link, Table
-from test_report_diagnosis import cause, found, verdict
+from report_bench import cause, found, verdict
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 

@@ -19,13 +19,6 @@ from bladeroot.report.page import Box, Table
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 
 GAUGE = ForceGauge(0.1, 1e3, "full-scale")
-NO_PAIR = xr.Dataset(
-    {
-        "status": (("structure", "force"), [["no measurement"] * 2]),
-        "correlation": (("structure", "force"), [[np.nan] * 2]),
-    },
-    {"structure": ["s"], "force": [12e3, 14e3]},
-)
 FACTS = {"entry": "records", "excluded": (), "description": {"force": {
     "gauge": "pressure", "piston_area_cm2": 17.9, "full_scale_bar": 700, "accuracy_percent": 1,
     "accuracy_of": "full-scale"}}}  # fmt: skip

@@ -10,7 +10,7 @@ from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
 from bladeroot.report.words import CUTS, SPECTRA, gauge_sentence, words_of
 from pooling_bench import drawn
-from test_figures_records import curves
+from report_bench import curves
 
 FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
 

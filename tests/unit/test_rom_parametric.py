@@ -29,7 +29,6 @@ from bladeroot.rom.sensitivity import (
     SCALES,
     added_mass,
     changed_frequencies,
-    contact_motion,
     derivatives,
     mode_shape,
     scaled,
@@ -224,18 +223,13 @@ def test_shapes_are_those_of_exact_solutions(model, joint):
     display = joint.assembly["display_position"].values[:, 0]
     for m, mode in enumerate(MODES):
         ritz = ritz_of(model, mode)
-        for p, moves in zip(points, contact_motion(ritz, points), strict=True):
+        for p in points:
             shape = exact_modes(joint, p, MODES).shapes[:, m]
             line = joint.assembly["display_shape"].values @ shape
             shape = shape * np.sign(line[display > 0, 2].sum())
             found = mode_shape(ritz, p[None], display[3])[0]
             expected = joint.assembly["display_shape"].values[3] @ shape
             np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(line).max())
-            sides = [joint.assembly[side].values for side in ("beam_dof", "slot_dof")]
-            gap = np.einsum(
-                "pla,pa->pl", joint.assembly["frame"].values, shape[sides[0]] - shape[sides[1]]
-            )
-            np.testing.assert_allclose(moves, gap, atol=1e-3 * np.abs(gap).max())
 
 
 def test_further_modes_are_followed_among_those_they_mix_with():

@@ -55,7 +55,7 @@ NEEDS = {
 
 
 # Which of the jobs that could run goes first: what the longest chain waits for (structure, bench, records,
-# inference with curves, its figures and the report), then the long ones, so that none is left alone at the end.
+# inference with curves, and the report), then the long ones, so that none is left alone at the end.
 PRIORITY = {
     "mesh": 50,
     "prestress": 50,

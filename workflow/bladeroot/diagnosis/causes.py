@@ -67,13 +67,7 @@ def causes(
     for k, (one, values, chain) in enumerate(told):
         if one.structure is not None:
             change, slope = structures(one, values, there)
-            factor, steeper = (
-                (np.ones(n), np.zeros((n, values.size)))
-                if one.course is None
-                else one.course(records, values)
-            )
-            own[k][:, 3] = factor * change
-            slopes[k][:, 3] = (factor[:, None] * slope + change[:, None] * steeper) * chain
+            own[k][:, 3], slopes[k][:, 3] = change, slope * chain
     effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
     return Causes(sum(own, np.zeros((n, 4))), effects, slopes)
 

@@ -92,7 +92,7 @@ def matrices(extension: Extension, model: xr.Dataset, mode: str) -> Change:
     ritz = ritz_of(model, mode)
     stiffness, mass = np.zeros_like(ritz.beam), np.zeros_like(ritz.beam)
     for one, values in extension.causes:
-        if lasting(one):
+        if one.structure is not None:
             change, _ = one.structure(ritz, values)
             stiffness, mass = stiffness + change.stiffness, mass + change.mass
     return Change(stiffness, mass)
@@ -111,7 +111,7 @@ def curves(extension: Extension, points: Points) -> CurveEffect:
 
 def structure_of(extension: Extension, model: xr.Dataset) -> xr.Dataset:
     """The parametric model with the causes that change the matrices; the same if none does."""
-    if not any(lasting(one) for one, _ in extension.causes):
+    if not any(one.structure is not None for one, _ in extension.causes):
         return model
     modes = [str(mode) for mode in model["mode"].values]
     return changed_model(model, {mode: matrices(extension, model, mode) for mode in modes})
@@ -151,8 +151,3 @@ def curves_of(extension: Extension, simulated: xr.Dataset) -> xr.Dataset:
     ):
         result[name] = value.transpose(*simulated[name].dims).assign_attrs(simulated[name].attrs)
     return result.assign_attrs(extended_by=";".join(amplitude_causes(extension)))
-
-
-def lasting(one: Mechanism) -> bool:
-    """Whether a cause changes the matrices, and for all records alike."""
-    return one.structure is not None and one.course is None

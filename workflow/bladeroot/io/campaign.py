@@ -61,11 +61,6 @@ class Campaign:
         return self.load.scale if self.load else 1.0
 
     @property
-    def force_full_scale(self) -> float:
-        """The gauge's full scale in the load's unit; inf without a gauge."""
-        return self.load.full_scale if self.load else float("inf")
-
-    @property
     def structure_lacks(self) -> str:
         """Why nothing can be inferred with the campaign's structures, a phrase, or ""."""
         if self.description["simulation"] != STRUCTURE:

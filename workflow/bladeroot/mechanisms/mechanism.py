@@ -158,11 +158,6 @@ DampingHook = Callable[
     tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]],
 ]
 CurveHook = Callable[[Points, Float[ndarray, " parameter"]], CurveEffect]
-# Factor of a `structure` hook's effect by record, and its derivatives.
-CourseHook = Callable[
-    [Records, Float[ndarray, " parameter"]],
-    tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]],
-]
 # The change of the matrices at some values of the parameters, and its derivative by each.
 StructureHook = Callable[[Ritz, Float[ndarray, " parameter"]], tuple[Change, list[Change]]]
 
@@ -171,12 +166,11 @@ StructureHook = Callable[[Ritz, Float[ndarray, " parameter"]], tuple[Change, lis
 class Mechanism:
     """One possible cause.
 
-    sentence: what it is. splitter: the measurement that would tell it from its siblings. course:
-    factor by which a `structure` hook's effect differs between records. form: name of the law where
-    there are several; forms: the others, mechanisms of the same id, of the same first parameter and
-    as likely as this one. over: what a law on records
-    is a function of (force, time, since, sign); in these it is only trusted to some per cent. A
-    `stick` law over the force is given the force that there is, as other causes change it.
+    sentence: what it is. splitter: the measurement that would tell it from its siblings. form: name
+    of the law where there are several; forms: the others, mechanisms of the same id, of the same
+    first parameter and as likely as this one. over: what a law on records is a function of (force,
+    time, since, sign); in these it is only trusted to some per cent. A `stick` law over the force
+    is given the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
     whether it is never named by itself without that, for its siblings explain the same data.
@@ -191,7 +185,6 @@ class Mechanism:
     splitter: str
     stick: StickHook | None = None
     structure: StructureHook | None = None
-    course: CourseHook | None = None
     curve: CurveHook | None = None
     damping: DampingHook | None = None
     finding: str = ""

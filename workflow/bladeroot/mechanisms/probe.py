@@ -67,8 +67,6 @@ def _laws(one: Mechanism) -> Iterator[tuple[str, Callable[[Values], Effects]]]:
         yield "curve", lambda values: _curve(one.curve(_POINTS, values))
     if one.structure is not None:
         yield "structure", lambda values: _structure(one.structure(_RITZ, values))
-    if one.course is not None:
-        yield "course", lambda values: {"course": _pair(one.course(_RECORDS, values))}
 
 
 def _stick(effect: StickEffect) -> Effects:

@@ -70,11 +70,6 @@ def mode_shape(
     return _signed(ritz, points) @ motion(ritz, x)[:, : ritz.own].T
 
 
-def contact_motion(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, "point pair 3"]:
-    """Gap and slips of each contact pair (normal, along Y, along slope), signed as `mode_shape`."""
-    return np.einsum("qav,pv->pqa", ritz.contact[:, :, : ritz.own], _signed(ritz, points))
-
-
 def _signed(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, "point own"]:
     shape = solve(ritz, points).shape
     half = ritz.display[ritz.display_x > 0.0, :, : ritz.own].sum(axis=0)
