@@ -12,7 +12,7 @@ from xarray import Dataset
 GOOD = """import numpy as np
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, StickEffect
 
-SIZE = Parameter("size", "1", 0.1, 0.05, -1.0, 1.0, False, "made up")
+SIZE = Parameter("size", "1", 0.1, 0.05, -1.0, 1.0, "made up")
 
 
 def stick(records, values):

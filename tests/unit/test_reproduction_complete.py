@@ -105,7 +105,7 @@ def test_verdicts_that_rest_on_the_tables_alone(tables):
         )
     }
     assert found == FROM_TABLES
-    section = ledger_section(made, read("errata"), "<svg></svg>")
+    section = ledger_section(made, read("errata"), [])
     counts = section.parts[1].rows[-1]
     assert list(counts) == ["all", "3", "0", "4", "1", "8"]
 

@@ -241,6 +241,7 @@ def test_a_posterior_that_is_no_number_is_an_answer(campaign, monkeypatch):
     assert "cannot be drawn from: Probability function" in found.attrs["reason"]
 
 
+@pytest.mark.wrong_shape
 def test_a_friction_that_cannot_be_simulated_is_not_taken(monkeypatch):
     prior = FRICTION_PRIOR
     best = prior.mean[0] - 2.0 * prior.std[0]

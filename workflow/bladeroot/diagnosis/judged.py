@@ -134,7 +134,7 @@ def with_baseline(
     """Against linear modes, in the campaign's own range of load and amplitude."""
     modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
     own = own_range(seen)
-    linear = Linear(modes, np.array([expected[mode] for mode in modes]), bool(own.name))
+    linear = Linear(modes, np.array([expected[mode] for mode in modes], float), bool(own.name))
     spoken = [one for one in candidates if not linear.silent(one)]
     return _in_own(seen, linear, settings, spoken, "")
 

@@ -107,7 +107,7 @@ def reduce_bodies(assembly: Assembly) -> xr.Dataset:
         moved = blocks[b][3][own[own >= 0]]
         shape[k, own >= 0, starts[b] : starts[b + 1]] = moved
     tied = np.concatenate([np.full(len(one.node), one.kn is None) for one in interfaces])
-    join = _join(dofs[tied], starts[-1])
+    join = _join(dofs[tied], int(starts[-1]))
     mass, stiffness, geometric = (join.T @ one @ join for one in (mass, stiffness, geometric))
     place = join.argmax(axis=1)
     interface = np.repeat(np.arange(len(interfaces)), [len(one.node) for one in interfaces])
