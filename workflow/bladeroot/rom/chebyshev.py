@@ -22,14 +22,14 @@ class Surface:
     """Coefficients of several functions over one box; `low` and `high` are its corners."""
 
     coefficients: Float[ndarray, "function i j l"]
-    low: Float[ndarray, "3"]
-    high: Float[ndarray, "3"]
+    low: Float[ndarray, " coordinate"]
+    high: Float[ndarray, " coordinate"]
 
 
 def fit(
     function: Callable[[Float[ndarray, "point 3"]], Float[ndarray, "function point"]],
-    low: Float[ndarray, "3"],
-    high: Float[ndarray, "3"],
+    low: Float[ndarray, " coordinate"],
+    high: Float[ndarray, " coordinate"],
     tolerance: float,
 ) -> Surface:
     """Interpolate at Chebyshev's nodes, as many along a coordinate as lines through the box need.

@@ -113,7 +113,7 @@ def find_bases(
 
 def _worst(
     mode: Ritz,
-    training: Float[ndarray, "point 3"],
+    training: Float[ndarray, "point coordinate"],
     tolerance: float,
     missed: Int[ndarray, " missed"],
 ) -> tuple[set[int], Int[ndarray, " above"]]:

@@ -57,7 +57,7 @@ def _springs(count: int) -> dict[str, tuple]:
 def parametric_model(
     joint: Joint,
     modes: Sequence[str] = MODES,
-    stiffness: tuple[float, float] | Sequence[tuple[float, float]] = STIFFNESS,
+    stiffness: tuple[float, float] | Float[ndarray, "parameter 2"] = STIFFNESS,
     force: tuple[float, float] = FORCE,
     tolerance: float = TOLERANCE,
     sums: bool = True,

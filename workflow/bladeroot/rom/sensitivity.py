@@ -61,7 +61,7 @@ def added_mass(ritz: Ritz, x: float) -> Change:
 
 
 def mode_shape(
-    ritz: Ritz, points: Float[ndarray, "point 3"], x: float
+    ritz: Ritz, points: Float[ndarray, "point coordinate"], x: float
 ) -> Float[ndarray, "point 3"]:
     """Motion (X, Y, Z) of the display line at x (m) in the mode of unit modal mass, kg^-1/2.
 
@@ -70,7 +70,7 @@ def mode_shape(
     return _signed(ritz, points) @ motion(ritz, x)[:, : ritz.own].T
 
 
-def _signed(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, "point own"]:
+def _signed(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Float[ndarray, "point own"]:
     shape = solve(ritz, points).shape
     half = ritz.display[ritz.display_x > 0.0, :, : ritz.own].sum(axis=0)
     moves = shape @ half.T
@@ -79,7 +79,7 @@ def _signed(ritz: Ritz, points: Float[ndarray, "point 3"]) -> Float[ndarray, "po
 
 
 def derivatives(
-    ritz: Ritz, points: Float[ndarray, "point 3"], changes: Sequence[Change] = ()
+    ritz: Ritz, points: Float[ndarray, "point coordinate"], changes: Sequence[Change] = ()
 ) -> tuple[
     Float[ndarray, " point"],
     Float[ndarray, "point parameter"],
@@ -121,7 +121,7 @@ def derivatives(
 
 def changed_frequencies(
     ritz: Ritz,
-    points: Float[ndarray, "point 3"],
+    points: Float[ndarray, "point coordinate"],
     changes: Sequence[Change],
     amounts: Float[ndarray, "point change"],
 ) -> Float[ndarray, " point"]:

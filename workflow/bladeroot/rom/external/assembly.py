@@ -1,6 +1,6 @@
 """Matrices of any bodies with any interfaces: a structure file of kind `assembly`, in and out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -268,7 +268,7 @@ def _interfaces(
 
 def _shape(
     description: Description, file: str, order: list[str], places: Mapping[str, dict],
-    display: Sequence,
+    display: Int[ndarray, "point 2"],
 ) -> Float[ndarray, "point 3"]:  # fmt: skip
     """A given or measured shape at the display points; NaN where the table has nothing."""
     table = read_table(description.folder / file, ("body", "node"), _AXES)
