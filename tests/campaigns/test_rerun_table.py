@@ -165,9 +165,9 @@ QUICK = [
 
 TABLE = [
     # the sheet
-    ("rows reversed", rows(lambda r: r[::-1]), NOTHING),
-    ("blank line", put(SHEET, "\nr003", "\n\nr003"), NOTHING),
-    ("spaces", put(SHEET, "r002,r002.nc,2B,", "r002 , r002.nc, 2B ,"), NOTHING),
+    ("rows reversed", rows(lambda r: r[::-1]), NOTHING, "report"),
+    ("blank line", put(SHEET, "\nr003", "\n\nr003"), NOTHING, "report"),
+    ("spaces", put(SHEET, "r002,r002.nc,2B,", "r002 , r002.nc, 2B ,"), NOTHING, "report"),
     ("another note column", column("note", "a b"), NOTHING, "report"),
     ("sheet, older time", put_older(SHEET, "180,2.6", "180,2.7"), "bench ringdown"),
     ("drive", put(SHEET, "180,2.6", "180,2.7"), "bench ringdown"),
@@ -217,7 +217,7 @@ TABLE = [
     ("box of forces", put(CONFIG, "force_kN: [0, 30]", "force_kN: [0, 31]"), "parametric"),
     ("a force more", put(CONFIG, "[12, 16]", "[12, 14, 16]"), "accuracy frequency_maps search fe_forces joint", "amplitude stiffness"),
     ("curves' discrepancy", put(CONFIG, "discrepancy_percent: 5", "discrepancy_percent: 6"), "amplitude"),
-    ("nonlinear, on demand alone", put(CONFIG, "friction: 0.42", "friction: 0.43"), NOTHING),
+    ("nonlinear, on demand alone", put(CONFIG, "friction: 0.42", "friction: 0.43"), NOTHING, "report"),
     ("kept environment", put(CONFIG, "model:", "keep_environment: numpy 0\nmodel:"), STEMS + " parametric ringdown bench"),
     # code
     ("comment", remark(LIBRARY + "decay/freevib.py"), NOTHING),
@@ -234,7 +234,7 @@ TABLE = [
     ("mesh", code("fem/mesh.py"), "mesh", "prestress shapes reduced checks accuracy"),
     ("shapes", code("fem/shapes.py"), "shapes"),
     ("greedy", code("rom/greedy.py"), "parametric"),
-    ("reduction", code("rom/reduction.py"), "reduced", "checks accuracy"),
+    ("reduction", code("rom/reduction.py"), "reduced", "mesh prestress shapes checks accuracy"),
     ("bench's tip", code("bench/tip.py"), "bench"),
     ("bench's stepping", code("bench/stepping.py"), "bench"),
     ("pff", code("decay/pff.py"), "ringdown"),
@@ -251,7 +251,6 @@ TABLE = [
     ("figure of a joint", code("figures/joint.py"), "report"),
     ("page", code("report/page.py"), "report", "score"),
     ("schema", remark(LIBRARY + "schemas/bench.schema.yaml"), "bench"),
-    ("caption", remark("workflow/report/stick.rst"), NOTHING),
     ("a rule's comment", remark("workflow/rules/stick.smk"), NOTHING),
     ("a rule's command", put("workflow/rules/stick.smk", "stick.py --sources", "stick.py  --sources"), "stick"),
     ("own mechanism", both(lambda f: (f / "own").mkdir(exist_ok=True), new("own/a.py", "X = 1\n"), put(CONFIG, 'mechanisms: ""', "mechanisms: own")), "diagnosis"),
