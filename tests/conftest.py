@@ -10,8 +10,10 @@ from itertools import groupby
 from pathlib import Path
 
 # for the two processes that share the tests, and for what they start: two cores
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ["OMP_NUM_THREADS"] = "1"  # more threads than cores wait for each other
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", os.environ["OMP_NUM_THREADS"])
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"]
 
 import pytest
 from hypothesis import HealthCheck, settings
