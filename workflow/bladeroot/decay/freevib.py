@@ -13,10 +13,14 @@ from bladeroot.signal.phasors import Phasors
 from bladeroot.signal.runs import runs
 from bladeroot.signal.smooth import Spline
 
-# A free decay falls: where ln A rises by so many standard errors, among so many first blocks or
-# later, something drives it, and the deepest fall before or after counts, so many times at most, if
-# so many cycles are left. What grows more often than that beats. Blocks that are looked at.
-GROWS, FIRST, PARTS, LEFT, BEATS, LOOKED_AT = (3.0, 5.0), 24, 4, 16.0, 2, 100
+# A free decay falls. Where ln A rises by so many standard errors, among the first blocks or later,
+# something drives it, and the deepest fall before or after is the decay.
+GROWS = (3.0, 5.0)
+FIRST = 24  # blocks
+BEATS = 2  # what grows more often than that later is a beat, and no drive
+PARTS = 4  # times that a record is cut again
+LEFT = 16.0  # cycles that a cut leaves at least
+LOOKED_AT = 100  # blocks, evenly over the record
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
