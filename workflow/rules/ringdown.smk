@@ -4,7 +4,7 @@
 from bladeroot.io.facts import record_facts
 
 # As many records as take about as long as Python's start.
-RINGDOWN_BATCH = 32
+RINGDOWN_BATCH = 64
 
 
 def raw_file(campaign, row):
