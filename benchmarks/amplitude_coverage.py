@@ -3,8 +3,9 @@
     python benchmarks/amplitude_coverage.py results/structures/dovetail-HB --truths 20
 
 A truth is a virtual bench whose stiffness law, friction, pressure, waviness, gauge and deviation
-from the model are drawn; its curves are those of `tests/lib/bench_curves.py`, one quasi-static
-cycle in place of records, with errors as records leave them. The inference gets stick frequencies and curves only.
+from the model are drawn; its curves are those of `tests/blind/bench_curves.py`, one quasi-static
+cycle in place of records, with errors as records leave them. The inference gets stick frequencies
+and curves only.
 Printed by truth and in all: which law was taken, how much narrower the curves make ln kn, ln kt and
 the area of their ellipse, and the share of the region on whose edge the truth lies, for three ways
 to choose the law.
@@ -44,7 +45,7 @@ from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.softening import softening_of
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
 from bench_curves import campaign_curves, few_dofs
 
 ROOT = Path(__file__).resolve().parents[1]
