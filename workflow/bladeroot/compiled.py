@@ -27,7 +27,7 @@ _LIBRARY = Path(__file__).parent
 # Folders of one module that are kept, the last used ones: branches that are worked on in turn.
 _KEPT = 4
 # Seconds that a process waits for another that compiles the same function, which takes one or two.
-_PATIENCE = 30.0
+_PATIENCE = 120.0
 
 
 def njit(**options: object) -> Callable[[Callable], Callable]:
