@@ -12,14 +12,11 @@ from scipy.special import stdtrit
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.pooling.components import QUANTILE_95
 from bladeroot.pooling.settling import unsettled
+from bladeroot.variables import dataset
 
-CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "loss factor")}
-KINDS = {
-    "": "mean over records of",
-    "_std": "standard error of the mean",
-    "_change_std": "standard error, without that of the records' levels, of the mean",
-    "_scatter": "standard deviation between records of different holds of",
-}
+CURVES = ("frequency", "loss_factor")
+# The mean, its standard error with and without that of the records' levels, the scatter of records.
+KINDS = ("", "_std", "_change_std", "_scatter")
 
 
 def mean_curves(
@@ -81,32 +78,22 @@ def mean_curves(
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
         unknown += [] if repeated else [kind[0]]
-    curves = xr.Dataset(
-        {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
-        coords={
-            "amplitude": (
-                "amplitude", ladder,
-                {"units": "m", "long_name": "displacement amplitude at the sensor"},
-            ),
-            "mode": ("level", _strings(levels, 0), {"units": "", "long_name": "mode"}),
-            "force": ("level", [own[1] for own in levels], load_attrs(facts)),
-            "group": ("level", _strings(levels, 2), {"units": "", "long_name": "group"}),
-            "sensor": ("level", _strings(levels, 3), {"units": "", "long_name": "sensor"}),
-        },
-        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0),
-               **facts},
-    )  # fmt: skip
+    made = values | {
+        "amplitude": ladder,
+        "mode": _strings(levels, 0),
+        "force": [own[1] for own in levels],
+        "group": _strings(levels, 2),
+        "sensor": _strings(levels, 3),
+        "records": count,
+        "unsettled": left_out,
+    }
+    curves = dataset("pooling/curves", made).set_coords(["mode", "force", "group", "sensor"])
+    curves["force"].attrs = load_attrs(facts)
     for name in CURVES if unknown else ():
         text = f"; clamping scatter of {', '.join(dict.fromkeys(unknown))} unknown: a lower bound"
         curves[f"{name}_std"].attrs["long_name"] += text
-    return curves.assign(
-        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
-        unsettled=(
-            ("level", "amplitude"),
-            left_out,
-            {"units": "1", "long_name": "records whose first cycles are left out"},
-        ),
-    )
+    simulated = max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)
+    return curves.assign_attrs(simulated=simulated, **facts)
 
 
 def _level_of(attrs: Mapping) -> tuple[str, float, str, str]:
@@ -135,13 +122,6 @@ def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndar
 
 def _names() -> list[str]:
     return [f"{name}{part}" for name in CURVES for part in KINDS]
-
-
-def _attrs(name: str) -> dict[str, str]:
-    base = next(known for known in CURVES if name.startswith(known))
-    units, text = CURVES[base]
-    kind = KINDS[name.removeprefix(base)]
-    return {"units": units, "long_name": f"{kind} {text}", "source": "eq. 3.11"}
 
 
 def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:

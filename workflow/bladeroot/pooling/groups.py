@@ -18,6 +18,7 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 from bladeroot.loads import value_of
 from bladeroot.plain_words import length
 from bladeroot.pooling.curves import ladder_of, levels_of, on_ladder
+from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")
 POINTS_A_DECADE = 40
@@ -196,46 +197,11 @@ def _linked(known: Bool[ndarray, "record amplitude"]) -> Bool[ndarray, " record"
     return own & (part == np.argmax(np.bincount(part, own)))
 
 
-_COMPARED = {
-    "mode": ("", "mode"),
-    "quantity": ("", "frequency or loss_factor"),
-    "difference": ("1", "highest group over the lowest at the same amplitude, less 1"),
-    "difference_std": ("1", "standard error of difference"),
-    "low_group": ("", "group that lies lowest"),
-    "high_group": ("", "group that lies highest"),
-    "chance": ("1", "probability of as much without a difference"),
-    "scatter": ("1", "standard deviation of ln between the events of a group"),
-    "freedom": ("1", "degrees of freedom of scatter"),
-    "told": ("1", "1 where the groups differ"),
-    "largest": ("1", "the same where groups lie furthest apart, NaN: nowhere for sure"),
-    "largest_std": ("1", "standard error of largest"),
-    "largest_amplitude": ("m", "amplitude at which that is"),
-    "largest_sensor": ("", "sensor of that amplitude"),
-    "largest_high": ("", "group that lies highest there"),
-    "largest_low": ("", "group that lies lowest there"),
-}
-_LEVEL = {
-    "mode": ("", "mode"),
-    "quantity": ("", "frequency or loss_factor"),
-    "group": ("", "group"),
-    "level": ("1", "ln of the group's level over the mean of the groups"),
-    "level_std": ("1", "standard error of level"),
-    "events": ("1", "number of events"),
-}
-
-
 def _dataset(rows: list[dict], levels: list[dict]) -> xr.Dataset:
-    made = {}
-    for dim, prefix, table, entries in (
-        ("comparison", "compared_", _COMPARED, rows),
-        ("group_level", "of_group_", _LEVEL, levels),
-    ):
-        for name, (units, text) in table.items():
-            values = np.array([one[name] for one in entries])
-            plain = dim == "comparison" and name not in ("mode", "quantity")
-            key = name if plain else f"{prefix}{name}"
-            made[key] = (dim, values, {"units": units, "long_name": text})
-    return xr.Dataset(made)
+    plain = {f"compared_{name}" if name in ("mode", "quantity") else name: name for name in rows[0]}
+    made = {key: np.array([one[name] for one in rows]) for key, name in plain.items()}
+    made |= {f"of_group_{name}": np.array([one[name] for one in levels]) for name in levels[0]}
+    return dataset("pooling/groups", made)
 
 
 def _at(one: xr.Dataset) -> str:

@@ -13,30 +13,15 @@ from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.components import Pooled, pool
 from bladeroot.pooling.events import by_event
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
+from bladeroot.variables import dataset
 
-LEVEL = {
-    "frequency": (
-        "Hz",
-        "stick frequency of a mode at a force, mean of both directions",
-        "eq. 3.21",
-    ),
-    "frequency_std": ("Hz", "standard error of frequency: within, records and clampings", ""),
-    "within_std": ("Hz", "within-record standard error, propagated", "eq. 3.21"),
-    "between_std": ("Hz", "standard deviation of the records at this force", ""),
-    "between_record_std": ("Hz", "standard deviation of records in a hold, of the mode", ""),
-    "between_hold_std": ("Hz", "standard deviation between holds, of the mode", ""),
-    "record_freedom": ("1", "degrees of freedom of between_record_std", ""),
-    "hold_freedom": ("1", "degrees of freedom of between_hold_std", ""),
-    "direction_difference": ("Hz", "frequency loading up less down at this force", ""),
-    "mode_direction_difference": ("Hz", "frequency loading up less down, over the mode", ""),
-    "mode_direction_difference_std": ("Hz", "standard error of mode_direction_difference", ""),
-    "loss_factor": ("1", "loss factor of a mode at a force", "eq. 3.21"),
-    "loss_factor_std": ("1", "standard error of loss_factor: within, records and clampings", ""),
-    "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
-    "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
-    "records": ("1", "number of records used", ""),
-    "holds": ("1", "number of holds (clampings) among them", ""),
-}
+# What is said of a level beside its mode, force and group.
+LEVEL = (
+    "frequency", "frequency_std", "within_std", "between_std", "between_record_std",
+    "between_hold_std", "record_freedom", "hold_freedom", "direction_difference",
+    "mode_direction_difference", "mode_direction_difference_std", "loss_factor", "loss_factor_std",
+    "onset_amplitude", "onset_amplitude_std", "records", "holds",
+)  # fmt: skip
 TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
 COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
 TABLE_ERRORS = ("stated", "scatter")
@@ -143,18 +128,10 @@ def stick_from_table(
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
     result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
-    for name, values in made.items():
-        quantity, units = ("loss factor", "1") if "loss" in name else ("frequency", "Hz")
-        text = "as printed" if "stated" in name else "printed, and scatter about a smooth law"
-        attrs = {"units": units, "long_name": f"standard error of {quantity}: {text}"}
-        result[name] = ("level", values, attrs)
-    result = result.assign_coords(table_mode=list(ratios), quantile=[0.025, 0.5, 0.975])
+    made |= {"table_mode": list(ratios), "quantile": [0.025, 0.5, 0.975]}
     for k, name in enumerate(("scatter_ratio", "loss_factor_scatter_ratio")):
-        text = "scatter about a smooth law over the printed error, median of the mode's rows"
-        values = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
-        attrs = {"units": "1", "long_name": text}
-        result[name] = (("table_mode", "quantile"), values, attrs)
-    return result
+        made[name] = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
+    return result.merge(dataset("pooling/stick", made))
 
 
 def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[ndarray]]]:
@@ -265,24 +242,27 @@ def _text(value: object) -> str:
 
 def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str]) -> xr.Dataset:
     """Levels under plain names; a record's variables of the same name under record_<name>."""
-    result = xr.Dataset(coords={"record": _strings(records["record"])}, attrs=load)
-    for name in ("hold", "direction", "event", "sensor", "verdict"):
-        result[name] = ("record", _strings(records[name]), {"units": "", "long_name": name})
-    for name, dim, frame in (("record_group", "record", records), ("group", "level", levels)):
-        result[name] = (dim, _strings(frame["group"]), {"units": "", "long_name": "group"})
-    for dim, frame, table in (("record", records, RECORD), ("level", levels, LEVEL)):
-        names = {name: f"record_{name}" if dim == "record" else name for name in ("mode", "force")}
-        result[names["mode"]] = (
-            dim, _strings(frame["mode"]), {"units": "", "long_name": "name of the mode"}
-        )  # fmt: skip
-        result[names["force"]] = (dim, frame["force"].to_numpy(float), load_attrs(load))
-        for name, (units, long_name, source) in table.items():
-            key = f"record_{name}" if dim == "record" and name in LEVEL else name
-            kind = int if name in COUNTS else float
-            attrs = {"units": units, "long_name": long_name}
-            values = frame[name].to_numpy(kind)
-            result[key] = (dim, values, attrs | {"source": source} if source else attrs)
+    made = {
+        name: _strings(records[name])
+        for name in ("record", "hold", "direction", "event", "sensor", "verdict")
+    }
+    for prefix, frame in (("record_", records), ("", levels)):
+        made |= {f"{prefix}{name}": _strings(frame[name]) for name in ("group", "mode")}
+        made[f"{prefix}force"] = frame["force"].to_numpy(float)
+    made |= {name: _numbers(levels[name]) for name in LEVEL}
+    result = dataset("pooling/stick", made).assign_attrs(load)
+    for name in ("record_force", "force"):
+        result[name].attrs = load_attrs(load)
+    for name, (units, long_name, source) in RECORD.items():
+        key = f"record_{name}" if name in LEVEL else name
+        attrs = {"units": units, "long_name": long_name}
+        attrs |= {"source": source} if source else {}
+        result[key] = ("record", _numbers(records[name]), attrs)
     return result
+
+
+def _numbers(column: pd.Series) -> ndarray:
+    return column.to_numpy(int if column.name in COUNTS else float)
 
 
 def _strings(column: pd.Series) -> ndarray:

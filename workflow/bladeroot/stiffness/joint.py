@@ -18,8 +18,9 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import LAWS, PRIORS
 from bladeroot.stiffness.levels import from_force, levels_of
 from bladeroot.stiffness.model import LevelModel, level_model, map_estimate
-from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior, variable
+from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
+from bladeroot.variables import dataset
 
 _ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
 
@@ -172,16 +173,10 @@ def _variations(model: LevelModel, fit: Fit, stick: xr.Dataset) -> xr.Dataset:
         _told(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
         for one in cases.values()
     ]
-    dims = ("variation", "stiffness")
-    return xr.Dataset(
-        {
-            "variation_k": variable(
-                dims, [one.k for one in told], "N/m", "k at 12 kN, MAP estimate"
-            ),
-            "variation_ln_std": variable(
-                dims, [np.sqrt(np.diag(one.covariance(at)[0])) for one in told], "1",
-                "standard deviation of ln k there (Laplace)",
-            ),
-        },
-        coords={"variation": list(cases), "stiffness": list(STIFFNESS)},
-    )  # fmt: skip
+    made = {
+        "variation_k": [one.k for one in told],
+        "variation_ln_std": [np.sqrt(np.diag(one.covariance(at)[0])) for one in told],
+        "variation": list(cases),
+        "stiffness": list(STIFFNESS),
+    }
+    return dataset("stiffness/joint", made)
