@@ -8,10 +8,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.reproduction.calibration import (
+    Calibration,
     Linear,
-    Problem,
     calibrate,
-    linearise,
     posterior,
     predict,
 )
@@ -33,79 +32,75 @@ JOINT = (12.0e3, (33 * 41428.6e3, 33 * 64285.7e3))
 _SEEN = 0.99
 
 
-def calibration(problem: Problem, fitted: Sequence[str], refinements: int = 3) -> xr.Dataset:
-    """Fit the tables named by `fitted`, judge all of the problem's: `calibration.nc`.
+def calibration(asked: Calibration, fitted: Sequence[str], refinements: int = 3) -> xr.Dataset:
+    """Fit the tables named by `fitted`, judge all of all tables: `calibration.nc`.
 
     ValueError if the fit does not settle or leads to a shape that cannot be.
     """
-    point, steps = calibrate(problem.of(fitted))
-    linear = linearise(problem, point)
-    used = np.isin(problem.tables, fitted)
-    _, covariance = posterior(problem, linear, used)
-    joint = joint_spread(problem, point, *JOINT)
+    linear, used = calibrate(asked, fitted), asked.where(fitted)
+    point, (_, covariance) = linear.point, posterior(asked, linear, used)
+    joint = joint_spread(asked, point, *JOINT)
     parts = [
-        _parameters(problem, point, covariance),
-        _targets(problem, linear, covariance, used),
-        _directions(problem.of(fitted), linear, covariance, used, joint),
-        _tables(left_out(problem, linear, fitted), pair_inflation(problem, linear), fitted),
-        _sets(problem, incompatible_sets(problem, linear, refinements)),
+        _parameters(asked, point, covariance),
+        _targets(asked, linear, covariance, used),
+        _directions(asked.of(fitted), linear, covariance, used, joint),
+        _tables(left_out(asked, linear, fitted), pair_inflation(asked, linear), fitted),
+        _sets(asked, incompatible_sets(asked, linear, refinements)),
         _joint(joint, covariance),
     ]
-    return xr.merge(parts).assign_attrs(
-        structure=problem.start["name"], fitted=", ".join(fitted), steps=steps
-    )
+    return xr.merge(parts).assign_attrs(structure=asked.start["name"], fitted=", ".join(fitted))
 
 
-def _sizes(problem: Problem) -> Float[ndarray, " parameter"]:
-    return np.array([one.unit[1] for one in problem.parameters])
+def _sizes(asked: Calibration) -> Float[ndarray, " parameter"]:
+    return np.array([one.unit[1] for one in asked.parameters])
 
 
-def _parameters(problem: Problem, point: ndarray, covariance: ndarray) -> xr.Dataset:
-    std, size = np.sqrt(np.diag(covariance)), _sizes(problem)
-    shipped = values_in(problem.start, problem.parameters)
+def _parameters(asked: Calibration, point: ndarray, covariance: ndarray) -> xr.Dataset:
+    std, size = np.sqrt(np.diag(covariance)), _sizes(asked)
+    shipped = values_in(asked.start, asked.parameters)
     away = shipped - point
 
     made = {
-        "unit": [one.unit[0] for one in problem.parameters],
+        "unit": [one.unit[0] for one in asked.parameters],
         "most_probable": point * size,
         "std": std * size,
-        "prior_mean": problem.prior_mean * size,
-        "prior_std": problem.prior_std * size,
+        "prior_mean": asked.prior_mean * size,
+        "prior_std": asked.prior_std * size,
         "shipped": shipped * size,
         "shipped_distance": np.sqrt(away @ np.linalg.solve(covariance, away)),
         "correlation": covariance / np.outer(std, std),
-        "parameter": [one.name for one in problem.parameters],
+        "parameter": [one.name for one in asked.parameters],
     }
     return dataset(_TABLE, made)
 
 
-def _targets(problem: Problem, linear: Linear, covariance: ndarray, used: ndarray) -> xr.Dataset:
+def _targets(asked: Calibration, linear: Linear, covariance: ndarray, used: ndarray) -> xr.Dataset:
     spread = np.sqrt(np.einsum("ij,jk,ik->i", linear.jacobian, covariance, linear.jacobian))
     made = {
-        "target_table": problem.tables,
-        "target_mode": [one.mode for one in problem.targets],
-        "target_force": [one.case.force for one in problem.targets],
+        "target_table": asked.tables,
+        "target_mode": [one.mode for one in asked.targets],
+        "target_force": [one.case.force for one in asked.targets],
         "target_fitted": used.astype(np.int8),
-        "target_is_slope": np.array([one.slope for one in problem.targets], np.int8),
-        "reference": problem.reference,
-        "tolerance": problem.tolerance,
+        "target_is_slope": np.array([one.slope for one in asked.targets], np.int8),
+        "reference": asked.reference,
+        "tolerance": asked.tolerance,
         "predicted": linear.values,
         "predicted_std": spread,
-        "residual_z": (linear.values - problem.reference) / problem.tolerance,
-        "jacobian": linear.jacobian / _sizes(problem),
+        "residual_z": (linear.values - asked.reference) / asked.tolerance,
+        "jacobian": linear.jacobian / _sizes(asked),
     }
     return dataset(_TABLE, made)
 
 
 def _directions(
-    problem: Problem, linear: Linear, covariance: ndarray, used: ndarray, joint: JointSpread
+    asked: Calibration, linear: Linear, covariance: ndarray, used: ndarray, joint: JointSpread
 ) -> xr.Dataset:
     """Stiffest and sloppiest combination that the fitted tables see, relative to the priors.
 
     With them how linear the model is, and what they do to the bonded joint.
     """
-    part = Linear(linear.point, linear.values[used], linear.jacobian[used])
-    scale = problem.prior_std
+    part = linear.of(used)
+    scale = asked.prior_std
     variances, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     chosen = [0, int(np.flatnonzero(variances < _SEEN**2)[-1])]
     steps = (axes * np.sqrt(variances)).T[chosen] * scale
@@ -114,10 +109,10 @@ def _directions(
         for column, sign in enumerate((-1, 1)):
             there = linear.point + sign * step
             misfit[row, column] = np.abs(
-                (predict(problem, there) - part.at(there)) / problem.tolerance
+                (predict(asked, there) - part.at(there)) / asked.tolerance
             ).max()
     made = {
-        "direction_step": steps * _sizes(problem),
+        "direction_step": steps * _sizes(asked),
         "direction_share": np.sqrt(variances[chosen]),
         "direction_error": misfit,
         "direction_bonded": steps @ joint.bonded_jacobian.T,
@@ -141,13 +136,13 @@ def _tables(judged: Sequence[LeftOut], pairs: ndarray, fitted: Sequence[str]) ->
     return dataset(_TABLE, made)
 
 
-def _sets(problem: Problem, sets: Sequence[Incompatible]) -> xr.Dataset:
-    points = np.array([one.point for one in sets]).reshape(len(sets), len(problem.parameters))
+def _sets(asked: Calibration, sets: Sequence[Incompatible]) -> xr.Dataset:
+    points = np.array([one.point for one in sets]).reshape(len(sets), len(asked.parameters))
     made = {
         "set_tables": np.array(["; ".join(one.tables) for one in sets], dtype=str),
         "set_inflation": np.array([one.inflation for one in sets], float),
         "set_inflation_linear": np.array([one.linear for one in sets], float),
-        "set_nearest": points * _sizes(problem),
+        "set_nearest": points * _sizes(asked),
     }
     return dataset(_TABLE, made)
 

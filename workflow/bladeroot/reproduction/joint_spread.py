@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.reproduction.calibration import Problem, linearise
+from bladeroot.reproduction.calibration import Calibration, linearise
 from bladeroot.reproduction.cases import Case
 from bladeroot.reproduction.targets import Target
 
@@ -30,7 +30,7 @@ class JointSpread:
 
 
 def joint_spread(
-    problem: Problem,
+    asked: Calibration,
     point: Float[ndarray, " parameter"],
     force: float,
     stiffness: tuple[float, float],
@@ -44,7 +44,7 @@ def joint_spread(
         for contact in contacts
         for mode in MODES
     ]
-    linear = linearise(replace(problem, targets=targets), point)
+    linear = linearise(replace(asked, targets=targets), point)
     bonded, soft, normal, tangential = linear.values.reshape(4, -1)
     jacobian = linear.jacobian.reshape(4, len(MODES), -1)
     by_stiffness = np.stack([normal - soft, tangential - soft], axis=1) / _NEAR

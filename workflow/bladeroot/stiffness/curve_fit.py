@@ -13,7 +13,16 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Fit, LazyState, Prior, Problem, State, cost, fit
+from bladeroot.inference.gaussian import (
+    Fit,
+    LazyState,
+    Prior,
+    Problem,
+    State,
+    cost,
+    fit,
+    with_known_errors,
+)
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_term import CurveTerm, curve_term
@@ -136,8 +145,7 @@ def friction_problem(
             value, lambda: by_friction(joint, at, friction, value, slope), {"along": slope}
         )
 
-    nothing = Prior(np.zeros(0), np.zeros(0))
-    return Problem(measured, predict_curves, lambda *_: (errors, list), prior, nothing)
+    return with_known_errors(measured, predict_curves, errors, prior)
 
 
 def _start(problem: Problem) -> Float[ndarray, " parameter"]:
