@@ -46,8 +46,8 @@ from bladeroot.stiffness.interpolation import interpolate_to
 from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.model import level_model, map_estimate, predict
+from bladeroot.stiffness.posterior import SHARES, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
-from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.roots import newton
 from bladeroot.stiffness.search import ln_covariance
 from bladeroot.stiffness.surface import all_frequencies

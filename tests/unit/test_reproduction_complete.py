@@ -10,8 +10,7 @@ import xarray as xr
 import yaml
 from bladeroot.report.ledger import ledger_section
 from bladeroot.reproduction.build import ledger, missing_rows
-from bladeroot.reproduction.entry import Entry
-from bladeroot.reproduction.evidence import Evidence
+from bladeroot.reproduction.entry import Entry, Evidence
 from bladeroot.reproduction.one_dof import Slider, free_decay, slider_curves
 from bladeroot.reproduction.quantities import QUANTITIES
 

@@ -20,7 +20,7 @@ ALLOWED = {
     "contact": set(),
     "nonlinear": {"contact", "rom"},
     "inference": set(),
-    "stiffness": {"rom", "nonlinear", "inference"},
+    "stiffness": {"pooling", "rom", "nonlinear", "inference"},
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),
@@ -30,6 +30,7 @@ ALLOWED = {
     "command": {"artifacts", "statement", "__version__", "io", "signal", "public", "report"},
     "public": {
         "artifacts",
+        "figures",
         "io",
         "decay",
         "pooling",

@@ -14,9 +14,8 @@ from bladeroot.stiffness.joint import freest, joint, models_of, surfaces_of
 from bladeroot.stiffness.laws import LAWS, PRIORS, powers, slopes
 from bladeroot.stiffness.levels import LEAST_STD, levels_of
 from bladeroot.stiffness.model import map_estimate, predict, problem_of
-from bladeroot.stiffness.posterior import combinations
+from bladeroot.stiffness.posterior import combinations, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE
-from bladeroot.stiffness.region import share_within
 from stiffness_bench import (
     BIAS,
     FORCE,

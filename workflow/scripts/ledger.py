@@ -7,7 +7,7 @@ import yaml
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.reproduction.build import ledger
-from bladeroot.reproduction.evidence import Evidence
+from bladeroot.reproduction.entry import Evidence
 from bladeroot.reproduction.one_dof import slider_curves
 
 

@@ -293,9 +293,7 @@ def fit(
 
     least: nats; the search ends with a step that gains less.
     """
-    start = problem.prior.mean if start is None else np.asarray(start, float)
-    scales = problem.scales.mean if scales is None else np.asarray(scales, float)
-    return _finish(problem, _climb(problem, _point(problem, start, scales), _STEPS, least=least))
+    return best_fit(problem, [problem.prior.mean if start is None else start], scales, least)
 
 
 def best_fit(

@@ -11,7 +11,6 @@ from numpy import ndarray
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.components import Pooled, pool
-from bladeroot.pooling.events import by_event
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
 from bladeroot.variables import dataset
 
@@ -22,9 +21,9 @@ LEVEL = (
     "mode_direction_difference", "mode_direction_difference_std", "loss_factor", "loss_factor_std",
     "onset_amplitude", "onset_amplitude_std", "records", "holds",
 )  # fmt: skip
+_OF_EVENT = ("stick_frequency", "loss_factor")
 TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
 COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
-TABLE_ERRORS = ("stated", "scatter")
 TABLE_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
@@ -35,7 +34,7 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
 
     Each plateau (`bladeroot.plateau.record`) carries `mode`, its load and optionally `record`,
     `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
-    records of one event are one motion (`bladeroot.pooling.events`). Records at one force are
+    records of one event are one motion (`by_event`). Records at one force are
     pooled (`bladeroot.pooling.components`): the unit of replication is the hold (one clamping),
     records without one are holds of their own, and what a mode's records and holds scatter is told
     from all its forces. Where loading up and down both occur, the frequency is that between them
@@ -81,36 +80,13 @@ def stick_from_table(
     A table tells nothing of the scatter between records or holds at one force, but its rows scatter
     about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
     which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode how many times
-    the scatter exceeds the printed errors; `error`, one of `TABLE_ERRORS`, is the one that
+    the scatter exceeds the printed errors; `error`, stated or scatter, is the one that
     `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is none.
-    Onset amplitudes are unknown (NaN).
-
-    Raises:
-        ValueError: a column is missing, a number is not positive, or a mode has a force twice.
+    Onset amplitudes are unknown (NaN). The numbers are checked where the sheet is read
+    (`bladeroot.io.stick_rows`).
     """
-    missing = [name for name in TABLE_COLUMNS if name not in table.columns]
-    if missing:
-        raise ValueError(
-            f"expected columns {', '.join(TABLE_COLUMNS)}, {', '.join(missing)} missing, got "
-            f"{', '.join(map(str, table.columns))}"
-        )
-    frame = pd.DataFrame({"mode": table["mode"].astype(str)})
-    for name in TABLE_COLUMNS[1:]:
-        frame[name] = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~((frame[name] > 0.0) & (frame[name] < np.inf)))
-        if bad.size:
-            raise ValueError(
-                f"{name} must be a positive number, got {table[name].iloc[bad[0]]} "
-                f"(row {bad[0] + 2})"
-            )
-    twice = frame[frame.duplicated(["mode", "force_N"])]
-    if len(twice):
-        raise ValueError(
-            f"each force must appear once a mode, got {twice['mode'].iloc[0]} at "
-            f"{twice['force_N'].iloc[0]:g} N again (row {twice.index[0] + 2})"
-        )
-    if error not in TABLE_ERRORS:
-        raise ValueError(f"a table's error must be one of {TABLE_ERRORS}, got {error!r}")
+    frame = table[list(TABLE_COLUMNS)].astype({name: float for name in TABLE_COLUMNS[1:]})
+    frame["mode"] = frame["mode"].astype(str)
     frame = frame.sort_values(["mode", "force_N"]).reset_index(drop=True)
     made, ratios = _scatter(frame)
     chosen = {name: made[f"{name}{error}_std"] for name in ("", "loss_factor_")}
@@ -185,6 +161,45 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
             }
         )  # fmt: skip
     return levels
+
+
+def by_event(records: pd.DataFrame) -> pd.DataFrame:
+    """The records of one mode with those of one event, load and direction as one row each.
+
+    records: rows as of `stick_from_records`. Noise is each sensor's own, so that values are
+    averaged by their errors; where they lie further apart than these allow, the error grows (its
+    root of chi squared over the degrees of freedom). An amplitude belongs to a sensor: the onset of
+    what several saw is not known. `seen_by` is the number of records in a row.
+    """
+    records = records.assign(seen_by=1)
+    several = records[records["event"] != ""]
+    rows = [records[records["event"] == ""]]
+    for _, seen in several.groupby(["event", "force", "direction"], sort=True):
+        rows.append(seen if len(seen) == 1 else _one_motion(seen))
+    return pd.concat(rows) if len(rows) > 1 else records
+
+
+def _one_motion(seen: pd.DataFrame) -> pd.DataFrame:
+    """The rows of one event as one row, named as the first."""
+    row = seen.iloc[:1].copy()
+    for name in _OF_EVENT:
+        row[name], row[f"{name}_std"] = _weighted(
+            seen[name].to_numpy(float), seen[f"{name}_std"].to_numpy(float)
+        )
+    for name in RECORD:
+        if name.startswith("onset"):
+            row[name] = np.nan
+    return row.assign(sensor="", seen_by=len(seen))
+
+
+def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
+    known = np.isfinite(value) & (std > 0.0)
+    if not known.any():
+        return np.nan, np.nan
+    value, weight = value[known], 1.0 / std[known] ** 2
+    mean = float(weight @ value / weight.sum())
+    apart = float(weight @ (value - mean) ** 2) / max(value.size - 1, 1)
+    return mean, float(np.sqrt(max(apart, 1.0) / weight.sum()))
 
 
 def _pooled(records: pd.DataFrame, name: str) -> Pooled:

@@ -5,8 +5,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.reproduction.entry import Entry, Values, best, compare, printed_values, verdict
-from bladeroot.reproduction.evidence import Evidence
+from bladeroot.reproduction.entry import (
+    Entry,
+    Evidence,
+    Values,
+    best,
+    compare,
+    printed_values,
+    verdict,
+)
 from bladeroot.reproduction.quantities import QUANTITIES
 from bladeroot.variables import dataset
 

@@ -9,7 +9,7 @@ from numpy import ndarray
 from scipy.interpolate import RectBivariateSpline
 
 from bladeroot.fem.clamped_beam import beam_frequency, stiffening_factor, wave_number
-from bladeroot.reproduction.evidence import Computed, Evidence
+from bladeroot.reproduction.entry import Computed, Evidence
 
 NODES = 33  # of a flank (6.16)
 _N_PER_MM = 1e3

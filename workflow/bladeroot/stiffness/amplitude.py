@@ -19,14 +19,13 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.rom.joint import Joint
-from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, measured_modes, models_of, posterior_of
 from bladeroot.stiffness.model import LevelModel, map_estimate, predict
 from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import friction_of, level_systems
-from bladeroot.stiffness.softening import Softening, of_modes, softening_of
+from bladeroot.stiffness.softening import DISCREPANCY, Softening, of_modes, softening_of
 from bladeroot.variables import dataset
 
 _MAP = np.geomspace(2e-7, 2e-5, 41)  # m
@@ -38,7 +37,7 @@ def amplitude(
     joint: Joint,
     model: xr.Dataset,
     stick: xr.Dataset,
-    decays: Mapping[str, xr.Dataset],
+    seen: xr.Dataset,
     lasers: Mapping[str, float],
     gauge: ForceGauge,
     forces: Sequence[float],
@@ -50,9 +49,9 @@ def amplitude(
     """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
 
     joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force:
-    as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
-    record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
-    largest effect.
+    as of `bladeroot.stiffness.joint.joint`. seen: from `bladeroot.diagnosis.observations`.
+    lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the largest
+    effect.
 
     The law is `freest` with curves, and the same for the frequencies alone.
 
@@ -71,7 +70,7 @@ def amplitude(
         return nothing("there are stick frequencies of fewer than two modes")
     models = models_of(model, stick, gauge, fe_bias, fe_offset, least_force)
     levels = level_names(next(iter(models.values())))
-    softening = softening_of(decays, stick, levels)
+    softening = softening_of(seen, levels)
     if not len(softening.level):
         return nothing("no record's frequency clearly falls with amplitude")
     alone = {name: map_estimate(one) for name, one in models.items()}

@@ -24,9 +24,7 @@ from bladeroot.inference.gaussian import (
     with_known_errors,
 )
 from bladeroot.rom.joint import Joint
-from bladeroot.stiffness.curve_errors import covariance
-from bladeroot.stiffness.curve_term import CurveTerm, curve_term
-from bladeroot.stiffness.model import LevelModel, predict, refit
+from bladeroot.stiffness.model import CurveTerm, LevelModel, curve_term, predict, refit
 from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import (
     along,
@@ -35,7 +33,7 @@ from bladeroot.stiffness.simulated_curves import (
     by_unevenness,
     levels_at,
 )
-from bladeroot.stiffness.softening import Softening
+from bladeroot.stiffness.softening import Softening, covariance
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
 _UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.sparse.csgraph import connected_components
 
 # No frequency repeats better, relative: a steel's modulus changes by 2.5e-4 a kelvin, so 0.01 K is
 # as much. An error of one clean record alone may be a thousand times smaller; beside the scatter of
@@ -96,20 +97,14 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
 
 def _clampings(stick: xr.Dataset, here: xr.Dataset, mode: ndarray, force: ndarray) -> ndarray:
     """Numbers of clampings; two modes at one force have the same if their records name one hold."""
-    held: list[tuple[float, set[str]]] = []
-    numbers = np.empty(len(force), dtype=int)
-    for i in range(len(force)):
-        own = (
-            (stick["record_force"].values == force[i])
-            & (stick["record_mode"].values.astype(str) == str(here["mode"].values[i]))
-            & (stick["plateau_reached"].values == 1)
-        )
-        names = {hold for hold in stick["hold"].values[own].astype(str) if hold}
-        shared = [k for k, (f, known) in enumerate(held) if f == force[i] and known & names]
-        if shared:
-            numbers[i] = shared[0]
-            held[shared[0]][1].update(names)
-        else:
-            numbers[i] = len(held)
-            held.append((float(force[i]), names))
-    return numbers
+    reached = stick["plateau_reached"].values == 1
+    names = []
+    for f, name in zip(force, here["mode"].values.astype(str), strict=True):
+        own = reached & (stick["record_force"].values == f)
+        own &= stick["record_mode"].values.astype(str) == name
+        names.append(set(stick["hold"].values[own].astype(str)) - {""})
+    shared = [
+        [f == other and bool(one & two) for other, two in zip(force, names, strict=True)]
+        for f, one in zip(force, names, strict=True)
+    ]
+    return connected_components(np.array(shared), directed=False)[1]

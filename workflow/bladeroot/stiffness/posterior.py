@@ -15,7 +15,6 @@ from numpy import ndarray
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.sampling import DRAWS, Draws, sample
 from bladeroot.stiffness.priors import REFERENCE_FORCE
-from bladeroot.stiffness.region import share_within
 from bladeroot.variables import dataset
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
@@ -27,6 +26,7 @@ _LEVEL_DRAWS = 400  # behind a level's prediction
 _CURVE = 60
 _PLANE = 80  # points along each axis of the plane of (ln kn, ln kt)
 
+SHARES = (0.68, 0.95)  # of the regions that are drawn
 _TABLE = "stiffness/posterior"
 
 LnStiffness = Callable[[ndarray, ndarray], ndarray]
@@ -209,3 +209,22 @@ def _levels(law: Law, draws: Draws, levels: Mapping[str, ndarray]) -> xr.Dataset
         "level_misfit_std": np.sqrt(np.var(ln_f, axis=0) + np.mean(scatter, axis=0)),
     }
     return dataset(_TABLE, made)
+
+
+def share_within(
+    draws: Float[ndarray, "draw 2"], points: Float[ndarray, "point 2"]
+) -> Float[ndarray, " point"]:
+    """Share of the region on whose edge each point lies: every larger region holds the point.
+
+    The valley of (ln kn, ln kt) is bent and can end at the model's box, so that ellipses about a
+    mean hold too little. The region of a share is where the density is above the value that this
+    share of the draws exceeds. The density is a kernel estimate, which smooths a thin valley to a
+    wider one; the share is counted among the draws, and stays right.
+    """
+    from scipy.stats import gaussian_kde
+
+    kernel = gaussian_kde(draws.T)
+    count = len(draws)
+    peak = 1.0 / (2.0 * np.pi * np.sqrt(np.linalg.det(kernel.covariance)))
+    own = np.sort((count * kernel(draws.T) - peak) / (count - 1))  # at a draw, by the others
+    return 1.0 - np.searchsorted(own, kernel(points.T)) / count

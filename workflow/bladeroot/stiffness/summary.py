@@ -13,41 +13,9 @@ NODES = 33
 REFERENCE_FORCE = 12e3  # N
 DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
 FEWEST = 3  # of these that a law of two parameters needs at least
+_TABLES = ("stiffness/search", "stiffness/grid_search")
+_LEFT_OUT = {"root", "grid_axis_kn", "grid_axis_kt"}  # dims of what belongs to one search
 _FLOOR = 1e-6  # smallest std of ln k that a weight may rest on
-
-COLLECTED = (
-    "kn",
-    "kt",
-    "ln_kn_std",
-    "ln_kt_std",
-    "ln_covariance",
-    "correlation",
-    "correlation_by_source",
-    "jacobian",
-    "gain",
-    "misfit",
-    "chi_square",
-    "freedom",
-    "probability",
-    "fits",
-    "status",
-    "needed_bias",
-    "needed_bias_at_edge",
-    "root_share",
-    "kn_quantile",
-    "kt_quantile",
-    "target_frequency",
-    "target_std",
-    "fe_bias_std",
-    "fe_offset",
-    "lower_force",
-    "upper_force",
-    "bonded_frequency",
-    "grid_kn",
-    "grid_kt",
-    "grid_kn_std",
-    "grid_kt_std",
-)
 
 
 def summarise(
@@ -84,11 +52,15 @@ def summarise(
 
 
 def _of_structure(name: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """All forces of a structure, but for every root and the thesis's grid."""
     forces = [float(part.attrs["axial_force"]) for part in parts]
     if len(set(forces)) != len(forces):
         raise ValueError(f"structure {name}: two searches at one force among {sorted(forces)} N")
+    listed = {name: dims for table in _TABLES for name, (dims, _) in registered(table).items()}
+    kept = {name for name, dims in listed.items() if not _LEFT_OUT & set(dims)}
+    kept.add("bonded_frequency")
     chosen = [
-        part[[key for key in COLLECTED if key in part]].drop_attrs(deep=False) for part in parts
+        part[[n for n in part.variables if n in kept]].drop_attrs(deep=False) for part in parts
     ]
     line = xr.concat(chosen, xr.Variable("force", forces), data_vars="all", join="outer")
     return line.expand_dims(structure=[name])

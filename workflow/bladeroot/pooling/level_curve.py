@@ -1,0 +1,117 @@
+"""The curve of one level over amplitude: its records' mean excess over their plateaus, with errors.
+
+Each record is counted from its own stick frequency and loss factor, so that what a clamping or the
+gauge does to these drops out. The inference with curves and the diagnosis read levels so.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+from numpy import ndarray
+
+LENGTH = 1.0  # in ln A, over which a curve's errors are one, where its record does not say
+_LEAST_LENGTH = 0.05
+
+
+@dataclass(frozen=True)
+class LevelCurve:
+    """Points of one level by rising amplitude (m), first of ln f, then of the loss factor.
+
+    stated: covariance by the records' own errors, their plateaus' among them. repeats: by what
+    records differ beyond that. records: how many reach a point. stuck: whether any has a plateau;
+    plateau_loss: mean loss factor of the plateaus, or the curves' least.
+    """
+
+    amplitude: Float[ndarray, " point"]
+    mean: Float[ndarray, "2 point"]
+    stated: Float[ndarray, "2 point point"]
+    repeats: Float[ndarray, "2 point point"]
+    records: Int[ndarray, " point"]
+    stuck: bool
+    plateau_loss: float
+
+
+def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> LevelCurve | None:
+    """The curve of the records of one level; None where they have none.
+
+    seen: these records of `bladeroot.diagnosis.observations`. spacing: ladder's points from one
+    that is used to the next. reach: from the largest amplitude down.
+    """
+    amplitude = seen["amplitude"].values
+    f, loss = seen["frequency"].values, seen["loss_factor"].values
+    stds = seen["frequency_std"].values / f, seen["loss_factor_std"].values
+    known = np.isfinite(f) & np.isfinite(loss) & np.isfinite(stds[0]) & np.isfinite(stds[1])
+    reached = np.flatnonzero(known.any(axis=0))
+    if not reached.size:
+        return None
+    reached = reached[amplitude[reached] * reach >= amplitude[reached[-1]]]
+    chosen = reached[::-1][::spacing][::-1]
+    stuck = seen["stick_frequency"].values, seen["stick_loss_factor"].values
+    stuck_std = seen["stick_frequency_std"].values / stuck[0], seen["stick_loss_factor_std"].values
+    mask = known[:, chosen]
+    count = mask.sum(axis=0)
+    length = np.nan_to_num(seen["correlation_decades"].values, nan=LENGTH)
+    distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
+    smooth = np.exp(-distance[None] / np.maximum(length, _LEAST_LENGTH)[:, None, None])
+    means, stated, repeats = [], [], []
+    for value, std, plateau, plateau_std in zip(
+        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, strict=True
+    ):
+        line = _less_plateau(value, known, plateau)[:, chosen]
+        means.append(np.where(mask, line, 0.0).sum(axis=0) / count)
+        own = np.where(mask, std[:, chosen], 0.0) / count
+        # The error of a record's plateau is a step of the mean where that record begins or ends.
+        step = np.nan_to_num(plateau_std)[:, None] * mask / count
+        stated.append((own[:, :, None] * own[:, None] * smooth).sum(axis=0) + step.T @ step)
+        more = _beyond(line, std[:, chosen], mask)
+        repeats.append(np.outer(more, more) * np.exp(-distance))
+    reaches = bool(np.isfinite(stuck[0]).any())
+    plateau_loss = float(np.nanmean(stuck[1]) if np.isfinite(stuck[1]).any() else loss[known].min())
+    parts = (np.array(part) for part in (means, stated, repeats))
+    return LevelCurve(amplitude[chosen], *parts, count, reaches, plateau_loss)
+
+
+def _beyond(
+    line: Float[ndarray, "record point"],
+    std: Float[ndarray, "record point"],
+    mask: Bool[ndarray, "record point"],
+) -> Float[ndarray, " point"]:
+    """Standard error of the mean of repeats by what they differ beyond their stated errors.
+
+    Beside another mode, or after a blow, records are worse than they say, each in its own way.
+    Points of one record have that of the nearest point of several.
+    """
+    count = mask.sum(axis=0)
+    here = np.where(mask, line, 0.0)
+    off = np.where(mask, line - here.sum(axis=0) / count, 0.0)
+    freedom = np.maximum(count - 1, 1)
+    stated = np.where(mask, std**2, 0.0).sum(axis=0) / count
+    more = np.maximum((off**2).sum(axis=0) / freedom - stated, 0.0)
+    several = np.flatnonzero(count > 1)
+    if not several.size:
+        return np.zeros(count.size)
+    nearest = several[np.abs(np.arange(count.size)[:, None] - several).argmin(axis=1)]
+    return np.sqrt(more[nearest] / count)
+
+
+def _less_plateau(
+    line: Float[ndarray, "record amplitude"],
+    known: Bool[ndarray, "record amplitude"],
+    plateau: Float[ndarray, " record"],
+) -> Float[ndarray, "record amplitude"]:
+    """Curves less their plateaus; one without lies as the others' mean where they overlap."""
+    have = np.isfinite(plateau)
+    left = np.where(known, line, np.nan) - np.where(have, plateau, np.nan)[:, None]
+    order = np.argsort(~have, kind="stable")
+    for i in order[have.sum() :]:
+        own = np.where(known[i], line[i], np.nan)
+        others = np.isfinite(left) & known[i]
+        if others.any():
+            total = np.where(others, left, 0.0).sum(axis=0)
+            middle = total / np.maximum(others.sum(axis=0), 1)
+            left[i] = own - np.mean((own - middle)[others.any(axis=0)])
+        else:
+            left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
+    return left
