@@ -50,7 +50,7 @@ def with_tables_of(problem, truth, noise):
 
 @pytest.fixture(scope="module")
 def known(problem):
-    truth = problem.prior_mean + 0.7 * problem.prior_std * np.array([1.0, -1.0, 0.5, -1.0])
+    truth = problem.prior.mean + 0.7 * problem.prior.std * np.array([1.0, -1.0, 0.5, -1.0])
     noise = np.random.default_rng(5).standard_normal(len(problem.targets))
     return truth, with_tables_of(problem, truth, noise)
 
@@ -68,14 +68,14 @@ def test_a_known_geometry_is_found_within_its_deviations(known, fitted):
     assert np.all(np.abs(mean - point) < 0.05 * std)
     away = truth - point
     assert away @ np.linalg.solve(covariance, away) < 13.3  # 99 % of chi^2 with 4
-    assert np.all(std < problem.prior_std)
-    assert std[2] < 0.4 * problem.prior_std[2]
+    assert np.all(std < problem.prior.std)
+    assert std[2] < 0.4 * problem.prior.std[2]
 
 
 def test_derivatives_are_finite_differences(problem):
     point = values_in(problem.start, problem.parameters)
     jacobian = linearise(problem, point).jacobian
-    step = 0.02 * problem.prior_std[0] * np.eye(len(point))[0]
+    step = 0.02 * problem.prior.std[0] * np.eye(len(point))[0]
     slope = (predict(problem, point + step) - predict(problem, point - step)) / (2 * step[0])
     np.testing.assert_allclose(jacobian[:, 0], slope, atol=2e-3 * np.abs(slope).max())
 

@@ -74,7 +74,7 @@ def test_beyond_the_box_the_model_goes_on_and_is_not_believed():
 @pytest.mark.parametrize("shared", [True, False])
 def test_cost_is_a_multivariate_normal_with_the_scatter_in_its_covariance(shared):
     made, theta = drawn(shared=shared)
-    made = replace(made, levels=replace(made.levels, hold_freedom=np.zeros(2)))
+    made = replace(made, levels=replace(made.levels, clamping_freedom=np.zeros(2)))
     problem, scales = problem_of(made), np.array([np.log(0.03)])
     state = problem.predict(theta)
     slope = state.facts["slope"][:, :2]
@@ -102,11 +102,11 @@ def test_regions_hold_their_share_of_a_bent_distribution():
 
 def test_repeats_pull_the_scatter_to_what_they_show():
     made, _ = drawn()
-    told = replace(made, levels=replace(made.levels, hold_freedom=np.full(2, 400.0)))
+    told = replace(made, levels=replace(made.levels, clamping_freedom=np.full(2, 400.0)))
     found = map_estimate(told, (0.0,))
     slope = found.state.facts["slope"][:, :2]
     gain = [(slope[told.levels.mode == m] ** 2).sum(axis=1).mean() for m in range(2)]
-    shown = np.mean(told.levels.hold_std**2 / gain)
+    shown = np.mean(told.levels.clamping_std**2 / gain)
     assert np.exp(2 * found.scales[0]) == pytest.approx(shown, rel=0.1)
 
 
@@ -183,15 +183,15 @@ def test_levels_know_which_share_a_clamping():
         "record_mode": ("record", ["1B", "2B", "1B", "2B"]),
         "hold": ("record", ["a", "a", "b", "c"]),
         "plateau_reached": ("record", [1, 1, 1, 1]),
-        "hold_freedom": ("level", np.full(2 * len(FORCE), 3)),
+        "clamping_freedom": ("level", np.full(2 * len(FORCE), 3)),
     }
     found = levels_of(stick(f).drop_dims("record").assign(records), ("1B", "2B"))
     assert found.clamping[0] == found.clamping[5]
     assert found.clamping[1] != found.clamping[6]
     np.testing.assert_allclose(found.std, 0.05 / 500.0)  # sqrt(0.03^2 + (0.08 / 2)^2)
-    np.testing.assert_allclose(found.hold_std, 1e-3)
+    np.testing.assert_allclose(found.clamping_std, 1e-3)
     # its own scatter of clampings is not the joint inference's, even where no force repeats one
-    once = records | {"hold_freedom": ("level", np.zeros(2 * len(FORCE), int))}
+    once = records | {"clamping_freedom": ("level", np.zeros(2 * len(FORCE), int))}
     alone = levels_of(stick(f).drop_dims("record").assign(once), ("1B", "2B"))
     np.testing.assert_allclose(alone.std, found.std)
     np.testing.assert_allclose(levels_of(stick(f, 0.07), ("1B", "2B")).std, 0.07 / 500.0)

@@ -35,9 +35,9 @@ def mean_curves(
     attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
     is its own level plus a change with amplitude that all share: levels are taken off before the
     mean and their mean is put back, so that a record that begins or ends makes no step. The levels
-    of a hold (one clamping) are averaged, then the holds, each weighted by its own variance and the
+    of a clamping are averaged, then the clampings, each weighted by its own variance and the
     scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
-    standard error a normal 95 % interval is right for few repeats, too (Student). Where no hold
+    standard error a normal 95 % interval is right for few repeats, too (Student). Where no clamping
     repeats it is a lower bound, and says so. First cycles that decay unlike all records which pass
     them later (`unsettled`) are left out.
 
@@ -81,7 +81,8 @@ def mean_curves(
                 read[name][own] = np.where(doubted, np.nan, read[name][own])
             count[row] = np.isfinite(read["loss_factor"][own]).sum(axis=0)
         for name in CURVES:
-            *found, repeated = _means(read[name], read[f"{name}_std"], _holds(here, level), level)
+            clamping = _clampings(here, level)
+            *found, repeated = _means(read[name], read[f"{name}_std"], clamping, level)
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
         unknown += [] if repeated else [kind[0]]
@@ -118,8 +119,8 @@ def _strings(levels: Sequence[tuple], k: int) -> ndarray:
     return np.array([own[k] for own in levels], dtype=str)
 
 
-def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
-    """Numbers of the holds; records that name none are holds of their own."""
+def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
+    """Numbers of the clampings; records that name none are clampings of their own."""
     names = [
         f"{own} {decay.attrs.get('hold', '') or f'record {k}'}"
         for k, (own, decay) in enumerate(zip(level, decays, strict=True))
@@ -156,12 +157,12 @@ def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, "
 def _means(
     value: Float[ndarray, "record amplitude"],
     std: Float[ndarray, "record amplitude"],
-    hold: Int[ndarray, " record"],
+    clamping: Int[ndarray, " record"],
     force: Int[ndarray, " record"],
 ) -> tuple[ndarray, ndarray, ndarray, ndarray, bool]:
-    """What `KINDS` names, for each force, and whether holds repeat.
+    """What `KINDS` names, for each force, and whether clampings repeat.
 
-    hold, force: numbers from 0; a hold belongs to one force.
+    clamping, force: numbers from 0; a clamping belongs to one force.
     """
     known = np.isfinite(value) & (std > 0.0)
     variance = np.where(known, std, np.inf) ** 2
@@ -171,7 +172,8 @@ def _means(
         level[force == one] = levels_of(value[force == one], weight[force == one])
     with np.errstate(divide="ignore"):
         level_std = (1.0 / variance).sum(axis=1) ** -0.5
-    middle, middle_std, apart, repeated = _middle(level[:, None], level_std[:, None], hold, force)
+    own = (level[:, None], level_std[:, None])
+    middle, middle_std, apart, repeated = _middle(*own, clamping, force)
     change = _grouped(value - level[:, None], variance, force)
     reached = np.isfinite(change.variance)
     mean, change_std = (
@@ -200,26 +202,26 @@ def levels_of(
 def _middle(
     value: Float[ndarray, "record amplitude"],
     std: Float[ndarray, "record amplitude"],
-    hold: Int[ndarray, " record"],
+    clamping: Int[ndarray, " record"],
     force: Int[ndarray, " record"],
 ) -> tuple[ndarray, ndarray, ndarray, bool]:
-    """Mean of each force, its standard error, the scatter between records, and if holds repeat."""
-    first = np.unique(hold, return_index=True)[1]
+    """Mean of each force, its standard error, the scatter of records, and if clampings repeat."""
+    first = np.unique(clamping, return_index=True)[1]
     known = np.isfinite(value) & (std > 0.0)
-    records = _grouped(value, np.where(known, std, np.inf) ** 2, hold)
-    holds = _grouped(records.mean, records.variance, force[first])
-    by_records = records.scatter * (_member(force[first]) @ (holds.share**2 * records.squares))
-    by_holds = holds.scatter * holds.squares
+    records = _grouped(value, np.where(known, std, np.inf) ** 2, clamping)
+    clampings = _grouped(records.mean, records.variance, force[first])
+    by_records = records.scatter * (_member(force[first]) @ (clampings.share**2 * records.squares))
+    by_clampings = clampings.scatter * clampings.squares
     with np.errstate(invalid="ignore", divide="ignore"):
         doubt = np.nan_to_num(by_records**2 / records.freedom)
-        doubt = doubt + np.nan_to_num(by_holds**2 / holds.freedom)
-        freedom = holds.variance**2 / doubt  # Satterthwaite's
-        error = np.sqrt(holds.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
-    scatter = np.sqrt(records.scatter + holds.scatter)
-    scatter = np.where(records.freedom + holds.freedom > 0, scatter, np.nan)
-    reached = np.isfinite(holds.variance)
-    found = (np.where(reached, part, np.nan) for part in (holds.mean, error, scatter))
-    return *found, bool(holds.freedom.any())
+        doubt = doubt + np.nan_to_num(by_clampings**2 / clampings.freedom)
+        freedom = clampings.variance**2 / doubt  # Satterthwaite's
+        error = np.sqrt(clampings.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
+    scatter = np.sqrt(records.scatter + clampings.scatter)
+    scatter = np.where(records.freedom + clampings.freedom > 0, scatter, np.nan)
+    reached = np.isfinite(clampings.variance)
+    found = (np.where(reached, part, np.nan) for part in (clampings.mean, error, scatter))
+    return *found, bool(clampings.freedom.any())
 
 
 @dataclass(frozen=True)

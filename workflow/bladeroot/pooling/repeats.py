@@ -42,11 +42,11 @@ def unlike_repeats(
     ]
     modes = np.array(["\n".join(kind) for kind in kinds])
     force = np.array([value_of(plateau.attrs) for plateau in plateaus])
-    hold = np.array([str(plateau.attrs["hold"]) for plateau in plateaus])
+    clamping = np.array([str(plateau.attrs["hold"]) for plateau in plateaus])
     for mode in np.unique(modes):
         mine = np.flatnonzero(modes == mode)
         distance = _distances([decays[k] for k in mine], [plateaus[k] for k in mine], force[mine])
-        out, allowed = _unlike(distance, force[mine], hold[mine])
+        out, allowed = _unlike(distance, force[mine], clamping[mine])
         for k in np.flatnonzero(out):
             apart = _median(distance[k, ~out & (force[mine] == force[mine[k]])])
             # clampings that lie apart with no third to say which is right are all out
@@ -56,10 +56,10 @@ def unlike_repeats(
 
 
 def _unlike(
-    distance: Matrix, force: Float[ndarray, " record"], hold: ndarray
+    distance: Matrix, force: Float[ndarray, " record"], clamping: ndarray
 ) -> tuple[Bool[ndarray, " record"], Float[ndarray, " record"]]:
     """Which records of one mode stand out, and what distance each was allowed."""
-    places = np.array([f"{f!r} {h}" for f, h in zip(force.tolist(), hold, strict=True)])
+    places = np.array([f"{f!r} {h}" for f, h in zip(force.tolist(), clamping, strict=True)])
     clampings, member = np.unique(places, return_inverse=True)
     out, allowed = _stand_out(distance, member, force)
     for k in np.flatnonzero(np.bincount(member) == 2):

@@ -34,9 +34,9 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
 
     Each plateau (`bladeroot.plateau.record`) carries `mode`, its load and optionally `record`,
     `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
-    records of one event are one motion (`by_event`). Records at one force are
-    pooled (`bladeroot.pooling.components`): the unit of replication is the hold (one clamping),
-    records without one are holds of their own, and what a mode's records and holds scatter is told
+    records of one event are one motion (`by_event`). Records at one force are pooled
+    (`bladeroot.pooling.components`): the unit of replication is the clamping, records without one
+    are clampings of their own, and what a mode's records and clampings scatter is told
     from all its forces. Where loading up and down both occur, the frequency is that between them
     and their difference is reported; it does not count as scatter. `frequency_std` makes a normal
     95 % interval right whatever the degrees of freedom. Where no force is clamped twice, what the
@@ -77,12 +77,12 @@ def stick_from_table(
 ) -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
-    A table tells nothing of the scatter between records or holds at one force, but its rows scatter
-    about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
-    which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode how many times
-    the scatter exceeds the printed errors; `error`, stated or scatter, is the one that
-    `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is none.
-    Onset amplitudes are unknown (NaN). The numbers are checked where the sheet is read
+    A table tells nothing of the scatter between records or clampings at one force, but its rows
+    scatter about a smooth law of the force. Both are carried, `stated_std` as printed and
+    `scatter_std`, which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode
+    how many times the scatter exceeds the printed errors; `error`, stated or scatter, is the one
+    that `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is
+    none. Onset amplitudes are unknown (NaN). The numbers are checked where the sheet is read
     (`bladeroot.io.stick_rows`).
     """
     frame = table[list(TABLE_COLUMNS)].astype({name: float for name in TABLE_COLUMNS[1:]})
@@ -148,9 +148,9 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
                 "within_std": float(np.sqrt((std**2).sum()) / std.size),
                 "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
                 "between_record_std": frequency.record_std,
-                "between_hold_std": frequency.hold_std,
+                "between_hold_std": frequency.clamping_std,
                 "record_freedom": frequency.record_freedom,
-                "hold_freedom": frequency.hold_freedom,
+                "hold_freedom": frequency.clamping_freedom,
                 "direction_difference": _difference(here),
                 "mode_direction_difference": frequency.difference,
                 "mode_direction_difference_std": frequency.difference_std,
@@ -203,7 +203,7 @@ def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
 
 
 def _pooled(records: pd.DataFrame, name: str) -> Pooled:
-    """Means of the forces, in rising order; a hold is told apart at each force."""
+    """Means of the forces, in rising order; a clamping is told apart at each force."""
     unit = records["force"].astype(str) + " " + _units(records)
     sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
     forces, force = np.unique(records["force"], return_inverse=True)
@@ -214,14 +214,14 @@ def _pooled(records: pd.DataFrame, name: str) -> Pooled:
         np.unique(unit, return_inverse=True)[1],
         sign.to_numpy(float),
     )
-    if found.hold_freedom:
+    if found.clamping_freedom:
         return found
     clampings = scatter_about_law(forces, found.mean, found.std).rms
     return replace(found, std=np.hypot(found.std, np.nan_to_num(clampings)))
 
 
 def _difference(records: pd.DataFrame) -> float:
-    """Mean of the holds loaded up less that of those loaded down; NaN without both."""
+    """Mean of the clampings loaded up less that of those loaded down; NaN without both."""
     means = records.groupby(["direction", _units(records)])["stick_frequency"].mean()
     sides = [means[side].mean() for side in ("up", "down") if side in means.index]
     return float(sides[0] - sides[1]) if len(sides) == 2 else np.nan
@@ -246,7 +246,7 @@ def _onsets(records: pd.DataFrame) -> dict[float, tuple[float, float]]:
 
 
 def _units(records: pd.DataFrame) -> pd.Series:
-    """The hold of each record; one of its own where none is named."""
+    """The clamping of each record; one of its own where none is named."""
     return records["hold"].where(records["hold"] != "", "record " + records["record"])
 
 

@@ -35,18 +35,9 @@ class Calibration:
 
     @property
     def prior(self) -> Prior:
-        """Of all parameters."""
-        return Prior(self.prior_mean, self.prior_std)
-
-    @property
-    def prior_mean(self) -> Float[ndarray, " parameter"]:
-        """Of each parameter, in the unit of the structure file."""
-        return np.array([one.prior_mean for one in self.parameters])
-
-    @property
-    def prior_std(self) -> Float[ndarray, " parameter"]:
-        """Of each parameter, in the unit of the structure file."""
-        return np.array([one.prior_std for one in self.parameters])
+        """Of all parameters, in the units of the structure file."""
+        both = np.array([(one.prior_mean, one.prior_std) for one in self.parameters])
+        return Prior(*both.T)
 
     @property
     def reference(self) -> Float[ndarray, " target"]:
@@ -185,7 +176,7 @@ def _eigenvalue_slopes(asked: Calibration, point: ndarray, model: Model, modes: 
     pad = bool(model.mesh.attrs["with_pad"])
     base = lagrangian(model.structure, pad, listed, static, adjoint)
     columns = []
-    for k, near in enumerate(_NEAR * asked.prior_std):
+    for k, near in enumerate(_NEAR * asked.prior.std):
         other = point + near * np.eye(len(point))[k]
         structure = with_values(asked.start, asked.parameters, other)
         columns.append((lagrangian(structure, pad, listed, static, adjoint) - base) / near)

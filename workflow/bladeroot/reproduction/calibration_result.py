@@ -108,8 +108,8 @@ def _parameters(asked: Calibration, point: ndarray, covariance: ndarray) -> xr.D
         "unit": [one.unit[0] for one in asked.parameters],
         "most_probable": point * size,
         "std": std * size,
-        "prior_mean": asked.prior_mean * size,
-        "prior_std": asked.prior_std * size,
+        "prior_mean": asked.prior.mean * size,
+        "prior_std": asked.prior.std * size,
         "shipped": shipped * size,
         "shipped_distance": np.sqrt(away @ np.linalg.solve(covariance, away)),
         "correlation": covariance / np.outer(std, std),
@@ -144,7 +144,7 @@ def _directions(
     With them how linear the model is, and what they do to the bonded joint.
     """
     part = linear.of(used)
-    scale = asked.prior_std
+    scale = asked.prior.std
     variances, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     chosen = [0, int(np.flatnonzero(variances < _SEEN**2)[-1])]
     steps = (axes * np.sqrt(variances)).T[chosen] * scale

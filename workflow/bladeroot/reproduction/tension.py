@@ -125,10 +125,10 @@ def _minimax(
     """
     from scipy.optimize import linprog
 
-    std, tolerance = asked.prior_std, asked.tolerance
+    std, tolerance = asked.prior.std, asked.tolerance
     slope = linear.jacobian * std / tolerance[:, None]
     misfit = (asked.reference - linear.values) / tolerance
-    centre = (asked.prior_mean - linear.point) / std
+    centre = (asked.prior.mean - linear.point) / std
     low = np.maximum(centre - POSSIBLE, -reach)
     high = np.maximum(np.minimum(centre + POSSIBLE, reach), low)
     ones = np.ones((len(misfit), 1))

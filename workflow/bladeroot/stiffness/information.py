@@ -32,7 +32,7 @@ def expected_information(
     gauge = ("force_offset", "force_gain")
     better = scaled(model, biases, 0.2)
     both = scaled(better, gauge, 0.1)
-    more = replace(model, levels=replace(model.levels, holds=9.0 * model.levels.holds))
+    more = replace(model, levels=replace(model.levels, clampings=9.0 * model.levels.clampings))
     cases = {
         "as measured": (model, theta),
         "force gauge ten times better": (scaled(model, gauge, 0.1), theta),
@@ -90,10 +90,10 @@ def _with_mode(
         (*levels.modes, name),
         np.concatenate([levels.mode, np.full(len(own), number)]),
         *(grown(values) for values in (
-            levels.force, levels.ln_frequency, levels.std, levels.clamping, levels.holds
+            levels.force, levels.ln_frequency, levels.std, levels.clamping, levels.clampings
         )),
-        np.append(levels.hold_std, levels.hold_std[like]),
-        np.append(levels.hold_freedom, 0.0),
+        np.append(levels.clamping_std, levels.clamping_std[like]),
+        np.append(levels.clamping_freedom, 0.0),
     )  # fmt: skip
     first = len(model.law.parameters)
     places = [first + number, first + 2 * number]  # behind the other modes' biases, and their tilts

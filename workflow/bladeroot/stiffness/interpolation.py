@@ -81,27 +81,19 @@ def interpolate_to(
     forces rise strictly. Outside the measured range every value is NaN. At a measured force the
     line is the one from the neighbour below.
     """
-    count = len(targets)
-    lines = Lines(
-        np.full(count, np.nan),
-        np.zeros((count, len(forces))),
-        np.zeros((count, len(forces))),
-        np.full(count, np.nan),
-        np.full(count, np.nan),
-    )
-    for t, target in enumerate(targets):
-        if len(forces) < 2 or not forces[0] <= target <= forces[-1]:
-            continue
-        high = max(int(np.searchsorted(forces, target)), 1)
-        pair = [high - 1, high]
-        step = forces[high] - forces[high - 1]
-        share = (target - forces[high - 1]) / step
-        weight = np.array([1.0 - share, share])
-        lines.value[t] = weight @ values[pair]
-        lines.by_value[t, pair] = weight
-        lines.by_force[t, pair] = -weight * (values[high] - values[high - 1]) / step
-        lines.lower[t], lines.upper[t] = forces[pair]
-    return lines
+    value, lower, upper = np.full((3, len(targets)), np.nan)
+    weight, by_force = np.zeros((2, len(targets), len(forces)))
+    if len(forces) < 2:
+        return Lines(value, weight, by_force, lower, upper)
+    inside = np.flatnonzero((targets >= forces[0]) & (targets <= forces[-1]))
+    high = np.maximum(np.searchsorted(forces, targets[inside]), 1)
+    lower[inside], upper[inside] = forces[high - 1], forces[high]
+    share = (targets[inside] - lower[inside]) / (upper - lower)[inside]
+    weight[inside, high - 1], weight[inside, high] = 1.0 - share, share
+    slope = (values[high] - values[high - 1]) / (upper - lower)[inside]
+    by_force[inside] = -weight[inside] * slope[:, None]
+    value[inside] = weight[inside] @ values
+    return Lines(value, weight, by_force, lower, upper)
 
 
 def fe_forces(stick: xr.Dataset, forces: Float[ndarray, " force"], gauge: ForceGauge) -> xr.Dataset:

@@ -210,8 +210,8 @@ def problem_of(model: LevelModel) -> Problem:
 
     noise = np.concatenate([levels.std**2, np.ones(len(data) - len(levels.std))])
     diagonal = np.arange(len(data))
-    held = levels.clamping[:, None] == levels.clamping
-    alike = held / np.sqrt(np.outer(levels.holds, levels.holds))
+    alike = levels.clamping[:, None] == levels.clamping
+    alike = alike / np.sqrt(np.outer(levels.clampings, levels.clampings))
     own = slice(0, len(levels.std))
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Callable]:
@@ -234,7 +234,7 @@ def _repeats(levels: Levels) -> Repeats | None:
 
     The modes are measured on the same clampings, so their repeats together count as one mode's.
     """
-    known = [m for m in np.flatnonzero(levels.hold_freedom > 0) if (levels.mode == m).any()]
+    known = [m for m in np.flatnonzero(levels.clamping_freedom > 0) if (levels.mode == m).any()]
     if not known:
         return None
 
@@ -243,7 +243,9 @@ def _repeats(levels: Levels) -> Repeats | None:
         of_mode = np.array([gain[levels.mode == m].mean() for m in known])
         return np.exp(2.0 * scales[0]) * of_mode, np.full((len(known), 1), 2.0)
 
-    return Repeats(levels.hold_freedom[known] / len(known), levels.hold_std[known] ** 2, expected)
+    return Repeats(
+        levels.clamping_freedom[known] / len(known), levels.clamping_std[known] ** 2, expected
+    )
 
 
 def map_estimate(model: LevelModel, starts: tuple[float, ...] = _STARTS) -> Fit:
