@@ -39,7 +39,8 @@ from bladeroot.rom.bodies import reduce_bodies
 from bladeroot.rom.chebyshev import at_force, trimmed
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.lap_joint import lap_joint_assembly
-from bladeroot.rom.parametric import ln_frequencies, parametric_model, solved_of, surface_of
+from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.rom.whole import parametric_structure
 from bladeroot.stiffness.interpolation import interpolate_to

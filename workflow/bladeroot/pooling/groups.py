@@ -17,7 +17,7 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
 from bladeroot.plain_words import length
-from bladeroot.pooling.curves import ladder_of, levels_of, on_ladder
+from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
 from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")

@@ -1,9 +1,11 @@
 """The curve of one level over amplitude: its records' mean excess over their plateaus, with errors.
 
 Each record is counted from its own stick frequency and loss factor, so that what a clamping or the
-gauge does to these drops out. The inference with curves and the diagnosis read levels so.
+gauge does to these drops out. The inference with curves and the diagnosis read levels so, from
+curves that are brought to one ladder of amplitudes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,3 +117,40 @@ def _less_plateau(
         else:
             left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
     return left
+
+
+def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
+    """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
+    if not decays:
+        return np.zeros(0)
+    low = min(float(decay["amplitude"].min()) for decay in decays)
+    high = max(float(decay["amplitude"].max()) for decay in decays)
+    first = np.ceil(points_a_decade * np.log10(low))
+    last = np.floor(points_a_decade * np.log10(high))
+    return 10.0 ** (np.arange(first, last + 1) / points_a_decade)
+
+
+def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
+    """A record's curve at the ladder's amplitudes, NaN beyond what it reaches."""
+    value, amplitude = decay[name].values, decay["amplitude"].values
+    known = np.isfinite(value) & np.isfinite(amplitude)
+    if known.sum() < 2:
+        return np.full(ladder.size, np.nan)
+    order = np.argsort(amplitude[known])
+    x, y = np.log(amplitude[known][order]), value[known][order]
+    return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
+
+
+def levels_of(
+    value: Float[ndarray, "record amplitude"], weight: Float[ndarray, "record amplitude"]
+) -> Float[ndarray, " record"]:
+    """How far each record lies above the others: least squares of record + amplitude.
+
+    They sum to zero over records that are linked by common amplitudes; others are not compared.
+    """
+    value = np.where(weight > 0.0, value, 0.0)
+    total = weight.sum(axis=0)
+    share = weight / np.where(total > 0.0, total, 1.0)
+    normal = np.diag(weight.sum(axis=1)) - share @ weight.T
+    right = (weight * (value - (share * value).sum(axis=0))).sum(axis=1)
+    return np.linalg.pinv(normal, rcond=1e-12, hermitian=True) @ right

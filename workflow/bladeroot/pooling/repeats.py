@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from bladeroot.loads import value_of
-from bladeroot.pooling.curves import ladder_of, on_ladder
+from bladeroot.pooling.level_curve import ladder_of, on_ladder
 
 # Set on drawn campaigns (benchmarks/repeats.py): the clampings of a force are few, so the usual
 # distance is known roughly, and clampings scatter more where the force is small.
