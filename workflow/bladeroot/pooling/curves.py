@@ -27,9 +27,7 @@ PREDICTED = 0.999
 DEEPEST = 0.3
 
 
-def mean_curves(
-    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset], points_a_decade: int = 40
-) -> xr.Dataset:
+def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
@@ -56,7 +54,7 @@ def mean_curves(
     ]
     level_of = [_level_of(decay.attrs) for decay in decays]
     levels = sorted(set(level_of))
-    ladder = ladder_of(decays, points_a_decade)
+    ladder = ladder_of(decays)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
     count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
     unknown = []

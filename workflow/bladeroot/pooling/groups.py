@@ -17,11 +17,11 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
 from bladeroot.plain_words import length
+from bladeroot.pooling.components import QUANTILE_95
 from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
 from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")
-POINTS_A_DECADE = 40
 # Chance of as much without a difference, below which groups are said to differ.
 CHANCE = 0.01
 # Standard errors from which a difference at one amplitude is sure: the largest of some hundred.
@@ -112,7 +112,7 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
     chance = fdtrc(between, freedom, excess / between) if freedom else chdtrc(between, excess)
     low, high = int(np.argmin(mean)), int(np.argmax(mean))
     ratio = float(np.exp(mean[high] - mean[low]))
-    wide = stdtrit(freedom, 0.975) / 1.959964 if freedom else 1.0
+    wide = stdtrit(freedom, 0.975) / QUANTILE_95 if freedom else 1.0
     row = {
         "difference": ratio - 1.0,
         "difference_std": float(ratio * wide * np.hypot(error[low], error[high])),
@@ -165,7 +165,7 @@ def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
 
 def _curves(here: Sequence[_Motion], quantity: str) -> tuple[ndarray, ndarray, ndarray]:
     """A ladder of amplitudes, ln of each record's curve on it, and its standard errors."""
-    ladder = ladder_of([one.decay for one in here], POINTS_A_DECADE)
+    ladder = ladder_of([one.decay for one in here])
     value = np.array([on_ladder(one.decay, quantity, ladder) for one in here])
     std = np.array([on_ladder(one.decay, f"{quantity}_std", ladder) for one in here])
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -13,6 +13,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
+POINTS_A_DECADE = 40  # of amplitude, on the ladder where records are compared
 LENGTH = 1.0  # in ln A, over which a curve's errors are one, where its record does not say
 _LEAST_LENGTH = 0.05
 
@@ -119,7 +120,9 @@ def _less_plateau(
     return left
 
 
-def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
+def ladder_of(
+    decays: Sequence[xr.Dataset], points_a_decade: int = POINTS_A_DECADE
+) -> Float[ndarray, " amplitude"]:
     """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
     if not decays:
         return np.zeros(0)

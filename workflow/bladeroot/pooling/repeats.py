@@ -20,7 +20,6 @@ from bladeroot.pooling.level_curve import ladder_of, on_ladder
 # distance is known roughly, and clampings scatter more where the force is small.
 TIMES, PART = 10.0, 0.01
 _TO_STD = 1.4826  # of the median distance, for a normal distribution
-_POINTS_A_DECADE = 40  # of amplitude, where curves are compared
 
 Matrix = Float[ndarray, "record record"]
 
@@ -101,16 +100,14 @@ def _distances(
     """ln frequency of each record less that of each other at its force; NaN where none can be."""
     stick = np.log([float(plateau["stick_frequency"]) for plateau in plateaus])
     distance = stick[:, None] - stick
-    told = [
+    usable = [
         decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
         for decay, plateau in zip(decays, plateaus, strict=True)
     ]
-    ladder = ladder_of(
-        [d for d, known in zip(decays, told, strict=True) if known], _POINTS_A_DECADE
-    )
+    ladder = ladder_of([d for d, known in zip(decays, usable, strict=True) if known])
     curves = [
         np.log(on_ladder(decay, "frequency", ladder)) if known else np.full(ladder.size, np.nan)
-        for decay, known in zip(decays, told, strict=True)
+        for decay, known in zip(decays, usable, strict=True)
     ]
     for a, b in zip(*np.nonzero(np.isnan(distance) & (force[:, None] == force)), strict=True):
         distance[a, b] = _median(curves[a] - curves[b])

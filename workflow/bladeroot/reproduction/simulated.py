@@ -9,10 +9,10 @@ from numpy import ndarray
 
 from bladeroot.fem.clamped_beam import beam_frequency, stiffening_factor, wave_number
 from bladeroot.reproduction.entry import Computed, Evidence
+from bladeroot.stiffness.grid_search import NODES
 from bladeroot.stiffness.search import ln_covariance
 from bladeroot.stiffness.surface import MODES, all_frequencies, surface_of_map
 
-NODES = 33  # of a flank (6.16)
 _N_PER_MM = 1e3
 
 

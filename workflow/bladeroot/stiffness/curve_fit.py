@@ -2,7 +2,7 @@
 
 In each round friction is fitted to the curves at the present stiffness (Levenberg and Marquardt's
 method); there the curves are made linear, friction is integrated out of them, and the joint
-posterior with what is left is climbed. Where on the flanks the pressure happens to be high is not
+MAP estimate with what is left is found. Where on the flanks the pressure happens to be high is not
 known: what that does to the curves is an error that all levels, falls and rises share.
 """
 

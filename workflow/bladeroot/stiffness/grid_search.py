@@ -14,7 +14,7 @@ from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.surface import all_frequencies
 from bladeroot.variables import dataset
 
-NODES = 33
+NODES = 33  # of a flank (6.16); tables print the stiffness of one
 NODAL_RANGE = (1e7, 1.5e8)  # N/m: 1e4 to 1.5e5 N/mm
 POINTS = 50
 

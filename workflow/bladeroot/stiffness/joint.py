@@ -123,16 +123,16 @@ def posterior_of(
     model = models[law]
     levels = model.levels
     highest = min(1.05 * levels.force.max(), float(model.surface.high[2]))
-    told = {
+    measured = {
         "mode": np.array(levels.modes)[levels.mode],
         "force": levels.force,
         "ln_frequency": levels.ln_frequency,
     }
-    laws = {name: _told(models[name], fit) for name, fit in fits.items()}
-    return posterior(laws, law, forces, (float(levels.force.min()), highest), told)
+    laws = {name: _law_of(models[name], fit) for name, fit in fits.items()}
+    return posterior(laws, law, forces, (float(levels.force.min()), highest), measured)
 
 
-def _told(model: LevelModel, fit: Fit) -> Law:
+def _law_of(model: LevelModel, fit: Fit) -> Law:
     """A law with the names of its parameters and the origins of their priors."""
     other = {"force_offset": "the gauge's accuracy", "force_gain": "the gauge's accuracy"}
     origins = tuple(
@@ -169,13 +169,13 @@ def _variations(model: LevelModel, fit: Fit, stick: xr.Dataset) -> xr.Dataset:
     elif len(np.unique(every.mode[every.force >= REFERENCE_FORCE])) == len(every.modes):
         cases["forces from 12 kN up"] = replace(model, levels=from_force(every, REFERENCE_FORCE))
     at = np.array([REFERENCE_FORCE])
-    told = [
-        _told(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
+    found = [
+        _law_of(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
         for one in cases.values()
     ]
     made = {
-        "variation_k": [one.k for one in told],
-        "variation_ln_std": [np.sqrt(np.diag(one.covariance(at)[0])) for one in told],
+        "variation_k": [one.k for one in found],
+        "variation_ln_std": [np.sqrt(np.diag(one.covariance(at)[0])) for one in found],
         "variation": list(cases),
         "stiffness": list(STIFFNESS),
     }

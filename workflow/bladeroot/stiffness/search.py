@@ -31,6 +31,8 @@ from bladeroot.variables import dataset
 SOURCES = ("measurement", "finite elements")
 QUANTILES = (0.16, 0.5, 0.84)
 STIFFNESS = ("kn", "kt")
+_FEWEST = 20  # draws with a root, from which on they have quantiles
+_EDGE = 1e-3  # of ln k, from the box, at which a point lies on its edge
 
 
 def search(
@@ -139,16 +141,12 @@ def _measured(fe_forces: xr.Dataset, modes: list[str], force: float) -> dict[str
     """Targets at one force, NaN where the campaign has none."""
     names = {"target_frequency": "frequency", "target_std": "frequency_std"}
     names |= {name: name for name in ("lower_force", "upper_force")}
-    out = {name: np.full(len(modes), np.nan) for name in names}
     close = np.flatnonzero(np.isclose(fe_forces["force"].values, force, rtol=1e-9))
     if len(close) == 0:
-        return out
+        return {name: np.full(len(modes), np.nan) for name in names}
     here = fe_forces.isel(force=int(close[0])).sel(force_error=fe_forces.primary_force_error)
-    for m, mode in enumerate(modes):
-        if mode in here["mode"].values:
-            for name, original in names.items():
-                out[name][m] = float(here[original].sel(mode=mode))
-    return out
+    here = here.reindex(mode=modes)
+    return {name: here[original].values for name, original in names.items()}
 
 
 def ln_covariance(
@@ -228,7 +226,7 @@ def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Da
         point = nearest_point(surface, target, spread, drawn, log_axis)
         near = all_frequencies(surface, point[None])[0][0]
         needed = target / near - 1.0
-        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < 1e-3))
+        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < _EDGE))
     return _said({"needed_bias": needed, "needed_bias_at_edge": edge, "mode": modes})
 
 
@@ -248,7 +246,7 @@ def _scatter(
         start = np.stack(np.unravel_index(np.argmin(miss, axis=1), drawn.shape[1:]), axis=1)
         ends, good = newton(surface, aims, log_axis[start], (log_axis[0], log_axis[-1]))
         share = float(np.mean(good))
-        if good.sum() >= 20:
+        if good.sum() >= _FEWEST:
             quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T
     elif fitted is not None:
         spread = np.outer(fitted.fit.std, ndtri(QUANTILES))

@@ -7,10 +7,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.variables import dataset, registered
 
-NODES = 33
-REFERENCE_FORCE = 12e3  # N
 DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
 FEWEST = 3  # of these that a law of two parameters needs at least
 _TABLES = ("stiffness/search", "stiffness/grid_search")
