@@ -16,15 +16,17 @@ from numpy import ndarray
 POINTS_A_DECADE = 40  # of amplitude, on the ladder where records are compared
 LENGTH = 1.0  # in ln A, over which a curve's errors are one, where its record does not say
 _LEAST_LENGTH = 0.05
+# What the motion's other modes may change of the two, where the records say: alike in all of them.
+_COUPLING = ("frequency_coupling", "loss_factor_coupling")
 
 
 @dataclass(frozen=True)
 class LevelCurve:
     """Points of one level by rising amplitude (m), first of ln f, then of the loss factor.
 
-    stated: covariance by the records' own errors, their plateaus' among them. repeats: by what
-    records differ beyond that. records: how many reach a point. stuck: whether any has a plateau;
-    plateau_loss: mean loss factor of the plateaus, or the curves' least.
+    stated: covariance by the records' own errors, their plateaus' and other modes' among them.
+    repeats: by what records differ beyond that. records: how many reach a point. stuck: whether any
+    has a plateau; plateau_loss: mean loss factor of the plateaus, or the curves' least.
     """
 
     amplitude: Float[ndarray, " point"]
@@ -59,8 +61,8 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
     distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
     smooth = np.exp(-distance[None] / np.maximum(length, _LEAST_LENGTH)[:, None, None])
     means, stated, repeats = [], [], []
-    for value, std, plateau, plateau_std in zip(
-        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, strict=True
+    for value, std, plateau, plateau_std, name in zip(
+        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, _COUPLING, strict=True
     ):
         line = _less_plateau(value, known, plateau)[:, chosen]
         means.append(np.where(mask, line, 0.0).sum(axis=0) / count)
@@ -68,6 +70,9 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
         # The error of a record's plateau is a step of the mean where that record begins or ends.
         step = np.nan_to_num(plateau_std)[:, None] * mask / count
         stated.append((own[:, :, None] * own[:, None] * smooth).sum(axis=0) + step.T @ step)
+        if name in seen:
+            others = np.where(mask, seen[name].values[:, chosen], 0.0).sum(axis=0) / count
+            stated[-1] += np.outer(others, others) * np.exp(-distance)
         more = _beyond(line, std[:, chosen], mask)
         repeats.append(np.outer(more, more) * np.exp(-distance))
     reaches = bool(np.isfinite(stuck[0]).any())
