@@ -183,7 +183,7 @@ def test_levels_know_which_share_a_clamping():
         "record_mode": ("record", ["1B", "2B", "1B", "2B"]),
         "hold": ("record", ["a", "a", "b", "c"]),
         "plateau_reached": ("record", [1, 1, 1, 1]),
-        "clamping_freedom": ("level", np.full(2 * len(FORCE), 3)),
+        "hold_freedom": ("level", np.full(2 * len(FORCE), 3)),
     }
     found = levels_of(stick(f).drop_dims("record").assign(records), ("1B", "2B"))
     assert found.clamping[0] == found.clamping[5]
@@ -191,7 +191,7 @@ def test_levels_know_which_share_a_clamping():
     np.testing.assert_allclose(found.std, 0.05 / 500.0)  # sqrt(0.03^2 + (0.08 / 2)^2)
     np.testing.assert_allclose(found.clamping_std, 1e-3)
     # its own scatter of clampings is not the joint inference's, even where no force repeats one
-    once = records | {"clamping_freedom": ("level", np.zeros(2 * len(FORCE), int))}
+    once = records | {"hold_freedom": ("level", np.zeros(2 * len(FORCE), int))}
     alone = levels_of(stick(f).drop_dims("record").assign(once), ("1B", "2B"))
     np.testing.assert_allclose(alone.std, found.std)
     np.testing.assert_allclose(levels_of(stick(f, 0.07), ("1B", "2B")).std, 0.07 / 500.0)
