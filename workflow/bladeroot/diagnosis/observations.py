@@ -8,8 +8,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.coupling import coupling
 from bladeroot.loads import load_attrs
+from bladeroot.pooling.coupling import coupling
 from bladeroot.pooling.groups import group_differences
 from bladeroot.pooling.level_curve import ladder_of, on_ladder
 

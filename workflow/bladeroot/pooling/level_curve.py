@@ -17,7 +17,7 @@ POINTS_A_DECADE = 40  # of amplitude, on the ladder where records are compared
 LENGTH = 1.0  # in ln A, over which a curve's errors are one, where its record does not say
 _LEAST_LENGTH = 0.05
 # What the motion's other modes may change of the two, where the records say: alike in all of them.
-_COUPLING = ("frequency_coupling", "loss_factor_coupling")
+COUPLING = ("frequency_coupling", "loss_factor_coupling")
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
     smooth = np.exp(-distance[None] / np.maximum(length, _LEAST_LENGTH)[:, None, None])
     means, stated, repeats = [], [], []
     for value, std, plateau, plateau_std, name in zip(
-        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, _COUPLING, strict=True
+        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, COUPLING, strict=True
     ):
         line = _less_plateau(value, known, plateau)[:, chosen]
         means.append(np.where(mask, line, 0.0).sum(axis=0) / count)
