@@ -11,6 +11,7 @@ from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
     LEAST,
+    NEAREST,
     beating_line,
     elsewhere_first,
     meant,
@@ -20,6 +21,7 @@ from bladeroot.decay.component_lines import (
     told_apart,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.harmonic import Harmonic, harmonics
 from bladeroot.signal.lines import loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
@@ -60,7 +62,7 @@ class Separated:
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
     start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
     were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
-    be, as an error of independent cycles.
+    be, as an error of independent cycles. `told`: what else there is to say, in a line.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -69,6 +71,7 @@ class Separated:
     time: Float[ndarray, " knot"]
     widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
+    told: str = ""
 
 
 def separated(
@@ -89,7 +92,7 @@ def separated(
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    x = velocity[first:]
+    x, begun = velocity[first:], first
     known = None if usable is None else usable[first:]
     frequency, level = loudest(x, sampling_Hz, expected_Hz)
     for other in modes_Hz:
@@ -103,6 +106,7 @@ def separated(
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
+    near: list[Harmonic] = []
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
@@ -116,7 +120,16 @@ def separated(
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
         if not trimmed and (turn or not more):
-            last, trimmed = _lasting(found), True
+            near = harmonics(found, sampling_Hz, NEAREST)
+            if near:
+                velocity = velocity.copy()
+                velocity[first:] -= sum(one.wave for one in near)
+                x = velocity[first:]
+                found = _followed(x, sampling_Hz, lines, base_Hz, known)
+            last, trimmed = (
+                min([_lasting(found), *(one.hides(found, sampling_Hz) for one in near)]),
+                True,
+            )
             x, known = x[:last], None if known is None else known[:last]
             if last < found.samples:
                 continue
@@ -159,12 +172,17 @@ def separated(
     doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
+    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
+    for one in near:
+        off = one.over(found.envelope(0), time - begun / sampling_Hz)
+        doubt = np.hypot(doubt, np.minimum(off, 1.0))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
-    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
-    return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening, doubt)
+    taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
+    told = "; ".join(one.told for one in near)
+    return Separated(left, first, taken_Hz, time, widening, doubt, told)
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

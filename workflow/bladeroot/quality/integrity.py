@@ -48,6 +48,7 @@ def judge(
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
     alone: Float[ndarray, " alone"] | None = None,
+    harmonic: str = "",
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -65,8 +66,10 @@ def judge(
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
         alone: `whole` with the mode by itself (`decay.components`), if others were taken off.
+        harmonic: what was seen of other modes' harmonics beside it; a finding that warns.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
+    found += [("harmonic", _fact(harmonic, "warn"))] if harmonic else []
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     noise = decay.attrs["noise_velocity"]
