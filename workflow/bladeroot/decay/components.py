@@ -11,13 +11,11 @@ from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
     LEAST,
-    NEAREST,
     beating_line,
     elsewhere_first,
     meant,
     more_lines,
     moved,
-    overtones,
     told_apart,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
@@ -100,7 +98,7 @@ def separated(
             level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
-    own_Hz, base_Hz = float(lines[0]), 0.0
+    own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
@@ -118,18 +116,17 @@ def separated(
             own_Hz = float(lines[0])
             continue
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
-        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
-        if not trimmed and (turn or not more):
-            near = harmonics(found, sampling_Hz, NEAREST)
-            if near:
+        if not near and not trimmed:
+            near = harmonics(found, sampling_Hz, APART)
+            if near:  # what was found of others may have been theirs
                 velocity = velocity.copy()
                 velocity[first:] -= sum(one.wave for one in near)
-                x = velocity[first:]
-                found = _followed(x, sampling_Hz, lines, base_Hz, known)
-            last, trimmed = (
-                min([_lasting(found), *(one.hides(found, sampling_Hz) for one in near)]),
-                True,
-            )
+                x, lines = velocity[first:], named
+                continue
+        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
+        if not trimmed and (turn or not more):
+            hidden = [one.hides(found, sampling_Hz) for one in near]
+            last, trimmed = min([_lasting(found), *hidden]), True
             x, known = x[:last], None if known is None else known[:last]
             if last < found.samples:
                 continue
@@ -150,7 +147,6 @@ def separated(
         lines = np.concatenate([lines, fast])[: MOST + 1]
     if lines.size > found.lines_Hz.size:
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    lines = np.concatenate([lines, overtones(found, lines)])
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):

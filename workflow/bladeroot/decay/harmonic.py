@@ -2,8 +2,8 @@
 
 A sensor or a joint that is not linear makes of a mode z a small g z^2 / |z0| and g z^3 / |z0|^2.
 Where such a line lies within some per cent of the mode asked for, no spectrum of a decay shows
-both, but its phase is known. Against it the mode turns, and from one interval to a later one, over which
-the mode is multiplied by rho,
+both, but its phase is known. Against it the mode turns, and from one interval to a later one,
+over which the mode is multiplied by rho,
 
     y' = rho y + g (h' - rho h),    y = mode + g h,
 
