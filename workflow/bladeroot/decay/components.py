@@ -49,6 +49,7 @@ DOUBT = 0.5
 ALIKE = 2
 # A mode whose frequency moves looks like two lines, of which one grows by that factor.
 BORN = 1.3
+COURSES = 1
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -144,7 +145,7 @@ def separated(
         slow = [line for line in more if line < resolved]
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
-        lines = np.concatenate([lines, fast])[: MOST + 1]
+        lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
     if lines.size > found.lines_Hz.size:
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
     if lines.size == 1 and not base_Hz and not _sways(found):
@@ -158,9 +159,10 @@ def separated(
         first += struck
         x, known = x[struck:], None if known is None else known[struck:]
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    course = np.stack([_course(found, k) for k in range(lines.size)])
-    spacing, before = found.spacing, found.envelope(0)
-    found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
+    spacing = found.spacing
+    for _ in range(COURSES):
+        course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
+        found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
     beside = x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1], lines[1:]
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
