@@ -28,6 +28,9 @@ PASSES = 3
 # A window counts from so many standard errors on, and a harmonic where all of them make so many
 # and agree in phase (rad, rms).
 SEEN, CLEAR, IN_PHASE = 3.0, 8.0, 0.5
+# A friction's harmonic is there while it slips: one law must leave no more than this part of what
+# all windows see.
+MISSED = 0.2
 # What may be left of it is no more than this part of the mode, where a curve still goes.
 HIDDEN = 0.3
 # Its part of the line falls with the line's power, or grows, by no more than these exponents.
@@ -126,12 +129,13 @@ def _law(
         return None
     g, std, level, mode = (np.array(column) for column in zip(*windows, strict=True))
     std = np.hypot(std, _laws(g, mode) * mode)
-    clear = np.abs(g) > SEEN * std
-    g, std, x = g[clear], std[clear], np.log(level[clear])
+    every, clear = (g, std, np.log(level)), np.abs(g) > SEEN * std
+    g, std, x = (values[clear] for values in every)
     weight = (np.abs(g) / std) ** 2
     if weight.sum() < CLEAR**2:
         return None
     mean = np.sum(weight * g / np.abs(g))
+    mean /= np.abs(mean)
     log = np.log(g / mean)
     if np.sqrt(np.average(log.imag**2, weights=weight)) > IN_PHASE:
         return None
@@ -142,6 +146,10 @@ def _law(
     left = np.abs(log - middle - slope * (x - centre))
     error = float(np.sqrt(np.average(left**2, weights=weight) + 1.0 / weight.sum()))
     part = complex(mean * np.exp(middle - slope * centre))
+    g, std, x = every
+    missed = np.sum(np.abs((g - part * np.exp(slope * x)) / std) ** 2)
+    if missed > MISSED * np.sum(np.abs(g / std) ** 2):
+        return None
     return _Law(part, slope, (1.0 + slope) * float(centre), error)
 
 
