@@ -15,13 +15,12 @@ import secrets
 from collections import Counter
 
 import numpy as np
-from bladeroot.decay.cut import cut
-from bladeroot.decay.freevib import freevib
-from bladeroot.quality.integrity import judge
+from bladeroot.decay.ringdown import analyse
+from bladeroot.io.recording import recording
 
 WRONG_PPM = 500.0
 # These compare a property with a requirement, and tell of no second mode.
-REQUIREMENTS = ("noise-floor", "too-short", "ends-early", "louder-mode")
+REQUIREMENTS = ("louder-mode",)
 
 
 def draw(rng: np.random.Generator) -> dict:
@@ -51,16 +50,11 @@ def draw(rng: np.random.Generator) -> dict:
 
 def outcome(made: dict) -> tuple[str, float, float]:
     """What comes of a record, the curve's rms error (ppm), and the part within 1.96 std."""
-    rate, expected = made["rate"], made["expected"]
-    judged = judge(cut(made["velocity"], rate, expected), made["velocity"], expected)
+    record = recording(made["velocity"], "m/s", "drawn", sampling_Hz=made["rate"])
+    known = {"expected_Hz": made["expected"], "other_modes_Hz": (), "simulated": True}
+    judged, curve, _ = analyse(record, known, {"end": "noise"}, {})
     found = set(judged["finding_id"].values.tolist()) - set(REQUIREMENTS)
-    if judged.attrs["verdict"] != "usable":
-        return "rejected", np.nan, np.nan
-    usable = judged["usable"].values.astype(bool)
-    noise = judged.attrs["noise_velocity"]
-    try:
-        curve = freevib(judged["velocity"].values, rate, expected, noise, usable=usable)
-    except ValueError:
+    if not curve.sizes["point"]:
         return "rejected", np.nan, np.nan
     at = curve["time"].values + judged.attrs["start_s"]
     wanted = np.interp(at, made["time"], made["amplitude"]) > 0.02

@@ -165,9 +165,12 @@ def meant(
 ) -> Float[ndarray, " line"]:
     """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
 
-    The one nearer to where it is expected, where other modes near by are left the other.
+    The one nearer to where it is expected, where other modes near by are left the other; where
+    nobody knows of one, the louder, unless that is further off than a sheet may be.
     """
     near = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+    if not near and abs(np.log(lines[0] / expected_Hz)) < ABOUT:
+        return lines
 
     def off(own: float, other: float) -> float:
         theirs = min((abs(np.log(other / one)) for one in near), default=0.0)

@@ -49,7 +49,10 @@ DOUBT = 0.5
 ALIKE = 2
 # A mode whose frequency moves looks like two lines, of which one grows by that factor.
 BORN = 1.3
-COURSES = 1
+CLOSE_MODE = (
+    "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
+    "the other is taken off; the sheet had better name both"
+)
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -61,7 +64,7 @@ class Separated:
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
     start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
     were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
-    be, as an error of independent cycles. `told`: what else there is to say, in a line.
+    be, as an error of independent cycles. `told`: findings, by id.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -70,7 +73,7 @@ class Separated:
     time: Float[ndarray, " knot"]
     widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
-    told: str = ""
+    told: tuple[tuple[str, str], ...] = ()
 
 
 def separated(
@@ -136,7 +139,7 @@ def separated(
             if close:
                 before = lines
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
-                own_Hz = float(lines[0])
+                own_Hz, close = float(lines[0]), [float(lines[-1])]
                 continue
         if not more:
             break
@@ -160,9 +163,8 @@ def separated(
         x, known = x[struck:], None if known is None else known[struck:]
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
     spacing = found.spacing
-    for _ in range(COURSES):
-        course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
-        found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
+    course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
+    found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
     beside = x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1], lines[1:]
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
@@ -179,8 +181,10 @@ def separated(
     left[first:] -= found.waves(others)
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
     taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
-    told = "; ".join(one.told for one in near)
-    return Separated(left, first, taken_Hz, time, widening, doubt, told)
+    told = [("harmonic", one.told) for one in near]
+    if close:
+        told.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
+    return Separated(left, first, taken_Hz, time, widening, doubt, tuple(told))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

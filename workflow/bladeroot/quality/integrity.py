@@ -48,7 +48,7 @@ def judge(
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
     alone: Float[ndarray, " alone"] | None = None,
-    harmonic: str = "",
+    told: tuple[tuple[str, str], ...] = (),
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -66,10 +66,10 @@ def judge(
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
         alone: `whole` with the mode by itself (`decay.components`), if others were taken off.
-        harmonic: what was seen of other modes' harmonics beside it; a finding that warns.
+        told: findings of that separation, by id, which warn.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
-    found += [("harmonic", _fact(harmonic, "warn"))] if harmonic else []
+    found += [(name, _fact(text, "warn")) for name, text in told]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     noise = decay.attrs["noise_velocity"]
@@ -150,7 +150,6 @@ def sight(
         noise=float(decay.attrs["noise_velocity"]),
         whole=whole,
         first=first,
-        end_reason=decay.attrs["end_reason"],
         modes_Hz=tuple(modes_Hz),
     )
 
