@@ -5,8 +5,8 @@
 
 A decay of 100 to 1000 Hz, 25 to 60 samples a cycle, loss factor 0.001 to 0.005 and up to 1 %
 softening above 0.3 of its start, with a second mode at 0.85 to 1.18 times its frequency, of 5 to
-50 % of its size and 0.5 to 2 times its loss factor; noise 40 to 60 dB down. Each record is cut,
-judged and estimated as the workflow does. A curve is wrong where its frequency is off by more
+50 % of its size and 0.5 to 2 times its loss factor; noise 40 to 60 dB down. Each record goes
+through the workflow's analysis. A curve is wrong where its frequency is off by more
 than WRONG_PPM (rms over the amplitudes from 0.02 of the start that it has).
 """
 
