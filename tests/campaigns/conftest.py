@@ -1,5 +1,6 @@
 """The houses that the tests of campaigns share."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,3 +29,10 @@ def house(tmp_path_factory, floors) -> House:
 def bare(tmp_path_factory) -> House:
     """A house in which nothing has run, for what must end before any job."""
     return copy_house(tmp_path_factory.mktemp("bare"))
+
+
+@pytest.fixture
+def untouched(house, tmp_path) -> House:
+    """A copy of the finished house with its times, for one change."""
+    left = shutil.ignore_patterns("log")
+    return House(shutil.copytree(house.folder, tmp_path / "copy", symlinks=True, ignore=left))

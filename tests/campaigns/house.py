@@ -15,6 +15,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.file import load_structure
+from forked import forked
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
@@ -28,13 +29,10 @@ class House:
     said: str = ""
 
     def run(self, *options: str, check: bool = True) -> subprocess.CompletedProcess:
-        done = subprocess.run(
-            self.command(*options),
-            cwd=self.folder,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-        )
+        import snakemake.cli
+
+        arguments = self.command(*options)[3:]
+        done = forked(lambda: snakemake.cli.main(arguments), self.folder, self.environment)
         if check and done.returncode:
             pytest.fail(f"snakemake {' '.join(options)} failed:\n{done.stdout}\n{done.stderr}")
         return done
@@ -46,12 +44,14 @@ class House:
     @property
     def environment(self) -> dict:
         # One BLAS thread, as in the workflow's jobs: another number rounds differently. What is
-        # compiled is found by the code's hash, so that all houses and tests share it.
+        # compiled is found by the code's hash, so that all houses and tests share it; bytecode is
+        # kept, as for a user.
         compiled = ROOT / "workflow" / "bladeroot" / "__pycache__"
         own = {
             "OMP_NUM_THREADS": "1",
             "NUMBA_CACHE_DIR": compiled,
             "PYTHONPATH": self.folder / "no",
+            "PYTHONDONTWRITEBYTECODE": "",
         }
         return os.environ | {name: str(value) for name, value in own.items()}
 
