@@ -31,6 +31,8 @@ settings.load_profile("repeatable")
 def pytest_addoption(parser: pytest.Parser) -> None:
     told = "files, and the tests of each, in an order drawn from this seed"
     parser.addoption("--shuffle", type=int, metavar="SEED", help=told)
+    told = "write the agreed verdict and report of the small campaign anew"
+    parser.addoption("--golden", action="store_true", help=told)
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

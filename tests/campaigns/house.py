@@ -15,6 +15,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.file import load_structure
+from decay_bench import ringing
 from forked import forked
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -140,7 +141,7 @@ def floors_lab(folder: Path) -> Path:
     rng = np.random.default_rng(0)
     for k in range(4):
         loss = (0.01, 0.013)[k % 2]
-        low, high = (np.exp(-np.pi * f * t * loss) * np.sin(2 * np.pi * f * t) for f in (20, 55))
+        low, high = (ringing(t, f, np.pi * f * loss, phase=-np.pi / 2) for f in (20, 55))
         velocity = np.array([5e-2 * low + 2e-2 * high, 2e-2 * low - 3e-2 * high])
         table = np.vstack([t, velocity + 1e-5 * rng.standard_normal((2, t.size))]).T
         head = "time_s,top,foot"

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 from bladeroot import runs
 
-
 MADE = ("small", "bench", "structures/tiny/map")
 
 

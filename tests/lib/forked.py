@@ -1,4 +1,4 @@
-"""A call in a fork of this process, which has numpy, numba and Snakemake loaded: a start costs little."""
+"""A call in a fork of this process, which has all but the library loaded: a start costs little."""
 
 import os
 import subprocess
@@ -25,7 +25,7 @@ def forked(
             try:
                 for number, file in ((1, out), (2, err)):
                     os.dup2(file.fileno(), number)
-                sys.stdout, sys.stderr = (open(number, "w", buffering=1) for number in (1, 2))
+                sys.stdout, sys.stderr = out, err
                 _settle(folder, environment)
                 call()
                 status = 0
@@ -34,7 +34,8 @@ def forked(
             except BaseException:
                 traceback.print_exc()
             finally:
-                sys.stdout.flush()
+                out.flush()
+                err.flush()
                 os._exit(status)
         _, status = os.waitpid(child, 0)
         out.seek(0)
