@@ -62,13 +62,6 @@ def test_pressure_integrates_to_the_load(ratio, load, radius):
     assert total == pytest.approx(load, rel=1e-14 + 2e-15 / opened**2)
 
 
-def test_pressure_of_the_thesis_flank_integrates_to_the_load():
-    load = 8485.0 / 26e-3
-    b = float(contact_half_width(np.array(load), FLANK))
-    total = integral(lambda x: pressure(x, np.array(load), FLANK), FLANK, b)
-    assert total == pytest.approx(load, rel=1e-13)
-
-
 def test_pressure_is_the_sum_of_flat_punches_of_growing_width():
     """p(x) = E*/(pi R) int arctan(sqrt(t^2 + x^2 - a^2)/a) dt, an all-positive integral."""
     load, a = np.array(3.26e5), FLANK.flat_half_width
