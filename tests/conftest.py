@@ -37,6 +37,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--golden", action="store_true", help=told)
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--jaxtyping-packages"):
+        import shapes
+
+        shapes.check_outer_functions_alone()
+
+
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Put a test into its group for `--dist loadgroup`: what a fixture makes is made once."""
     shared = [name for name in ("house", "bare") if name in getattr(item, "fixturenames", ())]
