@@ -88,9 +88,9 @@ def test_slopes_of_the_linear_baseline_are_differences(model, expected):
         assert (up - down) / 2e-5 == pytest.approx(slope, abs=1e-6 * np.abs(whole).max())
 
 
-@pytest.mark.parametrize("effect", [("", 0.0), ("hysteresis", 0.4)])
+@pytest.mark.parametrize("effect", [("", 0.0), ("drift", 6e-3)])
 def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effect):
-    wanted = {"": [], "hysteresis": ["loading-hysteresis"]}[effect[0]]
+    wanted = {"": [], "drift": ["drift"]}[effect[0]]
     seen = campaign(model, *effect, seed=2, scatter=0.03, rows=programme(cycles=2), curves=False)
     seen = of_a_load(seen, "bolt torque", "Nm", 1e-3)
     made, said, extension = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
