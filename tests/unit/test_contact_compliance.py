@@ -74,20 +74,6 @@ def test_cylinder_at_full_sliding_dissipates_half_pi():
     np.testing.assert_allclose(per_metre / unit, np.pi / 2, rtol=1e-10)
 
 
-def test_dissipated_energy_is_the_work_of_friction_over_the_slip():
-    """Appendix C again, but from its slip and traction at full sliding, no loop involved."""
-    load = 8485.0 / CYLINDER.length
-    b = float(contact_half_width(np.array(load), CYLINDER))
-    node, weight = np.polynomial.legendre.leggauss(200)
-    angle = 0.5 * np.pi * node
-    x, scale = np.sin(angle), 0.5 * np.pi * weight * np.cos(angle)
-    friction = CYLINDER.friction
-    damage = friction**2 * load * b / (np.pi * CYLINDER.edge_radius) * x**2 * np.sqrt(1 - x**2)
-    cycle = 4 * b * np.sum(scale * damage) * CYLINDER.length
-    n = np.array([8485.0])
-    assert dissipated_energy(n, friction * n, CYLINDER)[0] == pytest.approx(cycle, rel=1e-9)
-
-
 def test_small_cycles_of_a_cylinder_dissipate_with_the_cube():
     n = np.full(2, 8e3)
     t = np.array([0.02, 0.04]) * CYLINDER.friction * n
