@@ -30,19 +30,6 @@ def matrices(mesh):
     return rule, elasticity.stiffness(mesh, rule, [STEEL]), elasticity.mass(mesh, rule, [STEEL])
 
 
-def boundary_dofs(mesh):
-    """Dofs of nodes on the outside: nodes whose element faces are not all shared."""
-    local = np.arange(27).reshape(3, 3, 3)
-    faces = [local[0], local[2], local[:, 0], local[:, 2], local[:, :, 0], local[:, :, 2]]
-    seen: dict[tuple, list] = {}
-    for element in mesh.elements:
-        for face in faces:
-            nodes = element[face.ravel()]
-            seen.setdefault(tuple(sorted(nodes)), []).append(nodes)
-    outside = np.unique(np.concatenate([v[0] for v in seen.values() if len(v) == 1]))
-    return (3 * outside[:, None] + np.arange(3)).ravel()
-
-
 def test_stiffness_is_symmetric_with_exactly_six_rigid_modes():
     mesh = skewed()
     _, stiffness, mass = matrices(mesh)
