@@ -13,7 +13,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.pooling.curves import on_ladder
+from bladeroot.pooling.level_curve import on_ladder
 
 # Variable of the observations, and the curve whose change counts; ln f and the loss factor.
 COUPLING = {"frequency_coupling": "frequency", "loss_factor_coupling": "loss_factor"}
