@@ -31,6 +31,17 @@ settings.load_profile("repeatable")
 def pytest_addoption(parser: pytest.Parser) -> None:
     told = "files, and the tests of each, in an order drawn from this seed"
     parser.addoption("--shuffle", type=int, metavar="SEED", help=told)
+    told = "with --shuffle: so large a part of the files, drawn as well"
+    parser.addoption("--part", type=float, default=1.0, metavar="SHARE", help=told)
+    told = "write the agreed verdict and report of the small campaign anew"
+    parser.addoption("--golden", action="store_true", help=told)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--jaxtyping-packages"):
+        import shapes
+
+        shapes.check_outer_functions_alone()
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
@@ -55,6 +66,5 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if (seed := config.getoption("--shuffle")) is not None:
         draw = random.Random(seed)
         files = [list(group) for _, group in groupby(items, lambda item: item.path)]
-        items[:] = [
-            item for file in draw.sample(files, len(files)) for item in draw.sample(file, len(file))
-        ]
+        drawn = draw.sample(files, round(config.getoption("--part") * len(files)))
+        items[:] = [item for file in drawn for item in draw.sample(file, len(file))]

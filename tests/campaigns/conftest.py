@@ -1,6 +1,7 @@
 """The houses that the tests of campaigns share."""
 
-from dataclasses import replace
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -8,23 +9,41 @@ from house import House, copy_house, floors_lab
 
 
 @pytest.fixture(scope="session")
-def floors(tmp_path_factory) -> Path:
-    """The folder of a campaign of recorded files, outside the house."""
-    return floors_lab(tmp_path_factory.mktemp("labs") / "floors")
+def kept(tmp_path_factory) -> Path:
+    """Where finished runs are kept: for all sessions of CI together, where it names a folder."""
+    folder = os.environ.get("TESTED_RUNS") or tmp_path_factory.mktemp("kept")
+    return Path(folder)
 
 
 @pytest.fixture(scope="session")
-def house(tmp_path_factory, floors) -> House:
+def floors(kept) -> Path:
+    """The folder of a campaign of recorded files, outside the house."""
+    folder = kept / "floors"
+    return folder if folder.exists() else floors_lab(folder)
+
+
+@pytest.fixture(scope="session")
+def house(kept, floors, tmp_path_factory) -> House:
     """A house in which the small campaign and the floors have run to the end, in one run.
 
     Tests leave it as they found it; its own configuration has the small campaign alone.
     """
-    made = copy_house(tmp_path_factory.mktemp("house"))
-    done = made.run("--config", f"campaigns=small,{floors}")
-    return replace(made, said=done.stdout + done.stderr)
+    said = kept / "said.txt"
+    if not said.exists():
+        done = copy_house(kept / "house").run("--config", f"campaigns=small,{floors}")
+        said.write_text(done.stdout + done.stderr)
+    copy = tmp_path_factory.mktemp("house") / "copy"
+    return House(shutil.copytree(kept / "house", copy, symlinks=True), said.read_text())
 
 
 @pytest.fixture(scope="session")
 def bare(tmp_path_factory) -> House:
     """A house in which nothing has run, for what must end before any job."""
     return copy_house(tmp_path_factory.mktemp("bare"))
+
+
+@pytest.fixture
+def untouched(house, tmp_path) -> House:
+    """A copy of the finished house with its times, for one change."""
+    left = shutil.ignore_patterns("log")
+    return House(shutil.copytree(house.folder, tmp_path / "copy", symlinks=True, ignore=left))

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
-from house import copy_house, matrices_lab
+from house import matrices_lab
 
 
 @pytest.mark.slow
-def test_matrices_give_what_the_geometry_gives(tmp_path):
-    house = copy_house(tmp_path / "house")
+def test_matrices_give_what_the_geometry_gives(untouched, tmp_path):
+    house = untouched
     folder = matrices_lab(tmp_path / "lab", "[own, tiny]")
     house.run("--config", f"campaigns={folder}")
     structures = house.folder / "results" / "structures"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray as xr
-from decay_bench import coulomb
+from decay_bench import coulomb, course, levels
 
 FREQUENCY_HZ, SAMPLING_HZ = 250.0, 25600.0
 
@@ -30,17 +30,18 @@ def blocks(
     `lowest` (over the start), after `duration_s`, or in the noise.
     """
     rng = np.random.default_rng(seed)
-    u = np.linspace(0.0, -14.0, 8001)
-    a = np.exp(u)
-    omega = 2 * np.pi * frequency_Hz * (1.0 - softening * law(a))
-    alpha = -np.pi * frequency_Hz * eta * (1.0 + rise * law(a))
-    steps = 0.5 * np.diff(u)
-    clock = np.concatenate([[0.0], np.cumsum(steps * (1 / alpha[1:] + 1 / alpha[:-1]))])
-    turn = np.concatenate(
-        [[0.0], np.cumsum(steps * (omega[1:] / alpha[1:] + omega[:-1] / alpha[:-1]))]
-    )
+
+    def omega(a):
+        return 2 * np.pi * frequency_Hz * (1.0 - softening * law(a))
+
+    def alpha(a):
+        return -np.pi * frequency_Hz * eta * (1.0 + rise * law(a))
+
+    def motion(time):
+        return course(alpha, omega, time, levels(14.0, count=8001))
+
     time = (np.arange(int(duration_s * frequency_Hz)) + 0.5) / frequency_Hz
-    log = np.interp(time, clock, u)
+    log, _ = motion(time)
     time, log = time[log >= np.log(lowest or 1e-6)], log[log >= np.log(lowest or 1e-6)]
     std = 10 ** (-noise_db / 20) / np.exp(log) * np.sqrt(frequency_Hz / SAMPLING_HZ)
     # blocks grow in the noise, as those of records do
@@ -50,10 +51,10 @@ def blocks(
         index += max(1, int(np.ceil(min((std[index] / 0.1) ** 2, 0.4 * frequency_Hz / 4.0))))
     count = np.diff([*edges, time.size])
     time = np.add.reduceat(time, edges) / count
-    log = np.interp(time, clock, u)
+    log, _ = motion(time)
     std = np.hypot(std[edges] / np.sqrt(count), 1e-6)
     time, log, std = time[std < 0.15], log[std < 0.15], std[std < 0.15]
-    y = np.stack([log + np.log(largest), np.interp(time, clock, turn)])
+    y = np.stack([log + np.log(largest), motion(time)[1]])
     slow = np.sin(2 * np.pi * (rng.uniform(0.7, 1.5, (2, 1)) * time + rng.random((2, 1))))
     y += std * rng.standard_normal(y.shape) + wander * slow
     curve = {

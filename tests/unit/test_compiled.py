@@ -2,13 +2,13 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from bladeroot import compiled
+from forked import forked
 
 LIBRARY = Path(compiled.__file__).parent
 
@@ -42,16 +42,15 @@ def write_callee(library, factor):
 
 def run(library, **environment):
     """What the compiled function gives, and how often it was found in the cache."""
-    command = (
-        "from bladeroot.room.caller import call\n"
-        "print(call(1.0), sum(call.stats.cache_hits.values()))"
-    )
-    # Python itself keeps a source that was rewritten within a second and has the same length
-    base = {"PYTHONPATH": str(library), "PATH": os.environ["PATH"], "HOME": str(library),
-            "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
-    done = subprocess.run(
-        [sys.executable, "-c", command], env=base | environment, capture_output=True, text=True
-    )
+
+    def call():
+        # Python itself keeps a source that was rewritten within a second and has the same length
+        sys.dont_write_bytecode = True
+        from bladeroot.room.caller import call
+
+        print(call(1.0), sum(call.stats.cache_hits.values()))
+
+    done = forked(call, library, {"PYTHONPATH": str(library), "HOME": str(library)} | environment)
     assert done.returncode == 0, done.stderr
     value, hits = done.stdout.split()
     return float(value), int(hits)

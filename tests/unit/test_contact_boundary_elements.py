@@ -30,15 +30,6 @@ def test_pressure_and_width_of_the_punch(punch, load):
     assert np.abs(p - pressure(x, load, punch))[inner].max() < 0.01 * p.max()
 
 
-def test_the_printed_width_is_wrong_by_many_cells():
-    load = 6e5
-    printed = Punch(**{**vars(FLANK), "width_law": "printed"})
-    wrong = float(contact_half_width(load, printed))
-    x, p = line_pressure(load, FLANK, 1.4 * wrong)
-    cell = x[1] - x[0]
-    assert wrong - np.abs(x[p > 0]).max() > 15 * cell
-
-
 def test_the_pressure_converges_with_the_cells():
     load, miss = 4e5, []
     b = float(contact_half_width(load, HERTZ))

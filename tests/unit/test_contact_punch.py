@@ -62,26 +62,6 @@ def test_pressure_integrates_to_the_load(ratio, load, radius):
     assert total == pytest.approx(load, rel=1e-14 + 2e-15 / opened**2)
 
 
-def test_pressure_of_the_thesis_flank_integrates_to_the_load():
-    load = 8485.0 / 26e-3
-    b = float(contact_half_width(np.array(load), FLANK))
-    total = integral(lambda x: pressure(x, np.array(load), FLANK), FLANK, b)
-    assert total == pytest.approx(load, rel=1e-13)
-
-
-def test_pressure_is_the_sum_of_flat_punches_of_growing_width():
-    """p(x) = E*/(pi R) int arctan(sqrt(t^2 + x^2 - a^2)/a) dt, an all-positive integral."""
-    load, a = np.array(3.26e5), FLANK.flat_half_width
-    b = float(contact_half_width(load, FLANK))
-    for x in np.array([0.0, 0.3, 0.9]) * a, np.array([1.0, 1.005, 1.02]) * a:
-        for point in x:
-            low = np.sqrt(max(a**2 - point**2, 0.0))
-            t, weight = panel_rule(np.array([low, np.sqrt(b**2 - point**2)]))
-            angle = np.arctan(np.sqrt(np.maximum(t**2 + point**2 - a**2, 0.0)) / a)
-            total = np.sum(weight * angle) * FLANK.contact_modulus / np.pi / FLANK.edge_radius
-            assert pressure(np.array(point), load, FLANK) == pytest.approx(total, rel=1e-11)
-
-
 def test_width_becomes_the_cylinder_of_hertz():
     load = np.array([1e3, 1e5, 1e7])
     expected = np.sqrt(4 * load * 2.5e-3 / (np.pi * CYLINDER.contact_modulus))

@@ -80,6 +80,7 @@ def test_true_stiffnesses_lie_in_their_intervals(null):
     assert null[0].attrs["interface_effective_draws"] > 50
 
 
+@pytest.mark.slow
 def test_stiffening_over_the_preload_is_named():
     whole, said, _ = told(seen(exponent=0.5))
     assert [one["mechanism"] for one in said["causes"]] == ["load-dependent-stiffness"]

@@ -47,7 +47,7 @@ def test_a_curve_of_few_points_has_no_limit():
 
 def test_causes_are_found_where_no_record_has_a_plateau():
     model = parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
-    seen = campaign(model, "exponent", 0.6, 1, rows=programme(cycles=1))
+    seen = campaign(model, "exponent", 0.6, 1, rows=programme(cycles=1, records=1))
     slope = 1e-4 * (seen["amplitude"].values / 1e-5) ** 0.8
     seen["frequency"] = seen["frequency"] * np.exp(-slope)
     for name in ("stick_frequency", "stick_frequency_std", "stick_loss_factor"):

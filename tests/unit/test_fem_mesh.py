@@ -3,7 +3,6 @@ import pytest
 from bladeroot.fem import elasticity
 from bladeroot.fem.geometry import flank_ends, structure_from_mapping
 from bladeroot.fem.mesh import (
-    FLANKS,
     base_nodes,
     beam_mesh,
     block,
@@ -109,10 +108,6 @@ def test_slot_is_sound_and_held_at_its_far_face_only():
 def test_unknown_side_is_refused():
     with pytest.raises(ValueError, match="Xn"):
         slot_mesh(coarse_structure(), "left")
-
-
-def test_flank_names_follow_the_signs_of_x_and_z():
-    assert FLANKS == ("Xn-bottom", "Xn-top", "Xp-bottom", "Xp-top")
 
 
 @pytest.mark.parametrize(

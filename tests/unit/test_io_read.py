@@ -177,7 +177,7 @@ def test_a_last_line_without_its_end_is_cut_off(tmp_path):
 def test_the_head_ends_with_a_whole_line(tmp_path, row, told):
     line = row.format("1.5") + "\n"
     # wherever the head is cut, what is left of a line is no row
-    for shift in range(len(line)):
+    for shift in range(0, len(line), 3):
         head = "x" * shift + "\ntime_s,velocity_m/s\n"
         (tmp_path / "a.csv").write_text(head + 4000 * line)
         with pytest.raises(ValueError, match=told):

@@ -26,9 +26,9 @@ def test_a_difference_between_groups_is_told_with_its_size():
 
 
 def test_groups_that_are_alike_are_seldom_told_apart():
-    chances = np.array([float(compared(drawn([1.0] * 3, seed))["chance"][1]) for seed in range(40)])
-    assert (chances < 0.01).sum() <= 2
-    assert abs((chances < 0.5).mean() - 0.5) < 0.2
+    chances = np.array([float(compared(drawn([1.0] * 3, seed))["chance"][1]) for seed in range(20)])
+    assert (chances < 0.01).sum() <= 1
+    assert abs((chances < 0.5).mean() - 0.5) < 0.3
 
 
 def test_sensors_of_one_motion_do_not_make_a_difference_sure():

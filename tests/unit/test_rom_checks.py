@@ -57,11 +57,6 @@ def test_verdict_compares_residual_and_limit(result):
     np.testing.assert_allclose(residual, result.computed / result.reference - 1)
 
 
-def test_structure_is_named(result):
-    assert result.attrs["structure"] == "dovetail-H"
-    assert result.attrs["description"] == coarse_structure().description
-
-
 def test_missing_table_is_named(tables):
     with pytest.raises(ValueError, match="table_4_1"):
         checks(coarse_structure(), {k: v for k, v in tables.items() if k != "table_4_1"})

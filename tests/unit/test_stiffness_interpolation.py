@@ -74,25 +74,6 @@ def test_table_5_1_follows_from_one_per_cent_of_reading(thesis):
     assert same == 9
 
 
-def test_table_5_1_does_not_follow_from_the_full_scale(thesis):
-    found = thesis["frequency_std"].sel(force_error="full-scale", mode="1B")
-    assert np.all(found > 1.4)
-
-
-def test_hand_arithmetic_at_twelve_kilonewton(thesis):
-    share = (12000 - 10382) / (12530 - 10382)
-    slope = (540.31 - 535.22) / (12530 - 10382)
-    at = thesis.sel(mode="1B", force=12e3)
-    assert float(at["frequency"]) == pytest.approx(535.22 + slope * 1618)
-    only = np.hypot((1 - share) * 0.01, share * 0.01)
-    forced = slope * np.hypot((1 - share) * 103.82, share * 125.30)
-    assert float(at["frequency_only_std"]) == pytest.approx(only)
-    assert float(at["frequency_std"].sel(force_error="reading")) == pytest.approx(
-        np.hypot(only, forced)
-    )
-    assert (float(at["lower_force"]), float(at["upper_force"])) == (10382, 12530)
-
-
 def test_forces_between_the_same_two_records_share_their_errors(thesis):
     covariance = thesis["frequency_covariance"].sel(force_error="full-scale")
     std = thesis["frequency_std"].sel(force_error="full-scale").values
@@ -165,10 +146,3 @@ def test_lines_are_exact_on_a_line_and_never_beyond_the_bracket(forces, share, s
     assert lines.value[0] == pytest.approx(500 + slope * target, rel=1e-9)
     assert lines.lower[0] <= target <= lines.upper[0]
     assert lines.by_value.sum() == pytest.approx(1.0)
-
-
-def test_order_of_rows_does_not_matter():
-    stick = stick_of("2B", [5e3, 7e3, 10e3], [1300, 1340, 1400], [0.1, 0.2, 0.3])
-    there = fe_forces(stick, np.array([6e3, 8e3]), GAUGE)
-    back = fe_forces(stick.isel(level=[2, 0, 1]), np.array([6e3, 8e3]), GAUGE)
-    xr.testing.assert_identical(there, back)

@@ -249,18 +249,6 @@ def test_doubtful_arguments_are_refused(drawn):
         search(drawn, measured([590.0, 1600.0]), {"1B": 0.005})
 
 
-def test_result_is_complete_and_the_same_at_every_run(drawn, tmp_path):
-    target, _ = of_truth(drawn, 1.4e9, 2.1e9)
-    for name, aim in (("root", target), ("none", target * 1.2)):
-        result = search(drawn, measured(aim))
-        xr.testing.assert_identical(result, search(drawn, measured(aim)))
-        for key, variable in result.data_vars.items():
-            assert {"units", "long_name"} <= set(variable.attrs), key
-        result.to_netcdf(tmp_path / f"{name}.nc")
-        with xr.open_dataset(tmp_path / f"{name}.nc") as again:
-            assert str(again["status"].values) == str(result["status"].values)
-
-
 def test_nearest_point_of_an_attainable_target_is_the_root(drawn):
     target, _ = of_truth(drawn, 3e9, 1e9)
     surface, axis = surface_of_map(drawn), log_axis(drawn)

@@ -82,16 +82,6 @@ def test_structures_and_published_values_stand_side_by_side(lawful, maps):
     assert result["kn"].attrs["units"] == "N/m"
 
 
-def test_summary_survives_netcdf_with_units(lawful, tmp_path):
-    targets, found = lawful
-    result = summarise({"beam": found}, targets)
-    for key, variable in result.data_vars.items():
-        assert {"units", "long_name"} <= set(variable.attrs), key
-    result.to_netcdf(tmp_path / "stiffness.nc")
-    with xr.open_dataset(tmp_path / "stiffness.nc") as again:
-        assert again["status"].values.tolist() == [["root"] * 4]
-
-
 def test_one_force_twice_is_refused(lawful):
     targets, found = lawful
     with pytest.raises(ValueError, match="structure beam: two searches"):

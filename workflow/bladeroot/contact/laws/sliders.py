@@ -31,9 +31,10 @@ class Sliders:
     varies: bool
 
     def __post_init__(self) -> None:
-        """Refuse what is no slider."""
+        """Refuse what is no slider; one layout in memory, for which kernels are compiled once."""
         for name in ("normal", "tangential", "preload", "friction"):
-            values = getattr(self, name)
+            values = np.ascontiguousarray(getattr(self, name))
+            object.__setattr__(self, name, values)
             if not np.all(values >= 0.0):
                 raise ValueError(f"{name} of sliders must not be negative, got {np.min(values)}")
         if np.isinf(self.friction).any() and not np.all(self.preload[np.isinf(self.friction)] > 0):
