@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
-from bladeroot.bench.tuning import effect
+from bladeroot.bench.tuning import effect, ids
 
 BENCH = Path(__file__).parent / "bench.yaml"
 PRESSURES = (10, 20, 30, 43, 67, 100, 134)
@@ -15,6 +15,8 @@ CYCLES = 2
 DRIVES = {"1B": 2.5, "2B": 10.0}
 LOUDNESS = (0.7, 1.0)
 RECORD_INTERVAL_S, HOLD_INTERVAL_S = 180, 900
+# A drawn size lies between the bound and so many times it.
+SIZE_RANGE = 5.0
 
 
 @dataclass(frozen=True)
@@ -29,14 +31,26 @@ class Case:
         return asdict(self)
 
 
-def size_of(name: str, chance: np.random.Generator, relative: float) -> float:
-    """A size (SI) of an effect: `relative` times its bound, of either sign where it has both."""
+def catalogue() -> list[str]:
+    """Effects that a diagnosis may name."""
+    return [name for name in ids() if effect(name).CLASS != "outside"]
+
+
+def outsiders() -> list[str]:
+    """Effects that no catalogue has."""
+    return [name for name in ids() if effect(name).CLASS == "outside"]
+
+
+def size_of(name: str, chance: np.random.Generator, relative: float | None = None) -> float:
+    """A size (SI) of an effect: `relative` times its bound, or drawn log-uniformly."""
+    if relative is None:
+        relative = np.exp(chance.uniform(0, np.log(SIZE_RANGE)))
     sign = -1.0 if effect(name).SIGNED and chance.uniform() < 0.5 else 1.0
     return float(sign * relative * effect(name).BOUND)
 
 
-def draw_case(entropy: int, names: tuple[str, ...], relative: float = 3.0) -> Case:
-    """A case that hides the named effects (none, one or more), `relative` times their bounds."""
+def draw_case(entropy: int, names: tuple[str, ...], relative: float | None = None) -> Case:
+    """A case that hides the named effects (none, one or more) in sizes drawn from `entropy`."""
     chance = np.random.default_rng([entropy, 1])
     hidden = tuple((name, size_of(name, chance, relative)) for name in names)
     return Case(seed=int(np.random.default_rng([entropy, 0]).integers(2**31)), effects=hidden)

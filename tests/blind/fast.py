@@ -32,8 +32,12 @@ def observations(
     bench: dict,
     sheet: pd.DataFrame,
     chance: np.random.Generator,
+    seen: dict[str, tuple[str, str]] | None = None,
 ) -> xr.Dataset:
-    """What the diagnosis reads, from true curves over LADDER; all records are clean."""
+    """What the diagnosis reads, from true curves over LADDER.
+
+    `seen` gives findings (joined by semicolons) and verdict of records; without it all are clean.
+    """
     rows = sheet.to_dict("records")
     count = len(rows)
     made = {name: np.full((count, LADDER.size), np.nan) for name in POINT}
@@ -70,7 +74,7 @@ def observations(
                 record[f"stick_{name}_std"][k] = error_here
             if not flat[reached].all():
                 record["onset_amplitude"][k] = LADDER[flat].max()
-    return _dataset(made, record, bench, sheet)
+    return _dataset(made, record, bench, sheet, seen or {})
 
 
 def ideal_error(bench: dict, omega: float, loss: float) -> Float[ndarray, " amplitude"]:
@@ -111,15 +115,16 @@ NUMBERS = {
 }
 
 
-def _dataset(made: dict, record: dict, bench: dict, sheet: pd.DataFrame) -> xr.Dataset:
+def _dataset(made: dict, record: dict, bench: dict, sheet: pd.DataFrame, seen: dict) -> xr.Dataset:
     newton_per_bar = bench["gauge"]["piston_area_cm2"] * 1e-4 * 1e5
     names = list(sheet["record"])
+    findings, verdict = zip(*(seen.get(name, ("", "usable")) for name in names), strict=True)
     text = {
         "mode": list(sheet["mode"]),
         "hold": list(sheet["hold"]),
         "direction": list(sheet["direction"]),
-        "findings": [""] * len(names),
-        "verdict": ["usable"] * len(names),
+        "findings": list(findings),
+        "verdict": list(verdict),
     }
     plain = {"units": "", "long_name": "see the sheet of records"}
     data = {name: ("record", np.array(values, dtype=str), plain) for name, values in text.items()}

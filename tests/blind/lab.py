@@ -8,21 +8,28 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from bench_curves import campaign_curves, few_dofs
-from bladeroot.bench.joint import Parts, parts
+from bladeroot.bench.joint import Parts
 from bladeroot.bench.tuning import cause_of, conditions_of, effect
 from cases import Case, draw_bench, draw_sheet
 from fast import LADDER, observations
+from findings import seen_in
+from rawrecords import load_parts, write_campaign
 
 
 @dataclass(frozen=True)
 class Laboratory:
-    """The specimen that all cases perturb: `reduced` is its file of reduced matrices."""
+    """The specimen that all cases perturb: `reduced` is its file of reduced matrices.
+
+    `library` tells what the workflow found in raw records with faults; without it the fast tier
+    has no findings.
+    """
 
     reduced: Path
+    library: pd.DataFrame | None = None
 
     @cached_property
     def whole(self) -> Parts:
-        return parts(xr.load_dataset(self.reduced))
+        return load_parts(self.reduced)
 
     @cached_property
     def few(self) -> Parts:
@@ -51,4 +58,15 @@ class Laboratory:
         sheet = draw_sheet(case.seed) if sheet is None else sheet
         conditions = conditions_of(bench, sheet, self.hidden(case, bench, sheet))
         curves = campaign_curves(bench, self.whole, self.few, sheet, conditions, LADDER)
-        return observations(curves, bench, sheet, np.random.default_rng([case.seed, 4]))
+        chance = np.random.default_rng([case.seed, 4])
+        seen = {}
+        if self.library is not None:
+            seen = seen_in(self.library, sheet, conditions, chance)
+        return observations(curves, bench, sheet, chance, seen)
+
+    def raw(self, case: Case, folder: Path, sheet: pd.DataFrame | None = None) -> None:
+        """Write a case's campaign folder."""
+        bench = draw_bench(case.seed)
+        sheet = draw_sheet(case.seed) if sheet is None else sheet
+        conditions = conditions_of(bench, sheet, self.hidden(case, bench, sheet))
+        write_campaign(folder, bench, sheet, conditions, self.reduced)

@@ -27,12 +27,15 @@ def environment() -> dict:
     return {**os.environ, "PYTHONPATH": library, "OMP_NUM_THREADS": "1"}
 
 
-def make(house: Path, *targets: str) -> None:
+def make(house: Path, *targets: str, campaign: Path | None = None, jobs: int = 2) -> None:
     """Have Snakemake make `targets` (paths below results/) in `house`; RuntimeError if it fails."""
     house.mkdir(parents=True, exist_ok=True)
+    named = (
+        ["--config", f"campaigns={campaign}", f"search={json.dumps(SEARCH)}"] if campaign else []
+    )
     command = [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
-        *("--directory", str(house), "-j2", "--quiet", "--", *targets),
+        *("--directory", str(house), f"-j{jobs}", "--quiet", *named, "--", *targets),
     ]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True)
     if done.returncode:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from bladeroot.bench.tuning import effect
+from scipy.stats import beta
 
 # Effects whose size is defined as the diagnosis' parameter is (docs/blind.md), and how close a
 # value must come: relative, or in its own standard deviations.
@@ -36,6 +37,7 @@ class Outcome:
     named: int
     classed: int
     wrong: bool
+    dominant: bool
     parameter: int | None
 
 
@@ -64,11 +66,18 @@ def score(answer: dict, verdict: dict) -> Outcome:
         column = "+".join(sorted(names))
     else:
         column = "+".join(sorted(f"class:{name}" for name in given))
+    first = causes[0] if causes else None
+    dominant = first is not None and (
+        first["mechanism"] in hidden
+        or bool(set(first["credible_set"]) & set(hidden))
+        or (len(first["credible_set"]) > 1 and first["class"] in classes.values())
+    )
     return Outcome(
         column=column,
         named=len(named),
         classed=len(classed),
         wrong=wrong,
+        dominant=bool(dominant),
         parameter=_parameter(answer, [cause for cause, _ in sure]),
     )
 
@@ -90,3 +99,27 @@ def values(cause: dict) -> tuple[float, float]:
     parameters = cause["parameters"]
     first = next(iter(parameters.values())) if isinstance(parameters, dict) else parameters[0]
     return float(first["value"]), float(first["std"])
+
+
+def left_over(verdict: dict) -> dict[str, float]:
+    """Held-out error after over before: between forces and of damping curves; NaN if absent."""
+    gain = verdict.get("gain") or {}
+    places = {
+        "between_forces": gain.get("between_forces"),
+        "between_forces_without_bias": gain.get("between_forces_without_bias"),
+        "damping_curves": gain.get("within_records", {}).get("loss_factor"),
+    }
+    return {
+        name: sides["after"] / sides["before"] if sides else float("nan")
+        for name, sides in places.items()
+    }
+
+
+def share(successes: int, trials: int, confidence: float = 0.95) -> tuple[float, float, float]:
+    """Share with its two-sided exact bounds (Clopper-Pearson); (nan, 0, 1) without trials."""
+    if trials == 0:
+        return float("nan"), 0.0, 1.0
+    tail = (1 - confidence) / 2
+    low = beta.ppf(tail, successes, trials - successes + 1) if successes else 0.0
+    high = beta.ppf(1 - tail, successes + 1, trials - successes) if successes < trials else 1.0
+    return successes / trials, float(low), float(high)
