@@ -22,6 +22,7 @@ from bladeroot.diagnosis.posterior import (
     UNKNOWN,
     Sets,
     Weighed,
+    as_shown,
     credible,
     inclusion,
     probabilities,
@@ -78,12 +79,19 @@ class Found:
     insufficient: str = ""
 
     @property
+    def quiet(self) -> bool:
+        """Whether the data show nothing, whatever they would not show."""
+        return as_shown(self.probabilities).get(frozenset(), 0.0) >= guards.CERTAIN
+
+    @property
     def open(self) -> list[str]:
         """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
         if self.causes or max(_unknown(self.probabilities)) >= guards.CERTAIN:
             return []
-        found = list(credible(self.probabilities))
-        return found if set(found) & set(self.alone) else []
+        found = credible(as_shown(self.probabilities))
+        if self.quiet or len(found) == 1:  # one that is barred does not stand for certain
+            found = credible(self.probabilities) | {UNKNOWN: 0.0}
+        return list(found) if set(found) & set(self.alone) else []
 
     @property
     def gain(self) -> float:
@@ -104,7 +112,7 @@ class _Search:
         self.models: dict[frozenset, Model] = {}
         self.steps: dict[frozenset, Step] = {}
         self.allowed: dict[frozenset, bool] = {frozenset(): True}
-        # Sets that may be and yet show nothing: worth no more than the set without the last cause.
+        # Sets that may be and are not surely there: worth little more than without the last cause.
         self.unsure: dict[frozenset, float] = {}
 
     def expand(self, model: Model) -> None:
@@ -122,7 +130,7 @@ class _Search:
             allowed = name not in self.known.ruled_out and self._allowed(model, one)
             maybe = not allowed and name not in self.known.ruled_out and self.allowed[model.ids]
             if maybe and possible(self.channel, one.causes, one.fit):
-                shown = min(one.log_evidence, model.log_evidence)
+                shown = min(one.log_evidence, model.log_evidence + guards.UNSURE)
                 self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
                 self.allowed[one.ids],
@@ -154,10 +162,7 @@ class _Search:
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
     def weighed(self) -> Sets:
-        """Probabilities of all sets that may be.
-
-        A cause that is not surely there has no more than its prior: it is not excluded either.
-        """
+        """Probabilities of all sets that may be."""
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids] or self._idle(model):
@@ -262,7 +267,7 @@ def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
     """
     rest = model.ids - {one.id}
     instead = {one.id: 0.0}
-    for key, value in sets.items():
+    for key, value in as_shown(sets).items():
         known = key - {UNKNOWN}
         if known == rest:
             name = UNKNOWN if UNKNOWN in key else NONE

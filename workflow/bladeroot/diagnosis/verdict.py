@@ -7,13 +7,13 @@ import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import score, within_records
-from bladeroot.diagnosis.guards import CERTAIN
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
     Sets,
+    as_shown,
     credible,
     inclusion,
     labelled,
@@ -21,6 +21,7 @@ from bladeroot.diagnosis.posterior import (
 )
 from bladeroot.diagnosis.shortfall import of_curves, of_records
 from bladeroot.diagnosis.simulation.parametric import Parametric, biases
+from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -31,14 +32,15 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     every: the same with the records below the force of full contact, if such were left out; the
     reason then says what they would change.
     """
-    causes = _causes(made)
+    sets = probabilities(made)
+    causes = _causes(made, sets)
     answer = _answer(made, causes)
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),
         "structure": made.structure,
         "answer": answer,
-        "probabilities": labelled(sets := probabilities(made)),
+        "probabilities": labelled(sets),
         "possible": {name: round(value, 9) for name, value in credible(sets).items()},
         "causes": causes,
         "shortfall": _shortfall(made),
@@ -48,31 +50,34 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     }
 
 
-def _causes(made: Diagnosis) -> list[dict]:
+def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     """Causes of all channels, what explains most first; record faults by how many records."""
     rows = []
+    judged = [found for found in made.found if not _cannot_name(made, found)]
+    silent = all(found.quiet for found in judged)
     for found in made.found:
         first = found.channel.base
         for cause in found.causes:
-            rows.append((cause.gain, _cause(made, found, cause, first)))
+            rows.append((cause.gain, _cause(found, cause, first, sets)))
             first += len(cause.mechanism.parameters)
-        if found.open and not _cannot_name(made, found):
+        # What the data would not show is asked about only where they show nothing at all.
+        if found.open and found in judged and (silent or not found.quiet):
             alone, cause = _as_if(found)
-            rows.append((cause.gain, _cause(made, alone, cause, found.channel.base)))
+            rows.append((cause.gain, _cause(alone, cause, found.channel.base, sets)))
     for one in made.faulty:
         if one.named:
             rows.append((-one.ln_chance, _fault(one)))
     return [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
 
 
-def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
+def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     mechanism = cause.mechanism
     by_id = {one.id: one for one in found.channel.candidates}
     kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
     return {
         "mechanism": mechanism.id,
         "form": mechanism.form,
-        "probability": round(cause.probability, 9),
+        "probability": round(inclusion(sets, mechanism.id), 9),
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [
@@ -128,10 +133,11 @@ def probabilities(made: Diagnosis) -> Sets:
             bare = frozenset({UNKNOWN}) if _cannot_name(made, found) and key else key
             sets[bare] = sets.get(bare, 0.0) + value
         parts.append(sets)
-    for one in made.faulty:
-        chance = one.probability
-        parts.append({frozenset(): 1.0 - chance, frozenset({one.mechanism.id}): chance})
-    return together(parts)
+    faults = [
+        {frozenset(): 1.0 - one.probability, frozenset({one.mechanism.id}): one.probability}
+        for one in made.faulty
+    ]
+    return together([together(parts), *faults], further=0.0)
 
 
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
@@ -140,17 +146,19 @@ def _answer(made: Diagnosis, causes: list[dict]) -> str:
     if any(certain(one) for one in others):
         return "named"
     judged = [found for found in made.found if not _cannot_name(made, found)]
+    if any(found.insufficient for found in judged):
+        return "insufficient-data"
     if any(NONE not in one["credible_set"] for one in others):
         return "ambiguous"
     if any(found.unexplained for found in judged if not found.open):
         return "unexplained"
-    if any(_open(found) for found in made.found if _cannot_name(made, found)):
+    if any(not found.quiet for found in made.found if _cannot_name(made, found)):
         return "insufficient-data"
-    if others:
+    if not all(found.quiet for found in judged):
         return "ambiguous"
-    if made.lacks and not causes:
+    if any(not one.startswith(FEW) for one in made.lacks) and len(others) == len(causes):
         return "insufficient-data"
-    return "named" if causes else "nothing-missing"
+    return "named" if len(causes) > len(others) else "nothing-missing"
 
 
 def certain(cause: dict) -> bool:
@@ -168,16 +176,11 @@ def _cannot_name(made: Diagnosis, found: Found) -> bool:
     return bool(made.curve_lacks) and found.channel.name == "curve"
 
 
-def _open(found: Found) -> bool:
-    """Whether a channel shows that something is missing, be it a mechanism that fits best."""
-    return found.probabilities.get(frozenset(), 0.0) < 1.0 - CERTAIN
-
-
 def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
     for found in made.found:
-        shows = _cannot_name(made, found) and _open(found)
+        shows = _cannot_name(made, found) and not found.quiet
         if not found.causes and not found.unexplained and not shows:
             continue
         explained = not found.unexplained and not shows
@@ -248,7 +251,7 @@ def runner_up(found: Found) -> tuple[str, float]:
 
 def _below(made: Diagnosis, every: Diagnosis) -> str:
     """What the records at lower forces add."""
-    causes = _causes(every)
+    causes = _causes(every, probabilities(every))
     said = (
         f". With the records below {made.settings.least_force / 1e3:g} kN: {_answer(every, causes)}"
     )
@@ -291,11 +294,11 @@ def _out_of_line(made: Diagnosis) -> list[str]:
 def _open_question(found: Found) -> str:
     """What may be missing where no cause is named and none is excluded."""
     names = [one for one in found.open if one not in (NONE, UNKNOWN)]
-    seen = found.probabilities.get(frozenset(), 0.0)
+    seen = as_shown(found.probabilities).get(frozenset(), 0.0)
     text = (
         f"the {found.channel.name} data show nothing missing (probability {100.0 * seen:.0f} %) "
         "and would hardly show"
-        if seen > 0.5
+        if found.quiet
         else f"the {found.channel.name} data do not tell which is missing:"
     )
     first = next(one for one in names if one in found.alone)
@@ -309,7 +312,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
         f"the curves depart from the simulation and name no cause: {'; '.join(made.curve_lacks)} "
         "would tell"
         for found in made.found
-        if _cannot_name(made, found) and _open(found)
+        if _cannot_name(made, found) and not found.quiet
     ]
     faults = [
         f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
@@ -347,6 +350,10 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 lines.append(f"to decide: {cause.mechanism.splitter}")
         if found.open and not _cannot_name(made, found):
             lines.append(_open_question(found))
+        elif not (found.quiet or found.causes or found.unexplained):
+            chance = 100.0 * inclusion(found.probabilities, UNKNOWN)
+            lines.append(f"the {found.channel.name} data may hold ({chance:.0f} %) what no mechanism "
+                         "of the catalogue explains")  # fmt: skip
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "

@@ -91,7 +91,8 @@ def with_open(said: Mapping) -> dict:
 
 def answer_of(said: Mapping) -> str:
     """The answer as words."""
-    if said["answer"] == "ambiguous" and said.get("open") and not said["causes"]:
+    quiet = said["answer"] in ("ambiguous", "nothing-missing")
+    if quiet and said.get("open") and not said["causes"]:
         return QUIET
     return ANSWERS[said["answer"]]
 
