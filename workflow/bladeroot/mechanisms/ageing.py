@@ -1,7 +1,6 @@
 """Contact stiffness that changes from clamping to clamping: flanks bed in, or wear."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -47,14 +46,9 @@ MECHANISM = Mechanism(
     over=("time",),
     form="kn and kt",
 )  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=tuple(
-        replace(MECHANISM, stick=law(course, names), form=form)
-        for course, names, form in (
-            (_linear, ("ln_kt",), "kt"),
-            (_fast_at_first, ("ln_kn", "ln_kt"), "kn and kt, fast at first"),
-            (_fast_at_first, ("ln_kt",), "kt, fast at first"),
-        )
-    ),
-)
+for _course, _names, _form in (
+    (_linear, ("ln_kt",), "kt"),
+    (_fast_at_first, ("ln_kn", "ln_kt"), "kn and kt, fast at first"),
+    (_fast_at_first, ("ln_kt",), "kt, fast at first"),
+):
+    MECHANISM = MECHANISM.also(_form, stick=law(_course, _names))

@@ -1,7 +1,5 @@
 """A stuck joint whose losses depend on the axial force."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
@@ -43,7 +41,4 @@ MECHANISM = Mechanism(
     splitter="loss factors at twice the force; another lubricant",
     damping=power,
     form="power",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM, forms=(replace(MECHANISM, damping=contact_part, form="contact's part"),)
-)
+).also("contact's part", damping=contact_part)  # fmt: skip

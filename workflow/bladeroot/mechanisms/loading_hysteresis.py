@@ -1,7 +1,6 @@
 """Contact stiffness that depends on whether the force was reached from below or from above."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -66,17 +65,10 @@ MECHANISM = Mechanism(
     stick=law(constant),
     over=("sign", "force"),
     form="constant",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(MECHANISM, stick=tangential, form="kt alone"),
-        replace(MECHANISM, stick=law(lens), form="closed at both turning points"),
-        replace(MECHANISM, stick=law(from_the_top), form="closed at the upper turning point"),
-        replace(
-            MECHANISM,
-            stick=law(lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
-            form="closed at both, wide at low forces",
-        ),
-    ),
-)
+).also("kt alone", stick=tangential)  # fmt: skip
+for _form, _opening in (
+    ("closed at both turning points", lens),
+    ("closed at the upper turning point", from_the_top),
+    ("closed at both, wide at low forces", lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
+):
+    MECHANISM = MECHANISM.also(_form, stick=law(_opening))

@@ -249,6 +249,15 @@ class Mechanism:
         """This form and the others."""
         return (self, *self.forms)
 
+    def also(self, form: str, *own: Parameter, keep: int | None = None, **changes) -> "Mechanism":
+        """With one more form, as this one but for its name, hook and other `changes`.
+
+        Its parameters are this one's first `keep` (all of them), then its own.
+        """
+        parameters = (*self.parameters[:keep], *own)
+        one = replace(self, form=form, forms=(), parameters=parameters, **changes)
+        return replace(self, forms=(*self.forms, one))
+
     def of_form(self, form: str) -> "Mechanism":
         """The form of that name. ValueError if there is none."""
         for one in self.every_form:
