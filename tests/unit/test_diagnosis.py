@@ -4,12 +4,14 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
+from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.curve_model import curve_data
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import curves, model_file, read
 from bladeroot.diagnosis.naming import Known, prepared
-from bladeroot.diagnosis.records import _tail
+from bladeroot.diagnosis.records import faulty_records
 from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import is_shown, verdict
 from bladeroot.mechanisms.catalogue import catalogue
@@ -197,11 +199,15 @@ def test_faulty_records_do_not_name_what_is_missing_besides(model, effect, answe
     assert "mains-hum: 20 of 56 records" in said["reason"]
 
 
-def test_the_chance_of_false_alarms_is_finite_however_small():
-    few = binom.logsf(3, 112, 0.01)
-    assert _tail(4, 112, 0.01) == pytest.approx(few)
-    assert _tail(0, 112, 0.01) == 0.0
-    assert np.isfinite(_tail(400, 400, 1e-3))
+@pytest.mark.parametrize(("count", "named"), [(0, False), (1, False), (4, True), (400, True)])
+def test_a_fault_of_records_is_named_where_false_alarms_do_not_explain_it(count, named):
+    findings = np.where(np.arange(400) < count, "mains-hum", "other")
+    seen = xr.Dataset({"findings": ("record", findings)}).isel(record=slice(max(count, 56)))
+    one = next(one for one in faulty_records(seen, CATALOGUE) if one.mechanism.id == "mains-hum")
+    assert one.named == named
+    total = seen.sizes["record"]
+    odds = -np.log(total + 1) - binom.logpmf(count, total, 0.003) - guards.PRIOR
+    assert count == 0 or one.log_odds == pytest.approx(min(odds, 50.0))
 
 
 def test_a_clamping_out_of_line_is_in_the_verdict(model):

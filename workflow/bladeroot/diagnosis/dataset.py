@@ -165,14 +165,14 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
             for name, value in step.smooth.items()
         ]
     rows += [
-        (one.mechanism.id, "record", "record", -one.ln_chance, one.named, "") for one in made.faulty
+        (one.mechanism.id, "record", "record", one.log_odds, one.named, "") for one in made.faulty
     ]
     rows.sort(key=lambda row: -row[3])
     sentences = {one.id: one.sentence for found in made.found for one in found.channel.candidates}
     sentences |= {one.mechanism.id: one.mechanism.sentence for one in made.faulty}
     said = [sentences.get(row[0], "any smooth function") for row in rows]
     columns = list(zip(*rows, strict=True)) if rows else [[], [], [], [], [], []]
-    text = "log evidence over the baseline in its channel; of record faults -ln of the chance"
+    text = "log evidence over the baseline in its channel; of record faults log odds"
     return xr.Dataset(
         {
             "class": _var("candidate", np.array(columns[1], dtype=str), "", "class"),
@@ -199,7 +199,9 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
     pivot = simulated.pivot_of(records)
     for stage, fitted in enumerate(_sides(found)):
         causes = [cause.mechanism for cause in found.causes] if stage else []
-        value, rows = stiffness_law(fitted, found.channel.base, causes, force, names, pivot)
+        value, rows = stiffness_law(
+            fitted.parameters, found.channel.base, causes, force, names, pivot
+        )
         covariance = np.einsum("sfp,pq,tfq->fst", rows, fitted.covariance, rows)
         k[stage] = np.exp(value)
         std[stage] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)).T
@@ -225,15 +227,18 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
 
 
 def stiffness_law(
-    fitted: Fit,
+    theta: Float[ndarray, " parameter"],
     base: int,
     causes: Sequence[Mechanism],
     force: Float[ndarray, " force"],
     names: Sequence[str] = ("kn", "kt"),
     pivot: float = REFERENCE_FORCE,
 ) -> tuple[Float[ndarray, "stiffness force"], Float[ndarray, "stiffness force parameter"]]:
-    """ln k of the named stiffnesses over loads, and derivatives by the fit's parameters."""
-    theta, count = fitted.parameters, len(names)
+    """ln k of the named stiffnesses over loads at parameters of a fit, and derivatives by these.
+
+    Of the causes those that are laws of the load alone.
+    """
+    count = len(names)
     none = np.zeros(force.size)
     x = np.log(force / pivot)
     value = np.stack([theta[k] + theta[count] * x for k in range(count)])
@@ -245,7 +250,7 @@ def stiffness_law(
     for one in causes:
         own = slice(first, first + len(one.parameters))
         first = own.stop
-        if one.stick is None:
+        if one.stick is None or one.over != ("force",):
             continue
         values, chain = one.values(theta[own])
         effect = one.stick(at, values)

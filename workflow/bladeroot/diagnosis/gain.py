@@ -1,5 +1,6 @@
 """What the extension is worth on data that the fit has not seen."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,17 +8,19 @@ from jaxtyping import Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.naming import Found
-from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.hold_out import hold_out
 
 
 @dataclass(frozen=True)
 class Score:
-    """Held-out error (rms of the parts' means by group) before and after, and both log scores."""
+    """Before and after, of data left out: rms of the parts' means, of all and by group; rms of
+    every datum by group; log score.
+    """
 
     error: tuple[float, float]
     log_score: tuple[float, float]
     by_group: dict[int, tuple[float, float]]
+    of_data: dict[int, tuple[float, float]]
 
 
 def score(
@@ -25,37 +28,23 @@ def score(
 ) -> Score:
     """Leave out every force, or every hold, once with the baseline and once with the causes.
 
-    group: number of each datum's mode or quantity; an error is the mean miss of a part's data of
-    one group, so that records of one hold count once. allowance: as of `hold_out`.
+    group: number of each datum's mode or quantity; the mean miss of a part's data of one group is
+    one error, so that records of one hold count once. allowance: as of `hold_out`.
     """
     parts = found.channel.part[part]
-    sides = [_side(fitted, parts, group, allowance) for fitted in (found.baseline, found.final)]
-    groups = {int(g): (sides[0][1][int(g)], sides[1][1][int(g)]) for g in np.unique(group)}
-    return Score((sides[0][0], sides[1][0]), (sides[0][2], sides[1][2]), groups)
+    held = [hold_out(fitted, parts, allowance) for fitted in (found.baseline, found.final)]
+    means: dict[int, list] = {}
+    for g in np.unique(group):
+        here = [(group == g) & (parts == p) for p in np.unique(parts[group == g])]
+        means[int(g)] = [[float(side.error[rows].mean()) for rows in here] for side in held]
 
+    def both(sides: Iterable) -> tuple[float, float]:
+        before, after = (float(np.sqrt(np.mean(np.square(side)))) for side in sides)
+        return before, after
 
-def _side(
-    fitted: Fit, parts: ndarray, group: ndarray, allowance: slice
-) -> tuple[float, dict[int, float], float]:
-    held = hold_out(fitted, parts, allowance)
-    means: dict[int, list[float]] = {int(g): [] for g in np.unique(group)}
-    for g, rows in means.items():
-        for p in np.unique(parts[group == g]):
-            rows.append(float(held.error[(group == g) & (parts == p)].mean()))
-    every = np.concatenate([np.array(rows) for rows in means.values()])
-    each = {g: float(np.sqrt(np.mean(np.square(rows)))) for g, rows in means.items()}
-    return float(np.sqrt(np.mean(every**2))), each, float(held.log_score.sum())
-
-
-def within_records(
-    found: Found, quantity: Int[ndarray, " datum"]
-) -> dict[str, tuple[float, float]]:
-    """Rms miss of the curves at forces left out, before and after, by quantity."""
-    sides = [
-        hold_out(fitted, found.channel.part["force"]).error
-        for fitted in (found.baseline, found.final)
-    ]
-    return {
-        name: tuple(float(np.sqrt(np.mean(side[quantity == q] ** 2))) for side in sides)
-        for q, name in enumerate(("frequency", "loss_factor"))
-    }
+    return Score(
+        both(np.concatenate([own[k] for own in means.values()]) for k in (0, 1)),
+        (float(held[0].log_score.sum()), float(held[1].log_score.sum())),
+        {g: both(own) for g, own in means.items()},
+        {g: both(side.error[group == g] for side in held) for g in means},
+    )

@@ -5,8 +5,8 @@
 # catalogue that is smooth in what was varied: it may be anything, and is asked for more than two
 # causes are.
 PRIOR, PRIOR_UNKNOWN = 2.9, 6.3
-# Further nats of each cause beside a first one, in whichever data: campaigns with two are rarer than
-# those of two independent causes would be.
+# Further nats of each cause beside a first one, in whichever data: campaigns with two are rarer
+# than those of two independent causes would be.
 FURTHER = 0.7
 # Nats by which the data must raise a cause's odds for it to be spoken of as possibly shown. In 22
 # drawn campaigns without a cause none rose by more than 1.3 before it was tempered.
@@ -59,5 +59,3 @@ MODES = 2
 # Curves of fewer forces, or of one mode, name no cause: of tuning cases one of an effect of no
 # catalogue was named from curves of one force, and one was given a second cause from one mode.
 CURVE_FORCES = 2
-# Probability of as many findings by false alarms alone below which a record mechanism is named.
-FALSE_ALARM = 1e-4

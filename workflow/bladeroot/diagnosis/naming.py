@@ -1,7 +1,7 @@
 """Naming causes in one channel: sets of causes, each with everything that competes with it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from bladeroot.diagnosis.posterior import (
     probabilities,
     with_unspoken,
 )
-from bladeroot.inference.gaussian import Fit, fit
+from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
 __all__ = ["Cause", "Found", "Known", "Step", "prepared", "search"]
@@ -92,11 +92,6 @@ class Found:
         if self.quiet or len(found) == 1:  # one that is barred does not stand for certain
             found = credible(self.probabilities) | {UNKNOWN: 0.0}
         return list(found) if set(found) & set(self.alone) else []
-
-    @property
-    def gain(self) -> float:
-        """Log evidence of the final model over the baseline's."""
-        return self.final.log_evidence - self.baseline.log_evidence
 
 
 def _unknown(sets: Sets) -> tuple[float, float]:
@@ -228,9 +223,6 @@ def _found(made: _Search) -> Found:
         here = frozenset()
     model = made.models[here]
     causes = [_cause(made, model, one, sets) for one in model.causes]
-    causes.sort(key=lambda one: -one.gain)
-    order = [one.mechanism.id for one in causes]
-    model = _ordered(made.channel, model, order)
     unknown = sum(v for k, v in sets.items() if UNKNOWN in k)
     first = made.steps[frozenset()]
     step = made.steps.get(here, first)
@@ -241,23 +233,6 @@ def _found(made: _Search) -> Found:
         {n: made.models[frozenset({n})] for n in first.mechanisms},
         barred[0] if barred else "",
     )  # fmt: skip
-
-
-def _ordered(channel: Channel, model: Model, order: list[str]) -> Model:
-    """The model with its causes, and their parameters, in another order."""
-    if [one.id for one in model.causes] == order:
-        return model
-    first, places = channel.base, {}
-    for one in model.causes:
-        places[one.id] = np.arange(first, first + len(one.parameters))
-        first += len(one.parameters)
-    by_id = {one.id: one for one in model.causes}
-    causes = tuple(by_id[name] for name in order)
-    base = np.arange(channel.base)
-    index = np.concatenate([base, *(places[name] for name in order)])
-    problem = channel.problem(causes, ())
-    fitted = fit(problem, model.fit.parameters[index], model.fit.scales)
-    return replace(model, causes=causes, fit=fitted)
 
 
 def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:

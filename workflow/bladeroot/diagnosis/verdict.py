@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from bladeroot.diagnosis.curve_model import QUANTITIES
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.gain import score, within_records
+from bladeroot.diagnosis.gain import score
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
@@ -66,7 +67,7 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
             rows.append((cause.gain, _cause(alone, cause, found.channel.base, sets)))
     for one in made.faulty:
         if one.named:
-            rows.append((-one.ln_chance, _fault(one)))
+            rows.append((one.log_odds, _fault(one)))
     return [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
 
 
@@ -120,7 +121,7 @@ def _fault(one) -> dict:
         "sizes": [],
         "plausible": True,
         "splitter": one.mechanism.splitter,
-        "log_evidence": -one.ln_chance,
+        "log_evidence": one.log_odds,
     }  # fmt: skip
 
 
@@ -224,12 +225,11 @@ def gains(made: Diagnosis) -> dict:
                 if name == "between_forces":
                     result["log_score"] = {"before": one.log_score[0], "after": one.log_score[1]}
         elif found.channel.name == "curve":
-            sides = within_records(found, made.curves.quantity)
-            result["within_records"] = {
-                name: {"before": before, "after": after, "unit": "1"}
-                for name, (before, after) in sides.items()
-            }
             part = score(found, "force", made.curves.quantity)
+            result["within_records"] = {
+                QUANTITIES[q]: {"before": before, "after": after, "unit": "1"}
+                for q, (before, after) in part.of_data.items()
+            }
             result["log_score_curves"] = {"before": part.log_score[0], "after": part.log_score[1]}
     return result
 
@@ -239,14 +239,6 @@ def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
     findings = seen["findings"].values.astype(str)
     names = seen["record"].values.astype(str)
     return {n: f.split(";") for n, f in zip(names, findings, strict=True) if f}
-
-
-def runner_up(found: Found) -> tuple[str, float]:
-    """The best mechanism that is not named, and how much less evidence than the first it has."""
-    gains_ = found.steps[0].mechanisms
-    order = sorted(gains_, key=gains_.get, reverse=True)
-    others = [name for name in order if name not in {one.mechanism.id for one in found.causes}]
-    return (others[0], found.causes[0].gain - gains_[others[0]]) if others else ("", np.inf)
 
 
 def _below(made: Diagnosis, every: Diagnosis) -> str:
@@ -310,7 +302,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
     departing = [
         f"the curves depart from the simulation and name no cause: {'; '.join(made.curve_lacks)} "
-        "would tell"
+        f"would tell{f'. {_open_question(found)}' if found.open else ''}"
         for found in made.found
         if _cannot_name(made, found) and not found.quiet
     ]
@@ -329,17 +321,11 @@ def _reason(made: Diagnosis, answer: str) -> str:
         whole = "all records" if len(lines) == 0 else "the other records"
         lines.append(f"the simulation explains {whole} within their scatter")
     for found in made.found:
-        for number, cause in enumerate(found.causes):
-            text = f"{cause.mechanism.id}: {cause.mechanism.sentence}"
-            text += f" (log evidence {cause.gain:.1f} over the simulation without it"
-            if number == 0:
-                other, less = runner_up(found)
-                why_not = "but beyond its limits, by its error, or less beside the other causes"
-                how = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more, {why_not}"
-                text += f"; next is {other}, {how}" if other else ""
-                why = (found.known.barred | found.known.ruled_out).get(other, "")
-                text += f", not named because {why}" if why else ""
-            lines.append(text + ")")
+        for cause in found.causes:
+            lines.append(
+                f"{cause.mechanism.id}: {cause.mechanism.sentence} (log evidence {cause.gain:.1f} "
+                "over the simulation without it)"
+            )
             if len(cause.credible) > 1:
                 lines.append(
                     f"as likely as not another of {', '.join(cause.credible)} stands in its place"
@@ -352,8 +338,10 @@ def _reason(made: Diagnosis, answer: str) -> str:
             lines.append(_open_question(found))
         elif not (found.quiet or found.causes or found.unexplained):
             chance = 100.0 * inclusion(found.probabilities, UNKNOWN)
-            lines.append(f"the {found.channel.name} data may hold ({chance:.0f} %) what no mechanism "
-                         "of the catalogue explains")  # fmt: skip
+            lines.append(
+                f"the {found.channel.name} data may hold ({chance:.0f} %) what no mechanism of the "
+                "catalogue explains"
+            )
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "

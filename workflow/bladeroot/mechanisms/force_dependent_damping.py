@@ -3,8 +3,7 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-
-REFERENCE_FORCE = 12e3  # N
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 
 def power(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
-REFERENCE_FORCE = 12e3  # N
 _EDGE = 0.05  # of ln F, over which a gauge changes its range
 
 

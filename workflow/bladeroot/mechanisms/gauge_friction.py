@@ -4,8 +4,7 @@ import numpy as np
 
 from bladeroot.mechanisms import loading_hysteresis as hysteresis
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
-
-REFERENCE_FORCE = 12e3  # N
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 
 def proportional(records: Records, values: np.ndarray) -> StickEffect:
@@ -29,28 +28,20 @@ def _effect(records: Records, values: np.ndarray, lag: np.ndarray) -> StickEffec
     return StickEffect({"force": values[0] * change}, {"force": change[:, None]})
 
 
-MECHANISM = (
-    Mechanism(
-        id="gauge-friction",
-        kind="direction",
-        sentence="friction in the loading line: the true force lags behind the gauge's, up and down",
-        parameters=(
-            Parameter(
-                "friction",
-                "1",
-                0.0,
-                0.08,
-                0.0,
-                0.4,
-                "over the force: seals of a cylinder 2 to 20 %",
-            ),
+MECHANISM = Mechanism(
+    id="gauge-friction",
+    kind="direction",
+    sentence="friction in the loading line: the true force lags behind the gauge's, up and down",
+    parameters=(
+        Parameter(
+            "friction", "1", 0.0, 0.08, 0.0, 0.4, "over the force: seals of a cylinder 2 to 20 %"
         ),
-        splitter="a load cell between cylinder and specimen, up and down",
-        stick=proportional,
-        measured_by="load cell hysteresis",
-        over=("sign", "force"),
-        form="proportional",
-    )
-    .also("constant", stick=constant)
-    .also("closed at the upper turning point", stick=from_the_top)
-)
+    ),
+    splitter="a load cell between cylinder and specimen, up and down",
+    stick=proportional,
+    measured_by="load cell hysteresis",
+    over=("sign", "force"),
+    form="proportional",
+).also("constant", stick=constant).also(
+    "closed at the upper turning point", stick=from_the_top
+)  # fmt: skip

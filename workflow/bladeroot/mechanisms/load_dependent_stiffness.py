@@ -3,8 +3,8 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
-REFERENCE_FORCE = 12e3  # N
 _LEAST = 0.05  # compliance over that at 12 kN
 _DIFFERENCE = Parameter(
     "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6, "kt less kn; Table 5.2 has -0.18, theory 0"
