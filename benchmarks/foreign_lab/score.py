@@ -160,15 +160,23 @@ def row(truth: dict, verdict: dict) -> dict:
     }
 
 
-def report(rows: Iterable[dict]) -> str:
-    """Tables in Markdown of `row`s: outcomes by kind, effect and form, log score, reliability."""
+def report(rows: Iterable[dict], brief: bool = False) -> str:
+    """Tables in Markdown of `row`s: outcomes by kind, effect and form, log score, reliability.
+
+    brief: without effects, wrong names, sizes and times.
+    """
     rows = list(rows)
-    lines = [_outcome_table("kind", rows, lambda r: [r["kind"]]), _inside(rows)]
-    lines.append(_outcome_table("effect", rows, _ids))
-    lines.append(_log_scores(rows))
-    lines.append(_reliability("sets", [pair for one in rows for pair in one["stated"]]))
-    lines.append(_reliability("causes", [pair for one in rows for pair in one["causes"]]))
-    lines.append(_wrong(rows))
+    kinds = _outcome_table("kind", rows, lambda r: [r["kind"]])
+    lines = [
+        kinds,
+        _inside(rows),
+        _log_scores(rows),
+        _reliability("sets", [pair for one in rows for pair in one["stated"]]),
+        _reliability("causes", [pair for one in rows for pair in one["causes"]]),
+    ]
+    if brief:
+        return "\n\n".join(lines) + "\n"
+    lines += [_outcome_table("effect", rows, _ids), _wrong(rows)]
     off = [deviation for one in rows for _, deviation in one["sizes"]]
     lines.append(
         f"sizes within 3 standard deviations: {sum(abs(v) <= 3 for v in off)} of {len(off)}"
@@ -178,6 +186,30 @@ def report(rows: Iterable[dict]) -> str:
         lines.append(f"CPU time of a verdict: median {spent[len(spent) // 2]:.1f} s, at most "
                      f"{spent[-1]:.1f} s")  # fmt: skip
     return "\n\n".join(lines) + "\n"
+
+
+def loop_report(rows: Iterable[dict]) -> str:
+    """Of the loops that were not right at once: how they end, and what was asked for."""
+    open_ = [one for one in rows if not one["steps"][0]["outcome"].startswith("right")]
+    ends = Counter(one["steps"][-1]["outcome"] for one in open_)
+    lines = [f"| of {len(open_)} not right at once | |", "|---|---|"]
+    lines += [f"| {end} | {count} |" for end, count in ends.most_common()]
+    lines += ["", "| seed | hidden | asked for | end |", "|---|---|---|---|"]
+    for one in open_:
+        hidden = ", ".join(f"{name} ({form})" for name, form in one["hidden"])
+        asked = "; ".join(step["asked"] for step in one["steps"] if step["asked"])
+        lines.append(f"| {one['seed']} | {hidden} | {asked} | {one['steps'][-1]['outcome']} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_table(page: str, name: str, table: str) -> str:
+    """A page with the table between its marks `<!-- name -->` and `<!-- end of name -->`."""
+    first, last = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+    before, _, rest = page.partition(first)
+    _, found, after = rest.partition(last)
+    if not found:
+        raise ValueError(f"expected the marks {first.strip()} and {last}")
+    return f"{before}{first}\n{table}\n{last}{after}"
 
 
 def _ids(one: dict) -> list[str]:

@@ -243,7 +243,7 @@ def test_an_independent_measurement_moves_prior_and_evidence():
 
 def test_dataset_and_model_file_hold_the_cause(stiffening):
     made, _ = stiffening
-    whole = dataset(made)
+    whole = dataset(made, verdict(made))
     assert whole.attrs["named"] == "load-dependent-stiffness"
     scaled = np.abs(whole["stick_residual_scaled"]).mean("stick_record")
     assert scaled.sel(stage="after") < 0.5 * scaled.sel(stage="before")

@@ -1,6 +1,6 @@
 """The diagnosis as a Dataset: residual maps, evidence, gain, stiffness and curves for a report."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
-from bladeroot.diagnosis.verdict import insufficient, is_shown, verdict
+from bladeroot.diagnosis.verdict import insufficient, is_shown
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -25,9 +25,9 @@ def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
     return (dims, values, attrs | ({"source": source} if source else {}))
 
 
-def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
+def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
     """Parts that the campaign does not have are missing; `before` is the baseline, `after` with
-    the named causes. every: as for `bladeroot.diagnosis.verdict.verdict`.
+    the named causes. said: from `bladeroot.diagnosis.verdict.verdict`.
     """
     parts = [_ranking(made)]
     for found in made.found:
@@ -44,7 +44,6 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         else:
             parts.append(_curves(made, found))
     whole = xr.merge(parts, compat="override", join="outer", combine_attrs="drop_conflicts")
-    said = verdict(made, every)
     return whole.assign_attrs(
         structure=made.structure,
         answer=said["answer"],

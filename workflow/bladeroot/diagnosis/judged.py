@@ -100,10 +100,10 @@ def with_structure(
     if reason or lacks:
         return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
     made = diagnose(seen, model, settings, candidates)
-    every = with_lower_forces(seen, model, settings, candidates)
     further = next_measurements(made)
-    whole = dataset(made, every).merge(further)
-    said = _with_groups(verdict(made, every) | {"next": following(further)}, seen)
+    said = verdict(made, with_lower_forces(seen, model, settings, candidates))
+    whole = dataset(made, said).merge(further)
+    said = _with_groups(said | {"next": following(further)}, seen)
     return whole.assign_attrs(_load(seen)), said, model_file(made)
 
 
@@ -159,8 +159,9 @@ def _in_own(
     further = next_measurements(
         made, lambda force: f"{force / own.per_load - own.shift:.3g} {own.unit}".strip()
     )
-    whole = dataset_in_own(dataset(made).merge(further), own)
-    said = verdict_in_own(verdict(made) | {"next": following(further)}, own)
+    said = verdict(made)
+    whole = dataset_in_own(dataset(made, said).merge(further), own)
+    said = verdict_in_own(said | {"next": following(further)}, own)
     if simulated.kind == "none" or own.name != AXIAL_FORCE:
         of_table = simulated.kind != "none"
         whole = _dataset_plainly(whole, own.name, of_table)

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from bladeroot.diagnosis.curve_model import QUANTITIES
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.gain import score
+from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
@@ -21,7 +20,6 @@ from bladeroot.diagnosis.posterior import (
     together,
 )
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.simulation.parametric import Parametric, biases
 from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
@@ -199,41 +197,6 @@ def _shortfall(made: Diagnosis) -> list[dict]:
     return rows
 
 
-def gains(made: Diagnosis) -> dict:
-    """Held-out errors before and after: between forces and holds, within records."""
-    result: dict = {}
-    for found in made.found:
-        if not found.causes:
-            continue
-        if found.channel.name == "stick":
-            mode = made.data.records.mode
-            parametric = isinstance(made.simulated, Parametric)
-            bias = biases(made.simulated) if parametric else slice(0)
-            for name, part, allowance in (
-                ("between_forces", "force", slice(0)),
-                ("between_forces_without_bias", "force", bias),
-                ("between_holds", "hold", slice(0)),
-            ):
-                one = score(found, part, mode, allowance)
-                result[name] = {
-                    "before": one.error[0], "after": one.error[1], "unit": "1",
-                    "by_mode": {
-                        made.data.modes[g]: {"before": a, "after": b}
-                        for g, (a, b) in one.by_group.items()
-                    },
-                }  # fmt: skip
-                if name == "between_forces":
-                    result["log_score"] = {"before": one.log_score[0], "after": one.log_score[1]}
-        elif found.channel.name == "curve":
-            part = score(found, "force", made.curves.quantity)
-            result["within_records"] = {
-                QUANTITIES[q]: {"before": before, "after": after, "unit": "1"}
-                for q, (before, after) in part.of_data.items()
-            }
-            result["log_score_curves"] = {"before": part.log_score[0], "after": part.log_score[1]}
-    return result
-
-
 def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
     """Findings by record."""
     findings = seen["findings"].values.astype(str)
@@ -244,20 +207,10 @@ def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
 def _below(made: Diagnosis, every: Diagnosis) -> str:
     """What the records at lower forces add."""
     causes = _causes(every, probabilities(every))
-    said = (
-        f". With the records below {made.settings.least_force / 1e3:g} kN: {_answer(every, causes)}"
-    )
-    for one in causes:
-        first = one["parameters"][0]
-        scale, unit = (1e-3, " kN") if first["unit"] == "N" else (1.0, f" {first['unit']}")
-        unit = "" if first["unit"] == "1" else unit
-        said += f", {' or '.join(one['credible_set'])} ({first['name'].replace('_', ' ')} "
-        said += f"{scale * first['value']:.3g} +- {scale * first['std']:.2g}{unit}, "
-        said += f"log evidence {one['log_evidence']:.1f})"
-    open_ends = [found for found in every.found if found.unexplained]
-    for found in open_ends:
-        said += f"; the {found.channel.name} data leave something smooth in {found.unexplained}"
-    return said
+    named = [f"{' or '.join(one['credible_set'])} ({one['probability']:.2f})" for one in causes]
+    named += [f"something smooth in {one.unexplained}" for one in every.found if one.unexplained]
+    said = ", ".join([_answer(every, causes), *named])
+    return f". With the records below {made.settings.least_force / 1e3:g} kN: {said}"
 
 
 def insufficient(made: Diagnosis) -> list[str]:

@@ -15,10 +15,8 @@ def law(course: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...]
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
         along = course(clamped(records)) - 0.5
-        return StickEffect(
-            {name: values[0] * along for name in stiffnesses},
-            {name: along[:, None] for name in stiffnesses},
-        )
+        changes, slopes = values[0] * along, along[:, None]
+        return StickEffect(dict.fromkeys(stiffnesses, changes), dict.fromkeys(stiffnesses, slopes))
 
     return stick
 

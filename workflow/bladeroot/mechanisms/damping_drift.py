@@ -1,8 +1,6 @@
 """Loss factors that wander through the campaign while the frequencies stay."""
 
-from collections.abc import Callable
-
-import numpy as np
+from functools import partial
 
 from bladeroot.mechanisms.drift import (
     MOMENT,
@@ -13,17 +11,7 @@ from bladeroot.mechanisms.drift import (
     saturating,
     step,
 )
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-
-
-def law(course: Callable):
-    """The hook: `change` of all ln(loss factors) times a course over time of a drift."""
-
-    def damping(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return columns(course, records, values)
-
-    return damping
-
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter
 
 MECHANISM = Mechanism(
     id="damping-drift",
@@ -36,9 +24,9 @@ MECHANISM = Mechanism(
         ),
     ),
     splitter="the first forces again at the end; cables and supports looked over",
-    damping=law(linear),
+    damping=partial(columns, linear),
     over=("time",),
     form="linear",
-).also("saturating", TIME_CONSTANT, damping=law(saturating)).also(
-    "step", MOMENT, damping=law(step), starts=MOMENTS
+).also("saturating", TIME_CONSTANT, damping=partial(columns, saturating)).also(
+    "step", MOMENT, damping=partial(columns, step), starts=MOMENTS
 )  # fmt: skip
