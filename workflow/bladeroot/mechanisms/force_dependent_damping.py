@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, Mechanism, Parameter, Records
 
 
 def power(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
 _EDGE = 0.05  # of ln F, over which a gauge changes its range
 

@@ -3,8 +3,13 @@
 import numpy as np
 
 from bladeroot.mechanisms import loading_hysteresis as hysteresis
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
 
 def proportional(records: Records, values: np.ndarray) -> StickEffect:

@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
 _LEAST = 0.05  # compliance over that at 12 kN
 _DIFFERENCE = Parameter(

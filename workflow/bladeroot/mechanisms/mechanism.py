@@ -19,6 +19,7 @@ from bladeroot.rom.ritz import Ritz
 from bladeroot.rom.sensitivity import Change
 
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
+REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the

@@ -13,8 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
-from bladeroot.mechanisms.mechanism import CurveEffect, Parameter, Points
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Parameter, Points
 
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
 # with a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
