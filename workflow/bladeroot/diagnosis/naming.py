@@ -86,17 +86,13 @@ class Found:
     @property
     def open(self) -> list[str]:
         """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
-        if self.causes or max(_unknown(self.probabilities)) >= guards.CERTAIN:
+        sets = self.probabilities
+        if max(sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)) >= guards.CERTAIN:
             return []
-        found = credible(as_shown(self.probabilities))
+        found = credible(as_shown(sets))
         if self.quiet or len(found) == 1:  # one that is barred does not stand for certain
-            found = credible(self.probabilities) | {UNKNOWN: 0.0}
-        return list(found) if set(found) & set(self.alone) else []
-
-
-def _unknown(sets: Sets) -> tuple[float, float]:
-    """Probabilities of nothing and of something that no catalogue has, by itself."""
-    return sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)
+            found = credible(sets) | {UNKNOWN: 0.0}
+        return list(found) if set(found) & set(self.alone) and not self.causes else []
 
 
 class _Search:
@@ -223,10 +219,9 @@ def _found(made: _Search) -> Found:
         here = frozenset()
     model = made.models[here]
     causes = [_cause(made, model, one, sets) for one in model.causes]
-    unknown = sum(v for k, v in sets.items() if UNKNOWN in k)
     first = made.steps[frozenset()]
-    step = made.steps.get(here, first)
-    unexplained = max(step.smooth, key=step.smooth.get, default="") if unknown > 0.5 else ""
+    rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
+    unexplained = max(rest, key=rest.get, default="")
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
