@@ -8,17 +8,17 @@ _FALSE = "false alarms a record, docs/findings.md: "
 def _fault(
     finding: str, sentence: str, splitter: str, alarms: str, spoils: bool = True
 ) -> Mechanism:
-    """By the finding's ids, of which the first is the mechanism's."""
+    """By the id of the finding, which is the mechanism's."""
     share = Parameter("share", "1", 0.003, 1.0, 0.0, 1.0, _FALSE + alarms)
     return Mechanism(
-        finding.partition(";")[0], "record", sentence, (share,), splitter, finding=finding,
+        finding, "record", sentence, (share,), splitter, finding=finding,
         spoils=spoils,
     )  # fmt: skip
 
 
 MECHANISMS = (
     _fault(
-        "clipping;soft-clipping", "the sensor or digitiser cuts off the peaks",
+        "clipping", "the sensor or digitiser cuts off the peaks",
         "a record at a wider range, or a smaller drive", "false alarms 0.3 %",
     ),
     _fault(
