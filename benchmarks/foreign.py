@@ -5,6 +5,7 @@
     python benchmarks/foreign.py curves --seeds 1-40 --out DIR --shipped PARAMETRIC    # quick tier
     python benchmarks/foreign.py loop --seeds 1-40 --out DIR --shipped PARAMETRIC      # to the end
     python benchmarks/foreign.py score --out DIR --rows FILE      # or --out FILE: the tables again
+    python benchmarks/foreign.py tables                # kept results into the pages that show them
     python benchmarks/foreign.py make --seeds 7 --out DIR ...     # the campaign alone
 
 PARAMETRIC is results/structures/dovetail-HB/parametric.nc of a run.
@@ -29,7 +30,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import xarray as xr  # noqa: E402
 from foreign_lab.case import Case, draw_case, opened, seal, write_campaign  # noqa: E402
 from foreign_lab.jointed_beam import export  # noqa: E402
-from foreign_lab.score import outcome, report, row  # noqa: E402
+from foreign_lab.score import loop_report, outcome, report, row, with_table  # noqa: E402
 
 
 def seeds_of(text: str) -> list[int]:
@@ -167,27 +168,67 @@ def _tell(truth: dict, verdict: dict, seconds: float) -> None:
 
 
 def score(args: argparse.Namespace) -> None:
-    """Tables of all verdicts of a folder, or of the rows that `--rows` kept."""
+    """Tables of all verdicts, or loops, of a folder, or of the rows that `--rows` kept."""
     chosen = seeds_of(args.seeds) if args.seeds else None
     rows = []
     if args.out.is_file():
         rows = json.loads(args.out.read_text())
     else:
-        paths = {int(p.stem.removeprefix("verdict-")): p for p in args.out.glob("verdict-*.json")}
+        kind = "loop" if any(args.out.glob("loop-*.json")) else "verdict"
+        paths = {int(p.stem.removeprefix(f"{kind}-")): p for p in args.out.glob(f"{kind}-*.json")}
         for seed in sorted(paths.keys() & set(chosen) if chosen else paths):
-            truth = opened(args.out / f"truth-{seed}.json")
-            rows.append(row(truth, json.loads(paths[seed].read_text())))
+            truth, said = (
+                opened(args.out / f"truth-{seed}.json"),
+                json.loads(paths[seed].read_text()),
+            )
+            hidden = [[one["id"], one["form"]] for one in truth["effects"]]
+            rows.append(
+                {"seed": seed, "hidden": hidden, "steps": said}
+                if kind == "loop"
+                else row(truth, said)
+            )
     if args.rows:
         args.rows.write_text("[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
-    print(report(rows))
+    print(loop_report(rows) if rows and "steps" in rows[0] else report(rows))
+
+
+# Pages with tables of the results that are kept: page, name of its marks, file, brief.
+TABLES = (
+    ("benchmarks/README.md", "foreign curves", "foreign_curves.json", False),
+    ("benchmarks/README.md", "foreign raw", "foreign_raw.json", True),
+    ("benchmarks/README.md", "foreign loop", "foreign_loop.json", False),
+    ("docs/blind.md", "foreign curves", "foreign_curves.json", True),
+)
+
+
+def tabled() -> dict[Path, str]:
+    """The pages of `TABLES` as the kept results make them."""
+    here = Path(__file__).resolve().parent
+    pages: dict[Path, str] = {}
+    for page, name, file, brief in TABLES:
+        rows, path = json.loads((here / file).read_text()), here.parent / page
+        table = loop_report(rows) if "steps" in rows[0] else report(rows, brief)
+        pages[path] = with_table(pages.get(path) or path.read_text(), name, table)
+    return pages
+
+
+def tables(_: argparse.Namespace) -> None:
+    """The kept results into the pages that show them."""
+    for path, text in tabled().items():
+        path.write_text(text)
+
+
+WHAT = {
+    "make": make, "run": run, "curves": curves, "loop": loop, "score": score, "tables": tables
+}  # fmt: skip
 
 
 def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=["make", "run", "curves", "loop", "score"])
+    parser.add_argument("what", choices=sorted(WHAT))
     parser.add_argument("--seeds", default="", help="as 1-40 or 3,7")
-    parser.add_argument("--out", type=Path, required=True, help="folder of truths and verdicts")
+    parser.add_argument("--out", type=Path, help="folder of truths and verdicts")
     parser.add_argument("--cache", type=Path, help="folder of specimens, by default within --out")
     parser.add_argument("--shipped", type=Path, help="parametric.nc of dovetail-HB")
     parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
@@ -197,7 +238,9 @@ def main() -> None:
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")
     args = parser.parse_args()
-    {"make": make, "run": run, "curves": curves, "loop": loop, "score": score}[args.what](args)
+    if args.out is None and args.what != "tables":
+        parser.error("--out is needed")
+    WHAT[args.what](args)
 
 
 if __name__ == "__main__":

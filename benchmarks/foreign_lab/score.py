@@ -124,6 +124,17 @@ def sizes(truth: dict, verdict: dict) -> list[tuple[str, float]]:
     return found
 
 
+def stated_causes(truth: dict, verdict: dict) -> list[tuple[float, bool]]:
+    """Probability of each cause that the verdict shows, and whether it, or its kin, was hidden."""
+    fair = {name for one in truth["effects"] for name in (one["id"], *one["kin"])}
+    shown = [c for c in verdict.get("causes", []) if verdict["answer"] != "nothing-missing"]
+    return [
+        (c["probability"], c["mechanism"] in fair)
+        for c in shown
+        if c.get("probability") is not None and c["class"] != "record"
+    ]
+
+
 def row(truth: dict, verdict: dict) -> dict:
     """What a case's verdict was worth, as kept with the results."""
     hidden = {one["id"] for one in truth["effects"]}
@@ -138,22 +149,34 @@ def row(truth: dict, verdict: dict) -> dict:
         "outcome": outcome(truth, verdict),
         "inside": sorted(hidden & inside),
         "choice": len(inside),
+        "possible": sorted(verdict.get("possible", {})),
         "log_score": round(log_score(truth, verdict), 4),
         "stated": [
             [round(p, 3), is_true(truth, key)] for key, p in stated.items() if p >= LEAST_STATED
         ],
+        "causes": [[round(p, 3), right] for p, right in stated_causes(truth, verdict)],
         "sizes": [[name, round(off, 2)] for name, off in sizes(truth, verdict)],
         "seconds": verdict.get("seconds", {}),
     }
 
 
-def report(rows: Iterable[dict]) -> str:
-    """Tables in Markdown of `row`s: outcomes by kind, effect and form, log score, reliability."""
+def report(rows: Iterable[dict], brief: bool = False) -> str:
+    """Tables in Markdown of `row`s: outcomes by kind, effect and form, log score, reliability.
+
+    brief: without effects, wrong names, sizes and times.
+    """
     rows = list(rows)
-    lines = [_outcome_table("kind", rows, lambda r: [r["kind"]]), _inside(rows)]
-    lines.append(_outcome_table("effect", rows, _ids))
-    lines.append(_log_scores(rows) + "\n" + _reliability(rows))
-    lines.append(_wrong(rows))
+    kinds = _outcome_table("kind", rows, lambda r: [r["kind"]])
+    lines = [
+        kinds,
+        _inside(rows),
+        _log_scores(rows),
+        _reliability("sets", [pair for one in rows for pair in one["stated"]]),
+        _reliability("causes", [pair for one in rows for pair in one["causes"]]),
+    ]
+    if brief:
+        return "\n\n".join(lines) + "\n"
+    lines += [_outcome_table("effect", rows, _ids), _wrong(rows)]
     off = [deviation for one in rows for _, deviation in one["sizes"]]
     lines.append(
         f"sizes within 3 standard deviations: {sum(abs(v) <= 3 for v in off)} of {len(off)}"
@@ -163,6 +186,30 @@ def report(rows: Iterable[dict]) -> str:
         lines.append(f"CPU time of a verdict: median {spent[len(spent) // 2]:.1f} s, at most "
                      f"{spent[-1]:.1f} s")  # fmt: skip
     return "\n\n".join(lines) + "\n"
+
+
+def loop_report(rows: Iterable[dict]) -> str:
+    """Of the loops that were not right at once: how they end, and what was asked for."""
+    open_ = [one for one in rows if not one["steps"][0]["outcome"].startswith("right")]
+    ends = Counter(one["steps"][-1]["outcome"] for one in open_)
+    lines = [f"| of {len(open_)} not right at once | |", "|---|---|"]
+    lines += [f"| {end} | {count} |" for end, count in ends.most_common()]
+    lines += ["", "| seed | hidden | asked for | end |", "|---|---|---|---|"]
+    for one in open_:
+        hidden = ", ".join(f"{name} ({form})" for name, form in one["hidden"])
+        asked = "; ".join(step["asked"] for step in one["steps"] if step["asked"])
+        lines.append(f"| {one['seed']} | {hidden} | {asked} | {one['steps'][-1]['outcome']} |")
+    return "\n".join(lines) + "\n"
+
+
+def with_table(page: str, name: str, table: str) -> str:
+    """A page with the table between its marks `<!-- name -->` and `<!-- end of name -->`."""
+    first, last = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+    before, _, rest = page.partition(first)
+    _, found, after = rest.partition(last)
+    if not found:
+        raise ValueError(f"expected the marks {first.strip()} and {last}")
+    return f"{before}{first}\n{table}\n{last}{after}"
 
 
 def _ids(one: dict) -> list[str]:
@@ -186,18 +233,25 @@ def _outcome_table(title: str, rows: list, keys_of) -> str:
 def _inside(rows: list) -> str:
     """How often all that was hidden is named or in a credible set, and how large these are."""
     lines = [
-        "| kind | all hidden inside | any | mean number of names inside |",
-        "|---|---|---|---|",
+        "| kind | all hidden inside | any | mean number of names inside | all in the 95 % set "
+        "| its mean size |",
+        "|---|---|---|---|---|---|",
     ]
     for kind in sorted({one["kind"] for one in rows}):
         mine = [one for one in rows if one["kind"] == kind]
         all_ = sum(len(one["inside"]) == len(one["hidden"]) for one in mine if one["hidden"])
         any_ = sum(bool(one["inside"]) for one in mine)
-        mean = sum(one["choice"] for one in mine) / len(mine)
-        shares = (
-            ("", "") if kind == "null" else (f"{all_} of {len(mine)}", f"{any_} of {len(mine)}")
+        true = [{name for name, _ in one["hidden"]} or {NONE} for one in mine]
+        set_ = sum(t <= set(one["possible"]) for t, one in zip(true, mine, strict=True))
+        mean, wide = (
+            sum(sizes) / len(mine)
+            for sizes in ((r["choice"] for r in mine), (len(r["possible"]) for r in mine))
         )
-        lines.append(f"| {kind} | {shares[0]} | {shares[1]} | {mean:.1f} |")
+        shares = ["" if kind == "null" else f"{n} of {len(mine)}" for n in (all_, any_)]
+        lines.append(
+            f"| {kind} | {shares[0]} | {shares[1]} | {mean:.1f} | {set_} of {len(mine)} "
+            f"| {wide:.1f} |"
+        )
     return "\n".join(lines)
 
 
@@ -209,18 +263,21 @@ def _log_scores(rows: list) -> str:
     return "\n".join(lines)
 
 
-def _reliability(rows: list) -> str:
-    """Of all sets that were given a probability in a range, as many should be true."""
+def _reliability(what: str, pairs: list) -> str:
+    """Of all that were given a probability in a range, as many should be true; with the standard
+    deviation of the number that would be, were the probabilities right.
+    """
     edges = (LEAST_STATED, 0.05, 0.2, 0.5, 0.8, 0.9, 0.97, 1.0001)
-    lines = ["", "| stated | sets | mean stated | true |", "|---|---|---|---|"]
-    pairs = [pair for one in rows for pair in one["stated"]]
+    lines = [f"| stated | {what} | mean stated | true | +- |", "|---|---|---|---|---|"]
     for low, high in itertools.pairwise(edges):
         mine = [(value, right) for value, right in pairs if low <= value < high]
         if mine:
             mean = sum(value for value, _ in mine) / len(mine)
             right = sum(right for _, right in mine) / len(mine)
+            error = math.sqrt(sum(value * (1 - value) for value, _ in mine)) / len(mine)
             lines.append(
-                f"| {low:g} to {min(high, 1):g} | {len(mine)} | {mean:.3f} | {right:.3f} |"
+                f"| {low:g} to {min(high, 1):g} | {len(mine)} | {mean:.3f} | {right:.3f} "
+                f"| {error:.3f} |"
             )
     return "\n".join(lines)
 

@@ -4,12 +4,14 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
+from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.curve_model import curve_data
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import curves, model_file, read
 from bladeroot.diagnosis.naming import Known, prepared
-from bladeroot.diagnosis.records import _tail
+from bladeroot.diagnosis.records import faulty_records
 from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import is_shown, verdict
 from bladeroot.mechanisms.catalogue import catalogue
@@ -52,7 +54,7 @@ def test_without_an_effect_nothing_is_missing_but_what_would_not_show(model):
     """A level is as probable as before: two modes do not tell it from kn, kt and the bias."""
     _, said = judged(model)
     assert shows_nothing(said)
-    assert said["answer"] == "ambiguous"
+    assert said["answer"] == "nothing-missing"
     assert {"none", "modulus-density", "rig-compliance"} <= set(said["possible"])
     assert "show nothing missing" in said["reason"]
 
@@ -197,11 +199,15 @@ def test_faulty_records_do_not_name_what_is_missing_besides(model, effect, answe
     assert "mains-hum: 20 of 56 records" in said["reason"]
 
 
-def test_the_chance_of_false_alarms_is_finite_however_small():
-    few = binom.logsf(3, 112, 0.01)
-    assert _tail(4, 112, 0.01) == pytest.approx(few)
-    assert _tail(0, 112, 0.01) == 0.0
-    assert np.isfinite(_tail(400, 400, 1e-3))
+@pytest.mark.parametrize(("count", "named"), [(0, False), (1, False), (4, True), (400, True)])
+def test_a_fault_of_records_is_named_where_false_alarms_do_not_explain_it(count, named):
+    findings = np.where(np.arange(400) < count, "mains-hum", "other")
+    seen = xr.Dataset({"findings": ("record", findings)}).isel(record=slice(max(count, 56)))
+    one = next(one for one in faulty_records(seen, CATALOGUE) if one.mechanism.id == "mains-hum")
+    assert one.named == named
+    total = seen.sizes["record"]
+    odds = -np.log(total + 1) - binom.logpmf(count, total, 0.003) - guards.PRIOR
+    assert count == 0 or one.log_odds == pytest.approx(min(odds, 50.0))
 
 
 def test_a_clamping_out_of_line_is_in_the_verdict(model):
@@ -237,7 +243,7 @@ def test_an_independent_measurement_moves_prior_and_evidence():
 
 def test_dataset_and_model_file_hold_the_cause(stiffening):
     made, _ = stiffening
-    whole = dataset(made)
+    whole = dataset(made, verdict(made))
     assert whole.attrs["named"] == "load-dependent-stiffness"
     scaled = np.abs(whole["stick_residual_scaled"]).mean("stick_record")
     assert scaled.sel(stage="after") < 0.5 * scaled.sel(stage="before")

@@ -7,6 +7,7 @@ from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
     Weighed,
+    as_shown,
     credible,
     entropy,
     inclusion,
@@ -55,11 +56,13 @@ def test_few_clampings_make_evidence_count_less():
 
 
 def test_kinds_of_data_speak_of_different_causes():
+    """Two of them together are rarer than by chance, by one factor for each beside the first."""
     sets = together([{EMPTY: 0.2, A: 0.8}, {EMPTY: 0.4, B: 0.5, frozenset({UNKNOWN}): 0.1}])
     named = labelled(sets)
-    assert named["a+b"] == pytest.approx(0.4)
-    assert named[NONE] == pytest.approx(0.08)
-    assert named[f"a+{UNKNOWN}"] == pytest.approx(0.08)
+    rarer = np.exp(-guards.FURTHER)
+    assert named["a+b"] / named["a"] == pytest.approx(0.5 / 0.4 * rarer)
+    assert named["a"] / named[NONE] == pytest.approx(0.8 / 0.2)
+    assert named[f"a+{UNKNOWN}"] / named["a"] == pytest.approx(0.1 / 0.4 * rarer)
     assert sum(named.values()) == pytest.approx(1.0)
     assert list(named.values()) == sorted(named.values(), reverse=True)
 
@@ -69,6 +72,16 @@ def test_the_credible_set_is_of_the_fewest_sets_that_reach_its_part():
     assert credible(sets) == pytest.approx({"none": 0.7, "a": 0.26, "b": 0.15})
     assert credible({A: 0.97, B: 0.03}) == {"a": 0.97}
     assert "none-of-these" in credible({EMPTY: 0.5, frozenset({UNKNOWN}): 0.5})
+
+
+def test_causes_at_their_prior_count_as_nothing_however_many():
+    prior = float(np.exp(-guards.PRIOR))
+    weights = {EMPTY: 1.0} | {frozenset({f"level {k}"}): prior for k in range(8)}
+    total = sum(weights.values())
+    sets = {key: value / total for key, value in weights.items()}
+    assert as_shown(sets) == {EMPTY: pytest.approx(1.0)}
+    raised = {EMPTY: 0.5, A: 0.4, B: 0.06, AB: 0.04}
+    assert as_shown(raised) == pytest.approx({EMPTY: 0.56, A: 0.44})
 
 
 def test_what_the_data_cannot_speak_of_keeps_its_prior():

@@ -12,6 +12,7 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 import xarray as xr
+from foreign import tabled
 from foreign_lab import (
     case,
     curves,
@@ -437,3 +438,26 @@ def test_a_case_says_the_same_twice(drawn):
     first, again = (json.dumps(case.truth(drawn(9, kind="pair"))) for _ in range(2))
     assert first == again
     assert replace(drawn(9, kind="null"), kind="null").effects == ()
+
+
+def test_a_table_goes_between_its_marks_again_and_again():
+    page = "before\n<!-- t -->\nold\n<!-- end of t -->\nafter\n"
+    made = score.with_table(page, "t", "new")
+    assert made == "before\n<!-- t -->\n\nnew\n<!-- end of t -->\nafter\n"
+    assert score.with_table(made, "t", "new") == made
+    with pytest.raises(ValueError, match="expected the marks"):
+        score.with_table("nothing", "t", "new")
+
+
+def test_the_pages_hold_the_tables_of_the_kept_results():
+    assert {path: path.read_text() for path in tabled()} == tabled()
+
+
+def test_stated_causes_are_those_that_the_verdict_shows():
+    truth = {"effects": [{"id": "drift", "kin": ["ageing"]}]}
+    shown = {"mechanism": "ageing", "probability": 0.7, "class": "time"}
+    other = {"mechanism": "joint-slip", "probability": 0.2, "class": "amplitude"}
+    fault = {"mechanism": "clipping", "probability": 0.99, "class": "record"}
+    said = {"answer": "ambiguous", "causes": [shown, other, fault]}
+    assert score.stated_causes(truth, said) == [(0.7, True), (0.2, False)]
+    assert score.stated_causes(truth, said | {"answer": "nothing-missing"}) == []

@@ -33,6 +33,10 @@ def explained(verdict: dict) -> Iterator[str]:
     if verdict.get("structure"):
         yield f"Judged against {verdict['structure']}."
     for cause in verdict["causes"]:
+        if verdict["answer"] == "nothing-missing":
+            names = [name for name in cause["credible_set"] if name != "none"]
+            yield f"  would show neither way: {', '.join(names)}"
+            continue
         doubt = "" if cause.get("plausible", True) else ", with values that are not plausible"
         yield f"  {cause['mechanism']} ({cause['class']}){doubt}"
         for value in cause["parameters"]:

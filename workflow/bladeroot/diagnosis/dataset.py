@@ -1,6 +1,6 @@
 """The diagnosis as a Dataset: residual maps, evidence, gain, stiffness and curves for a report."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
-from bladeroot.diagnosis.verdict import insufficient, is_shown, verdict
+from bladeroot.diagnosis.verdict import insufficient, is_shown
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -26,9 +26,9 @@ def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
     return (dims, values, attrs | ({"source": source} if source else {}))
 
 
-def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
+def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
     """Parts that the campaign does not have are missing; `before` is the baseline, `after` with
-    the named causes. every: as for `bladeroot.diagnosis.verdict.verdict`.
+    the named causes. said: from `bladeroot.diagnosis.verdict.verdict`.
     """
     parts = [_ranking(made)]
     for found in made.found:
@@ -45,7 +45,6 @@ def dataset(made: Diagnosis, every: Diagnosis | None = None) -> xr.Dataset:
         else:
             parts.append(_curves(made, found))
     whole = xr.merge(parts, compat="override", join="outer", combine_attrs="drop_conflicts")
-    said = verdict(made, every)
     return whole.assign_attrs(
         structure=made.structure,
         answer=said["answer"],
@@ -180,14 +179,14 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
             for name, value in step.smooth.items()
         ]
     rows += [
-        (one.mechanism.id, "record", "record", -one.ln_chance, one.named, "") for one in made.faulty
+        (one.mechanism.id, "record", "record", one.log_odds, one.named, "") for one in made.faulty
     ]
     rows.sort(key=lambda row: -row[3])
     sentences = {one.id: one.sentence for found in made.found for one in found.channel.candidates}
     sentences |= {one.mechanism.id: one.mechanism.sentence for one in made.faulty}
     said = [sentences.get(row[0], "any smooth function") for row in rows]
     columns = list(zip(*rows, strict=True)) if rows else [[], [], [], [], [], []]
-    text = "log evidence over the baseline in its channel; of record faults -ln of the chance"
+    text = "log evidence over the baseline in its channel; of record faults log odds"
     return xr.Dataset(
         {
             "class": _var("candidate", np.array(columns[1], dtype=str), "", "class"),
@@ -214,7 +213,9 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
     pivot = simulated.pivot_of(records)
     for stage, fitted in enumerate(_sides(found)):
         causes = [cause.mechanism for cause in found.causes] if stage else []
-        value, rows = stiffness_law(fitted, found.channel.base, causes, force, names, pivot)
+        value, rows = stiffness_law(
+            fitted.parameters, found.channel.base, causes, force, names, pivot
+        )
         covariance = np.einsum("sfp,pq,tfq->fst", rows, fitted.covariance, rows)
         k[stage] = np.exp(value)
         std[stage] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)).T
@@ -240,15 +241,18 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
 
 
 def stiffness_law(
-    fitted: Fit,
+    theta: Float[ndarray, " parameter"],
     base: int,
     causes: Sequence[Mechanism],
     force: Float[ndarray, " force"],
     names: Sequence[str] = ("kn", "kt"),
     pivot: float = REFERENCE_FORCE,
 ) -> tuple[Float[ndarray, "stiffness force"], Float[ndarray, "stiffness force parameter"]]:
-    """ln k of the named stiffnesses over loads, and derivatives by the fit's parameters."""
-    theta, count = fitted.parameters, len(names)
+    """ln k of the named stiffnesses over loads at parameters of a fit, and derivatives by these.
+
+    Of the causes those that are laws of the load alone.
+    """
+    count = len(names)
     none = np.zeros(force.size)
     x = np.log(force / pivot)
     value = np.stack([theta[k] + theta[count] * x for k in range(count)])
@@ -260,7 +264,7 @@ def stiffness_law(
     for one in causes:
         own = slice(first, first + len(one.parameters))
         first = own.stop
-        if one.stick is None:
+        if one.stick is None or one.over != ("force",):
             continue
         values, chain = one.values(theta[own])
         effect = one.stick(at, values)

@@ -18,6 +18,7 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.naming import Found, Known, search
+from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.diagnosis.records import Faulty, faulty_records
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import parametric
@@ -98,11 +99,13 @@ def diagnose(
     nothing = hopeless(data, simulated.kind)
     found = []
 
-    def knowing(channel: str) -> Known:
-        return replace(known, unspoken=unspoken(candidates, channel, data, simulated))
+    def knowing(channel: str, *more: str) -> Known:
+        return replace(known, unspoken=(*unspoken(candidates, channel, data, simulated), *more))
 
     if not nothing:
-        found.append(search(stick_channel(data, simulated, candidates), knowing("stick")))
+        # What is of no catalogue may leave no trace, as other operators that are not in the sheet.
+        stick = stick_channel(data, simulated, candidates)
+        found.append(search(stick, knowing("stick", UNKNOWN)))
     damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
     if damping is not None and not nothing:
         found.append(search(damping_channel(damping, candidates), knowing("damping")))

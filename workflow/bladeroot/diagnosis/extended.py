@@ -11,18 +11,18 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Settings, simulation_of
 from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.extension import Extension
 from bladeroot.diagnosis.stick_model import StickData, problem, stick_data
 from bladeroot.inference.gaussian import Fit, fit
-from bladeroot.mechanisms.mechanism import Mechanism, Records
+from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.stiffness.posterior import Law, posterior
-from bladeroot.stiffness.priors import CORRELATION, LN_K, REFERENCE_FORCE, SCATTER, SMOOTH_EXPONENT
+from bladeroot.stiffness.priors import CORRELATION, LN_K, SCATTER, SMOOTH_EXPONENT
 
 _SCALES = {(False, False): "", (True, False): "ln ", (False, True): "logit "}  # of a parameter
 DRAWS = 1000  # each asks for a covariance of all records
-_STIFFNESS = ("ln_kn", "ln_kt")
 
 
 def extended_joint(
@@ -93,26 +93,9 @@ def _law(data: StickData, found: Fit, causes: Sequence[Mechanism]) -> Law:
         origins += [p.source for p in one.parameters]
 
     def ln_k(theta: ndarray, force: ndarray) -> Float[ndarray, "draw force 2"]:
-        x = np.log(force / REFERENCE_FORCE)
-        whole = theta[:, None, :2] + theta[:, 2, None, None] * x[:, None]
-        place = first
-        for one in causes:
-            own = theta[:, place : place + len(one.parameters)]
-            place += len(one.parameters)
-            if one.stick is not None and one.over == ("force",):
-                whole = whole + np.array([_of_force(one, row, force) for row in own])
-        return whole
+        laws = [stiffness_law(row, first, causes, force)[0].T for row in theta]
+        return np.array(laws).reshape(len(theta), force.size, 2)
 
     scales = ["ln_scatter", "ln_scatter_kt", "atanh_correlation", "ln_noise"]
     origins += [SCATTER[2], SCATTER[2], CORRELATION[2], "records of one clamping"]
     return Law(found, ln_k, (*names, *scales), tuple(origins))
-
-
-def _of_force(
-    one: Mechanism, theta: Float[ndarray, " parameter"], force: Float[ndarray, " force"]
-) -> Float[ndarray, "force 2"]:
-    """Changes of ln kn and ln kt by a law of the axial force (N)."""
-    none = np.zeros(force.size)
-    records = Records(none.astype(int), force, none, none, none, 0.0, 0.0)
-    changes = one.stick(records, one.values(theta)[0]).changes
-    return np.stack([changes.get(name, none) for name in _STIFFNESS], axis=1)

@@ -18,7 +18,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import causes
-from bladeroot.diagnosis.simulation.parametric import Parametric
+from bladeroot.diagnosis.simulation.parametric import Parametric, of_clamping
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
 from bladeroot.inference.gaussian import Fit, State
@@ -89,7 +89,7 @@ def density(
     fixed = fixed + (by_cause * asked.std[base:] ** 2) @ by_cause.T
     moved = by_cause @ (asked.mean - fitted.parameters)[base:]
     target = data.ln_f - changes[:, 3] - moved - off @ here.prior.mean[count + 1 :]
-    spread = here.of_clamping(scales)
+    spread = of_clamping(scales, data.rounding)
     same_hold = here.same_hold
 
     def some(ln_k: ndarray) -> ndarray:

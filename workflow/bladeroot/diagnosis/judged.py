@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from bladeroot.diagnosis.dataset import dataset
-from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import following, next_measurements
@@ -40,10 +40,6 @@ AS_IF = (
     f". Sizes of laws of the joint's stiffness are as if {100.0 * JOINT:.0f} % of the modes' "
     "stiffness went through it"
 )
-# Log evidence (20 to 1) from which a candidate is spoken of that is not named, and its part of the
-# best one's; how many.
-SHOWN, SHARE, SHOWN_CAUSES = 3.0, 0.5, 3
-_DATA = {"stick": "stick frequencies", "damping": "loss factors", "curve": "curves"}
 Made = tuple[xr.Dataset, dict, dict | None]
 # Standard deviation of a model's frequencies where nothing is stated, per cent.
 BIAS_PERCENT = 0.5
@@ -104,10 +100,10 @@ def with_structure(
     if reason or lacks:
         return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
     made = diagnose(seen, model, settings, candidates)
-    every = with_lower_forces(seen, model, settings, candidates)
     further = next_measurements(made)
-    whole = dataset(made, every).merge(further)
-    said = _with_groups(verdict(made, every) | {"next": following(further)}, seen)
+    said = verdict(made, with_lower_forces(seen, model, settings, candidates))
+    whole = dataset(made, said).merge(further)
+    said = _with_groups(said | {"next": following(further)}, seen)
     return whole.assign_attrs(_load(seen)), said, model_file(made)
 
 
@@ -163,19 +159,18 @@ def _in_own(
     further = next_measurements(
         made, lambda force: f"{force / own.per_load - own.shift:.3g} {own.unit}".strip()
     )
-    whole = dataset_in_own(dataset(made).merge(further), own)
-    said = verdict_in_own(verdict(made) | {"next": following(further)}, own)
+    said = verdict(made)
+    whole = dataset_in_own(dataset(made, said).merge(further), own)
+    said = verdict_in_own(said | {"next": following(further)}, own)
     if simulated.kind == "none" or own.name != AXIAL_FORCE:
         of_table = simulated.kind != "none"
         whole = _dataset_plainly(whole, own.name, of_table)
         said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":
-        ranked = plainly_but_ids(_ranked(made), own.name)
         silent = SILENT + (SILENT_LOAD if own.name else "")
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
             silent += AS_IF
-        said["reason"] = ". ".join(filter(None, (said["reason"], ranked, silent)))
-        whole.attrs["ranked"] = ranked
+        said["reason"] = ". ".join(filter(None, (said["reason"], silent)))
     said["structure"] = name or None
     said = _with_groups(said, seen)
     whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
@@ -206,27 +201,6 @@ def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Datase
     for name in ("reason", "lacks"):
         made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
     return made
-
-
-def _ranked(made: Diagnosis) -> str:
-    """What of the catalogue explains a departure best that no cause is named for, and what would
-    tell the possible causes apart; a sentence, or "".
-    """
-    texts = []
-    for found in made.found:
-        gains = found.steps[0].mechanisms
-        order = sorted(gains, key=gains.get, reverse=True)
-        best = [name for name in order if gains[name] > max(SHOWN, SHARE * gains[order[0]])]
-        if found.causes or not best:
-            continue
-        by_id = {one.id: one for one in found.channel.candidates}
-        names = " and ".join(f"{name} ({gains[name]:.1f})" for name in best[:SHOWN_CAUSES])
-        texts.append(
-            f"of the catalogue {names} explain the {_DATA[found.channel.name]} best (log evidence "
-            f"over a linear mode's); to decide: {by_id[best[0]].splitter}"
-        )
-    text = ". ".join(texts)
-    return text[:1].upper() + text[1:]
 
 
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:

@@ -1,7 +1,7 @@
 """Naming causes in one channel: sets of causes, each with everything that competes with it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,12 +22,13 @@ from bladeroot.diagnosis.posterior import (
     UNKNOWN,
     Sets,
     Weighed,
+    as_shown,
     credible,
     inclusion,
     probabilities,
     with_unspoken,
 )
-from bladeroot.inference.gaussian import Fit, fit
+from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
 __all__ = ["Cause", "Found", "Known", "Step", "prepared", "search"]
@@ -78,22 +79,20 @@ class Found:
     insufficient: str = ""
 
     @property
-    def open(self) -> list[str]:
-        """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
-        if self.causes or max(_unknown(self.probabilities)) >= guards.CERTAIN:
-            return []
-        found = list(credible(self.probabilities))
-        return found if set(found) & set(self.alone) else []
+    def quiet(self) -> bool:
+        """Whether the data show nothing, whatever they would not show."""
+        return as_shown(self.probabilities).get(frozenset(), 0.0) >= guards.CERTAIN
 
     @property
-    def gain(self) -> float:
-        """Log evidence of the final model over the baseline's."""
-        return self.final.log_evidence - self.baseline.log_evidence
-
-
-def _unknown(sets: Sets) -> tuple[float, float]:
-    """Probabilities of nothing and of something that no catalogue has, by itself."""
-    return sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)
+    def open(self) -> list[str]:
+        """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
+        sets = self.probabilities
+        if max(sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)) >= guards.CERTAIN:
+            return []
+        found = credible(as_shown(sets))
+        if self.quiet or len(found) == 1:  # one that is barred does not stand for certain
+            found = credible(sets) | {UNKNOWN: 0.0}
+        return list(found) if set(found) & set(self.alone) and not self.causes else []
 
 
 class _Search:
@@ -104,7 +103,7 @@ class _Search:
         self.models: dict[frozenset, Model] = {}
         self.steps: dict[frozenset, Step] = {}
         self.allowed: dict[frozenset, bool] = {frozenset(): True}
-        # Sets that may be and yet show nothing: worth no more than the set without the last cause.
+        # Sets that may be and are not surely there: worth little more than without the last cause.
         self.unsure: dict[frozenset, float] = {}
 
     def expand(self, model: Model) -> None:
@@ -122,7 +121,7 @@ class _Search:
             allowed = name not in self.known.ruled_out and self._allowed(model, one)
             maybe = not allowed and name not in self.known.ruled_out and self.allowed[model.ids]
             if maybe and possible(self.channel, one.causes, one.fit):
-                shown = min(one.log_evidence, model.log_evidence)
+                shown = min(one.log_evidence, model.log_evidence + guards.UNSURE)
                 self.unsure[one.ids] = max(shown, self.unsure.get(one.ids, -np.inf))
             if old is None or (allowed, one.log_evidence) > (
                 self.allowed[one.ids],
@@ -154,10 +153,7 @@ class _Search:
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
     def weighed(self) -> Sets:
-        """Probabilities of all sets that may be.
-
-        A cause that is not surely there has no more than its prior: it is not excluded either.
-        """
+        """Probabilities of all sets that may be."""
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids] or self._idle(model):
@@ -223,36 +219,15 @@ def _found(made: _Search) -> Found:
         here = frozenset()
     model = made.models[here]
     causes = [_cause(made, model, one, sets) for one in model.causes]
-    causes.sort(key=lambda one: -one.gain)
-    order = [one.mechanism.id for one in causes]
-    model = _ordered(made.channel, model, order)
-    unknown = sum(v for k, v in sets.items() if UNKNOWN in k)
     first = made.steps[frozenset()]
-    step = made.steps.get(here, first)
-    unexplained = max(step.smooth, key=step.smooth.get, default="") if unknown > 0.5 else ""
+    rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
+    unexplained = max(rest, key=rest.get, default="")
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
         {n: made.models[frozenset({n})] for n in first.mechanisms},
         barred[0] if barred else "",
     )  # fmt: skip
-
-
-def _ordered(channel: Channel, model: Model, order: list[str]) -> Model:
-    """The model with its causes, and their parameters, in another order."""
-    if [one.id for one in model.causes] == order:
-        return model
-    first, places = channel.base, {}
-    for one in model.causes:
-        places[one.id] = np.arange(first, first + len(one.parameters))
-        first += len(one.parameters)
-    by_id = {one.id: one for one in model.causes}
-    causes = tuple(by_id[name] for name in order)
-    base = np.arange(channel.base)
-    index = np.concatenate([base, *(places[name] for name in order)])
-    problem = channel.problem(causes, ())
-    fitted = fit(problem, model.fit.parameters[index], model.fit.scales)
-    return replace(model, causes=causes, fit=fitted)
 
 
 def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
@@ -262,7 +237,7 @@ def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
     """
     rest = model.ids - {one.id}
     instead = {one.id: 0.0}
-    for key, value in sets.items():
+    for key, value in as_shown(sets).items():
         known = key - {UNKNOWN}
         if known == rest:
             name = UNKNOWN if UNKNOWN in key else NONE

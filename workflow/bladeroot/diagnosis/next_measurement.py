@@ -180,7 +180,7 @@ def _row(
     if _stiffnesses(made):
         names, pivot = made.simulated.parameters, made.simulated.pivot_of(made.data.records)
         at = np.array([pivot])
-        rows = stiffness_law(first.fit, base, first.mechanisms, at, names, pivot)[1]
+        rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
     part = gained / whole if whole > 0.0 else np.nan
     return one.what, part, ratio, ln_std, one.hours, one.kind, load

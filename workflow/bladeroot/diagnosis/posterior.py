@@ -86,8 +86,24 @@ def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
     return {key: value / total for key, value in whole.items()}
 
 
-def together(parts: Iterable[Sets]) -> Sets:
-    """Of the sets over several kinds of data, which speak of different causes."""
+def as_shown(sets: Sets) -> Sets:
+    """The same where causes that the data do not speak of count as nothing: those whose odds are
+    not raised beyond their prior by `guards.RAISED`, however probable together.
+    """
+    least = float(np.exp(guards.RAISED - guards.PRIOR))
+    share = {name: inclusion(sets, name) for name in frozenset().union(*sets)}
+    raised = {name for name, p in share.items() if p > least * (1.0 - p)}
+    found: Sets = {}
+    for key, value in sets.items():
+        found[key & raised] = found.get(key & raised, 0.0) + value
+    return found
+
+
+def together(parts: Iterable[Sets], further: float = guards.FURTHER) -> Sets:
+    """Of the sets over several kinds of data, which speak of different causes.
+
+    further: nats by which each cause beside a first one is rarer than by chance.
+    """
     whole: Sets = {frozenset(): 1.0}
     for part in parts:
         joined: Sets = {}
@@ -95,6 +111,7 @@ def together(parts: Iterable[Sets]) -> Sets:
             if p * q > guards.LEAST_PROBABILITY:
                 joined[a | b] = joined.get(a | b, 0.0) + p * q
         whole = joined
+    whole = {k: p * np.exp(-further * max(len(k) - 1, 0)) for k, p in whole.items()}
     total = sum(whole.values())
     return {key: value / total for key, value in whole.items()}
 

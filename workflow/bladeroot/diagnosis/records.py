@@ -9,40 +9,36 @@ from jaxtyping import Bool
 from numpy import ndarray
 from scipy.special import gammaln
 
-from bladeroot.diagnosis.guards import FALSE_ALARM, PRIOR
+from bladeroot.diagnosis.guards import CERTAIN, PRIOR
 from bladeroot.mechanisms.mechanism import Mechanism
+
+_MOST = 50.0  # nats
 
 
 @dataclass(frozen=True)
 class Faulty:
-    """A record mechanism, the records that show it, and ln of the chance of as many by mistake."""
+    """A record mechanism, the records that show it, and the log odds that there is such a fault."""
 
     mechanism: Mechanism
     records: Bool[ndarray, " record"]
-    ln_chance: float
-
-    @property
-    def named(self) -> bool:
-        """Whether false alarms do not explain them."""
-        return bool(self.ln_chance < np.log(FALSE_ALARM))
+    log_odds: float
 
     @property
     def probability(self) -> float:
-        """That there is such a fault: any share of the records against false alarms alone."""
-        count, total = int(self.records.sum()), self.records.size
-        if not count:
-            return 0.0
-        rate = self.mechanism.parameters[0].mean
-        ways = gammaln(total + 1) - gammaln(count + 1) - gammaln(total - count + 1)
-        alarms = ways + count * np.log(rate) + (total - count) * np.log1p(-rate)
-        odds = -np.log(total + 1.0) - alarms - PRIOR
-        return float(1.0 / (1.0 + np.exp(-np.clip(odds, -50.0, 50.0))))
+        """That there is such a fault."""
+        return float(1.0 / (1.0 + np.exp(-self.log_odds)))
+
+    @property
+    def named(self) -> bool:
+        """Whether false alarms do not explain the findings."""
+        return self.probability >= CERTAIN
 
 
 def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Faulty]:
     """Every record mechanism of the catalogue, by the findings of the records.
 
-    The chance is binomial's upper tail with the false alarms that the mechanism's prior states.
+    Any share of the records, all as likely, stands against the rate of false alarms that the
+    mechanism's prior states.
     """
     findings = [set(text.split(";")) for text in seen["findings"].values.astype(str)]
     found = []
@@ -51,15 +47,12 @@ def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Fa
             continue
         ids = set(one.finding.split(";"))
         shown = np.array([bool(ids & own) for own in findings], dtype=bool)
-        chance = _tail(int(shown.sum()), shown.size, one.parameters[0].mean)
-        found.append(Faulty(one, shown, chance))
+        count, total = int(shown.sum()), shown.size
+        odds = -_MOST
+        if count:
+            rate = one.parameters[0].mean
+            ways = gammaln(total + 1) - gammaln(count + 1) - gammaln(total - count + 1)
+            alarms = ways + count * np.log(rate) + (total - count) * np.log1p(-rate)
+            odds = float(np.clip(-np.log(total + 1.0) - alarms - PRIOR, -_MOST, _MOST))
+        found.append(Faulty(one, shown, odds))
     return found
-
-
-def _tail(count: int, total: int, rate: float) -> float:
-    """ln of the probability of `count` or more of `total`."""
-    if not count:
-        return 0.0
-    k = np.arange(count, total + 1)
-    ways = gammaln(total + 1) - gammaln(k + 1) - gammaln(total - k + 1)
-    return float(np.logaddexp.reduce(ways + k * np.log(rate) + (total - k) * np.log1p(-rate)))

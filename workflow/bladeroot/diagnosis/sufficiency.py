@@ -8,6 +8,8 @@ from bladeroot.diagnosis.stick_model import StickData
 
 # Records of a linear mode from which it can be told from its scatter.
 LINEAR_RECORDS = 4
+# Begins the phrase of what bars gauge and level effects alone: laws of all else can be judged.
+FEW = "records"
 
 
 def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> list[str]:
@@ -35,10 +37,10 @@ def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> l
         )
     if data.ln_f.size < guards.RECORDS:
         lacks.append(
-            f"records: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
+            f"{FEW}: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
             "from the scatter of clampings"
             if of_load
-            else f"records: {data.ln_f.size} where some {guards.RECORDS} tell levels from scatter"
+            else f"{FEW}: {data.ln_f.size} where some {guards.RECORDS} tell levels from scatter"
         )
     return lacks
 

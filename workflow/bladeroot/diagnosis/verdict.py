@@ -6,21 +6,21 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
-from bladeroot.diagnosis.gain import score, within_records
-from bladeroot.diagnosis.guards import CERTAIN
+from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
     Sets,
+    as_shown,
     credible,
     inclusion,
     labelled,
     together,
 )
 from bladeroot.diagnosis.shortfall import of_curves, of_records
-from bladeroot.diagnosis.simulation.parametric import Parametric, biases
+from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
 
@@ -31,14 +31,15 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     every: the same with the records below the force of full contact, if such were left out; the
     reason then says what they would change.
     """
-    causes = _causes(made)
+    sets = probabilities(made)
+    causes = _causes(made, sets)
     answer = _answer(made, causes)
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),
         "structure": made.structure,
         "answer": answer,
-        "probabilities": labelled(sets := probabilities(made)),
+        "probabilities": labelled(sets),
         "possible": {name: round(value, 9) for name, value in credible(sets).items()},
         "causes": causes,
         "shortfall": _shortfall(made),
@@ -48,31 +49,34 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     }
 
 
-def _causes(made: Diagnosis) -> list[dict]:
+def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     """Causes of all channels, what explains most first; record faults by how many records."""
     rows = []
+    judged = [found for found in made.found if not _cannot_name(made, found)]
+    silent = all(found.quiet for found in judged)
     for found in made.found:
         first = found.channel.base
         for cause in found.causes:
-            rows.append((cause.gain, _cause(made, found, cause, first)))
+            rows.append((cause.gain, _cause(found, cause, first, sets)))
             first += len(cause.mechanism.parameters)
-        if found.open and not _cannot_name(made, found):
+        # What the data would not show is asked about only where they show nothing at all.
+        if found.open and found in judged and (silent or not found.quiet):
             alone, cause = _as_if(found)
-            rows.append((cause.gain, _cause(made, alone, cause, found.channel.base)))
+            rows.append((cause.gain, _cause(alone, cause, found.channel.base, sets)))
     for one in made.faulty:
         if one.named:
-            rows.append((-one.ln_chance, _fault(one)))
+            rows.append((one.log_odds, _fault(one)))
     return [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
 
 
-def _cause(made: Diagnosis, found: Found, cause: Cause, first: int) -> dict:
+def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     mechanism = cause.mechanism
     by_id = {one.id: one for one in found.channel.candidates}
     kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
     return {
         "mechanism": mechanism.id,
         "form": mechanism.form,
-        "probability": round(cause.probability, 9),
+        "probability": round(inclusion(sets, mechanism.id), 9),
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [
@@ -115,7 +119,7 @@ def _fault(one) -> dict:
         "sizes": [],
         "plausible": True,
         "splitter": one.mechanism.splitter,
-        "log_evidence": -one.ln_chance,
+        "log_evidence": one.log_odds,
     }  # fmt: skip
 
 
@@ -128,10 +132,11 @@ def probabilities(made: Diagnosis) -> Sets:
             bare = frozenset({UNKNOWN}) if _cannot_name(made, found) and key else key
             sets[bare] = sets.get(bare, 0.0) + value
         parts.append(sets)
-    for one in made.faulty:
-        chance = one.probability
-        parts.append({frozenset(): 1.0 - chance, frozenset({one.mechanism.id}): chance})
-    return together(parts)
+    faults = [
+        {frozenset(): 1.0 - one.probability, frozenset({one.mechanism.id}): one.probability}
+        for one in made.faulty
+    ]
+    return together([together(parts), *faults], further=0.0)
 
 
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
@@ -140,17 +145,19 @@ def _answer(made: Diagnosis, causes: list[dict]) -> str:
     if any(certain(one) for one in others):
         return "named"
     judged = [found for found in made.found if not _cannot_name(made, found)]
+    if any(found.insufficient for found in judged):
+        return "insufficient-data"
     if any(NONE not in one["credible_set"] for one in others):
         return "ambiguous"
     if any(found.unexplained for found in judged if not found.open):
         return "unexplained"
-    if any(_open(found) for found in made.found if _cannot_name(made, found)):
+    if any(not found.quiet for found in made.found if _cannot_name(made, found)):
         return "insufficient-data"
-    if others:
+    if not all(found.quiet for found in judged):
         return "ambiguous"
-    if made.lacks and not causes:
+    if any(not one.startswith(FEW) for one in made.lacks) and len(others) == len(causes):
         return "insufficient-data"
-    return "named" if causes else "nothing-missing"
+    return "named" if len(causes) > len(others) else "nothing-missing"
 
 
 def certain(cause: dict) -> bool:
@@ -168,16 +175,11 @@ def _cannot_name(made: Diagnosis, found: Found) -> bool:
     return bool(made.curve_lacks) and found.channel.name == "curve"
 
 
-def _open(found: Found) -> bool:
-    """Whether a channel shows that something is missing, be it a mechanism that fits best."""
-    return found.probabilities.get(frozenset(), 0.0) < 1.0 - CERTAIN
-
-
 def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
     for found in made.found:
-        shows = _cannot_name(made, found) and _open(found)
+        shows = _cannot_name(made, found) and not found.quiet
         if not found.causes and not found.unexplained and not shows:
             continue
         explained = not found.unexplained and not shows
@@ -195,42 +197,6 @@ def _shortfall(made: Diagnosis) -> list[dict]:
     return rows
 
 
-def gains(made: Diagnosis) -> dict:
-    """Held-out errors before and after: between forces and holds, within records."""
-    result: dict = {}
-    for found in made.found:
-        if not found.causes:
-            continue
-        if found.channel.name == "stick":
-            mode = made.data.records.mode
-            parametric = isinstance(made.simulated, Parametric)
-            bias = biases(made.simulated) if parametric else slice(0)
-            for name, part, allowance in (
-                ("between_forces", "force", slice(0)),
-                ("between_forces_without_bias", "force", bias),
-                ("between_holds", "hold", slice(0)),
-            ):
-                one = score(found, part, mode, allowance)
-                result[name] = {
-                    "before": one.error[0], "after": one.error[1], "unit": "1",
-                    "by_mode": {
-                        made.data.modes[g]: {"before": a, "after": b}
-                        for g, (a, b) in one.by_group.items()
-                    },
-                }  # fmt: skip
-                if name == "between_forces":
-                    result["log_score"] = {"before": one.log_score[0], "after": one.log_score[1]}
-        elif found.channel.name == "curve":
-            sides = within_records(found, made.curves.quantity)
-            result["within_records"] = {
-                name: {"before": before, "after": after, "unit": "1"}
-                for name, (before, after) in sides.items()
-            }
-            part = score(found, "force", made.curves.quantity)
-            result["log_score_curves"] = {"before": part.log_score[0], "after": part.log_score[1]}
-    return result
-
-
 def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
     """Findings by record."""
     findings = seen["findings"].values.astype(str)
@@ -238,31 +204,13 @@ def records_of(seen: xr.Dataset) -> dict[str, list[str]]:
     return {n: f.split(";") for n, f in zip(names, findings, strict=True) if f}
 
 
-def runner_up(found: Found) -> tuple[str, float]:
-    """The best mechanism that is not named, and how much less evidence than the first it has."""
-    gains_ = found.steps[0].mechanisms
-    order = sorted(gains_, key=gains_.get, reverse=True)
-    others = [name for name in order if name not in {one.mechanism.id for one in found.causes}]
-    return (others[0], found.causes[0].gain - gains_[others[0]]) if others else ("", np.inf)
-
-
 def _below(made: Diagnosis, every: Diagnosis) -> str:
     """What the records at lower forces add."""
-    causes = _causes(every)
-    said = (
-        f". With the records below {made.settings.least_force / 1e3:g} kN: {_answer(every, causes)}"
-    )
-    for one in causes:
-        first = one["parameters"][0]
-        scale, unit = (1e-3, " kN") if first["unit"] == "N" else (1.0, f" {first['unit']}")
-        unit = "" if first["unit"] == "1" else unit
-        said += f", {' or '.join(one['credible_set'])} ({first['name'].replace('_', ' ')} "
-        said += f"{scale * first['value']:.3g} +- {scale * first['std']:.2g}{unit}, "
-        said += f"log evidence {one['log_evidence']:.1f})"
-    open_ends = [found for found in every.found if found.unexplained]
-    for found in open_ends:
-        said += f"; the {found.channel.name} data leave something smooth in {found.unexplained}"
-    return said
+    causes = _causes(every, probabilities(every))
+    named = [f"{' or '.join(one['credible_set'])} ({one['probability']:.2f})" for one in causes]
+    named += [f"something smooth in {one.unexplained}" for one in every.found if one.unexplained]
+    said = ", ".join([_answer(every, causes), *named])
+    return f". With the records below {made.settings.least_force / 1e3:g} kN: {said}"
 
 
 def insufficient(made: Diagnosis) -> list[str]:
@@ -291,11 +239,11 @@ def _out_of_line(made: Diagnosis) -> list[str]:
 def _open_question(found: Found) -> str:
     """What may be missing where no cause is named and none is excluded."""
     names = [one for one in found.open if one not in (NONE, UNKNOWN)]
-    seen = found.probabilities.get(frozenset(), 0.0)
+    seen = as_shown(found.probabilities).get(frozenset(), 0.0)
     text = (
         f"the {found.channel.name} data show nothing missing (probability {100.0 * seen:.0f} %) "
         "and would hardly show"
-        if seen > 0.5
+        if found.quiet
         else f"the {found.channel.name} data do not tell which is missing:"
     )
     first = next(one for one in names if one in found.alone)
@@ -307,9 +255,9 @@ def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
     departing = [
         f"the curves depart from the simulation and name no cause: {'; '.join(made.curve_lacks)} "
-        "would tell"
+        f"would tell{f'. {_open_question(found)}' if found.open else ''}"
         for found in made.found
-        if _cannot_name(made, found) and _open(found)
+        if _cannot_name(made, found) and not found.quiet
     ]
     faults = [
         f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
@@ -326,17 +274,11 @@ def _reason(made: Diagnosis, answer: str) -> str:
         whole = "all records" if len(lines) == 0 else "the other records"
         lines.append(f"the simulation explains {whole} within their scatter")
     for found in made.found:
-        for number, cause in enumerate(found.causes):
-            text = f"{cause.mechanism.id}: {cause.mechanism.sentence}"
-            text += f" (log evidence {cause.gain:.1f} over the simulation without it"
-            if number == 0:
-                other, less = runner_up(found)
-                why_not = "but beyond its limits, by its error, or less beside the other causes"
-                how = f"{less:.1f} less" if less >= 0.0 else f"alone {-less:.1f} more, {why_not}"
-                text += f"; next is {other}, {how}" if other else ""
-                why = (found.known.barred | found.known.ruled_out).get(other, "")
-                text += f", not named because {why}" if why else ""
-            lines.append(text + ")")
+        for cause in found.causes:
+            lines.append(
+                f"{cause.mechanism.id}: {cause.mechanism.sentence} (log evidence {cause.gain:.1f} "
+                "over the simulation without it)"
+            )
             if len(cause.credible) > 1:
                 lines.append(
                     f"as likely as not another of {', '.join(cause.credible)} stands in its place"
@@ -347,6 +289,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 lines.append(f"to decide: {cause.mechanism.splitter}")
         if found.open and not _cannot_name(made, found):
             lines.append(_open_question(found))
+        elif not (found.quiet or found.causes or found.unexplained):
+            chance = 100.0 * inclusion(found.probabilities, UNKNOWN)
+            lines.append(
+                f"the {found.channel.name} data may hold ({chance:.0f} %) what no mechanism of the "
+                "catalogue explains"
+            )
         if found.unexplained and not _cannot_name(made, found):
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "

@@ -1,7 +1,6 @@
 """Contact stiffness that changes from clamping to clamping: flanks bed in, or wear."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,10 +15,8 @@ def law(course: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...]
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
         along = course(clamped(records)) - 0.5
-        return StickEffect(
-            {name: values[0] * along for name in stiffnesses},
-            {name: along[:, None] for name in stiffnesses},
-        )
+        changes, slopes = values[0] * along, along[:, None]
+        return StickEffect(dict.fromkeys(stiffnesses, changes), dict.fromkeys(stiffnesses, slopes))
 
     return stick
 
@@ -47,14 +44,9 @@ MECHANISM = Mechanism(
     over=("time",),
     form="kn and kt",
 )  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=tuple(
-        replace(MECHANISM, stick=law(course, names), form=form)
-        for course, names, form in (
-            (_linear, ("ln_kt",), "kt"),
-            (_fast_at_first, ("ln_kn", "ln_kt"), "kn and kt, fast at first"),
-            (_fast_at_first, ("ln_kt",), "kt, fast at first"),
-        )
-    ),
-)
+for _course, _names, _form in (
+    (_linear, ("ln_kt",), "kt"),
+    (_fast_at_first, ("ln_kn", "ln_kt"), "kn and kt, fast at first"),
+    (_fast_at_first, ("ln_kt",), "kt, fast at first"),
+):
+    MECHANISM = MECHANISM.also(_form, stick=law(_course, _names))

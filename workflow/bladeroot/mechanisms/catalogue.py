@@ -38,8 +38,9 @@ def usable_catalogue(
     found = {}
     for module in pkgutil.iter_modules(mechanisms.__path__):
         if module.name not in _NO_MECHANISM:
-            one = import_module(f"bladeroot.mechanisms.{module.name}").MECHANISM
-            found[one.id] = one
+            made = import_module(f"bladeroot.mechanisms.{module.name}")
+            several = getattr(made, "MECHANISMS", None) or (made.MECHANISM,)
+            found |= {one.id: one for one in several}
     own, faults = {}, []
     for path in own_files(folder) if folder else []:
         try:

@@ -1,7 +1,6 @@
 """Frequencies that wander through the campaign, as with the temperature of the rig."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -81,81 +80,51 @@ def _share(records: Records) -> np.ndarray:
     return records.time / records.span if records.span > 0.0 else 0.0 * records.time
 
 
-_CHANGE = Parameter(
-    "change", "1", 0.0, 0.005, -0.03, 0.03,
-    "of frequencies: steel's modulus falls by 2.4e-4 a kelvin, 10 K make 0.12 %",
+TIME_CONSTANT = Parameter(
+    "time_constant", "1", 0.3, 0.7, 0.02, 3.0,
+    "of the campaign: hours, as a rig of some 100 kg", log=True,
+)  # fmt: skip
+MOMENT = Parameter(
+    "moment", "1", 0.5, 1.5, 0.0, 1.0, "of the campaign's clampings", bounded=True
 )  # fmt: skip
 MECHANISM = Mechanism(
     id="drift",
     kind="time",
     sentence="the frequencies drift through the campaign, as with the temperature of the rig",
-    parameters=(_CHANGE,),
+    parameters=(
+        Parameter(
+            "change", "1", 0.0, 0.005, -0.03, 0.03,
+            "of frequencies: steel's modulus falls by 2.4e-4 a kelvin, 10 K make 0.12 %",
+        ),
+    ),
     splitter="a thermometer on beam and rig; the first forces again at the end",
     stick=law(linear),
     over=("time",),
     form="linear",
-)
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                _CHANGE,
-                Parameter(
-                    "time_constant", "1", 0.3, 0.7, 0.02, 3.0,
-                    "of the campaign: hours, as a rig of some 100 kg", log=True,
-                ),
-            ),
-            stick=law(saturating),
-            starts=((1e-3, float(np.log(0.1))),),
-            form="saturating",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                _CHANGE,
-                Parameter(
-                    "moment", "1", 0.5, 1.5, 0.0, 1.0, "of the campaign's clampings", bounded=True
-                ),
-            ),
-            stick=law(step),
-            starts=MOMENTS,
-            form="step",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                Parameter(
-                    "change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True
-                ),
-                *(
-                    Parameter(
-                        f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
-                        "of a line, then of waves: slow ones are the larger",
-                    )
-                    for k in (0, *WAVES)
-                ),
-            ),
-            stick=law(wandering),
-            starts=((float(np.log(2e-3)), 0.5, 0.2, 0.0, 0.0, 0.0),
-                    (float(np.log(2e-3)), -0.5, -0.2, 0.0, 0.0, 0.0)),
-            form="wandering",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                _CHANGE,
-                Parameter("cycles", "1", 1.5, 0.7, 0.3, 20.0, "a campaign of days", log=True),
-                Parameter("phase", "1", 0.0, 2.0, -20.0, 20.0, "at the first record, rad"),
-            ),
-            stick=law(periodic),
-            starts=tuple(
-                (1e-3, float(np.log(n)), phase)
-                for n in (0.7, 1.0, 1.5, 2.0, 3.0, 4.5)
-                for phase in (0.0, 1.57)
-            ),
-            form="periodic",
-        ),
+).also(
+    "saturating", TIME_CONSTANT, stick=law(saturating), starts=((1e-3, float(np.log(0.1))),)
+).also("step", MOMENT, stick=law(step), starts=MOMENTS).also(
+    "wandering",
+    Parameter("change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True),
+    *(
+        Parameter(
+            f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
+            "of a line, then of waves: slow ones are the larger",
+        )
+        for k in (0, *WAVES)
+    ),
+    keep=0,
+    stick=law(wandering),
+    starts=((float(np.log(2e-3)), 0.5, 0.2, 0.0, 0.0, 0.0),
+            (float(np.log(2e-3)), -0.5, -0.2, 0.0, 0.0, 0.0)),
+).also(
+    "periodic",
+    Parameter("cycles", "1", 1.5, 0.7, 0.3, 20.0, "a campaign of days", log=True),
+    Parameter("phase", "1", 0.0, 2.0, -20.0, 20.0, "at the first record, rad"),
+    stick=law(periodic),
+    starts=tuple(
+        (1e-3, float(np.log(n)), phase)
+        for n in (0.7, 1.0, 1.5, 2.0, 3.0, 4.5)
+        for phase in (0.0, 1.57)
     ),
 )  # fmt: skip

@@ -1,12 +1,8 @@
 """A stuck joint whose losses depend on the axial force."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records
-
-REFERENCE_FORCE = 12e3  # N
+from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, Mechanism, Parameter, Records
 
 
 def power(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -43,7 +39,4 @@ MECHANISM = Mechanism(
     splitter="loss factors at twice the force; another lubricant",
     damping=power,
     form="power",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM, forms=(replace(MECHANISM, damping=contact_part, form="contact's part"),)
-)
+).also("contact's part", damping=contact_part)  # fmt: skip

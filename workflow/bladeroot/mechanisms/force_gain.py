@@ -1,12 +1,15 @@
 """A force gauge with a wrong scale."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
-REFERENCE_FORCE = 12e3  # N
 _EDGE = 0.05  # of ln F, over which a gauge changes its range
 
 
@@ -46,20 +49,9 @@ MECHANISM = Mechanism(
     stick=constant,
     measured_by="load cell scale",
     form="constant",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(MECHANISM, stick=curved, form="curved"),
-        replace(
-            MECHANISM,
-            parameters=(
-                *MECHANISM.parameters,
-                Parameter("switch", "N", 8e3, 0.7, 500.0, 50e3, "of the gauge's range", log=True),
-            ),
-            stick=two_ranges,
-            starts=tuple((0.05, float(np.log(f))) for f in (4e3, 7e3, 1.2e4, 1.8e4)),
-            form="two ranges",
-        ),
-    ),
+).also("curved", stick=curved).also(
+    "two ranges",
+    Parameter("switch", "N", 8e3, 0.7, 500.0, 50e3, "of the gauge's range", log=True),
+    stick=two_ranges,
+    starts=tuple((0.05, float(np.log(f))) for f in (4e3, 7e3, 1.2e4, 1.8e4)),
 )  # fmt: skip

@@ -62,29 +62,10 @@ MECHANISM = Mechanism(
     stick=logarithmic,
     over=("since",),
     form="logarithmic",
-)
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                _LOSS,
-                replace(_TIME, mean=300.0),
-                Parameter("stretch", "1", 0.7, 1.0, 0.2, 1.05, "1 a single time", bounded=True),
-            ),
-            stick=stretched,
-            form="stretched",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                _LOSS,
-                _TIME,
-                Parameter("order", "1", 0.5, 0.5, 0.02, 5.0, "power of time", log=True),
-            ),
-            stick=power,
-            form="power",
-        ),
-    ),
+).also(
+    "stretched", replace(_TIME, mean=300.0),
+    Parameter("stretch", "1", 0.7, 1.0, 0.2, 1.05, "1 a single time", bounded=True),
+    keep=1, stick=stretched,
+).also(
+    "power", Parameter("order", "1", 0.5, 0.5, 0.02, 5.0, "power of time", log=True), stick=power
 )  # fmt: skip

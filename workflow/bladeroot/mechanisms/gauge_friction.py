@@ -1,13 +1,15 @@
 """Friction between the gauge and the specimen: the true force lags behind the reading."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms import loading_hysteresis as hysteresis
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
-
-REFERENCE_FORCE = 12e3  # N
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
 
 def proportional(records: Records, values: np.ndarray) -> StickEffect:
@@ -45,11 +47,6 @@ MECHANISM = Mechanism(
     measured_by="load cell hysteresis",
     over=("sign", "force"),
     form="proportional",
-)
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(MECHANISM, stick=constant, form="constant"),
-        replace(MECHANISM, stick=from_the_top, form="closed at the upper turning point"),
-    ),
-)
+).also("constant", stick=constant).also(
+    "closed at the upper turning point", stick=from_the_top
+)  # fmt: skip

@@ -1,7 +1,5 @@
 """A beam that stiffens by the stretch of its axis, or by what it comes to touch."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
@@ -64,37 +62,20 @@ MECHANISM = Mechanism(
     splitter="higher harmonics of the velocity; the same amplitudes at another axial force",
     curve=cubic,
     form="cubic",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                *MECHANISM.parameters,
-                Parameter(
-                    "bend", "m", 2e-5, 1.2, 1e-8, 1e-1, "amplitude where it gives way", log=True
-                ),
-            ),
-            curve=large,
-            form="large amplitudes",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                *MECHANISM.parameters,
-                Parameter("gap", "m", 5e-6, 1.2, 1e-8, 1e-2, "to a stop on both sides", log=True),
-                Parameter(
-                    "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "other modes over the first, at the "
-                    "sensor", log=True,
-                ),
-            ),
-            curve=stop,
-            starts=tuple(
-                (float(np.log(3e6)), float(np.log(0.5)), float(np.log(gap)), float(np.log(0.7)))
-                for gap in (1e-6, 2e-5)
-            ),
-            form="stop",
-        ),
+).also(
+    "large amplitudes",
+    Parameter("bend", "m", 2e-5, 1.2, 1e-8, 1e-1, "amplitude where it gives way", log=True),
+    curve=large,
+).also(
+    "stop",
+    Parameter("gap", "m", 5e-6, 1.2, 1e-8, 1e-2, "to a stop on both sides", log=True),
+    Parameter(
+        "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "other modes over the first, at the sensor",
+        log=True,
+    ),
+    curve=stop,
+    starts=tuple(
+        (float(np.log(3e6)), float(np.log(0.5)), float(np.log(gap)), float(np.log(0.7)))
+        for gap in (1e-6, 2e-5)
     ),
 )  # fmt: skip

@@ -1,7 +1,5 @@
 """Contact that is not full below a seating force, and does not grow above it."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
@@ -46,16 +44,15 @@ def _effect(share: np.ndarray, by_seating: np.ndarray, by_shape: np.ndarray) -> 
     return StickEffect({"ln_kn": share, "ln_kt": share}, {"ln_kn": slope, "ln_kt": slope})
 
 
-_SEATING = Parameter(
-    "seating_force", "N", 4e3, 0.8, 300.0, 30e3,
-    "63 % of a flank touch there; section 5.2: not all of it below 12 kN", log=True,
-)  # fmt: skip
 MECHANISM = Mechanism(
     id="incomplete-contact",
     kind="force-law",
     sentence="at low axial force the flanks touch on a part of their area only",
     parameters=(
-        _SEATING,
+        Parameter(
+            "seating_force", "N", 4e3, 0.8, 300.0, 30e3,
+            "63 % of a flank touch there; section 5.2: not all of it below 12 kN", log=True,
+        ),
         Parameter(
             "sharpness", "1", 1.0, 0.3, 0.3, 5.0,
             "a gap that is used up at a constant rate 1, one that closes at once above 3",
@@ -67,35 +64,18 @@ MECHANISM = Mechanism(
     stick=exponential,
     starts=((float(np.log(9e3)), 0.0),),
     form="exponential",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                _SEATING,
-                Parameter(
-                    "sharpness", "1", 2.0, 0.3, 0.5, 8.0,
-                    "steeper than a layer in series with the bulk, 1", log=True,
-                ),
-            ),
-            starts=((float(np.log(9e3)), float(np.log(2.0))),),
-            stick=logistic,
-            form="logistic",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                _SEATING,
-                Parameter(
-                    "growth", "1", 0.7, 0.4, 0.1, 3.0,
-                    "area over force below the threshold: elastic flanks 1/2, a wedge 1", log=True,
-                ),
-            ),
-            starts=((float(np.log(9e3)), float(np.log(0.7))),),
-            stick=threshold,
-            form="threshold",
-        ),
+).also(
+    "logistic",
+    Parameter(
+        "sharpness", "1", 2.0, 0.3, 0.5, 8.0,
+        "steeper than a layer in series with the bulk, 1", log=True,
     ),
+    keep=1, stick=logistic, starts=((float(np.log(9e3)), float(np.log(2.0))),),
+).also(
+    "threshold",
+    Parameter(
+        "growth", "1", 0.7, 0.4, 0.1, 3.0,
+        "area over force below the threshold: elastic flanks 1/2, a wedge 1", log=True,
+    ),
+    keep=1, stick=threshold, starts=((float(np.log(9e3)), float(np.log(0.7))),),
 )  # fmt: skip

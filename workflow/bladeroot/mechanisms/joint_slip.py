@@ -45,25 +45,20 @@ def law(spread: Spread):
     return slip
 
 
-def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
-    return Mechanism(
-        id="joint-slip",
-        kind="amplitude",
-        sentence="the flanks slip: above a threshold that grows with the force, softer and more "
-        "damped",
-        parameters=(*SHARED, *own),
-        splitter="the same amplitudes at twice the axial force: a friction threshold doubles",
-        curve=law(spread),
-        starts=starts(*(p.start for p in own)),
-        form=form,
-    )
-
-
-MECHANISM = replace(
-    _form("lognormal thresholds", lognormal, SPREAD),
-    forms=(
-        _form(
-            "Iwan", power,
+MECHANISM = Mechanism(
+    id="joint-slip",
+    kind="amplitude",
+    sentence="the flanks slip: above a threshold that grows with the force, softer and more damped",
+    parameters=(*SHARED, SPREAD),
+    splitter="the same amplitudes at twice the axial force: a friction threshold doubles",
+    curve=law(lognormal),
+    starts=starts(SPREAD.start),
+    form="lognormal thresholds",
+)
+for _form, _spread, _own in (
+    (
+        "Iwan", power,
+        (
             Parameter(
                 "steepness", "1", -0.4, 0.6, -0.99, 0.5,
                 "power of the density of thresholds: lap joints -0.2 to -0.7 (Segalman 2005)",
@@ -74,22 +69,27 @@ MECHANISM = replace(
                 "part of the sliders that give way together, at macroslip", bounded=True,
             ),
         ),
-        _form(
-            "Cattaneo-Mindlin", rounded,
+    ),
+    (
+        "Cattaneo-Mindlin", rounded,
+        (
             Parameter(
                 "roundness", "1", 0.5, 0.25, 0.2, 2.0,
                 "sphere on plane 1/2, cylinder near 1 for small forces", log=True,
             ),
         ),
-        _form(
-            "free thresholds", free,
-            *(
-                Parameter(
-                    f"weight_{k + 1}", "1", float(-0.15 * place**2), 1.0, -20.0, 20.0,
-                    "ln of the density of thresholds, up to a constant",
-                )
-                for k, place in enumerate(PLACES)
-            ),
+    ),
+    (
+        "free thresholds", free,
+        tuple(
+            Parameter(
+                f"weight_{k + 1}", "1", float(-0.15 * place**2), 1.0, -20.0, 20.0,
+                "ln of the density of thresholds, up to a constant",
+            )
+            for k, place in enumerate(PLACES)
         ),
     ),
-)  # fmt: skip
+):  # fmt: skip
+    MECHANISM = MECHANISM.also(
+        _form, *_own, keep=len(SHARED), curve=law(_spread), starts=starts(*(p.start for p in _own))
+    )

@@ -1,12 +1,15 @@
 """Contact stiffness that grows with the normal load and does not stop growing."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
+from bladeroot.mechanisms.mechanism import (
+    REFERENCE_FORCE,
+    Mechanism,
+    Parameter,
+    Records,
+    StickEffect,
+)
 
-REFERENCE_FORCE = 12e3  # N
 _LEAST = 0.05  # compliance over that at 12 kN
 _DIFFERENCE = Parameter(
     "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6, "kt less kn; Table 5.2 has -0.18, theory 0"
@@ -64,27 +67,17 @@ MECHANISM = Mechanism(
     splitter="forces twice as high, where a power goes on and a seated contact does not",
     stick=power,
     form="power",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                Parameter(
-                    "exponent", "1", 0.3, 1.2, 0.0, 1.0,
-                    "slope of ln k at 12 kN: the layer's part of the compliance times its power",
-                    bounded=True,
-                ),
-                _DIFFERENCE,
-                Parameter(
-                    "power", "1", 0.9, 0.4, 0.2, 4.0,
-                    "of the layer's stiffness over the force: spheres 1/3, rough surfaces 1, a gap "
-                    "that closes at once more", log=True,
-                ),
-            ),
-            stick=series,
-            form="layer in series with the bulk",
-        ),
+).also(
+    "layer in series with the bulk",
+    Parameter(
+        "exponent", "1", 0.3, 1.2, 0.0, 1.0,
+        "slope of ln k at 12 kN: the layer's part of the compliance times its power", bounded=True,
     ),
+    _DIFFERENCE,
+    Parameter(
+        "power", "1", 0.9, 0.4, 0.2, 4.0,
+        "of the layer's stiffness over the force: spheres 1/3, rough surfaces 1, a gap that closes "
+        "at once more", log=True,
+    ),
+    keep=0, stick=series,
 )  # fmt: skip

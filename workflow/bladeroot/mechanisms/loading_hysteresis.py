@@ -1,24 +1,25 @@
 """Contact stiffness that depends on whether the force was reached from below or from above."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 
-def law(opening: Callable[[np.ndarray], np.ndarray]):
+def law(
+    opening: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...] = ("ln_kn", "ln_kt")
+):
     """The hook by how far both branches are apart over the part of the range of forces.
 
-    kn and kt are stiffer by a half of `difference` when unloading, softer when loading.
+    They are stiffer by a half of `difference` when unloading, softer when loading.
     """
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
         half = -0.5 * records.sign * opening(part(records))
-        slope = half[:, None]
         return StickEffect(
-            {"ln_kn": values[0] * half, "ln_kt": values[0] * half}, {"ln_kn": slope, "ln_kt": slope}
+            dict.fromkeys(stiffnesses, values[0] * half),
+            dict.fromkeys(stiffnesses, half[:, None]),
         )
 
     return stick
@@ -45,12 +46,6 @@ def from_the_top(part: np.ndarray) -> np.ndarray:
     return 1.0 - part
 
 
-def tangential(records: Records, values: np.ndarray) -> StickEffect:
-    """kt alone, the same at all forces."""
-    half = -0.5 * records.sign
-    return StickEffect({"ln_kt": values[0] * half}, {"ln_kt": half[:, None]})
-
-
 MECHANISM = Mechanism(
     id="loading-hysteresis",
     kind="direction",
@@ -66,17 +61,10 @@ MECHANISM = Mechanism(
     stick=law(constant),
     over=("sign", "force"),
     form="constant",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(MECHANISM, stick=tangential, form="kt alone"),
-        replace(MECHANISM, stick=law(lens), form="closed at both turning points"),
-        replace(MECHANISM, stick=law(from_the_top), form="closed at the upper turning point"),
-        replace(
-            MECHANISM,
-            stick=law(lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
-            form="closed at both, wide at low forces",
-        ),
-    ),
-)
+).also("kt alone", stick=law(constant, ("ln_kt",)))  # fmt: skip
+for _form, _opening in (
+    ("closed at both turning points", lens),
+    ("closed at the upper turning point", from_the_top),
+    ("closed at both, wide at low forces", lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
+):
+    MECHANISM = MECHANISM.also(_form, stick=law(_opening))

@@ -19,6 +19,7 @@ from bladeroot.rom.ritz import Ritz
 from bladeroot.rom.sensitivity import Change
 
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
+REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the
@@ -248,6 +249,15 @@ class Mechanism:
     def every_form(self) -> tuple["Mechanism", ...]:
         """This form and the others."""
         return (self, *self.forms)
+
+    def also(self, form: str, *own: Parameter, keep: int | None = None, **changes) -> "Mechanism":
+        """With one more form, as this one but for its name, hook and other `changes`.
+
+        Its parameters are this one's first `keep` (all of them), then its own.
+        """
+        parameters = (*self.parameters[:keep], *own)
+        one = replace(self, form=form, forms=(), parameters=parameters, **changes)
+        return replace(self, forms=(*self.forms, one))
 
     def of_form(self, form: str) -> "Mechanism":
         """The form of that name. ValueError if there is none."""

@@ -1,7 +1,5 @@
 """Normal load that varies with the vibration, until flanks part in one half of the cycle."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
@@ -25,53 +23,41 @@ def law(spread: Spread):
     return opening
 
 
-def _form(form: str, spread: Spread, *own: Parameter) -> Mechanism:
-    return Mechanism(
-        id="normal-load-variation",
-        kind="amplitude",
-        sentence="the vibration unloads the flanks: they part in one half of the cycle",
-        parameters=(
-            *parameters(
-                "normal",
-                "part of the mode's stiffness that goes through the flanks' normal contact, in a "
-                "simulation at most the normal contact springs'",
-                "at 12 kN: preload of a flank over its dynamic load, where that is a small part "
-                "of the nominal",
-                "other modes over the first",
-                "preload over the axial force; an opening whatever the force is none of a flank",
-            ),
-            Parameter(
-                "dissipation", "1", 0.08, 0.8, 0.0, 0.25,
-                "loss over lost stiffness: little is dissipated where the flanks part",
-                bounded=True,
-            ),
-            *own,
-        ),
-        splitter="even harmonics of the velocity: a contact that parts is not symmetric, "
-        "friction is",
-        curve=law(spread),
-        starts=starts(-0.75, *(p.start for p in own)),
-        form=form,
-    )  # fmt: skip
-
-
-MECHANISM = replace(
-    _form(
-        "lognormal preloads", lognormal,
-        Parameter("spread", "1", 0.6, 0.6, 0.01, 5.0, "preload varies over the flank", log=True),
+SPREAD = Parameter("spread", "1", 0.6, 0.6, 0.01, 5.0, "preload varies over the flank", log=True)
+RUNNING_OUT = (
+    Parameter(
+        "steepness", "1", 0.0, 0.6, -0.9, 2.0,
+        "power of the density of preloads down to none, as towards a contact's edge", bounded=True,
     ),
-    forms=(
-        _form(
-            "preload that runs out", power,
-            Parameter(
-                "steepness", "1", 0.0, 0.6, -0.9, 2.0,
-                "power of the density of preloads down to none, as towards a contact's edge",
-                bounded=True,
-            ),
-            Parameter(
-                "at_once", "1", 0.3, 1.2, 0.0, 1.0, "part of the flank under an even preload",
-                bounded=True,
-            ),
-        ),
+    Parameter(
+        "at_once", "1", 0.3, 1.2, 0.0, 1.0, "part of the flank under an even preload", bounded=True
     ),
+)  # fmt: skip
+MECHANISM = Mechanism(
+    id="normal-load-variation",
+    kind="amplitude",
+    sentence="the vibration unloads the flanks: they part in one half of the cycle",
+    parameters=(
+        *parameters(
+            "normal",
+            "part of the mode's stiffness that goes through the flanks' normal contact, in a "
+            "simulation at most the normal contact springs'",
+            "at 12 kN: preload of a flank over its dynamic load, where that is a small part of the "
+            "nominal",
+            "other modes over the first",
+            "preload over the axial force; an opening whatever the force is none of a flank",
+        ),
+        Parameter(
+            "dissipation", "1", 0.08, 0.8, 0.0, 0.25,
+            "loss over lost stiffness: little is dissipated where the flanks part", bounded=True,
+        ),
+        SPREAD,
+    ),
+    splitter="even harmonics of the velocity: a contact that parts is not symmetric, friction is",
+    curve=law(lognormal),
+    starts=starts(-0.75, SPREAD.start),
+    form="lognormal preloads",
+).also(
+    "preload that runs out", *RUNNING_OUT, keep=6, curve=law(power),
+    starts=starts(-0.75, *(p.start for p in RUNNING_OUT)),
 )  # fmt: skip

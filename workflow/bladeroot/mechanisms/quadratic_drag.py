@@ -1,7 +1,5 @@
 """Damping by the air that the beam moves."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
@@ -46,32 +44,15 @@ MECHANISM = Mechanism(
     splitter="the same decays in thinner air, or with the beam's broad side covered",
     curve=quadratic,
     form="quadratic",
-)  # fmt: skip
-MECHANISM = replace(
-    MECHANISM,
-    forms=(
-        replace(
-            MECHANISM,
-            parameters=(
-                *MECHANISM.parameters,
-                Parameter(
-                    "power", "1", 1.0, 0.3, 0.3, 3.0, "of the amplitude: drag falls with Reynolds' "
-                    "number, and grows with the stroke over the width", log=True,
-                ),
-            ),
-            curve=power,
-            form="power",
-        ),
-        replace(
-            MECHANISM,
-            parameters=(
-                *MECHANISM.parameters,
-                Parameter(
-                    "onset", "m", 5e-6, 1.2, 1e-8, 1e-2, "stroke at which the flow parts", log=True
-                ),
-            ),
-            curve=onset,
-            form="onset",
-        ),
+).also(
+    "power",
+    Parameter(
+        "power", "1", 1.0, 0.3, 0.3, 3.0, "of the amplitude: drag falls with Reynolds' number, and "
+        "grows with the stroke over the width", log=True,
     ),
+    curve=power,
+).also(
+    "onset",
+    Parameter("onset", "m", 5e-6, 1.2, 1e-8, 1e-2, "stroke at which the flow parts", log=True),
+    curve=onset,
 )  # fmt: skip

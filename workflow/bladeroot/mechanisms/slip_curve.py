@@ -13,9 +13,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
-from bladeroot.mechanisms.mechanism import CurveEffect, Parameter, Points
+from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Parameter, Points
 
-REFERENCE_FORCE = 12e3  # N
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
 # with a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
 _NODES = np.linspace(-4.5, 4.5, 61)

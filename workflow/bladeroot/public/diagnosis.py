@@ -64,7 +64,8 @@ class Verdict:
 
     def __repr__(self) -> str:
         """The answer, its reason, and what is most probable."""
-        named = [(one["mechanism"], one["probability"]) for one in self.said["causes"]]
+        share = {one["mechanism"]: one["probability"] for one in self.said["causes"]}
+        named = [(name, share[name]) for name in self.causes]
         best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
         lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
         return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in named or best)])

@@ -55,13 +55,12 @@ class Told:
     because: Sequence[str]
     odds: Sequence[str]
     gain: Sequence[str]
-    ranked: Sequence[str]
     next: Sequence[str]
 
     @property
     def box(self) -> Box:
         """All of it."""
-        lines = [self.missing, *self.because, *self.odds, *self.gain, *self.ranked, *self.next]
+        lines = [self.missing, *self.because, *self.odds, *self.gain, *self.next]
         return Box(self.head, lines)
 
 
@@ -78,7 +77,6 @@ def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
         _because(one, said),
         odds(said),
         _gain(said, words, judge),
-        [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else [],
         (next_sentence(one) if of_stick else []) or first,
     )
 
@@ -91,7 +89,8 @@ def with_open(said: Mapping) -> dict:
 
 def answer_of(said: Mapping) -> str:
     """The answer as words."""
-    if said["answer"] == "ambiguous" and said.get("open") and not said["causes"]:
+    quiet = said["answer"] in ("ambiguous", "nothing-missing")
+    if quiet and said.get("open") and not said["causes"]:
         return QUIET
     return ANSWERS[said["answer"]]
 

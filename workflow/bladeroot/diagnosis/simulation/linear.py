@@ -15,8 +15,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
-from bladeroot.diagnosis.simulation.one_mode import one_mode
-from bladeroot.diagnosis.structures import shift
+from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
@@ -76,7 +75,7 @@ def acts_on(one: Mechanism) -> set[str]:
     return set(one.stick(records, one.values(one.start)[0]).changes)
 
 
-class _OfRecords:
+class _OfRecords(OneMode):
     """Parameters: ln f and line of each mode, and ln of its part in the joint over the others'."""
 
     scales = (SCATTER, SCATTER)
@@ -96,15 +95,6 @@ class _OfRecords:
         )
         self.same_hold = (hold[:, None] == hold).astype(float)
         self.same_mode = (records.mode[:, None] == records.mode).astype(float)
-        self.ritz = one_mode()
-
-    def structures(
-        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray]:
-        """Changed matrices of a mode of one degree of freedom, the same for all."""
-        n = self.records.force.size
-        change, slope = shift(*one.structure(self.ritz, values))
-        return np.full(n, change), np.tile(slope, (n, 1))
 
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The line at each record's load, and the joint's part of what a law changes."""

@@ -1,8 +1,25 @@
 """A mode as a problem of one degree of freedom, for causes that change matrices to act on."""
 
 import numpy as np
+from numpy import ndarray
 
+from bladeroot.diagnosis.structures import shift
+from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.ritz import Ritz
+
+
+class OneMode:
+    """A simulation of records whose modes are of one degree of freedom each."""
+
+    records: Records
+
+    def structures(
+        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
+    ) -> tuple[ndarray, ndarray]:
+        """Changed matrices, which do the same to all modes."""
+        n = self.records.force.size
+        change, slope = shift(*one.structure(one_mode(), values))
+        return np.full(n, change), np.tile(slope, (n, 1))
 
 
 def one_mode() -> Ritz:

@@ -122,6 +122,35 @@ def biases(simulated: Parametric) -> slice:
     return slice(first, first + 2 * len(simulated.modes))
 
 
+def _parts(scales: Float[ndarray, " scale"]) -> tuple[ndarray, ndarray, ndarray, float]:
+    """Of kn, of kt and of both together between clampings, and their correlation."""
+    s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
+    return s_n**2 * _AXES[0], s_t**2 * _AXES[1], s_n * s_t * _AXES[2], r
+
+
+def of_clamping(scales: Float[ndarray, " scale"], rounding: float) -> Float[ndarray, "3 3"]:
+    """Covariance of (ln kn, ln kt, load) between clampings."""
+    normal, tangential, both, r = _parts(scales)
+    return normal + tangential + r * both + np.diag([0.0, 0.0, rounding**2])
+
+
+def scatter_of_clampings(
+    g: Float[ndarray, "record 3"], scales: Float[ndarray, " scale"], rounding: float,
+    same_hold: ndarray,
+) -> tuple[ndarray, Slopes]:  # fmt: skip
+    """Covariance of ln f of such gradients by clampings, and its derivatives by the scales."""
+
+    def of_hold(scatter: ndarray) -> ndarray:
+        return (g @ scatter @ g.T) * same_hold
+
+    def slopes() -> list[ndarray]:
+        normal, tangential, both, r = _parts(scales)
+        parts = (2.0 * normal + r * both, 2.0 * tangential + r * both, (1.0 - r**2) * both)
+        return [of_hold(part) for part in parts]
+
+    return of_hold(of_clamping(scales, rounding)), slopes
+
+
 class _OfRecords:
     """Parameters: each ln k at the pivot, exponent, biases, their tilts, and the error of what the
     load does.
@@ -204,28 +233,6 @@ class _OfRecords:
         of_k = [g[..., : self.count][..., self.kind == kind].sum(axis=-1) for kind in (0, 1)]
         return np.stack([*of_k, g[..., self.count] / self.simulated.per_load], axis=-1)
 
-    def of_clamping(self, scales: Float[ndarray, " scale"]) -> Float[ndarray, "3 3"]:
-        """Covariance of (ln kn, ln kt, load) between clampings."""
-        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
-        both = r * (s_n * s_t * _AXES[2])
-        return s_n**2 * _AXES[0] + s_t**2 * _AXES[1] + both + np.diag([0, 0, self.rounding**2])
-
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
-        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
-        normal, tangential = s_n**2 * _AXES[0], s_t**2 * _AXES[1]
-        both = s_n * s_t * _AXES[2]
-
-        def of_hold(scatter: ndarray) -> ndarray:
-            return (g @ scatter @ g.T) * self.same_hold
-
-        read = np.diag([0.0, 0.0, self.rounding**2])
-
-        def slopes() -> list[ndarray]:
-            return [
-                of_hold(2.0 * normal + r * both),
-                of_hold(2.0 * tangential + r * both),
-                of_hold((1.0 - r**2) * both),
-            ]
-
-        return of_hold(normal + tangential + r * both + read), slopes
+        return scatter_of_clampings(g, scales, self.rounding, self.same_hold)

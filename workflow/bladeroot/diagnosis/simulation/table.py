@@ -15,8 +15,8 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
-from bladeroot.diagnosis.simulation.one_mode import one_mode
-from bladeroot.diagnosis.structures import shift
+from bladeroot.diagnosis.simulation.one_mode import OneMode
+from bladeroot.diagnosis.simulation.parametric import scatter_of_clampings
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import BIAS_TILT, CORRELATION, SCATTER
@@ -69,7 +69,7 @@ class Table:
         return self.slip
 
 
-class _OfRecords:
+class _OfRecords(OneMode):
     """Parameters: one of each sensitivity, bias and tilt of each mode."""
 
     scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
@@ -90,16 +90,7 @@ class _OfRecords:
         self.contact = [
             simulated.names.index(name) if name in simulated.names else None for name in CONTACT
         ]
-        self.same_hold = (hold[:, None] == hold).astype(float)
-        self.ritz = one_mode()
-
-    def structures(
-        self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray]:
-        """Changed matrices of a mode of one degree of freedom, the same for all."""
-        n = self.records.force.size
-        change, slope = shift(*one.structure(self.ritz, values))
-        return np.full(n, change), np.tile(slope, (n, 1))
+        self.same_hold = hold[:, None] == hold
 
     def at(self, theta: ndarray, changes: ndarray) -> Said:
         """The table at each record's load, moved along its sensitivities."""
@@ -123,21 +114,10 @@ class _OfRecords:
 
         The reading of the load with either.
         """
-        s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
+        g = gradient.copy()
         if None in self.contact:  # of frequencies: a hundredth of the contact's scatter
-            one = np.full(gradient.shape[0], 0.01)
-            g_n, g_t = one, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
-        else:
-            g_n, g_t = gradient[:, 0], gradient[:, 1]
-        normal, tangential = s_n**2 * np.outer(g_n, g_n), s_t**2 * np.outer(g_t, g_t)
-        both = s_n * s_t * (np.outer(g_n, g_t) + np.outer(g_t, g_n))
-        read = np.outer(gradient[:, 2], gradient[:, 2]) * self.rounding**2
-        hold = self.same_hold
-        return hold * (normal + tangential + r * both + read), lambda: [
-            hold * (2.0 * normal + r * both),
-            hold * (2.0 * tangential + r * both),
-            hold * (1.0 - r**2) * both,
-        ]
+            g[:, 0], g[:, 1] = 0.01, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
+        return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
 
 
 def along(
