@@ -4,7 +4,7 @@ import re
 
 import pytest
 import xarray as xr
-from bladeroot.figures.curves import means, softening
+from bladeroot.figures.curves import means
 from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
@@ -19,7 +19,7 @@ def test_captions_of_a_specimen_without_a_load():
     nothing = {"load_name": "", "load_unit": ""}
     words = words_of(xr.Dataset(attrs=nothing))
     mean = curves().assign_attrs(nothing)
-    said = [CUTS, SPECTRA, means(mean).caption, softening(mean).caption]
+    said = [CUTS, SPECTRA, means(mean).caption]
     for caption in said:
         assert not FORBIDDEN.search(caption), caption
     assert (words.at(0.0), words.value(0.0), words.header) == ("", "–", "load")

@@ -124,7 +124,8 @@ def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
     chosen = reached[::-1][::SPACING][::-1]
     stuck = seen["stick_frequency"].values[rows], seen["stick_loss_factor"].values[rows]
     lines = [
-        _less_plateau(y, known, k) for y, k in ((np.log(f), np.log(stuck[0])), (loss, stuck[1]))
+        _less_plateau(y, std, known, k)
+        for y, std, k in ((np.log(f), std_f, np.log(stuck[0])), (loss, std_loss, stuck[1]))
     ]
     count = known[:, chosen].sum(axis=0)
     kept = count > 0
@@ -182,10 +183,13 @@ def _plateau_loss(plateau: ndarray, loss: ndarray, known: ndarray) -> float:
 
 def _less_plateau(
     line: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
     known: Bool[ndarray, "record amplitude"],
     plateau: Float[ndarray, " record"],
 ) -> Float[ndarray, "record amplitude"]:
-    """Curves less their plateaus; one without lies as the others' mean where they overlap."""
+    """Curves less their plateaus; one without lies as the others' mean where they overlap, or
+    begins with zero, at the first point that is known as well as half of them.
+    """
     left = np.where(known, line, np.nan) - np.where(np.isfinite(plateau), plateau, np.nan)[:, None]
     have = np.isfinite(plateau)
     order = np.argsort(~have, kind="stable")
@@ -196,8 +200,9 @@ def _less_plateau(
             total = np.where(others, left, 0.0).sum(axis=0)
             middle = total / np.maximum(others.sum(axis=0), 1)
             left[i] = own - np.mean((own - middle)[others.any(axis=0)])
-        else:
-            left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
+        elif known[i].any():
+            sharp = known[i] & (std[i] <= np.median(std[i, known[i]]))
+            left[i] = own - own[np.flatnonzero(sharp)[0]]
     return left
 
 
@@ -219,6 +224,13 @@ def _of_baseline(baseline: xr.Dataset, points: Points, modes: Sequence[str]) -> 
     return np.concatenate(parts)
 
 
+def free_levels(data: CurveData) -> Float[ndarray, "datum datum"]:
+    """Covariance of the levels' free offsets."""
+    group = np.concatenate([data.level, data.level + data.level.max() + 1])
+    size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
+    return size**2 * (group[:, None] == group)
+
+
 def problem(
     data: CurveData,
     mechanisms: Sequence[Mechanism] = (),
@@ -229,9 +241,7 @@ def problem(
     """
     n = data.value.size
     loss = data.quantity == 1
-    group = np.concatenate([data.level, data.level + data.level.max() + 1])
-    size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
-    free = size**2 * (group[:, None] == group)
+    free = free_levels(data)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
     kernel = law_kernel(data)
     prior = Prior(

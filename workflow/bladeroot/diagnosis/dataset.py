@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.curve_model import free_levels
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
@@ -127,10 +128,16 @@ def _damping(made: Diagnosis, found: Found) -> xr.Dataset:
 
 
 def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
-    """Excess over the plateau, measured and simulated, at the points that were used."""
-    data = made.curves
+    """Excess over the plateau, measured and simulated, at the points that were used.
+
+    The levels' free offsets are taken off as most probable, so that their own error, which all
+    points of a level share, does not hide how the curve runs.
+    """
+    data, final = made.curves, found.final
     n = data.points.mode.size
-    own = np.sqrt(np.diag(found.final.problem.covariance(found.final.state, found.final.scales)[0]))
+    covariance, free = final.problem.covariance(final.state, final.scales)[0], free_levels(data)
+    value = data.value - free @ np.linalg.solve(covariance, data.value - final.state.mean)
+    own = np.sqrt(np.diag(covariance - free))
     entries = {
         "curve_mode": _var("point", np.array(data.modes)[data.points.mode], "", "mode"),
         "curve_force": _var("point", data.points.force, "N", "axial force"),
@@ -141,9 +148,9 @@ def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
         (("curve_frequency", "ln(f over its plateau)"), ("curve_loss", "loss factor less plateau"))
     ):
         mine = slice(q * n, (q + 1) * n)
-        entries[name] = _var("point", data.value[mine], "1", f"measured {text}")
+        entries[name] = _var("point", value[mine], "1", f"measured {text}, less its level's offset")
         entries[f"{name}_std"] = _var(
-            "point", own[mine], "1", f"standard deviation of {text}, a level's offset included"
+            "point", own[mine], "1", f"standard deviation of {text}, without that of the offset"
         )
         simulated = np.array([fit.state.mean[mine] for fit in _sides(found)])
         entries[f"{name}_simulated"] = _var(("stage", "point"), simulated, "1", f"simulated {text}")

@@ -21,7 +21,7 @@ from bladeroot.figures import (
     thesis_search,
 )
 from bladeroot.figures.slider import slider
-from bladeroot.report.diagnosis import RANKING, diagnosis_section
+from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
 from bladeroot.report.front import front_sections
@@ -165,7 +165,6 @@ def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
         drawn = [
             *pictures(curves.records(given.decays)),
             *every,
-            *pictures(curves.softening(given.stages["curves"])),
             *pictures(records.cuts(given.shown, given.not_shown), CUTS),
             *pictures(spectra.spectra(given.spectra, given.not_shown), SPECTRA),
         ]
@@ -188,7 +187,6 @@ def _judged(given: Material) -> dict[str, list[Picture]]:
     if found[0].attrs.get("refused"):
         return {}
     return {
-        "ranking": pictures(diagnosis.ranking(found, given.verdicts, simulated), RANKING),
         "stick": pictures(diagnosis.frequencies(found, simulated)),
         "curve": pictures(diagnosis.curves(found, simulated)),
         "residuals": pictures(residual_maps.records(found, simulated)),

@@ -11,6 +11,12 @@ from bladeroot.report.verdict import answer_of, between_forces, plain, size
 from bladeroot.report.words import Words
 
 # as `bladeroot.diagnosis.verdict` says it
+CHANNELS = {
+    "stick": "stick frequencies",
+    "damping": "loss factors of the stuck joint",
+    "curve": "curves over amplitude",
+    "record": "findings in the records",
+}
 NOT_THOUGH_AHEAD = "beyond its limits, by its error, or less beside the other causes"
 
 
@@ -79,7 +85,7 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
             one.attrs["structure"],
             str(name) if kind == "smooth" else plain(str(name)),
             str(kind),
-            str(channel),
+            CHANNELS.get(str(channel), str(channel)),
             fixed(float(value), 1),
             why_not,
         )
@@ -91,10 +97,11 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
         )
     ]
     return Table(
-        "All that was tried, by evidence (record faults: -ln of the chance of as many by mistake)",
+        "All that was tried, by its evidence: how much more probable it makes the records than they "
+        "are without a cause (natural logarithm; 3 is 20 to 1; of a fault of records, -ln of the "
+        "chance of as many by mistake). Smooth: a curve of any shape, which names nothing",
         ("judged", "possible cause", "class", "data", "log evidence", "not named because"),
         rows,
-        folded=True,
     )
 
 
@@ -151,7 +158,7 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
                 cells = fixed(before, 1), fixed(after, 1), f"{after - before:+z.1f}"
                 rows.append((said["structure"], name, *cells))
     return Table(
-        "What the cause is worth: errors (root mean square) of predictions of data that the fit "
+        "What the cause gains: errors (root mean square) of predictions of data that the fit "
         "did not see, before and after. The model's bias is a constant error of each mode that the "
         "fit learns and a prediction is spared; without it the error is that of the simulation",
         ("judged", "prediction of", "before", "after", "smaller by"),

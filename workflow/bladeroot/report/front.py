@@ -7,7 +7,6 @@ import xarray as xr
 
 from bladeroot.figures.chart import sure
 from bladeroot.report.bad_records import rejected, unlike_repeats
-from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
 from bladeroot.report.stiffness import DETERMINED
@@ -17,7 +16,7 @@ from bladeroot.report.verdict import (
     chance,
     disagreement,
     in_short,
-    lacks_of,
+    next_of,
     plain,
     with_open,
 )
@@ -54,9 +53,6 @@ def front_sections(
     told = in_short(main, named[0]) + disagreement(named)
     over = over_amplitude(stages["curves"]) if "curves" in stages else {}
     cards = [*_mode_cards(facts, stick, over), _verdict_card(main, named[0])]
-    next_one = next_sentence(main) or [
-        f"Measure next: {cause['splitter']}." for cause in named[0]["causes"][:1]
-    ] or [f"Measure next: {text}." for text in lacks_of(main)[:1]]  # fmt: skip
     return [
         Section("", [Cards(cards)]),
         Section("What was measured", [*measured]),
@@ -64,7 +60,7 @@ def front_sections(
             "The answer of each stage",
             [_stages(facts, stages, joints, amplitudes, named, where)],
         ),
-        Section("Verdict", [*told, *judged, *next_one]),
+        Section("Verdict", [*told, *judged, *next_of(main, named[0])]),
         Section(
             "What is wrong with records, and what is open",
             [*_bad(stages), *undecided(facts, stages)],
@@ -161,7 +157,7 @@ def _stages(
                   for k in ("kn", "kt")]  # fmt: skip
         rows.append((Link("contact theory", "theory"), f"{listed(theory)} GN/m",
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
-    for said in verdicts:
+    for said in verdicts[:1]:
         causes = listed([plain(cause["mechanism"]) for cause in said["causes"]])
         odds = {"+".join(c["credible_set"]): c["probability"] for c in said["causes"]}
         odds = odds or dict(list(said["probabilities"].items())[:1])
@@ -176,7 +172,7 @@ def _stages(
                      f"{int((verdict == 'reproduced').sum())} of {verdict.size} rows reproduced",
                      f"{int((verdict == 'differs').sum())} differ"))  # fmt: skip
     led = [(Link(name, f"{where}{name.href}.html"), *cells) for name, *cells in rows]
-    return Table("A stage's name leads to its chapter", ("stage", "answer", "uncertainty"), led)
+    return Table("The main structure; each name leads to its chapter", ("stage", "answer", "uncertainty"), led)
 
 
 def _of_records(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[tuple[str, ...]]:
@@ -189,7 +185,7 @@ def _of_records(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[tuple[
     found = stages["integrity"].sizes["finding"]
     return [
         (name, f"{count - bad} of {count} are used",
-         f"{unreached} of them still bend at their smallest amplitude"),
+         f"{unreached} of them without a plateau"),
         (Link("quality", "quality"), f"{found} finding{'s' * (found != 1)}",
          _agreement(stages["integrity"])),
     ]  # fmt: skip
@@ -237,13 +233,13 @@ def _of_stiffness(
     stiffness: xr.Dataset, joints: Sequence[xr.Dataset], amplitudes: Sequence[xr.Dataset]
 ) -> list[tuple[str, ...]]:
     rows = []
-    for structure in stiffness["structure"].values.astype(str):
+    for structure in stiffness["structure"].values.astype(str)[:1]:
         line = stiffness.sel(structure=structure)
         status = list(line["status"].values)
         found = sum(status.count(name) for name in DETERMINED)
         tried = found + status.count("no root")
         alone = Link(f"kn, kt force by force, {structure}", "stiffness")
-        rows.append((alone, f"{found} of {tried} forces have one" if tried
+        rows.append((alone, f"{found} of {tried} forces have a pair" if tried
                      else "no pair of frequencies to invert", _doubt(line)))  # fmt: skip
         for one, data, chapter in _together(structure, joints, amplitudes):
             here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE).argmin()))

@@ -75,7 +75,7 @@ def _said(one: xr.Dataset) -> str:
         f"rms; the worst, {one['level_mode'].values[worst]} at "
         f"{float(one['level_force'][worst]) / 1e3:.1f} kN, by "
         f"{significant(abs(float(z[worst])), 2)} of its standard deviations. The draws "
-        f"are worth {one.attrs['independent_draws']:.0f} independent ones."
+        f"count as {one.attrs['independent_draws']:.0f} independent ones."
     )
     prior = [
         abs(float(one.sel(parameter=n)["posterior_mean"] / one.sel(parameter=n)["prior_std"]))

@@ -105,7 +105,7 @@ def _said(one: xr.Dataset) -> str:
         f"smaller. {one.sizes['point']} points of curves; where the frequency falls by more than a "
         f"fifth of the largest fall, simulation misses it by {significant(100 * relative, 2)} %; "
         f"in all, simulation misses the fall by {fixed(fall, 2)} of the standard deviations "
-        f"granted and the rise of damping by {fixed(rise, 2)}."
+        f"allowed and the rise of damping by {fixed(rise, 2)}."
     )
     if not one.attrs["converged"]:
         text += " The fit did NOT converge: these numbers are not to be used."

@@ -100,8 +100,8 @@ CUTS = (
 )
 SPECTRA = (
     "Amplitude spectra of the same free decays before and after the mode was separated, all three "
-    "of the longest stretch that is not masked and where the mode was followed (its times after "
+    "of the longest part that is not masked and where the mode was followed (its times after "
     "the start of the cut in the title; the whole decay where none was). What is left over should "
-    "hold the other modes and the noise, and nothing of the mode: where it stands above the free "
+    "contain the other modes and the noise, and nothing of the mode: where it stands above the free "
     "decay the separation failed."
 )
