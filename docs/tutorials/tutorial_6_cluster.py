@@ -69,9 +69,14 @@ _ = (place / "profile" / "config.yaml").write_text(yaml.safe_dump(profile | own)
 # %%
 # The command is that of a run without a cluster, with the profile:
 
-command = f"{sys.executable} -m snakemake --snakefile {shipped('Snakefile')} --workflow-profile profile --config campaigns=blows"
-run = subprocess.run(command.split(), cwd=place, capture_output=True, text=True, check=True)
-print("\n".join(line for line in (run.stdout + run.stderr).splitlines() if "steps" in line or "blows" in line)[-1500:])
+command = [sys.executable, "-m", "snakemake", "--snakefile", shipped("Snakefile"), "--workflow-profile", "profile",
+           "--config", "campaigns=blows"]  # fmt: skip
+run = subprocess.run(command, cwd=place, capture_output=True, text=True)
+print(
+    *(line for line in run.stderr.splitlines() if line.startswith("Job ") or "steps" in line),
+    sep="\n",
+)
+run.check_returncode()
 
 # %%
 # What went through the scheduler, and what came of it:

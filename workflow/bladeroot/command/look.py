@@ -89,23 +89,5 @@ def _draw(record: Recording, frequency, level, decay):
         ylim=(-100, 5),
         title="spectrum of its loudest half",
     )
-    for axis, name, label in (
-        (rate, "frequency", "frequency in Hz"),
-        (loss, "loss_factor", "loss factor"),
-    ):
-        curve = decay.curves
-        axis.errorbar(
-            curve["amplitude"],
-            curve[name],
-            curve[f"{name}_std"],
-            fmt=".",
-            markersize=3,
-            elinewidth=0.7,
-        )
-        axis.set(
-            xscale="log" if curve.sizes["point"] else "linear",
-            xlabel="displacement amplitude in m",
-            ylabel=label,
-        )
-        axis.grid(alpha=0.3)
+    decay.plot((rate, loss))
     return figure

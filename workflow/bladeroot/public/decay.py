@@ -48,12 +48,16 @@ class Ringdown:
         """What was found wrong in the record, a line each."""
         return tuple(line for line in str(self.free_decay.attrs["findings"]).split("\n") if line)
 
-    def plot(self):
-        """Frequency and loss factor over amplitude with their standard errors; a Figure."""
+    def plot(self, axes=None):
+        """Frequency and loss factor over amplitude with their standard errors; a Figure.
+
+        axes: two of one's own to draw on, instead of a new figure's.
+        """
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(6.0, 5.0), layout="constrained")
-        upper, lower = figure.subplots(2, sharex=True)
+        if axes is None:
+            axes = Figure(figsize=(6.0, 5.0), layout="constrained").subplots(2, sharex=True)
+        upper, lower = axes
         for axis, name, label in (
             (upper, "frequency", "frequency in Hz"),
             (lower, "loss_factor", "loss factor"),
@@ -68,9 +72,9 @@ class Ringdown:
             )
             axis.set_ylabel(label)
             axis.grid(alpha=0.3)
-        lower.set_xscale("log")
+            axis.set_xscale("log" if self.curves.sizes["point"] else "linear")
         lower.set_xlabel("displacement amplitude in m")
-        return figure
+        return lower.figure
 
     def __repr__(self) -> str:
         """A short table."""

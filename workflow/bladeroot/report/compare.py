@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant, with_std
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant, with_std
 from bladeroot.report.page import Section, Table, render
 from bladeroot.report.verdict import answer_of, chance, plain, size, with_open
 from bladeroot.report.words import words_of
@@ -122,10 +122,8 @@ def _stiffness(a: Side, b: Side) -> list[Table]:
             cells = []
             for side in (a, b):
                 one = side.joints[structure]["reference_quantile"].sel(stiffness=name)
-                low, middle, high = (
-                    significant(1e-9 * float(one.sel(quantile=q)), 3) for q in (0.025, 0.5, 0.975)
-                )
-                cells.append(f"{middle} ({low} to {high})")
+                middle, ends = interval(one, 0.025, 3)
+                cells.append(f"{middle} ({ends})")
             rows.append((structure, name, *cells))
     caption = "Contact stiffness from all forces together, GN/m (95 %)"
     return [Table(caption, ("structure", "", a.label, b.label), rows)] if rows else []

@@ -23,6 +23,7 @@ from bladeroot.report.verdict import (
 )
 from bladeroot.report.words import judge_of, words_of
 
+
 def diagnosis_title(one: xr.Dataset) -> str:
     """What the chapter is about."""
     alone = judge_of(one).plural

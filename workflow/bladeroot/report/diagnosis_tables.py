@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import answer_of, between_forces, plain, size
 from bladeroot.report.words import Words
@@ -41,17 +41,10 @@ def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -
     return Table(
         "The same question asked with each structure: a name is safe where the geometries agree, a "
         "size only within their spread",
-        (
-            "structure",
-            "answer",
-            "cause",
-            "size",
-            "log evidence",
-            "next best",
-            "error at unseen forces",
-        ),
+        ("structure", "answer", "cause", "size", "log evidence", "next best",
+         "error at unseen forces"),
         rows,
-    )
+    )  # fmt: skip
 
 
 def _next_best(one: xr.Dataset, cause: Mapping) -> tuple[str, float]:
@@ -97,9 +90,9 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
         )
     ]
     return Table(
-        "All that was tried, by its evidence: how much more probable it makes the records than they "
-        "are without a cause (natural logarithm; 3 is 20 to 1; of a fault of records, -ln of the "
-        "chance of as many by mistake). Smooth: a curve of any shape, which names nothing",
+        "All that was tried, by its evidence: how much more probable it makes the records than "
+        "they are without a cause (natural logarithm; 3 is 20 to 1; of a fault of records, -ln of "
+        "the chance of as many by mistake). Smooth: a curve of any shape, which names nothing",
         ("judged", "possible cause", "class", "data", "log evidence", "not named because"),
         rows,
     )
@@ -202,12 +195,10 @@ def _interfaces(one: xr.Dataset) -> Table:
     rows = []
     for called in one["stiffness"].values.astype(str):
         here = one.sel(stiffness=called)
-        low, less, middle, more, high = (
-            significant(1e-9 * k, 2) for k in here["interface_k"].values
-        )
+        (middle, inner), (_, outer) = (interval(here["interface_k"], q) for q in (0.16, 0.025))
         std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
         known = fixed(std / float(here["interface_prior_std"]), 2)
-        rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
+        rows.append((called, middle, inner, outer, known))
     return Table(
         "Contact stiffness of each interface, GN/m, named causes included: "
         "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.figures.chart import sure
 from bladeroot.report.bad_records import rejected, unlike_repeats
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
 from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
@@ -172,7 +172,8 @@ def _stages(
                      f"{int((verdict == 'reproduced').sum())} of {verdict.size} rows reproduced",
                      f"{int((verdict == 'differs').sum())} differ"))  # fmt: skip
     led = [(Link(name, f"{where}{name.href}.html"), *cells) for name, *cells in rows]
-    return Table("The main structure; each name leads to its chapter", ("stage", "answer", "uncertainty"), led)
+    caption = "The main structure; each name leads to its chapter"
+    return Table(caption, ("stage", "answer", "uncertainty"), led)
 
 
 def _of_records(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[tuple[str, ...]]:
@@ -243,11 +244,13 @@ def _of_stiffness(
                      else "no pair of frequencies to invert", _doubt(line)))  # fmt: skip
         for one, data, chapter in _together(structure, joints, amplitudes):
             here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE).argmin()))
-            middle, interval = zip(*(_quantiles(here, name) for name in ("kn", "kt")), strict=True)
+            k = here["k_quantile"]
+            found = {name: interval(k.sel(stiffness=name), 0.025, 3) for name in ("kn", "kt")}
+            middle, ends = (listed([f"{n} {of[i]}" for n, of in found.items()]) for i in (0, 1))
             rows.append(
                 (Link(f"kn, kt together, {structure}", chapter),
-                 f"{listed(list(middle))} GN/m at {float(here['force']) / 1e3:.1f} kN, from {data}",
-                 f"{listed(list(interval))} GN/m (95 %)")
+                 f"{middle} GN/m at {float(here['force']) / 1e3:.1f} kN, from {data}",
+                 f"{ends} GN/m (95 %)")
             )  # fmt: skip
     return rows
 
@@ -265,14 +268,6 @@ def _together(
         if mine:
             return [(mine[0], data, chapter)]
     return []
-
-
-def _quantiles(here: xr.Dataset, name: str) -> tuple[str, str]:
-    of_k = 1e-9 * here["k_quantile"].sel(stiffness=name)
-    middle, low, high = (
-        significant(float(of_k.sel(quantile=q, method="nearest")), 3) for q in (0.5, 0.025, 0.975)
-    )
-    return f"{name} {middle}", f"{name} {low} to {high}"
 
 
 def _doubt(line: xr.Dataset) -> str:
@@ -321,13 +316,6 @@ def undecided(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[str]:
             parts.append(
                 "Two frequencies fix two stiffnesses, so force by force nothing shows an error of "
                 f"the model{alike}; a third mode, or frequencies of the free beam, would."
-            )
-        misses = stiffness["status"].values == "no root"
-        if misses.any():
-            names = [str(n) for n in stiffness["structure"].values[misses.any(axis=1)]]
-            parts.append(
-                f"With {listed(names)} some measured pairs have no (kn, kt) at all; whether "
-                "geometry, slots or boundary are to blame these frequencies do not say."
             )
     if facts["entry"] == "stick frequencies":
         parts.append(

@@ -18,7 +18,7 @@ VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
     "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "
     "in time (its standard error counts that)",
-    "plateau not reached": "without a plateau: the frequency still changes at the smallest amplitude",
+    "plateau not reached": "without a plateau, as the frequency changes to the last",
     "rejected": "rejected",
 }
 
@@ -159,14 +159,14 @@ def scatter_parts(stick: xr.Dataset) -> list:
         )
     if not rows:
         return []
-    header = ("mode", "group", "between records / Hz", "freedom", "between clampings / Hz", "freedom",
-              "up less down / Hz")  # fmt: skip
+    header = ("mode", "group", "between records / Hz", "freedom", "between clampings / Hz",
+              "freedom", "up less down / Hz")  # fmt: skip
     return [
         Table(
             "What repeats scatter beyond their own errors"
             + (f", from all {words.short}s of a mode" if words.load else "")
-            + ": standard deviation between the records of a clamping and between clampings, with degrees "
-            "of freedom"
+            + ": standard deviation between the records of a clamping and between clampings, with "
+            "degrees of freedom"
             + (", and the difference between loading up and down" if words.load else ""),
             header,
             rows,
@@ -187,7 +187,7 @@ def _printed_errors(stick: xr.Dataset) -> Table:
     return Table(
         "How many times the printed errors of the table its own rows scatter about a smooth law "
         "of the force (median of the rows, 95 % interval): the printed errors are those within a "
-        "record and leave out all that differs between records, clampings and readings of the force",
+        "record and leave out all that differs between records, clampings and readings of force",
         ("mode", "stick frequency", "loss factor"),
         rows,
     )

@@ -84,14 +84,8 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
             f"first{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
             "much better the first cause's size would be known"
             f"{'. std: of ln k at the reference load' if names else ''}",
-            (
-                "judged",
-                "measurement",
-                "hours",
-                "question decided",
-                "size better by",
-                *(f"std ln {name}" for name in names),
-            ),
+            ("judged", "measurement", "hours", "question decided", "size better by",
+             *(f"std ln {name}" for name in names)),
             rows,
         )
-    ]
+    ]  # fmt: skip

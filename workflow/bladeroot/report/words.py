@@ -102,6 +102,6 @@ SPECTRA = (
     "Amplitude spectra of the same free decays before and after the mode was separated, all three "
     "of the longest part that is not masked and where the mode was followed (its times after "
     "the start of the cut in the title; the whole decay where none was). What is left over should "
-    "contain the other modes and the noise, and nothing of the mode: where it stands above the free "
-    "decay the separation failed."
+    "contain the other modes and the noise, and nothing of the mode: where it stands above the "
+    "free decay the separation failed."
 )
