@@ -88,6 +88,7 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
             _why_not(one),
             strict=True,
         )
+        if kind != "record" or value > 0.0
     ]
     return Table(
         "All that was tried, by its evidence: how much more probable it makes the records than "

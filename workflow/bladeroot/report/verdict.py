@@ -82,7 +82,7 @@ def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
 
 def ranked(one: xr.Dataset) -> list[str]:
     """Which causes explain most where none could be named, a sentence."""
-    return [f"{one.attrs['ranked']}."] if one.attrs.get("ranked") else []
+    return [f"{plain(one.attrs['ranked'])}."] if one.attrs.get("ranked") else []
 
 
 def next_of(one: xr.Dataset, said: Mapping) -> list[str]:
