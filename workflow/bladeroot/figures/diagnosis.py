@@ -94,6 +94,8 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
         ("curve_frequency", "change of frequency / %", 100.0),
         ("curve_loss", "change of loss factor / 10⁻³", 1e3),
     ):
+        # a point that is less sure than the whole range says nothing and would stretch the axis
+        reach = {m: scale * np.ptp(one[name].values[one["curve_mode"].values == m]) for m in modes}
         for mode in modes:
             panels.append(Panel(f"mode {mode}", AMPLITUDE, label, x_log=True))
             for force in forces:
@@ -102,15 +104,16 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
                 at = f"{factor * force:.4g} {unit}" if load else ""
                 colour = to_hex(colours.to_rgba(factor * force)) if forces.size > 1 else MEASURED
                 x, panel = 1e6 * here["curve_amplitude"].values, len(panels) - 1
+                std = scale * here[f"{name}_std"].values
                 switches = {load: at} if load else {}
                 for stage, (_, line, kind) in _stages(one).items():
                     value = scale * here[f"{name}_simulated"].sel(stage=stage).values
                     traces.append(Trace(panel, x, value, f"{kind} {at}", colour, line, kind=kind,
                                         switches={**switches, "shown": kind}))  # fmt: skip
                 traces.append(
-                    Trace(panel, x, scale * here[name].values, f"measured {at}", colour, marker="o",
-                          size=3.0, error=scale * here[f"{name}_std"].values, kind="measured",
-                          switches={**switches, "shown": "measured"})
+                    Trace(panel, x, np.where(std < reach[mode], scale * here[name].values, np.nan),
+                          f"measured {at}", colour, marker="o", size=3.0, error=std,
+                          kind="measured", switches={**switches, "shown": "measured"})
                 )  # fmt: skip
     return Chart(
         "Frequency and loss factor over amplitude as change from the plateau (without one, from "

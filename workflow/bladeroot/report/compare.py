@@ -66,7 +66,7 @@ def text(sections: Sequence[Section]) -> Iterator[str]:
 def _verdicts(a: Side, b: Side) -> Table:
     rows = [("judged", *(str(one.verdict["structure"] or NONE) for one in (a, b))),
             ("answer", *(answer_of(with_open(one.verdict)) for one in (a, b)))]  # fmt: skip
-    causes = [{c["mechanism"]: c for c in one.verdict["causes"]} for one in (a, b)]
+    causes = [{c["mechanism"]: c for c in with_open(s.verdict)["causes"]} for s in (a, b)]
     for name in dict.fromkeys([*causes[0], *causes[1]]):
         cells = [
             f"{chance(of[name]['probability'])}, {size(of[name]['parameters'][0])}"
@@ -83,7 +83,7 @@ def _verdicts(a: Side, b: Side) -> Table:
     return Table("What each says", ("", a.label, b.label), rows)
 
 
-def _levels(a: Side, b: Side) -> list[Table]:
+def _levels(a: Side, b: Side) -> list:
     """Stick frequency and loss factor of the modes, loads and groups that both have."""
     words, rows = words_of(a.stick), []
     for one in (a.stick.isel(level=k) for k in range(a.stick.sizes["level"])):
@@ -101,7 +101,7 @@ def _levels(a: Side, b: Side) -> list[Table]:
                  *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
             )  # fmt: skip
     if not rows:
-        return []
+        return ["No stick frequency of a mode, load and group is in both."]
     same = sum(row[5].startswith("+0 ppm (0 ") for row in rows)
     header = ("mode", words.header, "group", f"{a.label} / Hz", f"{b.label} / Hz", "change",
               f"loss factor, {a.label}", f"loss factor, {b.label}")  # fmt: skip
