@@ -172,7 +172,7 @@ def _stages(
                      f"{int((verdict == 'reproduced').sum())} of {verdict.size} rows reproduced",
                      f"{int((verdict == 'differs').sum())} differ"))  # fmt: skip
     led = [(Link(name, f"{where}{name.href}.html"), *cells) for name, *cells in rows]
-    main = "With the main structure; each" if len(facts["structures"]) > 1 else "Each"
+    main = "With the main structure; each" if len(verdicts) > 1 else "Each"
     caption = f"{main} name leads to its chapter"
     return Table(caption, ("stage", "answer", "uncertainty"), led)
 
