@@ -22,14 +22,14 @@ def test_captions_of_a_specimen_without_a_load():
     said = [CUTS, SPECTRA, means(mean).caption]
     for caption in said:
         assert not FORBIDDEN.search(caption), caption
-    assert (words.at(0.0), words.value(0.0), words.header) == ("", "–", "load")
+    assert (words.at_one, words.value(0.0), words.header) == ("", "–", "load")
     assert gauge_sentence({}) == []
 
 
 def test_captions_name_the_load_that_there_is():
     words = words_of(xr.Dataset(attrs={"load_name": "bolt torque", "load_unit": "Nm"}))
     assert words.header == "bolt torque / Nm"
-    assert words.at(12.0) == " at 12 Nm"
+    assert words.at_one == " at one bolt torque"
     named = curves().assign_attrs(load_name="bolt torque", load_unit="Nm")
     assert "at each bolt torque" in means(named).caption
     assert means(named).colours == "bolt torque"

@@ -34,7 +34,13 @@ def compared(a: Side, b: Side) -> list[Section]:
         Section("Verdict", [_verdicts(a, b)]),
         Section("Numbers", [*_levels(a, b), *_stiffness(a, b)]),
         Section("Records", _records(a, b)),
-        Section("Settings and sources", [*_settings(a, b), *_sources(a, b)]),
+        Section(
+            "Settings and sources",
+            [
+                *_differing("settings", "Settings that differ", a, b),
+                *_differing("sources", "Source files that differ (sha256)", a, b, shown=12),
+            ],
+        ),
     ]
 
 
@@ -153,14 +159,6 @@ def _records(a: Side, b: Side) -> list:
     caption = "Records that are judged or read otherwise"
     alike = ["They are read alike."] if both else []
     return [*parts, *([Table(caption, header, rows)] if rows else alike)]
-
-
-def _settings(a: Side, b: Side) -> list:
-    return _differing("settings", "Settings that differ", a, b)
-
-
-def _sources(a: Side, b: Side) -> list:
-    return _differing("sources", "Source files that differ (sha256)", a, b, shown=12)
 
 
 def _differing(key: str, caption: str, a: Side, b: Side, shown: int | None = None) -> list:

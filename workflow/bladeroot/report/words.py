@@ -28,10 +28,6 @@ class Words:
         """A load as a number in a column, a dash without one."""
         return fixed(self.factor * load, digits) if self.load else NONE
 
-    def at(self, load: float) -> str:
-        """` at 12 kN`, or nothing."""
-        return f" at {self.factor * load:.4g} {self.unit}" if self.load else ""
-
     @property
     def at_one(self) -> str:
         """` at one force`, or nothing."""
