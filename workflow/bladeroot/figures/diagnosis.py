@@ -117,7 +117,7 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
                 )  # fmt: skip
     return Chart(
         "Frequency and loss factor over amplitude as change from the plateau (without one, from "
-        "the level that fits best): measured (dots), and compared (lines).",
+        "their smaller amplitudes): measured (dots), and compared (lines).",
         panels, traces, columns=len(modes), colours=load, simulated=simulated,
     )  # fmt: skip
 
