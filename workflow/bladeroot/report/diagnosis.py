@@ -57,7 +57,7 @@ def diagnosis_section(
     parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
     parts += [shortfall_table(verdicts[0])] if verdicts[0]["shortfall"] else []
     parts += cautions(found, verdicts)
-    parts += [structures_table(found, verdicts)] if len(found) > 1 else []
+    parts += [structures_table(verdicts)] if len(found) > 1 else []
     parts += [*remarks, *drawn, candidates_table(found), *_not_tried(found[0])]
     parts += [sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []
     gain = gain_table(verdicts, words)

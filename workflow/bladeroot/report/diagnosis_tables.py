@@ -20,42 +20,27 @@ CHANNELS = {
 NOT_THOUGH_AHEAD = "beyond its limits, by its error, or less beside the other causes"
 
 
-def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
+def structures_table(verdicts: Sequence[Mapping]) -> Table:
     """The verdicts side by side."""
     rows = []
-    for one, said in zip(found, verdicts, strict=True):
+    for said in verdicts:
         gain = {"before": np.nan, "after": np.nan, **between_forces(said)}
         first = said["causes"][0] if said["causes"] else None
-        name, evidence = _next_best(one, first) if first else ("", np.nan)
         rows.append(
             (
                 said["structure"],
                 answer_of(said),
                 listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
                 size(first["parameters"][0]) if first else NONE,
-                fixed(first["log_evidence"], 1) if first else NONE,
-                f"{plain(name)} ({fixed(evidence, 1)})" if name else NONE,
                 f"{percent(gain['before'], 2)} → {percent(gain['after'], 2)}" if first else NONE,
             )
         )
     return Table(
         "The same question asked with each structure: a name is safe where the geometries agree, a "
         "size only within their spread",
-        ("structure", "answer", "cause", "size", "log evidence", "next best",
-         "error at unseen forces"),
+        ("structure", "answer", "cause", "size", "error at unseen forces"),
         rows,
-    )  # fmt: skip
-
-
-def _next_best(one: xr.Dataset, cause: Mapping) -> tuple[str, float]:
-    """The best other mechanism in the data that show a cause."""
-    names = one["candidate"].values.astype(str)
-    channel = one["channel"].values[names == cause["mechanism"]][0]
-    for k, name in enumerate(names):  # sorted by evidence
-        same = one["channel"].values[k] == channel and one["class"].values[k] != "smooth"
-        if same and name != cause["mechanism"]:
-            return name, float(one["log_evidence"][k])
-    return "", np.nan
+    )
 
 
 def _why_not(one: xr.Dataset) -> list[str]:
