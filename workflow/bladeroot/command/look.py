@@ -107,5 +107,11 @@ def _draw(record: Recording, frequency, level, decay):
         ylim=(-100, 5),
         title="spectrum of its loudest half",
     )
-    decay.plot((rate, loss))
+    curve = decay.curves
+    for axis, name in ((rate, "frequency"), (loss, "loss_factor")):
+        axis.errorbar(
+            curve["amplitude"], curve[name], curve[f"{name}_std"], fmt=".", elinewidth=0.7
+        )
+        scale = "log" if curve.sizes["point"] else "linear"
+        axis.set(xscale=scale, xlabel="displacement amplitude in m", ylabel=name.replace("_", " "))
     return figure

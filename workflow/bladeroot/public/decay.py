@@ -48,33 +48,15 @@ class Ringdown:
         """What was found wrong in the record, a line each."""
         return tuple(line for line in str(self.free_decay.attrs["findings"]).split("\n") if line)
 
-    def plot(self, axes=None):
-        """Frequency and loss factor over amplitude with their standard errors; a Figure.
+    def plot(self):
+        """Frequency and loss factor over amplitude with their standard errors; a Figure."""
+        from bladeroot.figures.curves import records
+        from bladeroot.figures.still import still
 
-        axes: two of one's own to draw on, instead of a new figure's.
-        """
-        from matplotlib.figure import Figure
-
-        if axes is None:
-            axes = Figure(figsize=(6.0, 5.0), layout="constrained").subplots(2, sharex=True)
-        upper, lower = axes
-        for axis, name, label in (
-            (upper, "frequency", "frequency in Hz"),
-            (lower, "loss_factor", "loss factor"),
-        ):
-            axis.errorbar(
-                self.curves["amplitude"],
-                self.curves[name],
-                self.curves[f"{name}_std"],
-                fmt=".",
-                markersize=4,
-                elinewidth=0.8,
-            )
-            axis.set_ylabel(label)
-            axis.grid(alpha=0.3)
-            axis.set_xscale("log" if self.curves.sizes["point"] else "linear")
-        lower.set_xlabel("displacement amplitude in m")
-        return lower.figure
+        drawn = records([self.curves])
+        if drawn is None:
+            raise ValueError(f"there are no curves to plot: {self.verdict}")
+        return still(drawn)
 
     def __repr__(self) -> str:
         """A short table."""
