@@ -20,5 +20,4 @@ def command(campaign: str) -> None:
     path = next(p for p in folder.glob("*.json") if p != main and load_json(p) == said)
     one = load(path.with_suffix(".nc"))
     box = told(one, with_open(said), bool(one.attrs["simulated"])).box
-    for line in (box.head, *box.lines, f"In full: {said['reason']}"):
-        click.echo(line)
+    click.echo("\n".join([box.head, *box.lines, f"In full: {said['reason']}"]))

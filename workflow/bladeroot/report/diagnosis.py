@@ -53,14 +53,13 @@ def diagnosis_section(
         for one, said in zip(found, verdicts, strict=True)
     ]
     box = told(found[0], verdicts[0], simulated).box
-    words = words_of(found[0])
     parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
     parts += [shortfall_table(verdicts[0])] if verdicts[0]["shortfall"] else []
     parts += cautions(found, verdicts)
     parts += [structures_table(verdicts)] if len(found) > 1 else []
     parts += [*remarks, *drawn, candidates_table(found), *_not_tried(found[0])]
     parts += [sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []
-    gain = gain_table(verdicts, words)
+    gain = gain_table(verdicts, words_of(found[0]))
     parts += [gain] if gain.rows else []
     return Section(title, [*parts, *stiffness_tables(found), *next_parts(found)])
 
