@@ -7,12 +7,12 @@ import pytest
 import scipy.io
 import yaml
 from bladeroot import artifacts
-from bladeroot.command.explain import explained
 from bladeroot.command.main import COMMANDS, main
 from bladeroot.command.run import followed
 from bladeroot.io.read import channels
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 from click.testing import CliRunner
+from report_bench import cause, found, verdict
 
 RATE, MODES = 4096.0, (61.0, 173.0, 402.0)
 
@@ -55,7 +55,9 @@ def test_noise_suggests_no_mode():
 
 
 def test_a_new_campaign_says_what_files_say_and_marks_what_they_do_not(folder):
+    (folder / "results.csv").write_text("a,b\n" + "".join(f"{k % 7},{k % 5}\n" for k in range(99)))
     done = called("new", folder)
+    assert "left out: no times in it" in done.stderr
     assert done.exit_code == 0
     assert "FILL_IN" in done.output
     modes = yaml.safe_load((folder / "campaign.yaml").read_text())["modes"]
@@ -137,21 +139,21 @@ def test_check_tells_every_fault_on_a_line(folder):
     assert all(line.startswith("bladeroot: ") for line in done.stderr.strip().splitlines())
 
 
-def test_explain_reads_the_verdict(tmp_path, monkeypatch):
+def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    told = {
-        "campaign": "c", "structure": None, "answer": "ambiguous", "reason": "too like each other",
-        "causes": [], "probabilities": {"drift": 0.55, "force-relaxation": 0.44, "none": 0.001},
-    }  # fmt: skip
     place = tmp_path / "results" / "c" / "diagnosis"
     place.mkdir(parents=True)
-    artifacts.save_json(told, place / "verdict.json")
+    said = verdict(causes=[cause()], structure=None, reason="none is like it")
+    artifacts.save(found().assign_attrs(simulated=0), place / "linear.nc")
+    for name in ("linear", "verdict"):
+        artifacts.save_json(said, place / f"{name}.json")
     done = called("explain", "c")
-    assert done.exit_code == 0
-    assert "55.0%  drift" in done.output
-    assert "none" not in done.output.split("drift")[1]
+    assert done.exit_code == 0, done.output
+    lines = done.output.splitlines()
+    assert lines[0] == "S: cause named"
+    assert lines[-1] == "In full: none is like it"
+    assert any(line.startswith("Measure next: another force") for line in lines)
     assert called("explain", "other").exit_code == 1
-    assert list(explained(told))[-1] == "too like each other"
 
 
 def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():

@@ -51,3 +51,15 @@ def test_levels_are_drawn_from_where_their_small_amplitudes_lie():
     assert flat == pytest.approx(shift)
     bent = np.where(data.twice.amplitude > np.median(data.points.amplitude), shift + 1.0, shift)
     assert np.all(level_offsets(data, bent) < 0.5)
+
+
+def test_a_wild_first_point_is_not_the_zero_of_a_level_without_a_plateau():
+    seen = campaign(_model(False), seed=1)
+    level = np.flatnonzero((seen["mode"].values == "1B") & (seen["force"].values == FORCES[0]))
+    seen["stick_loss_factor"][level] = np.nan
+    first = np.isfinite(seen["loss_factor"].values[level]).argmax(axis=1)
+    seen["loss_factor"][level, first] = 0.1
+    seen["loss_factor_std"][level, first] = 0.1
+    data = curve_data(seen, ("1B", "2B"))
+    loss = data.value[data.value.size // 2 :][data.level == 0]
+    assert np.median(np.abs(loss)) < 0.01

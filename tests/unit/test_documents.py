@@ -1,7 +1,9 @@
 """Documents: their links lead somewhere, and what the code has stands in them."""
 
+import csv
 import re
 import subprocess
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -52,3 +54,57 @@ def test_every_key_is_explained(schema):
     page = (ROOT / "config" / "README.md").read_text(encoding="utf-8")
     keys = yaml.safe_load((SCHEMAS / f"{schema}.schema.yaml").read_text())["properties"]
     assert [key for key in keys if f"`{key}" not in page] == []
+
+
+def test_nothing_of_the_library_is_without_a_page_of_the_site(tmp_path, monkeypatch):
+    """The site's generated pages, against the files that they are made of."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    import_module("reference").write(tmp_path)
+    pages = {page.stem: page.read_text(encoding="utf-8") for page in tmp_path.glob("*.md")}
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    assert [name for name in pages if f"generated/{name}\n" not in index] == []
+    library = ROOT / "workflow" / "bladeroot"
+    for page, folder, mark in (
+        ("findings", "quality/findings", "THRESHOLD ="),
+        ("effects", "bench/effects", "CLASS ="),
+        ("mechanisms", "mechanisms", "MECHANISM ="),
+    ):
+        files = [
+            path for path in (library / folder).glob("*.py") if f"\n{mark}" in path.read_text()
+        ]
+        assert len(files) > 5
+        names = [path.stem.replace("_", "-") for path in files]
+        assert [name for name in names if f"\n## {name}\n" not in pages[page]] == []
+    checks = (ROOT / "docs" / "findings.md").read_text(encoding="utf-8")
+    heads = re.findall(r"^## (.+)$", pages["findings"], re.M)
+    assert [name for name in heads if f"`{name}`" not in checks] == []
+    for path in SCHEMAS.glob("*.schema.yaml"):
+        page = pages[f"schema-{path.name.removesuffix('.schema.yaml')}"]
+        cells = [f".{cell.replace('[]', '')}." for cell in re.findall(r"^\| `([^`]+)`", page, re.M)]
+        names = keys(yaml.safe_load(path.read_text()))
+        assert [n for n in names if not any(f".{n}." in cell for cell in cells)] == [], path.name
+    with (ROOT / "docs" / "variables.csv").open(encoding="utf-8") as table:
+        listed = {named_alike(row["artifact"]) for row in csv.DictReader(table)}
+    rules = "".join(p.read_text() for p in (ROOT / "workflow" / "rules").glob("*.smk"))
+    made = {named_alike(name) for name in re.findall(r'"results/([^"]+\.nc)"', rules)}
+    assert {"<>/stick.nc", "<>/joint/<>.nc"} <= made & listed
+    # what a default run does not make is explained without its variables
+    document = named_alike((ROOT / "docs" / "artifacts.md").read_text(encoding="utf-8"))
+    patterns = {"<>/<>/<>.nc", "structures/<>/<>/<>.nc"}  # of any rule's outputs
+    left = made - listed - patterns
+    assert [name for name in left if name.partition("/")[2] not in document] == []
+
+
+def named_alike(path):
+    """A path whose wildcards have no names."""
+    return re.sub(r"[{<][^}>]*[}>]", "<>", path)
+
+
+def keys(schema):
+    """Names of all properties in a schema."""
+    if isinstance(schema, list):
+        return set().union(*map(keys, schema))
+    if not isinstance(schema, dict):
+        return set()
+    own = schema.get("properties", {})
+    return {*(own if isinstance(own, dict) else {}), *keys(list(schema.values()))}

@@ -17,14 +17,6 @@ def test_what_is_too_uncertain_to_be_drawn_is_a_gap():
     assert [int(np.isnan(one.y).sum()) for one in lines] == [0, 20]
 
 
-def test_softening_counts_from_the_smallest_amplitudes_of_each_load():
-    lines = [one for one in curve_figures.softening(curves()).traces if one.line]
-    assert [one.switches["axial force"] for one in lines] == ["4 kN", "8 kN"]
-    for one in lines:
-        assert abs(one.y[:15].mean()) < 1e-3
-        assert -0.8 < one.y[-1] < -0.5
-
-
 def test_no_usable_record_has_no_figure():
     assert curve_figures.means(curves(())) is None
     assert curve_figures.records([]) is None

@@ -101,7 +101,7 @@ def test_each_stage_leads_to_its_chapter_with_its_uncertainty(stages):
     assert rows["stick frequency, 1B"][2] == "± 0.30 Hz"
     assert rows["records"][1] == "1 of 2 are used"
     each = rows["kn, kt force by force, s"]
-    assert each[1:] == ["2 of 2 forces have one", "a factor of 7.4 and 7.4 either way"]
+    assert each[1:] == ["2 of 2 forces have a pair", "a factor of 7.4 and 7.4 either way"]
     assert rows["contact theory"][1] == "kn 1.30 and kt 1.30 GN/m"
     assert any(getattr(part, "lines", None) == ["r2: rejected: hum."] for part in parts)
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 import xarray as xr
-from bladeroot.figures.curves import means, softening
+from bladeroot.figures.curves import means
 from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
@@ -19,17 +19,17 @@ def test_captions_of_a_specimen_without_a_load():
     nothing = {"load_name": "", "load_unit": ""}
     words = words_of(xr.Dataset(attrs=nothing))
     mean = curves().assign_attrs(nothing)
-    said = [CUTS, SPECTRA, means(mean).caption, softening(mean).caption]
+    said = [CUTS, SPECTRA, means(mean).caption]
     for caption in said:
         assert not FORBIDDEN.search(caption), caption
-    assert (words.at(0.0), words.value(0.0), words.header) == ("", "–", "load")
+    assert (words.at_one, words.value(0.0), words.header) == ("", "–", "load")
     assert gauge_sentence({}) == []
 
 
 def test_captions_name_the_load_that_there_is():
     words = words_of(xr.Dataset(attrs={"load_name": "bolt torque", "load_unit": "Nm"}))
     assert words.header == "bolt torque / Nm"
-    assert words.at(12.0) == " at 12 Nm"
+    assert words.at_one == " at one bolt torque"
     named = curves().assign_attrs(load_name="bolt torque", load_unit="Nm")
     assert "at each bolt torque" in means(named).caption
     assert means(named).colours == "bolt torque"

@@ -105,25 +105,10 @@ def _draw(record: Recording, frequency, level, decay):
         xlabel="frequency in Hz",
         ylabel="level in dB",
         ylim=(-100, 5),
-        title="spectrum of its loudest half",
+        title="its spectrum",
     )
-    for axis, name, label in (
-        (rate, "frequency", "frequency in Hz"),
-        (loss, "loss_factor", "loss factor"),
-    ):
-        curve = decay.curves
-        axis.errorbar(
-            curve["amplitude"],
-            curve[name],
-            curve[f"{name}_std"],
-            fmt=".",
-            markersize=3,
-            elinewidth=0.7,
-        )
-        axis.set(
-            xscale="log" if curve.sizes["point"] else "linear",
-            xlabel="displacement amplitude in m",
-            ylabel=label,
-        )
-        axis.grid(alpha=0.3)
+    curve, scale = decay.curves, "log" if decay.curves.sizes["point"] else "linear"
+    for axis, name in ((rate, "frequency"), (loss, "loss_factor")):
+        axis.errorbar(*(curve[k] for k in ("amplitude", name, f"{name}_std")), fmt=".")
+        axis.set(xscale=scale, xlabel="displacement amplitude in m", ylabel=name.replace("_", " "))
     return figure

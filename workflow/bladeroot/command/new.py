@@ -56,6 +56,10 @@ def command(folder: Path) -> None:
             found.append(looked_at(path))
         except ValueError as error:
             click.echo(f"left out: {error}", err=True)
+    timed = [one for one in found if "sampling_Hz" not in one.lacks]
+    for one in [one for one in found if timed and one not in timed]:
+        click.echo(f"left out: no times in it, as the others have ({one.path})", err=True)
+    found = timed or found
     if not found:
         known = ", ".join(sorted(formats()))
         raise ValueError(f"expected raw files ending in {known} that can be read ({folder})")

@@ -32,7 +32,7 @@ def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> l
         lacks.append(f"more axial forces: {forces.size} where a law needs {guards.FORCES} or more")
     if not replicated(data):
         lacks.append(
-            "repeated clampings: without several holds at one force the scatter of clamping is "
+            "repeated clampings: without several clampings at one force the scatter of clamping is "
             "known only from how the records miss a law"
         )
     if data.ln_f.size < guards.RECORDS:

@@ -51,39 +51,6 @@ def means(curves: xr.Dataset) -> Chart | None:
     )
 
 
-def softening(curves: xr.Dataset) -> Chart | None:
-    """How far the frequency of each level lies below its value at the smallest amplitudes."""
-    modes = _modes(curves)
-    if not modes:
-        return None
-    traces = []
-    for column, mode in enumerate(modes):
-        here = curves.isel(level=np.flatnonzero(curves["mode"].values == mode))
-        for k in range(here.sizes["level"]):
-            one = here.isel(level=k)
-            value = sure(one, "frequency", "change_std")
-            known = np.flatnonzero(np.isfinite(value))
-            if known.size < 2:
-                continue
-            first = known[: max(known.size // 4, 1)]
-            std = one["frequency_change_std"].values
-            start = np.average(value[first], weights=1.0 / std[first] ** 2)
-            fall, spread = 100.0 * (value / start - 1.0), 100.0 * std / start
-            traces += _line(one, fall, spread, column)
-    coloured, switch = _coloured(traces, curves["force"].values.tolist(), curves.attrs)
-    return Chart(
-        "The same, as change of the frequency from the mean of its smallest amplitudes. The "
-        "records' own levels are taken off before the mean. Bands: one standard error of the "
-        "change with amplitude.",
-        [Panel(f"mode {mode}", AMPLITUDE, "change of frequency / %", x_log=True, zero=True)
-         for mode in modes],
-        coloured,
-        columns=min(len(modes), 2),
-        colours=switch,
-        simulated=bool(curves.attrs["simulated"]),
-    )  # fmt: skip
-
-
 def records(decays: Sequence[xr.Dataset]) -> Chart | None:
     """A curve a usable record; of more than `MOST` of a mode so many, evenly over their loads."""
     decays = [decay for decay in decays if decay.sizes["point"]]

@@ -42,11 +42,11 @@ def joint(
                             y_range=(kt[0], kt[-1])))  # fmt: skip
         traces += _plane(len(panels) - 1, one, searches, stiffness, colour)
     return Chart(
-        "Left and middle: kn and kt over force; bands hold 68 and 95 % of the joint posterior. "
+        "Left and middle: kn and kt over force; bands contain 68 and 95 % of the joint posterior. "
         "Dots: the root of each force by itself, where there is one. Right: draws of the posterior "
-        "at 12 kN with the regions that hold 68 and 95 % of it, and lines on which the model has "
-        "the frequency interpolated to 12 kN, one for each mode: where they cross is the root of "
-        "that force by itself.",
+        "at 12 kN with the regions that contain 68 and 95 % of it, and lines on which the model "
+        "has the frequency interpolated to 12 kN, one for each mode: where they cross is the root "
+        "of that force by itself.",
         panels, traces, columns=3, simulated=simulated,
     )  # fmt: skip
 

@@ -27,7 +27,7 @@ def curves(one: xr.Dataset, simulated: bool) -> Chart:
                 traces += _curve(one, mode, force, name, scale, len(panels) - 1, colour)
     return Chart(
         "Fall of frequency and friction's loss factor over amplitude: measured (dots, bars with "
-        "the error granted to the model) and simulated (lines) at every axial force.",
+        "the error allowed for the model) and simulated (lines) at every axial force.",
         panels, traces, colours="axial force", simulated=simulated, warning=_warning(one),
     )  # fmt: skip
 

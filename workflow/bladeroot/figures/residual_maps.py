@@ -72,13 +72,14 @@ def _axes_of(one: xr.Dataset) -> list[tuple[str, np.ndarray]]:
 def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
     """Curves over amplitude: what is left in standard deviations over amplitude and load.
 
-    None where the campaign begins at stick frequencies.
+    None where the campaign begins at stick frequencies, and without a load: the curves themselves
+    show it then.
     """
     one = next((one for one in found if "curve_mode" in one), None)
-    if one is None:
+    factor, unit, load = shown(one.attrs) if one is not None else (1.0, "", "")
+    if not load:
         return None
     modes = np.unique(one["curve_mode"].values.astype(str))
-    factor, unit, load = shown(one.attrs)
     panels, traces = [], []
     for mode in modes:
         here = one.isel(point=np.flatnonzero(one["curve_mode"].values == mode))
@@ -87,24 +88,16 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
             for stage, text in stage_names(one).items():
                 panels.append(
                     Panel(f"{mode}, {quantity}, {text}", AMPLITUDE, f"{load} / {unit}", x_log=True)
-                    if load
-                    else Panel(f"{mode}, {quantity}, {text}", AMPLITUDE, "standard deviations",
-                               x_log=True, zero=True, band=(-2.0, 2.0))
-                )  # fmt: skip
+                )
                 left = (here[name] - here[f"{name}_simulated"].sel(stage=stage)) / here[
                     f"{name}_std"
                 ]
                 traces.append(
                     Trace(len(panels) - 1, 1e6 * here["curve_amplitude"].values, force,
                           f"mode {mode}, {quantity}", values=left.values)
-                    if load
-                    else Trace(len(panels) - 1, 1e6 * here["curve_amplitude"].values, left.values,
-                               f"mode {mode}, {quantity}", marker="o", size=3.0)
                 )  # fmt: skip
     return Chart(
-        f"The same of the curves, over amplitude and {load}: blue where the measurement lies below "
-        "what it is compared with, red above."
-        if load
-        else "The same of the curves, over amplitude.",
-        panels, traces, scale=(_LEFT, _LIMIT) if load else None, simulated=simulated,
+        f"What is left of the curves over amplitude and {load}: blue where the measurement lies "
+        "below what it is compared with, red above.",
+        panels, traces, scale=(_LEFT, _LIMIT), simulated=simulated,
     )  # fmt: skip

@@ -64,7 +64,7 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
     for value, std, plateau, plateau_std, name in zip(
         (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, COUPLING, strict=True
     ):
-        line = _less_plateau(value, known, plateau)[:, chosen]
+        line = _less_plateau(value, std, known, plateau)[:, chosen]
         means.append(np.where(mask, line, 0.0).sum(axis=0) / count)
         own = np.where(mask, std[:, chosen], 0.0) / count
         # The error of a record's plateau is a step of the mean where that record begins or ends.
@@ -106,10 +106,13 @@ def _beyond(
 
 def _less_plateau(
     line: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
     known: Bool[ndarray, "record amplitude"],
     plateau: Float[ndarray, " record"],
 ) -> Float[ndarray, "record amplitude"]:
-    """Curves less their plateaus; one without lies as the others' mean where they overlap."""
+    """Curves less their plateaus; one without lies as the others' mean where they overlap, or
+    begins with zero, at the first point that is known as well as half of them.
+    """
     have = np.isfinite(plateau)
     left = np.where(known, line, np.nan) - np.where(have, plateau, np.nan)[:, None]
     order = np.argsort(~have, kind="stable")
@@ -120,8 +123,9 @@ def _less_plateau(
             total = np.where(others, left, 0.0).sum(axis=0)
             middle = total / np.maximum(others.sum(axis=0), 1)
             left[i] = own - np.mean((own - middle)[others.any(axis=0)])
-        else:
-            left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
+        elif known[i].any():
+            sharp = known[i] & (std[i] <= np.median(std[i, known[i]]))
+            left[i] = own - own[np.flatnonzero(sharp)[0]]
     return left
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant, with_std
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant, with_std
 from bladeroot.report.page import Section, Table, render
 from bladeroot.report.verdict import answer_of, chance, plain, size, with_open
 from bladeroot.report.words import words_of
@@ -34,7 +34,13 @@ def compared(a: Side, b: Side) -> list[Section]:
         Section("Verdict", [_verdicts(a, b)]),
         Section("Numbers", [*_levels(a, b), *_stiffness(a, b)]),
         Section("Records", _records(a, b)),
-        Section("Settings and sources", [*_settings(a, b), *_sources(a, b)]),
+        Section(
+            "Settings and sources",
+            [
+                *_differing("settings", "Settings that differ", a, b),
+                *_differing("sources", "Source files that differ (sha256)", a, b, shown=12),
+            ],
+        ),
     ]
 
 
@@ -66,7 +72,7 @@ def text(sections: Sequence[Section]) -> Iterator[str]:
 def _verdicts(a: Side, b: Side) -> Table:
     rows = [("judged", *(str(one.verdict["structure"] or NONE) for one in (a, b))),
             ("answer", *(answer_of(with_open(one.verdict)) for one in (a, b)))]  # fmt: skip
-    causes = [{c["mechanism"]: c for c in one.verdict["causes"]} for one in (a, b)]
+    causes = [{c["mechanism"]: c for c in with_open(s.verdict)["causes"]} for s in (a, b)]
     for name in dict.fromkeys([*causes[0], *causes[1]]):
         cells = [
             f"{chance(of[name]['probability'])}, {size(of[name]['parameters'][0])}"
@@ -83,7 +89,7 @@ def _verdicts(a: Side, b: Side) -> Table:
     return Table("What each says", ("", a.label, b.label), rows)
 
 
-def _levels(a: Side, b: Side) -> list[Table]:
+def _levels(a: Side, b: Side) -> list:
     """Stick frequency and loss factor of the modes, loads and groups that both have."""
     words, rows = words_of(a.stick), []
     for one in (a.stick.isel(level=k) for k in range(a.stick.sizes["level"])):
@@ -101,7 +107,7 @@ def _levels(a: Side, b: Side) -> list[Table]:
                  *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
             )  # fmt: skip
     if not rows:
-        return []
+        return ["No stick frequency of a mode, load and group is in both."]
     same = sum(row[5].startswith("+0 ppm (0 ") for row in rows)
     header = ("mode", words.header, "group", f"{a.label} / Hz", f"{b.label} / Hz", "change",
               f"loss factor, {a.label}", f"loss factor, {b.label}")  # fmt: skip
@@ -122,10 +128,8 @@ def _stiffness(a: Side, b: Side) -> list[Table]:
             cells = []
             for side in (a, b):
                 one = side.joints[structure]["reference_quantile"].sel(stiffness=name)
-                low, middle, high = (
-                    significant(1e-9 * float(one.sel(quantile=q)), 3) for q in (0.025, 0.5, 0.975)
-                )
-                cells.append(f"{middle} ({low} to {high})")
+                middle, ends = interval(one, 0.025, 3)
+                cells.append(f"{middle} ({ends})")
             rows.append((structure, name, *cells))
     caption = "Contact stiffness from all forces together, GN/m (95 %)"
     return [Table(caption, ("structure", "", a.label, b.label), rows)] if rows else []
@@ -155,14 +159,6 @@ def _records(a: Side, b: Side) -> list:
     caption = "Records that are judged or read otherwise"
     alike = ["They are read alike."] if both else []
     return [*parts, *([Table(caption, header, rows)] if rows else alike)]
-
-
-def _settings(a: Side, b: Side) -> list:
-    return _differing("settings", "Settings that differ", a, b)
-
-
-def _sources(a: Side, b: Side) -> list:
-    return _differing("sources", "Source files that differ (sha256)", a, b, shown=12)
 
 
 def _differing(key: str, caption: str, a: Side, b: Side, shown: int | None = None) -> list:

@@ -21,7 +21,7 @@ from bladeroot.figures import (
     thesis_search,
 )
 from bladeroot.figures.slider import slider
-from bladeroot.report.diagnosis import RANKING, diagnosis_section
+from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
 from bladeroot.report.front import front_sections
@@ -120,7 +120,6 @@ def report(given: Material) -> dict[str, str]:
         "diagnosis": [_diagnosis(given, judged)],
     }
     chapters = {name: chapters[name] for name in _TITLES if chapters.get(name)}
-    shows_it = _that_shows_it(given, judged)
     pages = {
         f"report/{name}.html": _page(given, name, sections, chapters)
         for name, sections in chapters.items()
@@ -135,7 +134,7 @@ def report(given: Material) -> dict[str, str]:
             given.diagnoses,
             given.verdicts,
             every or of_stick,
-            shows_it,
+            _that_shows_it(given, judged),
             where,
         )
         front.append(provenance_section(given.made))
@@ -165,7 +164,6 @@ def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
         drawn = [
             *pictures(curves.records(given.decays)),
             *every,
-            *pictures(curves.softening(given.stages["curves"])),
             *pictures(records.cuts(given.shown, given.not_shown), CUTS),
             *pictures(spectra.spectra(given.spectra, given.not_shown), SPECTRA),
         ]
@@ -188,7 +186,6 @@ def _judged(given: Material) -> dict[str, list[Picture]]:
     if found[0].attrs.get("refused"):
         return {}
     return {
-        "ranking": pictures(diagnosis.ranking(found, given.verdicts, simulated), RANKING),
         "stick": pictures(diagnosis.frequencies(found, simulated)),
         "curve": pictures(diagnosis.curves(found, simulated)),
         "residuals": pictures(residual_maps.records(found, simulated)),
@@ -201,8 +198,7 @@ def _that_shows_it(given: Material, judged: Mapping[str, list[Picture]]) -> list
     """The one figure of the verdict: that of the data in which the first cause is seen."""
     one, named = given.diagnoses[0], [c["mechanism"] for c in given.verdicts[0]["causes"]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
-    wanted = [channels.get(name) for name in named[:1]]
-    if wanted[:1] == ["stick"] or (not wanted and judged.get("stick")):
+    if channels.get(named[0]) == "stick" if named else judged.get("stick"):
         # the front page is about the main structure alone
         return pictures(diagnosis.frequencies(given.diagnoses[:1], given.simulated))
     return judged.get("curve", [])

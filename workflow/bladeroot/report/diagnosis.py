@@ -23,13 +23,6 @@ from bladeroot.report.verdict import (
 )
 from bladeroot.report.words import judge_of, words_of
 
-RANKING = (
-    "Possible causes by their evidence: how much more probable each makes the measurement than it "
-    "is without a cause (natural logarithm; 3 is 20 to 1). Named: dark; as good as it: light; not "
-    "judged: the campaign cannot speak of it, or says itself that it is not so. Hatched: a curve "
-    "of any shape, which names nothing; what it explains and no cause does would be unexplained."
-)
-
 
 def diagnosis_title(one: xr.Dataset) -> str:
     """What the chapter is about."""
@@ -60,15 +53,14 @@ def diagnosis_section(
         for one, said in zip(found, verdicts, strict=True)
     ]
     box = told(found[0], verdicts[0], simulated).box
-    words = words_of(found[0])
     parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
     parts += [shortfall_table(verdicts[0])] if verdicts[0]["shortfall"] else []
-    parts += [*cautions(found, verdicts), f"As the diagnosis says it: {verdicts[0]['reason']}."]
-    parts += [structures_table(found, verdicts)] if len(found) > 1 else []
-    parts += [*remarks, *drawn[:1], candidates_table(found), *_not_tried(found[0])]
+    parts += cautions(found, verdicts)
+    parts += [structures_table(verdicts)] if len(found) > 1 else []
+    parts += [*remarks, *drawn, candidates_table(found), *_not_tried(found[0])]
     parts += [sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []
-    gain = gain_table(verdicts, words)
-    parts += [*drawn[1:], *([gain] if gain.rows else [])]
+    gain = gain_table(verdicts, words_of(found[0]))
+    parts += [gain] if gain.rows else []
     return Section(title, [*parts, *stiffness_tables(found), *next_parts(found)])
 
 

@@ -5,58 +5,42 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import answer_of, between_forces, plain, size
 from bladeroot.report.words import Words
 
 # as `bladeroot.diagnosis.verdict` says it
+CHANNELS = {
+    "stick": "stick frequencies",
+    "damping": "loss factors of the stuck joint",
+    "curve": "curves over amplitude",
+    "record": "findings in the records",
+}
 NOT_THOUGH_AHEAD = "beyond its limits, by its error, or less beside the other causes"
 
 
-def structures_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
+def structures_table(verdicts: Sequence[Mapping]) -> Table:
     """The verdicts side by side."""
     rows = []
-    for one, said in zip(found, verdicts, strict=True):
+    for said in verdicts:
         gain = {"before": np.nan, "after": np.nan, **between_forces(said)}
         first = said["causes"][0] if said["causes"] else None
-        name, evidence = _next_best(one, first) if first else ("", np.nan)
         rows.append(
             (
                 said["structure"],
                 answer_of(said),
                 listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
                 size(first["parameters"][0]) if first else NONE,
-                fixed(first["log_evidence"], 1) if first else NONE,
-                f"{plain(name)} ({fixed(evidence, 1)})" if name else NONE,
                 f"{percent(gain['before'], 2)} → {percent(gain['after'], 2)}" if first else NONE,
             )
         )
     return Table(
         "The same question asked with each structure: a name is safe where the geometries agree, a "
         "size only within their spread",
-        (
-            "structure",
-            "answer",
-            "cause",
-            "size",
-            "log evidence",
-            "next best",
-            "error at unseen forces",
-        ),
+        ("structure", "answer", "cause", "size", "error at unseen forces"),
         rows,
     )
-
-
-def _next_best(one: xr.Dataset, cause: Mapping) -> tuple[str, float]:
-    """The best other mechanism in the data that show a cause."""
-    names = one["candidate"].values.astype(str)
-    channel = one["channel"].values[names == cause["mechanism"]][0]
-    for k, name in enumerate(names):  # sorted by evidence
-        same = one["channel"].values[k] == channel and one["class"].values[k] != "smooth"
-        if same and name != cause["mechanism"]:
-            return name, float(one["log_evidence"][k])
-    return "", np.nan
 
 
 def _why_not(one: xr.Dataset) -> list[str]:
@@ -79,7 +63,7 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
             one.attrs["structure"],
             str(name) if kind == "smooth" else plain(str(name)),
             str(kind),
-            str(channel),
+            CHANNELS.get(str(channel), str(channel)),
             fixed(float(value), 1),
             why_not,
         )
@@ -89,12 +73,14 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
             _why_not(one),
             strict=True,
         )
+        if kind != "record" or value > 0.0
     ]
     return Table(
-        "All that was tried, by evidence (record faults: -ln of the chance of as many by mistake)",
+        "All that was tried, by its evidence: how much more probable it makes the records than "
+        "they are without a cause (natural logarithm; 3 is 20 to 1; of a fault of records, -ln of "
+        "the chance of as many by mistake). Smooth: a curve of any shape, which names nothing",
         ("judged", "possible cause", "class", "data", "log evidence", "not named because"),
         rows,
-        folded=True,
     )
 
 
@@ -151,7 +137,7 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
                 cells = fixed(before, 1), fixed(after, 1), f"{after - before:+z.1f}"
                 rows.append((said["structure"], name, *cells))
     return Table(
-        "What the cause is worth: errors (root mean square) of predictions of data that the fit "
+        "What the cause gains: errors (root mean square) of predictions of data that the fit "
         "did not see, before and after. The model's bias is a constant error of each mode that the "
         "fit learns and a prediction is spared; without it the error is that of the simulation",
         ("judged", "prediction of", "before", "after", "smaller by"),
@@ -195,12 +181,10 @@ def _interfaces(one: xr.Dataset) -> Table:
     rows = []
     for called in one["stiffness"].values.astype(str):
         here = one.sel(stiffness=called)
-        low, less, middle, more, high = (
-            significant(1e-9 * k, 2) for k in here["interface_k"].values
-        )
+        (middle, inner), (_, outer) = (interval(here["interface_k"], q) for q in (0.16, 0.025))
         std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
         known = fixed(std / float(here["interface_prior_std"]), 2)
-        rows.append((called, middle, f"{less} to {more}", f"{low} to {high}", known))
+        rows.append((called, middle, inner, outer, known))
     return Table(
         "Contact stiffness of each interface, GN/m, named causes included: "
         "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent
 from bladeroot.report.page import Table
 
 
@@ -41,11 +41,8 @@ def _row(one: xr.Dataset) -> tuple[str, ...]:
     at = int(np.argmin(np.abs(one["force"].values - one.attrs["reference_force_N"])))
     cells = []
     for name in ("kn", "kt"):
-        low, middle, high = (
-            significant(1e-9 * float(quantile.sel(stiffness=name, quantile=q)), 2)
-            for q in (0.16, 0.5, 0.84)
-        )
-        cells.append(f"{middle} ({low} to {high})")
+        middle, ends = interval(quantile.sel(stiffness=name), 0.16)
+        cells.append(f"{middle} ({ends})")
     near = abs(one["force"].values[at] - one.attrs["reference_force_N"]) < 1.0
     std = [fixed(float(v), 2) if near else NONE for v in one["ln_std"].isel(force=at)]
     biases = [

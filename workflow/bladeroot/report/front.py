@@ -7,8 +7,7 @@ import xarray as xr
 
 from bladeroot.figures.chart import sure
 from bladeroot.report.bad_records import rejected, unlike_repeats
-from bladeroot.report.next_measurement import next_sentence
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
 from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
@@ -17,7 +16,7 @@ from bladeroot.report.verdict import (
     chance,
     disagreement,
     in_short,
-    lacks_of,
+    next_of,
     plain,
     with_open,
 )
@@ -54,9 +53,6 @@ def front_sections(
     told = in_short(main, named[0]) + disagreement(named)
     over = over_amplitude(stages["curves"]) if "curves" in stages else {}
     cards = [*_mode_cards(facts, stick, over), _verdict_card(main, named[0])]
-    next_one = next_sentence(main) or [
-        f"Measure next: {cause['splitter']}." for cause in named[0]["causes"][:1]
-    ] or [f"Measure next: {text}." for text in lacks_of(main)[:1]]  # fmt: skip
     return [
         Section("", [Cards(cards)]),
         Section("What was measured", [*measured]),
@@ -64,7 +60,7 @@ def front_sections(
             "The answer of each stage",
             [_stages(facts, stages, joints, amplitudes, named, where)],
         ),
-        Section("Verdict", [*told, *judged, *next_one]),
+        Section("Verdict", [*told, *judged, *next_of(main, named[0])]),
         Section(
             "What is wrong with records, and what is open",
             [*_bad(stages), *undecided(facts, stages)],
@@ -161,7 +157,7 @@ def _stages(
                   for k in ("kn", "kt")]  # fmt: skip
         rows.append((Link("contact theory", "theory"), f"{listed(theory)} GN/m",
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
-    for said in verdicts:
+    for said in verdicts[:1]:
         causes = listed([plain(cause["mechanism"]) for cause in said["causes"]])
         odds = {"+".join(c["credible_set"]): c["probability"] for c in said["causes"]}
         odds = odds or dict(list(said["probabilities"].items())[:1])
@@ -176,7 +172,7 @@ def _stages(
                      f"{int((verdict == 'reproduced').sum())} of {verdict.size} rows reproduced",
                      f"{int((verdict == 'differs').sum())} differ"))  # fmt: skip
     led = [(Link(name, f"{where}{name.href}.html"), *cells) for name, *cells in rows]
-    return Table("A stage's name leads to its chapter", ("stage", "answer", "uncertainty"), led)
+    return Table("Each name leads to its chapter", ("stage", "answer", "uncertainty"), led)
 
 
 def _of_records(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[tuple[str, ...]]:
@@ -189,7 +185,7 @@ def _of_records(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[tuple[
     found = stages["integrity"].sizes["finding"]
     return [
         (name, f"{count - bad} of {count} are used",
-         f"{unreached} of them still bend at their smallest amplitude"),
+         f"{unreached} of them without a plateau"),
         (Link("quality", "quality"), f"{found} finding{'s' * (found != 1)}",
          _agreement(stages["integrity"])),
     ]  # fmt: skip
@@ -237,21 +233,23 @@ def _of_stiffness(
     stiffness: xr.Dataset, joints: Sequence[xr.Dataset], amplitudes: Sequence[xr.Dataset]
 ) -> list[tuple[str, ...]]:
     rows = []
-    for structure in stiffness["structure"].values.astype(str):
+    for structure in stiffness["structure"].values.astype(str)[:1]:
         line = stiffness.sel(structure=structure)
         status = list(line["status"].values)
         found = sum(status.count(name) for name in DETERMINED)
         tried = found + status.count("no root")
         alone = Link(f"kn, kt force by force, {structure}", "stiffness")
-        rows.append((alone, f"{found} of {tried} forces have one" if tried
+        rows.append((alone, f"{found} of {tried} forces have a pair" if tried
                      else "no pair of frequencies to invert", _doubt(line)))  # fmt: skip
         for one, data, chapter in _together(structure, joints, amplitudes):
             here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE).argmin()))
-            middle, interval = zip(*(_quantiles(here, name) for name in ("kn", "kt")), strict=True)
+            k = here["k_quantile"]
+            found = {name: interval(k.sel(stiffness=name), 0.025, 3) for name in ("kn", "kt")}
+            middle, ends = (listed([f"{n} {of[i]}" for n, of in found.items()]) for i in (0, 1))
             rows.append(
                 (Link(f"kn, kt together, {structure}", chapter),
-                 f"{listed(list(middle))} GN/m at {float(here['force']) / 1e3:.1f} kN, from {data}",
-                 f"{listed(list(interval))} GN/m (95 %)")
+                 f"{middle} GN/m at {float(here['force']) / 1e3:.1f} kN, from {data}",
+                 f"{ends} GN/m (95 %)")
             )  # fmt: skip
     return rows
 
@@ -269,14 +267,6 @@ def _together(
         if mine:
             return [(mine[0], data, chapter)]
     return []
-
-
-def _quantiles(here: xr.Dataset, name: str) -> tuple[str, str]:
-    of_k = 1e-9 * here["k_quantile"].sel(stiffness=name)
-    middle, low, high = (
-        significant(float(of_k.sel(quantile=q, method="nearest")), 3) for q in (0.5, 0.025, 0.975)
-    )
-    return f"{name} {middle}", f"{name} {low} to {high}"
 
 
 def _doubt(line: xr.Dataset) -> str:
@@ -312,27 +302,12 @@ def _bad(stages: Mapping[str, xr.Dataset]) -> list:
 def undecided(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[str]:
     """What the data and the model leave open, and what would settle it."""
     parts, stick = [], stages["stick"]
-    if "stiffness" in stages:
-        stiffness = stages["stiffness"]
-        correlation = stiffness["correlation"].values
-        if np.isin(stiffness["status"].values, ["root", "no root"]).any():
-            known = np.isfinite(correlation).any()
-            alike = (
-                f", and their correlation is {significant(float(np.nanmedian(correlation)), 3)}"
-                if known
-                else ""
-            )
-            parts.append(
-                "Two frequencies fix two stiffnesses, so force by force nothing shows an error of "
-                f"the model{alike}; a third mode, or frequencies of the free beam, would."
-            )
-        misses = stiffness["status"].values == "no root"
-        if misses.any():
-            names = [str(n) for n in stiffness["structure"].values[misses.any(axis=1)]]
-            parts.append(
-                f"With {listed(names)} some measured pairs have no (kn, kt) at all; whether "
-                "geometry, slots or boundary are to blame these frequencies do not say."
-            )
+    status = stages["stiffness"]["status"].values if "stiffness" in stages else []
+    if np.isin(status, ["root", "no root"]).any():
+        parts.append(
+            "Two frequencies fix two stiffnesses, so force by force nothing shows an error of the "
+            "model; a third mode, or frequencies of the free beam, would."
+        )
     if facts["entry"] == "stick frequencies":
         parts.append(
             "The stated errors of the stick frequencies cannot be checked without the records or "

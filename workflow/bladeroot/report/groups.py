@@ -52,16 +52,8 @@ def groups_section(curves: xr.Dataset) -> Section | None:
                 "reach, with its standard error; largest: at one amplitude, where that is sure; "
                 "chance: how often repeats alone would show as much as the mean; scatter: between "
                 "the events of a group",
-                (
-                    "mode",
-                    "quantity",
-                    "mean difference",
-                    "groups",
-                    "largest",
-                    "chance",
-                    "scatter",
-                    "they differ",
-                ),
+                ("mode", "quantity", "mean difference", "groups", "largest", "chance", "scatter",
+                 "they differ"),
                 rows,
             ),
             Table(
@@ -70,7 +62,7 @@ def groups_section(curves: xr.Dataset) -> Section | None:
                 levels,
             ),
         ],
-    )
+    )  # fmt: skip
 
 
 def _largest(one: xr.Dataset) -> str:

@@ -39,18 +39,21 @@ def _kinds(judged: xr.Dataset) -> Table:
 
 
 def _findings(judged: xr.Dataset) -> Table:
-    rows = [
-        (
-            str(judged["finding_record"].values[k]),
+    records: dict[tuple[str, ...], list[str]] = {}
+    for k in range(judged.sizes["finding"]):
+        said = (
             str(judged["finding_id"].values[k]),
             str(judged["finding_consequence"].values[k]),
             _span(judged["finding_from_s"].values[k], judged["finding_to_s"].values[k]),
             str(judged["finding_text"].values[k]),
         )
-        for k in range(judged.sizes["finding"])
+        records.setdefault(said, []).append(str(judged["finding_record"].values[k]))
+    rows = [
+        (names[0] + (f" and {len(names) - 1} more" if len(names) > 1 else ""), *said)
+        for said, names in records.items()
     ]
     header = ("record", "finding", "consequence", "time in the decay / s", "what was found")
-    return Table("Findings, record by record", header, rows)
+    return Table("Findings; what is said alike of several records stands once", header, rows)
 
 
 def _span(first: float, last: float) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, listed, percent, significant
+from bladeroot.report.numbers import fixed, interval, listed, percent, significant
 from bladeroot.report.page import Picture, Table
 
 _HEADER = (
@@ -41,7 +41,6 @@ def joint_parts(found: Sequence[xr.Dataset], drawn: Sequence[Picture]) -> list:
             [_row(one, f) for one in full for f in _ends(one.sizes["force"])],
         ),
         _laws(full),
-        _worth(full),
         _variations(full),
     ]
     return parts
@@ -52,11 +51,8 @@ def _said(one: xr.Dataset) -> str:
     quantile = one["reference_quantile"]
     texts = []
     for name in ("kn", "kt"):
-        low, middle, high = (
-            significant(1e-9 * float(quantile.sel(stiffness=name, quantile=q)), 2)
-            for q in (0.16, 0.5, 0.84)
-        )
-        texts.append(f"{name} {middle} ({low} to {high}) GN/m")
+        middle, ends = interval(quantile.sel(stiffness=name), 0.16)
+        texts.append(f"{name} {middle} ({ends}) GN/m")
     biases = []
     for name in one["parameter"].values:
         if str(name).startswith("bias_"):
@@ -75,7 +71,7 @@ def _said(one: xr.Dataset) -> str:
         f"rms; the worst, {one['level_mode'].values[worst]} at "
         f"{float(one['level_force'][worst]) / 1e3:.1f} kN, by "
         f"{significant(abs(float(z[worst])), 2)} of its standard deviations. The draws "
-        f"are worth {one.attrs['independent_draws']:.0f} independent ones."
+        f"count as {one.attrs['independent_draws']:.0f} independent ones."
     )
     prior = [
         abs(float(one.sel(parameter=n)["posterior_mean"] / one.sel(parameter=n)["prior_std"]))
@@ -100,11 +96,7 @@ def _row(one: xr.Dataset, f: int) -> tuple[str, ...]:
     here = one.isel(force=f)
     cells = [one.attrs["structure"], f"{float(here['force']) / 1e3:g}"]
     for name in ("kn", "kt"):
-        low, middle, high = (
-            significant(1e-9 * float(here["k_quantile"].sel(stiffness=name, quantile=q)), 2)
-            for q in (0.025, 0.5, 0.975)
-        )
-        cells += [middle, f"{low} to {high}"]
+        cells += interval(here["k_quantile"].sel(stiffness=name), 0.025)
     cells += [fixed(float(v), 2) for v in here["ln_std"]]
     cells.append(", ".join(fixed(float(v), 2) for v in here["ln_laplace_std"]))
     cells.append(fixed(float(here["correlation"]), 2))
@@ -135,33 +127,6 @@ def _laws(full: Sequence[xr.Dataset]) -> Table:
         "how much ln k scatters about the law, by clamping or because the law is wrong",
         ("structure", "law", "log evidence", "kn / GN/m", "kt / GN/m", "std ln kn", "std ln kt",
          "scatter"),
-        rows,
-    )  # fmt: skip
-
-
-def _worth(full: Sequence[xr.Dataset]) -> Table:
-    rows = []
-    for one in full:
-        base = one["worth_ln_std"].isel(option=0)
-        for option in one["option"].values:
-            here = one.sel(option=option)
-            std = here["worth_ln_std"]
-            rows.append(
-                (
-                    one.attrs["structure"],
-                    str(option),
-                    *(fixed(float(v), 2) for v in std),
-                    *(percent(float(v), 0) for v in 1.0 - std / base),
-                    fixed(float(here["worth_correlation"]), 2),
-                    *(fixed(float(v), 2) for v in here["worth_combination_std"]),
-                )
-            )
-    return Table(
-        "What would help: expected standard deviations of ln kn and ln kt at 12 kN, by Fisher's "
-        "information at the most probable parameters. A further mode is taken as measured where "
-        "the mode with the most levels was, equally well, with a bias of the model of its own",
-        ("structure", "change", "std ln kn", "std ln kt", "kn better by", "kt better by",
-         "correlation", "stiff", "sloppy"),
         rows,
     )  # fmt: skip
 

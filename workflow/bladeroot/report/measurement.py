@@ -17,8 +17,8 @@ FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.platea
 VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
     "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "
-    "in time (by what the standard error holds)",
-    "plateau not reached": "bending down to their smallest amplitude",
+    "in time (its standard error counts that)",
+    "plateau not reached": "without a plateau, as the frequency changes to the last",
     "rejected": "rejected",
 }
 
@@ -103,7 +103,7 @@ def stick_section(
             "alone.",
             ("mode", words.header, "group", "frequency / Hz", "within / Hz", "between / Hz",
              "loss factor / %", "onset of slip / µm" if of_joint else "onset / µm",
-             "records / holds"),
+             "records / clampings"),
             rows,
         ))  # fmt: skip
     parts += scatter_parts(stick)
@@ -159,14 +159,14 @@ def scatter_parts(stick: xr.Dataset) -> list:
         )
     if not rows:
         return []
-    header = ("mode", "group", "between records / Hz", "freedom", "between holds / Hz", "freedom",
-              "up less down / Hz")  # fmt: skip
+    header = ("mode", "group", "between records / Hz", "freedom", "between clampings / Hz",
+              "freedom", "up less down / Hz")  # fmt: skip
     return [
         Table(
             "What repeats scatter beyond their own errors"
-            + (f", told from all {words.short}s of a mode" if words.load else "")
-            + ": standard deviation between the records of a hold and between holds, with degrees "
-            "of freedom"
+            + (f", from all {words.short}s of a mode" if words.load else "")
+            + ": standard deviation between the records of a clamping and between clampings, with "
+            "degrees of freedom"
             + (", and the difference between loading up and down" if words.load else ""),
             header,
             rows,
@@ -187,7 +187,7 @@ def _printed_errors(stick: xr.Dataset) -> Table:
     return Table(
         "How many times the printed errors of the table its own rows scatter about a smooth law "
         "of the force (median of the rows, 95 % interval): the printed errors are those within a "
-        "record and leave out all that differs between records, holds and readings of the force",
+        "record and leave out all that differs between records, clampings and readings of force",
         ("mode", "stick frequency", "loss factor"),
         rows,
     )
@@ -256,12 +256,12 @@ def _record_table(stick: xr.Dataset) -> Table:
                 str(int(seen["plateau_reached"].sum())),
             )
         )
-    header = ("mode", words.header, "group", "sensor", "records", "holds", "plateau reached")
+    header = ("mode", words.header, "group", "sensor", "records", "clampings", "plateau reached")
     return Table(f"Records of each mode{' and ' + words.short if words.load else ''}", header, rows)
 
 
 def _bounds(stick: xr.Dataset) -> Table:
-    """What the records that still bend at their smallest amplitude tell all the same."""
+    """What the records without a plateau say all the same."""
     rows, words = [], words_of(stick)
     for record in stick["record"].values[stick["verdict"].values == "plateau not reached"]:
         here = stick.sel(record=record)
@@ -276,7 +276,7 @@ def _bounds(stick: xr.Dataset) -> Table:
         )
     return Table(
         "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
-        "still bends; the stick frequency lies beyond it. Limit: where those powers of the "
+        "still changes; the stick frequency lies beyond it. Limit: where those powers of the "
         "amplitude, from the square root upwards, that describe the record would have it end; "
         "slip that saturates at large amplitudes can end outside",
         ("record", "mode", words.header, "frequency / Hz", "limit at zero amplitude / Hz"),
@@ -294,7 +294,7 @@ def _score_parts(stick: xr.Dataset, score: xr.Dataset) -> list:
         f"{reached} records whose plateau is reached, {hit} hit the bench's stuck eigenfrequency "
         f"within three of their stated standard errors (worst {significant(worst, 2)}); the median "
         f"error is {significant(float(error.median()), 2)} ppm. "
-        f"{stick.sizes['record'] - reached} records are reported as not reached or rejected. That "
+        f"Reported as not reached or rejected: {stick.sizes['record'] - reached}. That "
         "is the error within a record; between clampings the joint itself differs, as the table "
         f"shows. The onset of slip is found at {_onset_ratios(stick, score)} times the amplitude "
         "at which the bench's first pair of nodes would slip in a pure mode; what is left of the "

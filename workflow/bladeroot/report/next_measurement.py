@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, listed, percent
+from bladeroot.report.numbers import NONE, fixed, listed, percent
 from bladeroot.report.page import Table
 
 
@@ -32,7 +32,7 @@ def next_sentence(one: xr.Dataset) -> list[str]:
     if float(here["decided"]) > 0.0:
         text += (
             f", {float(here['hours']):.3g} h; it is expected to decide "
-            f"{percent(float(here['decided']), 0)} of the question between {_rivals(one)}"
+            f"{percent(float(here['decided']), 0)} of the question {_question(one)}"
         )
     elif np.isfinite(float(here["size_std"])):
         text += (
@@ -46,10 +46,10 @@ def next_sentence(one: xr.Dataset) -> list[str]:
     return [text + "."]
 
 
-def _rivals(one: xr.Dataset) -> str:
-    """The causes that the measurement is to tell apart, as words."""
-    names = str(one["decided"].attrs["rivals"]).split(";")
-    return listed([name.replace("-", " ") for name in names])
+def _question(one: xr.Dataset) -> str:
+    """What the measurement is to decide: between causes, or whether one acts."""
+    names = [name.replace("-", " ") for name in str(one["decided"].attrs["rivals"]).split(";")]
+    return f"between {listed(names)}" if len(names) > 1 else f"whether {names[0]} acts"
 
 
 def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
@@ -70,10 +70,10 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
         for name in one["option"].values
         for here in [one.sel(option=name)]
     ]
-    if not rows:
+    if all(set(row[3:]) == {NONE} for row in rows):
         return []
     sets = [
-        f"{one.attrs['structure']}: {_rivals(one)}"
+        f"{one.attrs['structure']}: {_question(one)}"
         for one in found
         if "decided" in one and ";" in one["decided"].attrs["rivals"]
     ]
@@ -84,14 +84,8 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
             f"first{' (' + '; '.join(sets) + ')' if sets else ''}. Size: how "
             "much better the first cause's size would be known"
             f"{'. std: of ln k at the reference load' if names else ''}",
-            (
-                "judged",
-                "measurement",
-                "hours",
-                "question decided",
-                "size better by",
-                *(f"std ln {name}" for name in names),
-            ),
+            ("judged", "measurement", "hours", "question decided", "size better by",
+             *(f"std ln {name}" for name in names)),
             rows,
         )
-    ]
+    ]  # fmt: skip

@@ -12,6 +12,9 @@ SLIP = (
     "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the part of each "
     "node pair that slips on one flank."
 )
+_NARROWER = ("structure", "force / kN", "ln kn alone", "ln kn", "ln kt alone", "ln kt",
+             "kn narrower by", "kt narrower by", "area smaller by", "correlation")  # fmt: skip
+_FRICTION = ("structure", "parameter", "value", "factor", "prior", "its factor", "prior's origin")
 _CLOSE = 1.1  # what falls at an amplitude that much off does what the source saw
 
 
@@ -46,32 +49,13 @@ def nonlinear_section(
                 "Standard deviations of ln kn and ln kt under the same law of the force, from the "
                 "frequencies alone and with the curves, and how much smaller they become; area: of "
                 "the ellipse of both",
-                (
-                    "structure",
-                    "force / kN",
-                    "ln kn alone",
-                    "ln kn",
-                    "ln kt alone",
-                    "ln kt",
-                    "kn narrower by",
-                    "kt narrower by",
-                    "area smaller by",
-                    "correlation",
-                ),
+                _NARROWER,
                 [_row(one, f) for one in full for f in range(one.sizes["force"])],
             ),
             Table(
                 "Friction: most probable values at the stiffness found, factor of one standard "
                 "deviation, and the prior's median and factor",
-                (
-                    "structure",
-                    "parameter",
-                    "value",
-                    "factor",
-                    "prior",
-                    "its factor",
-                    "prior's origin",
-                ),
+                _FRICTION,
                 [_friction(one, k) for one in full for k in range(one.sizes["friction"])],
             ),
             "These numbers describe how slip spreads in this joint; they are no measured constants "
@@ -105,7 +89,7 @@ def _said(one: xr.Dataset) -> str:
         f"smaller. {one.sizes['point']} points of curves; where the frequency falls by more than a "
         f"fifth of the largest fall, simulation misses it by {significant(100 * relative, 2)} %; "
         f"in all, simulation misses the fall by {fixed(fall, 2)} of the standard deviations "
-        f"granted and the rise of damping by {fixed(rise, 2)}."
+        f"allowed and the rise of damping by {fixed(rise, 2)}."
     )
     if not one.attrs["converged"]:
         text += " The fit did NOT converge: these numbers are not to be used."

@@ -39,6 +39,13 @@ def percent(ratio: float, digits: int = 1) -> str:
     return fixed(100 * ratio, digits, "%")
 
 
+def interval(quantiles, low: float, digits: int = 2) -> tuple[str, str]:
+    """Median of quantiles of a stiffness (DataArray, N/m) in GN/m, and those of low and 1 - low."""
+    asked = quantiles.sel(quantile=[low, 0.5, 1.0 - low], method="nearest").values
+    ends = [significant(1e-9 * float(value), digits) for value in asked]
+    return ends[1], f"{ends[0]} to {ends[2]}"
+
+
 def listed(words: list[str], last: str = "and") -> str:
     """Words as an enumeration."""
     if len(words) < 2:

@@ -1,8 +1,13 @@
 "use strict";
 // Makes the figures of a page live: each has a still picture and a chart as JSON, which the plotting
-// library draws in its place when it comes into view. Without the library the still ones stay.
-window.addEventListener("DOMContentLoaded", function () {
-  if (!window.Plotly) return;
+// library draws in its place when it comes into view. The library is large, so that it is read once the
+// page is shown; without it the still ones stay.
+const library = document.createElement("script");
+library.src = document.currentScript.dataset.library;
+window.addEventListener("load", function () {
+  setTimeout(function () { document.body.appendChild(library); }, 0);
+});
+library.addEventListener("load", function () {
   const NARROW = 620; // pixels: below it one panel stands in a row
 
   function element(name, parent, text) {

@@ -113,7 +113,7 @@ def _one_mode(stiffness: xr.Dataset) -> list[str]:
     return [
         f"At {listed([f'{force / 1e3:g} kN' for force in forces])} one mode was measured: it fixes "
         "a line of (kn, kt), and along it only the prior says more (ln kn and ln kt alike, the box "
-        "of the model within two standard deviations). Nothing is told of these forces beyond that."
+        "of the model within two standard deviations). Nothing more is known of these forces."
     ]
 
 

@@ -82,7 +82,7 @@ def _boundary_sentence(theory: xr.Dataset) -> str:
         f"width to {100 * abs(theory.attrs['boundary_half_width_difference']):.1f} % (a cell is "
         f"{100 * theory.attrs['boundary_cell']:.1f} %) and the same pressure to "
         f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. They also show "
-        "what the closed forms leave out: these hold the pressure constant along the flank and "
+        "what the closed forms leave out: these keep the pressure constant along the flank and "
         "take the approach at its middle, while a rigid flank of this length presses harder at "
         f"its ends and is stiffer by {listed(stiffer)}."
     )

@@ -68,17 +68,20 @@ def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
     """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
     words, judge = words_of(one), judge_of(one)
     head = f"{against(one, said)}: {answer_of(said)}"
-    first = [f"Measure next: {cause['splitter']}." for cause in said["causes"][:1]]
-    channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
-    of_stick = not said["causes"] or channels.get(said["causes"][0]["mechanism"]) == "stick"
     return Told(
         f"Simulated campaign. {head}" if simulated else head,
         _missing(said, judge),
         _because(one, said),
         odds(said),
         _gain(said, words, judge),
-        (next_sentence(one) if of_stick else []) or first,
+        next_of(one, said),
     )
+
+
+def next_of(one: xr.Dataset, said: Mapping) -> list[str]:
+    """The next measurement: by what it is expected to bring, else by the cause or what lacks."""
+    texts = [*(cause["splitter"] for cause in said["causes"]), *lacks_of(one)]
+    return next_sentence(one) or [f"Measure next: {text}." for text in texts[:1]]
 
 
 def with_open(said: Mapping) -> dict:
@@ -132,7 +135,7 @@ def between_forces(said: Mapping) -> Mapping:
 
 
 def _gain(said: Mapping, words: Words, judge: Judge) -> list[str]:
-    """What the causes are worth at loads left out."""
+    """What the causes gain at loads left out."""
     gain = between_forces(said)
     if not gain:
         return []
@@ -178,7 +181,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
         names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
         texts.append(f"{said['structure']}: {answer_of(said)}{', ' + names if names else ''}")
     return [
-        "Other structures lead elsewhere, so this holds for the one named above: "
+        "Other structures lead elsewhere, so this is true of the one named above only: "
         f"{'; '.join(texts)}."
     ]
 
@@ -243,7 +246,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
             f"What remains of the {listed(sorted(left))}, no cause of the catalogue explains."
         )
     if said["answer"] == "unexplained":
-        lines.append(f"No cause of the catalogue explains it: {said['reason']}.")
+        lines.append("No cause of the catalogue explains it.")
     if said["answer"] == "insufficient-data":
         if one.attrs.get("insufficient"):
             lines.append(f"{one.attrs['insufficient']}.")
@@ -282,7 +285,7 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
                 f"Mind, with {name}: {listed(names)} would explain the records about as well as "
                 f"{plain(cause['mechanism'])} ({fixed(cause['log_evidence'], 1)}), or better where "
                 f"the log evidence in brackets is larger. Not judged, because: {why}. The cause "
-                "above holds as far as that does."
+                "above is as sure as that."
                 for why, names in rivals.items()
             ]
         if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":

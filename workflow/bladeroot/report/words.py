@@ -28,10 +28,6 @@ class Words:
         """A load as a number in a column, a dash without one."""
         return fixed(self.factor * load, digits) if self.load else NONE
 
-    def at(self, load: float) -> str:
-        """` at 12 kN`, or nothing."""
-        return f" at {self.factor * load:.4g} {self.unit}" if self.load else ""
-
     @property
     def at_one(self) -> str:
         """` at one force`, or nothing."""
@@ -100,8 +96,8 @@ CUTS = (
 )
 SPECTRA = (
     "Amplitude spectra of the same free decays before and after the mode was separated, all three "
-    "of the longest stretch that is not masked and where the mode was followed (its times after "
+    "of the longest part that is not masked and where the mode was followed (its times after "
     "the start of the cut in the title; the whole decay where none was). What is left over should "
-    "hold the other modes and the noise, and nothing of the mode: where it stands above the free "
-    "decay the separation failed."
+    "contain the other modes and the noise, and nothing of the mode: where it stands above the "
+    "free decay the separation failed."
 )
