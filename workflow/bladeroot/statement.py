@@ -149,9 +149,7 @@ def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
         for output, said in one["outputs"].items():
             if why.get(output) == "" or not os.path.exists(output):
                 continue
-            if os.path.isfile(output) and not os.path.getsize(output):
-                why[output] = "it is empty"
-            elif contents.of(output) != said:
+            if contents.of(output) != said:
                 why[output] = "it was altered or replaced after it was made"
             else:
                 why[output] = f"{changed[0]} has changed since" if changed else ""
