@@ -54,7 +54,7 @@ AIMED = {
     "half-written artifact": ("results/small/.*.part", "stick"),
     "half-written curves": ("results/small/.*.part", "curves"),
     "half-written statement": ("results/provenance/*/.*.part", "score"),
-    "half-written verdict": ("results/small/diagnosis/.*.part", "verdict"),
+    "half-written drawing": ("results/structures/tiny/.*.part", "shapes"),
     "half-written folder of matrices": ("results/structures/tiny/.*.part", "matrices"),
     "half-written export": ("results/small/.*.part", "export"),
     "half-written report": ("results/small/.*.part", "report"),
