@@ -53,7 +53,8 @@ def make(folder):
 
 def run(folder, *options, before=None):
     """Snakemake in the folder: exit status and what it said. before: called in its process."""
-    told = folder.with_name(f"{folder.name}.said")
+    # a pipe: a file would be cut off where a case lets files be short
+    ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:
         status = 1
@@ -61,9 +62,9 @@ def run(folder, *options, before=None):
             os.setsid()
             signal.alarm(LIMIT_S)
             os.chdir(folder)
-            sys.stdout = sys.stderr = told.open("w", buffering=1)
-            os.dup2(sys.stdout.fileno(), 1)
-            os.dup2(sys.stdout.fileno(), 2)
+            sys.stdout = sys.stderr = os.fdopen(theirs, "w", buffering=1)
+            os.dup2(theirs, 1)
+            os.dup2(theirs, 2)
             if before:
                 before()
             snakemake.cli.main(["-j2", *options])
@@ -72,15 +73,18 @@ def run(folder, *options, before=None):
         finally:
             atexit._run_exitfuncs()
             os._exit(status)
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    return status, told.read_text(errors="replace")
+    os.close(theirs)
+    with os.fdopen(ours, errors="replace") as told:
+        said = told.read()
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said
 
 
 def right(folder):
-    """Whether all results are those of the raw files as they are."""
+    """Whether all results are those of the raw files as they are; what is in between may lack."""
     for name in ("one", "two"):
         raw = (folder / f"{name}.txt").read_text()
         for file, content in (("a.nc", raw.upper()), ("b.nc", 2 * raw.upper())):
-            if (folder / "results" / name / file).read_text() != content:
+            place = folder / "results" / name / file
+            if (file == "b.nc" or place.exists()) and place.read_text() != content:
                 return False
     return True

@@ -39,7 +39,7 @@ class Contents:
         self._place = Path(place) if place else None
         self._known, self._read = {}, 0
         with suppress(OSError, ValueError, AttributeError, TypeError, RecursionError):
-            known = json.loads(self._place.read_text(encoding="utf-8"))
+            known = _read_json(self._place)
             self._known = {str(path): (list(who), str(what)) for path, (who, what) in known.items()}
 
     def of(self, path: str | Path) -> str:
@@ -81,6 +81,12 @@ class Contents:
             # they only save time
             with suppress(ValueError):
                 artifacts.save_text(json.dumps(self._known), self._place)
+
+
+def _read_json(path: Path) -> object:
+    if not path.is_file():  # a pipe has no end
+        raise ValueError(f"{path} is not a file")
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def _hash(path: str | Path) -> str:
@@ -133,7 +139,7 @@ def statements(results: Path) -> list[dict]:
     found = []
     for place in sorted((results / FOLDER).rglob("*.json")):
         with suppress(OSError, ValueError, RecursionError):
-            stated = json.loads(place.read_text(encoding="utf-8"))
+            stated = _read_json(place)
             if _is_statement(stated, results):
                 found.append(stated)
     return found
@@ -210,12 +216,13 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
     for path in late:
         contents.set_time(path, _LONG_AGO)
     newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
-    newest = max(newest, 2 * _LONG_AGO)
+    newest, now = max(newest, 2 * _LONG_AGO), time.time()
     for path in _inputs_of(late, stated) - late.keys():
-        if _time(path) <= _LONG_AGO:  # as some archives leave it
-            contents.set_time(path, newest)
+        # as some archives leave it, or of a clock that is ahead, which Snakemake refuses
+        if not _LONG_AGO < _time(path) <= now:
+            contents.set_time(path, min(newest, now))
     if any(_older_than_inputs(one, why) for one in stated):
-        newest = max(time.time(), newest)
+        newest = max(now, newest)
         for path, reason in why.items():
             if not reason:
                 contents.set_time(path, newest)

@@ -1,6 +1,7 @@
 # What is current: decided by content, before Snakemake looks at times (CONTRIBUTING.md, "What is done again").
 import atexit
 import logging
+import os
 import shutil
 
 from snakemake.logging import logger
@@ -15,6 +16,19 @@ DAGSettings.max_checksum_file_size = property(lambda _: 0, lambda *_: None)
 
 RESULTS = Path("results")
 CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")
+
+
+def refuse_what_is_no_folder():
+    """End in a line where a file, or a link to nowhere, stands in a folder's place."""
+    names = (*CAMPAIGNS, "structures", "bench", "logs", "benchmarks", statement.FOLDER)
+    usual = Path(".snakemake")
+    for place in (usual, RESULTS, usual / "bladeroot_runs", *map(RESULTS.joinpath, names)):
+        if os.path.lexists(place) and not place.is_dir():
+            print(
+                f"bad input: {place} must be a folder; move away what is there",
+                file=sys.stderr,
+            )
+            sys.exit(1)
 
 
 def keep_records_with_results():
@@ -121,6 +135,12 @@ def begin():
     if alone:
         runs.remove_what_is_left()
         settle()
+    else:
+        print(
+            "another run is at work here, or was when its machine went: what is current is told by times alone"
+            f" (signs: {Path('.snakemake') / 'bladeroot_runs'})",
+            file=sys.stderr,
+        )
     logger.addHandler(STATED)
     return run
 
@@ -128,5 +148,6 @@ def begin():
 # With a storage plugin results are elsewhere, and Snakemake decides by itself.
 RUN = None
 if workflow.is_main_process and not workflow.storage_settings.default_storage_prefix:
+    refuse_what_is_no_folder()
     keep_records_with_results()
     RUN = begin()
