@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
 # What a campaign's texts may hold: to every page and report it is a text.
 HOSTILE = (
-    "</script><script>alert(1)</script>--><img src=x onerror=alert(1)> {{ 7 * 7191 }}"
+    "</script><script>alert(1)</script>--><img src=x onerror=alert(1)> {{ 7 * 71917191 }}"
     " {% include 'secret.txt' %} {record} `a <javascript:alert(1)>`_ |x|\n\n.. raw:: html\n\n"
     "   <script>alert(1)</script>\n\n.. include:: secret.txt\n"
 )

@@ -446,5 +446,3 @@ def test_results_that_may_only_be_read_are_looked_at(folder, tiny):
     status, said = tiny.run(folder, "--dry-run")
     assert (status, "Nothing to be done" in said) == (0, True), said
     assert "Traceback" not in said
-
-

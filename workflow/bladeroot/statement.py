@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from bladeroot import artifacts
-from bladeroot.provenance import canonical_json
+from bladeroot.provenance import canonical_json, environment
 from bladeroot.schema import parse_yaml
 
 FOLDER = "provenance"
@@ -130,14 +130,15 @@ def state(
         "outputs": outputs,
         "settings": settings,
         "config": config,
+        "environment": environment(),
     }
     artifacts.save_text(json.dumps(stated, indent=1), place)
 
 
-def statements(results: Path) -> list[dict]:
-    """All statements; one that is damaged says nothing, and its job is done again."""
+def statements(results: Path, stage: str = "") -> list[dict]:
+    """All statements, or a stage's; one that is damaged says nothing, and its job is done again."""
     found = []
-    for place in sorted((results / FOLDER).rglob("*.json")):
+    for place in sorted((results / FOLDER / stage).rglob("*.json")):
         with suppress(OSError, ValueError, RecursionError):
             stated = _read_json(place)
             if _is_statement(stated, results):

@@ -22,7 +22,12 @@ def refuse_what_is_no_folder():
     """End in a line where a file, or a link to nowhere, stands in a folder's place."""
     names = (*CAMPAIGNS, "structures", "bench", "logs", "benchmarks", statement.FOLDER)
     usual = Path(".snakemake")
-    for place in (usual, RESULTS, usual / "bladeroot_runs", *map(RESULTS.joinpath, names)):
+    for place in (
+        usual,
+        RESULTS,
+        usual / "bladeroot_runs",
+        *map(RESULTS.joinpath, names),
+    ):
         if os.path.lexists(place) and not place.is_dir():
             print(
                 f"bad input: {place} must be a folder; move away what is there",
@@ -48,6 +53,19 @@ def keep_records_with_results():
         usual.rename(kept)
     kept.mkdir(exist_ok=True)
     usual.symlink_to(Path("..") / kept)
+
+
+def tell_other_folders():
+    """Results of another campaign folder of the same name, which this run replaces."""
+    stated = statement.statements(RESULTS, "report")
+    for place in {Path(path).parent for one in stated for path in one["inputs"]}:
+        campaign = CAMPAIGNS.get(place.name)
+        other = campaign and (place / "campaign.yaml").is_file()
+        if other and not campaign.folder.samefile(place):
+            print(
+                f"warning: results/{place.name} are those of {place}, and become those of {campaign.folder}",
+                file=sys.stderr,
+            )
 
 
 def settle():
@@ -149,5 +167,6 @@ def begin():
 RUN = None
 if workflow.is_main_process and not workflow.storage_settings.default_storage_prefix:
     refuse_what_is_no_folder()
+    tell_other_folders()
     keep_records_with_results()
     RUN = begin()
