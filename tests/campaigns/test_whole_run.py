@@ -77,7 +77,7 @@ def test_time_of_every_rule_is_gathered(house):
 
 
 def test_snakemakes_own_report_has_the_pages_and_executes_nothing(house, floors):
-    """Neither in its own page nor in ours is a text of the campaign a tag, a script or a template."""
+    """In its page and in ours no text of a campaign is a tag, a script or a template."""
     secret = house.folder / "secret.txt"
     secret.write_text("that nobody includes")
     house.run("--report", "archive.zip", "--config", f"campaigns=small,{floors}")

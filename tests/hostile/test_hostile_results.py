@@ -1,9 +1,10 @@
-"""Results that were copied by halves, replaced, linked, aged, or shared with strangers: one command.
+"""Results that were copied by halves, replaced, linked, aged, or shared: one command.
 
 Each case changes a finished folder of the tiny workflow. The same command must then end with the
 results of the raw files as they are, redo nothing that was right (`again` says what it does), and
 leave nothing to do; or say in one line what is wrong (`told`), and do nothing.
 """
+# ruff: noqa: E501
 
 import fcntl
 import json

@@ -65,7 +65,8 @@ def code_hash(*files: str | Path) -> str:
     Several files (a script and a user's mechanisms) are hashed together. Syntax trees without
     docstrings are hashed: a comment, a docstring or a line break changes nothing, any real change
     does. With a module count the files beside it that are no code (a page's template and style) and
-    the schemas that it names; with a user's own the files that its texts name. Raises SyntaxError when a module cannot be parsed.
+    the schemas that it names; with a user's own the files that its texts name. Raises SyntaxError when
+    a module cannot be parsed.
     """
     known = _known()
     before = len(known)
