@@ -1,8 +1,8 @@
 """The table of faults, from what the tests reported.
 
-    pytest -m "slow or not slow" tests/hostile tests/campaigns/test_rerun_table.py \\
-        --junitxml=faults.xml
-    python tests/hostile/matrix.py faults.xml [more.xml] > docs/faults.md
+    pytest -m "slow or not slow" --junitxml=faults.xml tests/hostile
+    pytest -m "slow or not slow" --junitxml=reruns.xml tests/campaigns/test_rerun_table.py
+    python tests/hostile/matrix.py faults.xml reruns.xml > tests/hostile/faults.md
 
 A row a file of tests: what it says of itself, its cases, and how many passed, failed and were left
 out. The kills are those of `kills.json`.
@@ -36,8 +36,8 @@ def table(reports):
     lines = [
         "# Faults",
         "",
-        "Made by `tests/hostile/matrix.py` from the tests' own reports; what they ask of each case",
-        "stands at the head of each file in `tests/hostile/` and `tests/campaigns/`.",
+        "Made by `matrix.py` from the tests' own reports; what they ask of each case stands at the",
+        "head of each file here and in `tests/campaigns/`.",
         "",
         "| class | cases | passed | failed | left out |",
         "|---|---|---|---|---|",

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -22,8 +23,8 @@ _SCHEMAS = _LIBRARY / "schemas"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 # What arithmetic depends on besides the library's own code.
 NUMERICAL = ("numpy", "scipy", "numba", "llvmlite")
-# Signs of a text that may be a path.
-_LONGEST = 1000
+# A text that may be a file's path: with an ending.
+_FILE = re.compile(r"[^\n\0]{1,255}\.\w{1,8}")
 # Functions of `bladeroot.schema` that are given a schema's name.
 _CHECKS = ("read_yaml", "check")
 # What is known of sources, by the hash of their text: to parse a whole library takes seconds.
@@ -65,8 +66,8 @@ def code_hash(*files: str | Path) -> str:
     Several files (a script and a user's mechanisms) are hashed together. Syntax trees without
     docstrings are hashed: a comment, a docstring or a line break changes nothing, any real change
     does. With a module count the files beside it that are no code (a page's template and style) and
-    the schemas that it names; with a user's own the files that its texts name. Raises SyntaxError when
-    a module cannot be parsed.
+    the schemas that it names; with a user's own the files that its texts name. Raises SyntaxError
+    when a module cannot be parsed.
     """
     known = _known()
     before = len(known)
@@ -126,7 +127,7 @@ def _source(path: Path) -> dict:
             "tree": hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
             "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
             "schemas": [name for node in ast.walk(tree) for name in _schema_names(node)],
-            "files": [] if path.is_relative_to(_LIBRARY) else _file_names(tree),
+            "files": _file_names(tree),
         }
     return _known()[key]
 
@@ -153,9 +154,9 @@ def _schema_names(node: ast.AST) -> list[str]:
 
 
 def _file_names(tree: ast.Module) -> list[str]:
-    """Texts of a user's module that may name a file."""
+    """Texts of a module that may name a file."""
     texts = {one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)}
-    return sorted(one for one in texts if isinstance(one, str) and one.isprintable() and "." in one)
+    return sorted(one for one in texts if isinstance(one, str) and _FILE.fullmatch(one))
 
 
 @cache
@@ -165,9 +166,10 @@ def _read_by(path: Path) -> frozenset[Path]:
     Of a user's module those, beside it or elsewhere, whose names stand in it as texts.
     """
     named = [_SCHEMAS / f"{name}.schema.yaml" for name in _source(path)["schemas"]]
-    named += [path.parent / name for name in _source(path)["files"] if len(name) < _LONGEST]
+    ours = path.is_relative_to(_LIBRARY)
+    named += [] if ours else [path.parent / name for name in _source(path)["files"]]
     read = {one for one in named if os.path.isfile(one)}
-    if path.is_relative_to(_LIBRARY):
+    if ours:
         read |= {
             beside
             for beside in path.parent.iterdir()

@@ -182,6 +182,12 @@ def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
     return why
 
 
+def other_environment(stated: dict) -> str:
+    """What a job was done with, if it is not what is here: versions of Python and libraries."""
+    was = stated.get("environment", environment())
+    return "" if was == environment() else f"made with {was}, and here is {environment()}"
+
+
 def unstated(results: Path, known: Iterable[str]) -> list[str]:
     """What looks like an output and no statement names: of another version, or of a cut-off job."""
     named, found = set(known), []

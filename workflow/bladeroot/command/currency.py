@@ -8,7 +8,6 @@ from pathlib import Path
 
 from bladeroot import statement
 from bladeroot.command.run import CHECKOUT
-from bladeroot.provenance import environment
 
 _JOB = re.compile(r"^Job \d+: (.*)\nReason: (.*)", re.MULTILINE)
 # Snakemake's reasons that begin with a job itself; what files hold is told from statements.
@@ -41,8 +40,7 @@ def why_not_current(target: str) -> list[str]:
     lines = [f"{path}: {content[path]}" for path in _behind(target, stated) if content.get(path)]
     for stage, reason in _JOB.findall(text):
         lines += [f"{stage}: {ours}" for said, ours in _WORDS.items() if said in reason]
-    was = made[-1].get("environment", environment())
-    lines += [f"made with {was}, and here is {environment()}"] * (was != environment())
+    lines += filter(None, [statement.other_environment(made[-1])])
     return lines or ["what it stands on is not current"]
 
 
