@@ -19,10 +19,10 @@ from bladeroot.rom.parametric import (
     frequencies,
     frequencies_gradient,
     frequencies_hessian,
-    parametric_model,
     ritz_of,
     surface_of,
 )
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.rom.ritz import error_bound, frequency, solve
 from bladeroot.rom.sensitivity import (

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from bladeroot.inference.gaussian import Fit, Prior, Problem, State, best_fit
+from bladeroot.inference.gaussian import Fit, Prior, State, best_fit, with_known_errors
 
 _STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
 _LEAST_GAIN = 1e-8  # nats
@@ -54,13 +54,12 @@ def fit_stiffness(
     prior: Prior,
 ) -> StiffnessFit:
     """The stiffnesses that measured ln f ask for; std: of measurement and model together."""
-    errors, nothing = np.diag(std**2), Prior(np.zeros(0), np.zeros(0))
 
     def predict(ln_k: ndarray) -> State:
         value, slope, inside = frequencies(ln_k)
         return State(value, slope, {}, inside)
 
-    problem = Problem(ln_measured, predict, lambda *_: (errors, list), prior, nothing)
+    problem = with_known_errors(ln_measured, predict, np.diag(std**2), prior)
     starts = [prior.mean + step * prior.std for step in _STARTS]
     found = best_fit(problem, starts, least=_LEAST_GAIN)
     misfit = (ln_measured - found.state.mean) / std
