@@ -3,8 +3,9 @@
     python benchmarks/amplitude_coverage.py results/structures/dovetail-HB --truths 20
 
 A truth is a virtual bench whose stiffness law, friction, pressure, waviness, gauge and deviation
-from the model are drawn; its curves are those of `bench/curves.py`, one quasi-static cycle in place
-of records, with errors as records leave them. The inference gets stick frequencies and curves only.
+from the model are drawn; its curves are those of `tests/blind/bench_curves.py`, one quasi-static
+cycle in place of records, with errors as records leave them. The inference gets stick frequencies
+and curves only.
 Printed by truth and in all: which law was taken, how much narrower the curves make ln kn, ln kt and
 the area of their ellipse, and the share of the region on whose edge the truth lies, for three ways
 to choose the law.
@@ -17,6 +18,7 @@ by as much but mostly alike; `none`. With `--alone` there are no curves.
 import argparse
 import os
 import secrets
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +29,6 @@ import numpy as np
 import xarray as xr
 import yaml
 from bladeroot.bench.conditions import baseline, reading
-from bladeroot.bench.curves import campaign_curves, few_dofs
 from bladeroot.bench.joint import parts
 from bladeroot.bench.programme import programme
 from bladeroot.diagnosis.observations import Gauge, observations
@@ -42,6 +43,9 @@ from bladeroot.stiffness.joint import freest, models_of
 from bladeroot.stiffness.model import map_estimate
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
+from bench_curves import campaign_curves, few_dofs
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from bladeroot.inference.gaussian import Fit, Prior, State, best_fit, with_known_errors
 
@@ -64,6 +64,6 @@ def fit_stiffness(
     found = best_fit(problem, starts, least=_LEAST_GAIN)
     misfit = (ln_measured - found.state.mean) / std
     square, freedom = float(misfit @ misfit), ln_measured.size - prior.mean.size
-    chance = float(chi2.sf(square, freedom)) if freedom > 0 else 1.0
+    chance = float(chdtrc(freedom, square)) if freedom > 0 else 1.0
     gain = found.covariance @ (found.state.slope / std[:, None] ** 2).T
     return StiffnessFit(found, misfit, gain, square, freedom, chance)
