@@ -45,5 +45,4 @@ def bare(tmp_path_factory) -> House:
 @pytest.fixture
 def untouched(house, tmp_path) -> House:
     """A copy of the finished house with its times, for one change."""
-    left = shutil.ignore_patterns("log")
-    return House(shutil.copytree(house.folder, tmp_path / "copy", symlinks=True, ignore=left))
+    return house.copied(tmp_path / "copy")

@@ -1,5 +1,6 @@
 """A small copy of the house in which whole runs can be made, broken and repaired."""
 
+import json
 import os
 import re
 import shutil
@@ -20,6 +21,12 @@ from forked import forked
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = Path(__file__).parent / "small"
+# What a campaign's texts may hold: to every page and report it is a text.
+HOSTILE = (
+    "</script><script>alert(1)</script>--><img src=x onerror=alert(1)> {{ 7 * 71917191 }}"
+    " {% include 'secret.txt' %} {record} `a <javascript:alert(1)>`_ |x|\n\n.. raw:: html\n\n"
+    "   <script>alert(1)</script>\n\n.. include:: secret.txt\n"
+)
 
 
 @dataclass(frozen=True)
@@ -77,6 +84,11 @@ class House:
         planned.pop("all", None)
         return planned
 
+    def copied(self, place: Path) -> "House":
+        """A copy with its times."""
+        left = shutil.ignore_patterns("log")
+        return House(shutil.copytree(self.folder, place, symlinks=True, ignore=left))
+
     def edit(self, path: str, old: str, new: str) -> None:
         file = self.folder / path
         text = file.read_text()
@@ -130,12 +142,17 @@ def matrices_lab(folder: Path, structures: str) -> Path:
 
 
 def floors_lab(folder: Path) -> Path:
-    """Two modes, two sensors, two places of the blow, a spoilt file; no load, no structure."""
-    sheet = ["record,file,mode,channel,group,unit", "bad,bad.csv,low,top,blow 1,m/s"]
+    """Two modes, two sensors, two places of the blow, a spoilt file; no load, no structure.
+
+    Its texts are hostile.
+    """
+    note = HOSTILE.replace("\n", " ")
+    sheet = ["record,file,mode,channel,group,unit,note", f"bad,bad.csv,low,top,blow 1,m/s,{note}"]
     seen = ("top;foot", "top;foot", "top", "top")
-    sheet += [f"b{k},b{k}.csv,all,{seen[k]},blow {k % 2 + 1},m/s" for k in range(4)]
+    sheet += [f"b{k},b{k}.csv,all,{seen[k]},blow {k % 2 + 1},m/s,{note}" for k in range(4)]
     modes = "modes:\n  low: {expected_Hz: 20}\n  high: {expected_Hz: 55}\n"
-    lab(folder, sheet, "title: Two floors\n" + modes)
+    texts = {"title": f"Two floors {HOSTILE}", "notes": HOSTILE}
+    lab(folder, sheet, "".join(f"{k}: {json.dumps(text)}\n" for k, text in texts.items()) + modes)
     (folder / "bad.csv").write_text("time_s,top,foot\n0,nan,1\n")
     t = np.arange(0, 12, 1e-3)
     rng = np.random.default_rng(0)

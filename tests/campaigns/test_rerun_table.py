@@ -273,6 +273,22 @@ TABLE = [
 ]  # fmt: skip
 
 
+def check(case, house, copy, *targets, beyond=frozenset()):
+    """Make a case's change in a copy of a finished house, and look at what is planned then.
+
+    beyond: stages that the targets do not stand on.
+    """
+    _, change, must, *may = case
+    reads = followers(house.folder)
+    change(copy.folder)
+    found = set(copy.planned(*targets))
+    least, most = (
+        closed(set(names), reads) for names in (must.split(), " ".join([must, *may]).split())
+    )
+    assert least - found - beyond == set(), "stale"
+    assert found - most == set(), "too much"
+
+
 def followers(folder):
     """Stages that read what a stage made, from the statements of a finished house."""
     made, reads = {}, defaultdict(set)
@@ -303,15 +319,7 @@ def closed(stages, reads):
     [pytest.param(case, id=case[0], marks=[pytest.mark.slow] * (case in TABLE)) for case in QUICK + TABLE],
 )  # fmt: skip
 def test_what_a_change_redoes(case, house, untouched):
-    _, change, must, *may = case
-    reads = followers(house.folder)
-    change(untouched.folder)
-    found = set(untouched.planned())
-    least, most = (
-        closed(set(names), reads) for names in (must.split(), " ".join([must, *may]).split())
-    )
-    assert least - found == set(), "stale"
-    assert found - most == set(), "too much"
+    check(case, house, untouched)
 
 
 AGAIN = (
@@ -327,3 +335,84 @@ def test_an_added_record_redoes_its_batch_and_what_aggregates_it(untouched):
     added = ["r900", "r900.nc", *lines[1].split(",")[2:]]
     sheet.write_text("\n".join([*lines[:2], ",".join(added), *lines[2:]]) + "\n")
     assert untouched.planned() == Counter(AGAIN.split())
+
+
+# --- a model file with a mechanism of one's own, which imports a neighbour and reads a table
+
+OWN = """import numpy as np
+from pathlib import Path
+from bladeroot.mechanisms.mechanism import Mechanism, Parameter, StickEffect
+from laws import scale
+
+SIZE = Parameter("size", "1", 0.0, float(Path(__file__).with_name("prior.txt").read_text()),
+                 -1.0, 1.0, "made up")
+
+
+def stick(records, values):
+    slope = scale(records.force)[:, None]
+    return StickEffect(changes={"ln_f": slope[:, 0] * values[0]}, slopes={"ln_f": slope})
+
+
+MECHANISM = Mechanism("wire", "level", "a wire pulls", (SIZE,), "cut it", stick=stick)
+"""
+MODEL = """schema: bladeroot-extension-1
+campaign: small
+structure: tiny
+contact: {}
+mechanisms:
+- {mechanism: wire, parameters: {size: {value: 0.0001, std: 0.0001, unit: '1'}}}
+"""
+EXTENDED = [f"{RESULTS}extended/tiny/{name}.nc" for name in ("joint", "parametric")]
+EXTENDED.append(f"{RESULTS}diagnosis/tiny.json")
+ALL_OWN = "diagnosis extended_structure extended_joint"
+OF_MODEL = "extended_structure extended_joint"
+MODEL_TABLE = [
+    ("nothing", lambda folder: None, NOTHING),
+    ("mechanism", put("own/wire.py", "values[0]", "2 * values[0]"), ALL_OWN),
+    ("mechanism, older time", put_older("own/wire.py", "values[0]", "2 * values[0]"), ALL_OWN),
+    ("mechanism, comment", remark("own/wire.py"), NOTHING, "diagnosis"),
+    ("mechanism touched", touched("own/*"), NOTHING),
+    ("neighbour", put("no/laws.py", "1e4", "2e4"), ALL_OWN),
+    ("neighbour, older time", put_older("no/laws.py", "1e4", "2e4"), ALL_OWN),
+    ("neighbour, lost .snakemake", both(FORGET, put("no/laws.py", "1e4", "2e4")), ALL_OWN),
+    ("neighbour's neighbour", put("no/lib/units.py", "KILO = 1e3", "KILO = 2e3"), ALL_OWN),
+    ("table that it reads", put("own/prior.txt", "1", "2"), ALL_OWN),
+    ("table that it reads, older time", put_older("own/prior.txt", "1", "2"), ALL_OWN),
+    ("a file that nobody reads", new("own/notes.txt", "mine"), NOTHING),
+    ("another mechanism", new("own/another.py", OWN.replace('"wire"', '"rope"')), ALL_OWN),
+    ("mechanism renamed", put("own/wire.py", '"wire"', '"rope"'), ALL_OWN),
+    ("shipped mechanism", code("mechanisms/drift.py"), ALL_OWN),
+    ("model, value", put("own.model.yaml", "value: 0.0001", "value: 0.0002"), OF_MODEL),
+    ("model, older time", put_older("own.model.yaml", "value: 0.0001", "value: 0.0002"), OF_MODEL),
+    ("model, comment", remark("own.model.yaml"), NOTHING),
+    ("model touched", touched("own.model.yaml"), NOTHING),
+    ("model of another place", both(lambda f: shutil.copy(f / "own.model.yaml", f / "b.yaml"), put(CONFIG, "own.model", "b")), OF_MODEL),
+    ("extended joint altered", bytes_of(EXTENDED[0], lambda b: b + b"x"), "extended_joint"),
+    ("priors of the search", put(CONFIG, "1B: 0.5", "1B: 0.4"), "extended_joint diagnosis", "search joint amplitude"),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def extended(house, tmp_path_factory):
+    """A house that has run with a mechanism of its own, and a model file that names it."""
+    made = house.copied(tmp_path_factory.mktemp("extended") / "house")
+    (made.folder / "own").mkdir()
+    (made.folder / "no" / "lib").mkdir()
+    new("own/wire.py", OWN)(made.folder)
+    new("own/prior.txt", "1e-3")(made.folder)
+    laws = "from lib.units import KILO\n\n\ndef scale(force):\n    return force / (1e4 * KILO)\n"
+    new("no/laws.py", laws)(made.folder)
+    new("no/lib/units.py", "KILO = 1e3\n")(made.folder)
+    new("own.model.yaml", MODEL)(made.folder)
+    made.edit(CONFIG, 'model: ""', "model: own.model.yaml")
+    made.edit(CONFIG, 'mechanisms: ""', "mechanisms: own")
+    made.run(*EXTENDED)
+    return made
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", MODEL_TABLE, ids=lambda case: case[0])
+def test_what_a_change_of_an_extended_model_redoes(case, extended, tmp_path):
+    check(
+        case, extended, extended.copied(tmp_path / "copy"), *EXTENDED, beyond={"verdict", "report"}
+    )

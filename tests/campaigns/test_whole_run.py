@@ -9,6 +9,7 @@ import zipfile
 import numpy as np
 import pytest
 import xarray as xr
+from answers import Tags
 
 
 def load(house, name):
@@ -75,11 +76,28 @@ def test_time_of_every_rule_is_gathered(house):
     assert all(float(row["total_s"]) >= 0 for row in rows.values())  # a copy takes no time
 
 
-def test_snakemakes_own_report_has_the_pages(house):
-    house.run("--report", "archive.zip")
+def test_snakemakes_own_report_has_the_pages_and_executes_nothing(house, floors):
+    """In its page and in ours no text of a campaign is a tag, a script or a template."""
+    secret = house.folder / "secret.txt"
+    secret.write_text("that nobody includes")
+    house.run("--report", "archive.zip", "--config", f"campaigns=small,{floors}")
+    secret.unlink()
     with zipfile.ZipFile(house.folder / "archive.zip") as archive:
-        names = [name.rpartition("/")[2] for name in archive.namelist()]
-    assert {"index.html", "measurement.html", "plotly.min.js"} <= set(names)
+        names = {name.rpartition("/")[2] for name in archive.namelist()}
+        assert {"index.html", "measurement.html", "plotly.min.js", "report.html"} <= names
+        pages = {
+            name: archive.read(name).decode() for name in archive.namelist() if ".html" in name
+        }
+    assert sum("alert(1)" in page for page in pages.values()) > 3
+    for name, page in pages.items():
+        assert "that nobody includes" not in page, name
+        assert str(7 * 71917191) not in page, name
+        tags = Tags(page)
+        assert ("img", "src", "onerror") not in tags.seen, name
+        assert not any(one.startswith(("javascript:", "alert")) for one in tags.values), name
+        for script in tags.scripts:
+            if "alert(1)" in script:  # nothing but data
+                json.loads(re.fullmatch(r"\s*(?:var \w+ = )?(.*?);?\s*", script, re.DOTALL)[1])
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 import signal
 from contextlib import contextmanager
+from html.parser import HTMLParser
 
 LIMIT_S = 20.0
 LONGEST = 1500  # signs of a line that a person still reads
@@ -45,3 +46,25 @@ def answer(work, names, told=""):
         assert names in line, line
     assert told in text, text
     return lines
+
+
+class Tags(HTMLParser):
+    """All tags of a page with their attributes, and the texts of its scripts."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.seen, self.values, self.scripts = set(), [], []
+        self._script = False
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.seen.add((tag, *(name for name, _ in attrs)))
+        self.values += [value for _, value in attrs if value]
+        self._script = tag == "script"
+
+    def handle_endtag(self, tag):
+        self._script = False
+
+    def handle_data(self, data):
+        if self._script:
+            self.scripts.append(data)

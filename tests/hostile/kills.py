@@ -1,49 +1,63 @@
-"""Kill runs of the small campaign at random and at aimed moments: one command continues each.
+"""Kill runs of the small campaign at random and at aimed moments, time after time, then continue.
 
-    python tests/hostile/kills.py FOLDER [--random 200] [--aimed 20] [--seed 1]
+    python tests/hostile/kills.py FOLDER [--random 200] [--aimed 20] [--seed 1] [--json FILE]
 
-FOLDER gets the small house, if it is not there, and keeps it. A trial deletes some of its results,
-starts a run, kills it with all that it started (or alone, so that its jobs outlive it), gives the
-command once more (or twice at once) and compares every result byte by byte with those of the run
-that nobody disturbed.
+FOLDER gets the small house, if it is not there, and keeps it. A chain deletes some results, starts
+the run, kills it (with all that it started, or alone, so that its jobs outlive it; or two that were
+started at once), gives the same command again and kills that, and so on; a run that ends before it
+is killed begins with the results deleted again. After each kill every file that is there must have
+the bytes that it has in a run that nobody disturbed; the chain's last command, undisturbed, must
+end well with all of them, leave no part and nothing to do. A chain that fails is repeated a kill at
+a time. Runs are forks of this process: Snakemake is loaded once.
 """
 
 import argparse
+import atexit
+import json
 import os
 import random
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections import Counter
+from datetime import UTC, datetime
 from pathlib import Path
+
+import snakemake.cli
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "campaigns"))
 from house import House, copy_house
 
 LIMIT_S = 900.0
-# What a trial deletes, and what it asks for besides the report: stages that take a second or two.
+KILLS = 10  # of a chain
+# What a chain deletes and asks for: stages that take a second or two.
 SMALL, TINY = "results/small", "results/structures/tiny"
-WORK = [
-    [f"{SMALL}/stick.nc", f"{SMALL}/report.html"],
-    [f"{SMALL}/theory.nc", f"{SMALL}/report.html"],
-    [f"{SMALL}/score.nc", f"{SMALL}/report.html"],
-    [f"{SMALL}/curves.nc", f"{SMALL}/report.html"],
-    [f"{TINY}/modes.svg", f"{TINY}/shapes.nc", f"{SMALL}/report.html"],
-    [f"{TINY}/matrices-mtx", f"{SMALL}/report.html"],
-    [f"{SMALL}/export", f"{SMALL}/diagnosis/verdict.json", f"{SMALL}/report.html"],
-]
-# Moments that are waited for: a pattern of a file that is there for a moment, of which work.
+WORK = {
+    "stick": f"{SMALL}/stick.nc",
+    "theory": f"{SMALL}/theory.nc",
+    "score": f"{SMALL}/score.nc",
+    "curves": f"{SMALL}/curves.nc",
+    "shapes": f"{TINY}/modes.svg",
+    "map": f"{TINY}/map/12000.nc",
+    "verdict": f"{SMALL}/diagnosis/verdict.json",
+    "matrices": f"{TINY}/matrices-mtx",
+    "export": f"{SMALL}/export",
+    "report": f"{SMALL}/report.html",
+}
+LIGHT = [name for name in WORK if name != "report"]
+# Moments that are waited for: a file that is there for a moment, while which work is done.
 AIMED = {
-    "Snakemake's lock": (".snakemake/locks/*.lock", 0),
-    "a job that began": (".snakemake/incomplete/*", 1),
-    "a half-written artifact": ("results/small/.*.part", 2),
-    "half-written curves": ("results/small/.*.part", 3),
-    "a statement": ("results/provenance/**/.*.part", 4),
-    "a half-written folder of matrices": ("results/structures/tiny/.*.part", 5),
-    "a half-written export": ("results/small/.*.part", 6),
-    "the sign of a run": (".snakemake/bladeroot_runs/running-*", 0),
+    "Snakemake's lock": (".snakemake/locks/*.lock", "score"),
+    "the sign of a run": (".snakemake/bladeroot_runs/running-*", "score"),
+    "a job that began": (".snakemake/incomplete/*", "theory"),
+    "half-written artifact": ("results/small/.*.part", "stick"),
+    "half-written curves": ("results/small/.*.part", "curves"),
+    "half-written statement": ("results/provenance/*/.*.part", "score"),
+    "half-written drawing": ("results/structures/tiny/.*.part", "shapes"),
+    "half-written folder of matrices": ("results/structures/tiny/.*.part", "matrices"),
+    "half-written export": ("results/small/.*.part", "export"),
+    "half-written report": ("results/small/.*.part", "report"),
 }
 
 
@@ -53,98 +67,174 @@ def contents(house):
     found = {}
     for path in sorted((house.folder / "results").rglob("*")):
         name = path.relative_to(house.folder / "results")
-        if path.is_file() and name.parts[0] not in beside and not path.name.startswith(".snake"):
+        hidden = any(part.startswith(".") for part in name.parts)
+        if name.parts[0] not in beside and not hidden and path.is_file():
             found[str(name)] = path.read_bytes()
     return found
 
 
-def started(house, work):
-    targets = [one for one in work if one.endswith(("matrices-mtx", "export"))]
-    return subprocess.Popen(
-        house.command(f"{SMALL}/report.html", *work, *targets),
-        cwd=house.folder, env=house.environment, start_new_session=True,
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+def start(house, *asked):
+    """A run in a session of its own; its process id."""
+    child = os.fork()
+    if child:
+        return child
+    status = 1
+    try:
+        os.setsid()
+        os.chdir(house.folder)
+        os.environ.update(house.environment)
+        said = os.open("said.txt", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(said, 1)
+        os.dup2(said, 2)
+        for name in [name for name in sys.modules if name.split(".")[0] == "bladeroot"]:
+            del sys.modules[name]  # the house has its own
+        tests = str(Path(__file__).parents[2])
+        sys.path[:] = [one for one in sys.path if not one.startswith(tests)]
+        snakemake.cli.main(["-j2", *asked])
+    except SystemExit as end:
+        status = int(end.code or 0)
+    finally:
+        atexit._run_exitfuncs()
+        os._exit(status)
+
+
+def ended(process, wait=False):
+    """Status of a run, None while it goes on."""
+    found, status = os.waitpid(process, 0 if wait else os.WNOHANG)
+    return os.waitstatus_to_exitcode(status) if found else None
 
 
 def kill(process, alone):
-    """kill -9 of a run with its jobs, or of it alone."""
-    if process.poll() is not None:
+    """kill -9 of a run with its jobs, or of it alone; whether it was still going on."""
+    if ended(process) is not None:
         return False
-    if alone:
-        process.kill()
-    else:
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
-    return True
+    (os.kill if alone else os.killpg)(process, signal.SIGKILL)
+    return ended(process, wait=True) == -signal.SIGKILL
 
 
-def wait_for(house, pattern, process):
-    end = time.monotonic() + LIMIT_S
-    while process.poll() is None and time.monotonic() < end:
-        if any(house.folder.glob(pattern)):
+def seen(house, pattern):
+    found = set()
+    for path in house.folder.glob(pattern):
+        try:
+            found.add((path, path.lstat().st_ctime_ns))
+        except OSError:  # gone again
+            continue
+    return found
+
+
+def wait_for(house, moment, process, before):
+    """Until some seconds have passed, or a file is there that was not `before`."""
+    end = time.monotonic() + (moment if isinstance(moment, float) else LIMIT_S)
+    while time.monotonic() < end:
+        if not isinstance(moment, float) and seen(house, moment) - before:
             return
-        time.sleep(0.001)
+        # not reaped here: `kill` does
+        if os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            return
+        time.sleep(0.002)
 
 
-def trial(reference, whole, place, work, moment, alone, twice):
-    """What went wrong in one trial: "" for nothing; and whether the run was killed in its midst."""
+def delete(house, work):
+    for name in work:
+        place = house.folder / WORK[name]
+        shutil.rmtree(place) if place.is_dir() else place.unlink(missing_ok=True)
+
+
+def chain(reference, whole, place, work, kills, counts):
+    """What went wrong in one chain, "" for nothing; counts takes classes of kills that happened."""
     shutil.rmtree(place, ignore_errors=True)
     shutil.copytree(reference.folder, place, symlinks=True)
-    house = House(place)
-    for path in work:
-        one = place / path
-        shutil.rmtree(one) if one.is_dir() else one.unlink()
-    process = started(house, work)
-    if isinstance(moment, float):
-        time.sleep(moment)
-    else:
-        wait_for(house, moment, process)
-    killed = kill(process, alone)
-    begun = [started(house, work) for _ in range(1 + twice)]
-    done = [one.wait(LIMIT_S) for one in begun]
-    if all(done):
-        again = house.run(*work, check=False)
-        return f"the next command ends with {done}: {again.stderr[-300:]}", killed
-    if contents(house) != whole:
+    house, asked = House(place), [WORK[name] for name in work]
+    delete(house, work)
+    for name, moment, own, alone, twice in kills:
+        if own:
+            delete(house, [own])
+        before = set() if isinstance(moment, float) else seen(house, moment)
+        begun = [start(house, *asked) for _ in range(1 + twice)]
+        wait_for(house, moment, begun[0], before)
+        killed = [kill(one, alone) for one in begun]
+        counts[name, "killed" if any(killed) else "ended before"] += 1
+        if not any(killed):
+            delete(house, work)
         now = contents(house)
-        return f"others: {[n for n in {*now, *whole} if now.get(n) != whole.get(n)]}", killed
-    if list((place / "results").rglob(".*.part")):
-        return "a part is left", killed
-    told = house.run("--dry-run", f"{SMALL}/report.html", *work)
-    return "" if "Nothing to be done" in told.stdout + told.stderr else "not settled", killed
+        if spoilt := [one for one in now if now[one] != whole.get(one)]:
+            return f"after {name}, {moment}: {spoilt}"
+    status = ended(start(house, *asked), wait=True)
+    now = contents(house)
+    if status:
+        return f"the last command: {status}, {(place / 'said.txt').read_text()[-2000:]}"
+    if now != whole:
+        return f"others: {[one for one in {*now, *whole} if now.get(one) != whole.get(one)]}"
+    if left := list((place / "results").rglob(".*.part")):
+        return f"left: {left}"
+    ended(start(house, "--dry-run", *WORK.values()), wait=True)
+    told = (place / "said.txt").read_text()
+    return "" if "Nothing to be done" in told else f"not settled: {told[-2000:]}"
+
+
+def plan(asked):
+    """Chains: the work of each, and its kills."""
+    draw = random.Random(asked.seed)
+    kills = []
+    for k in range(asked.random):
+        early = k % 3 == 0
+        moment = draw.uniform(0.02, 1.0) if early else draw.uniform(0.5, asked.longest)
+        name, alone, twice = "at random, in the first second" if early else "at random", False, 0
+        if k % 4 == 2:
+            name, alone = "at random, its jobs outlive it", True
+        elif k % 4 == 3:
+            name, twice = "at random, two started at once", 1
+        kills.append((name, moment, None, alone, twice))
+    chains = []
+    for k in range(0, len(kills), KILLS):
+        work = draw.sample(LIGHT, 4) if k % (4 * KILLS) else ["report", *draw.sample(LIGHT, 3)]
+        chains.append((work, kills[k : k + KILLS]))
+    aims = [list(AIMED.items())[k % len(AIMED)] for k in range(asked.aimed)]
+    for k in range(0, len(aims), KILLS):
+        some = aims[k : k + KILLS]
+        own = [(name, pattern, work, False, 0) for name, (pattern, work) in some]
+        chains.append((list(dict.fromkeys(one[2] for one in own)), own))
+    return chains
 
 
 def main():
-    """Run the trials that were asked for; the exit status is the number that failed."""
+    """Run the chains that were asked for; the exit status is the number that failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--random", type=int, default=200)
     parser.add_argument("--aimed", type=int, default=20)
-    parser.add_argument("--longest", type=float, default=20.0, help="s until a random kill")
+    parser.add_argument("--longest", type=float, default=6.0, help="s until a random kill")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", type=Path, help="file for the table of outcomes")
     asked = parser.parse_args()
-    house = asked.folder / "whole"
-    reference = House(house) if (house / "Snakefile").is_file() else copy_house(house)
-    everything = sorted({path for work in WORK for path in work})
-    reference.run(f"{SMALL}/report.html", *everything)
-    whole, draw = contents(reference), random.Random(asked.seed)
-    aimed = [list(AIMED.items())[k % len(AIMED)] for k in range(asked.aimed)]
-    trials = [(name, WORK[work], pattern) for name, (pattern, work) in aimed]
-    for k in range(asked.random):
-        # one in four in the first half second
-        moment = draw.uniform(0.02, 0.5) if k % 4 == 0 else draw.uniform(0.0, asked.longest)
-        trials.append(("at random", draw.choice(WORK), moment))
-    counts = Counter()
-    for k, (name, work, moment) in enumerate(trials):
-        wrong, killed = trial(
-            reference, whole, asked.folder / "trial", work, moment,
-            alone=k % 3 == 2, twice=k % 5 == 4,
-        )  # fmt: skip
-        counts["failed" if wrong else "killed" if killed else "ended before"] += 1
-        print(f"{k + 1:4d} {name}, {moment}: {wrong or 'identical'}", flush=True)
-    print(dict(counts))
-    sys.exit(min(counts["failed"], 100))
+    place = asked.folder / "whole"
+    reference = House(place) if (place / "Snakefile").is_file() else copy_house(place)
+    reference.run(f"{SMALL}/report.html", *WORK.values())
+    whole, counts, failed = contents(reference), Counter(), []
+    for k, (work, kills) in enumerate(plan(asked)):
+        wrong = chain(reference, whole, asked.folder / "chain", work, kills, counts)
+        print(f"{k + 1:3d} {' '.join(work)}: {wrong or 'identical'}", flush=True)
+        if wrong:
+            failed.append(wrong)
+            for one in kills:
+                wrong = chain(reference, whole, asked.folder / "chain", work, [one], Counter())
+                print(f"      {one}: {wrong or 'identical'}", flush=True)
+    table = [
+        {"class": name, **{what: counts[name, what] for what in ("killed", "ended before")}}
+        for name in dict.fromkeys(name for name, _ in counts)
+    ]
+    result = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "seed": asked.seed,
+        "chains": k + 1,
+        "chains not identical": len(failed),
+        "kills": table,
+    }
+    text = json.dumps(result, indent=1) + "\n"
+    print(text)
+    if asked.json:
+        asked.json.write_text(text, encoding="utf-8")
+    sys.exit(min(len(failed), 100))
 
 
 if __name__ == "__main__":

@@ -102,6 +102,9 @@ def test_cell(column, cell, told, tmp_path, monkeypatch):
 
 
 SHEETS = {
+    "ids that differ by case": ((HEAD + row() + row(record="R1")).encode(), "stands in row 2"),
+    "ids of two normal forms": ((HEAD + row(record="re\u0301")).encode(), "letters"),
+    "file in another normal form": ((HEAD + row(file="\u00e9.csv")).encode(), "not found"),
     "binary": (b"\x00\x01\x02" * 99, "text"),
     "control": (HEAD.encode() + row(hold="\x07").encode(), "control"),
     "utf-16": ((HEAD + row()).encode("utf-16"), ""),
@@ -124,7 +127,8 @@ def test_sheet(case, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["c" * (LONGEST_NAME + 1), "{c}", "<c>", "a b", "\u00fc", "-c", "bench"]
+    "name",
+    ["c" * (LONGEST_NAME + 1), "{c}", "<c>", "a b", "\u00fc", "-c", "bench", "Bench", "provenance"],
 )
 def test_folder(name, tmp_path):
     place = campaign(tmp_path, HEAD + row(), name=name)

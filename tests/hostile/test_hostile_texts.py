@@ -1,12 +1,11 @@
 """Names that are programs: in a page, a figure, the settings and an artifact they are text."""
 
 import json
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 import xarray as xr
-from answers import in_time
+from answers import Tags, in_time
 from bladeroot import artifacts
 from bladeroot.figures.chart import Chart, Panel, Trace
 from bladeroot.figures.live import live
@@ -38,18 +37,6 @@ TEXTS = {
     "other lines": "a\u2028b\u2029c",
     "place of a number": "%{x} %{customdata.y}",
 }
-
-
-class Tags(HTMLParser):
-    """All tags of a page, with their attributes."""
-
-    def __init__(self, page):
-        super().__init__()
-        self.seen = set()
-        self.feed(page)
-
-    def handle_starttag(self, tag, attrs):
-        self.seen.add((tag, *(name for name, _ in attrs)))
 
 
 def chart(text):

@@ -70,6 +70,17 @@ def test_so_does_a_change_of_what_is_found_by_itself_or_lies_beside(copy, path):
     assert code_hash(copy) != before
 
 
+def test_so_does_a_file_that_a_module_of_ones_own_names(copy):
+    edit(copy / "stage.py", "TABLE = 'prior.txt'\n")
+    for name in ("prior.txt", "notes.txt"):
+        (copy / name).write_text("1")
+    before = code_hash(copy)
+    edit(copy / "notes.txt", "2")
+    assert code_hash(copy) == before
+    edit(copy / "prior.txt", "2")
+    assert code_hash(copy) != before
+
+
 def test_a_change_of_the_script_changes_the_hash(copy):
     before = code_hash(copy)
     edit(copy / "stage.py", "\nmain()\n")

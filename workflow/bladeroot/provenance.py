@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -22,6 +23,8 @@ _SCHEMAS = _LIBRARY / "schemas"
 _IMPORTS = (ast.Import, ast.ImportFrom)
 # What arithmetic depends on besides the library's own code.
 NUMERICAL = ("numpy", "scipy", "numba", "llvmlite")
+# A text that may be a file's path: with an ending.
+_FILE = re.compile(r"[^\n\0]{1,255}\.\w{1,8}")
 # Functions of `bladeroot.schema` that are given a schema's name.
 _CHECKS = ("read_yaml", "check")
 # What is known of sources, by the hash of their text: to parse a whole library takes seconds.
@@ -63,7 +66,8 @@ def code_hash(*files: str | Path) -> str:
     Several files (a script and a user's mechanisms) are hashed together. Syntax trees without
     docstrings are hashed: a comment, a docstring or a line break changes nothing, any real change
     does. With a module count the files beside it that are no code (a page's template and style) and
-    the schemas that it names. Raises SyntaxError when a module cannot be parsed.
+    the schemas that it names; with a user's own the files that its texts name. Raises SyntaxError
+    when a module cannot be parsed.
     """
     known = _known()
     before = len(known)
@@ -89,7 +93,7 @@ def _known() -> dict[str, dict]:
     """What earlier runs learnt of sources; nothing where that cannot be read."""
     with suppress(Exception):  # whatever is wrong with it, it only saves time
         known = json.loads(_KNOWN.read_text(encoding="utf-8"))
-        if {"tree", "imports", "schemas"} <= set.intersection(*map(set, known.values())):
+        if {"tree", "imports", "schemas", "files"} <= set.intersection(*map(set, known.values())):
             return known
     return {}
 
@@ -123,6 +127,7 @@ def _source(path: Path) -> dict:
             "tree": hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
             "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
             "schemas": [name for node in ast.walk(tree) for name in _schema_names(node)],
+            "files": _file_names(tree),
         }
     return _known()[key]
 
@@ -148,12 +153,23 @@ def _schema_names(node: ast.AST) -> list[str]:
     ]
 
 
+def _file_names(tree: ast.Module) -> list[str]:
+    """Texts of a module that may name a file."""
+    texts = {one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)}
+    return sorted(one for one in texts if isinstance(one, str) and _FILE.fullmatch(one))
+
+
 @cache
 def _read_by(path: Path) -> frozenset[Path]:
-    """Files that are no code and that a module reads: those of its folder, and its schemas."""
-    schemas = (_SCHEMAS / f"{name}.schema.yaml" for name in _source(path)["schemas"])
-    read = {schema for schema in schemas if schema.is_file()}
-    if path.is_relative_to(_LIBRARY):
+    """Files that are no code and that a module reads: its schemas, and those of its folder.
+
+    Of a user's module those, beside it or elsewhere, whose names stand in it as texts.
+    """
+    named = [_SCHEMAS / f"{name}.schema.yaml" for name in _source(path)["schemas"]]
+    ours = path.is_relative_to(_LIBRARY)
+    named += [] if ours else [path.parent / name for name in _source(path)["files"]]
+    read = {one for one in named if os.path.isfile(one)}
+    if ours:
         read |= {
             beside
             for beside in path.parent.iterdir()

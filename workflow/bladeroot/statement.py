@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from bladeroot import artifacts
-from bladeroot.provenance import canonical_json
+from bladeroot.provenance import canonical_json, environment
 from bladeroot.schema import parse_yaml
 
 FOLDER = "provenance"
@@ -38,17 +38,20 @@ class Contents:
         """Of what `place` knows, and nothing where it is damaged."""
         self._place = Path(place) if place else None
         self._known, self._read = {}, 0
-        with suppress(OSError, ValueError, AttributeError, TypeError):
-            known = json.loads(self._place.read_text(encoding="utf-8"))
+        with suppress(OSError, ValueError, AttributeError, TypeError, RecursionError):
+            known = _read_json(self._place)
             self._known = {str(path): (list(who), str(what)) for path, (who, what) in known.items()}
 
     def of(self, path: str | Path) -> str:
-        """Hash of a file, or of all files of a folder with their names; "" where there is none."""
+        """Hash of a file, or of all files of a folder with their names; "" where there is none.
+
+        What is neither (a pipe, a device) has no content, or no end.
+        """
         if os.path.isdir(path):
             inside = sorted(one for one in Path(path).rglob("[!.]*") if one.is_file())
             said = [f"{one.relative_to(path)} {self.of(one)}" for one in inside]
             return hashlib.sha256("\n".join(said).encode()).hexdigest()
-        who = identity(path)
+        who = identity(path) if os.path.isfile(path) else None
         if who is None:
             return ""
         known = self._known.get(str(path))
@@ -67,6 +70,7 @@ class Contents:
         for one in (path, os.path.join(path, ".snakemake_timestamp")):
             with suppress(OSError):
                 os.utime(one, (seconds, seconds))
+                os.utime(one, (seconds, seconds), follow_symlinks=False)
         if same and identity(path):
             self._known[str(path)] = identity(path), known[1]
             self._read += 1
@@ -77,6 +81,12 @@ class Contents:
             # they only save time
             with suppress(ValueError):
                 artifacts.save_text(json.dumps(self._known), self._place)
+
+
+def _read_json(path: Path) -> object:
+    if not path.is_file():  # a pipe has no end
+        raise ValueError(f"{path} is not a file")
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def _hash(path: str | Path) -> str:
@@ -120,19 +130,35 @@ def state(
         "outputs": outputs,
         "settings": settings,
         "config": config,
+        "environment": environment(),
     }
     artifacts.save_text(json.dumps(stated, indent=1), place)
 
 
-def statements(results: Path) -> list[dict]:
-    """All statements; one that is damaged says nothing, and its job is done again."""
+def statements(results: Path, stage: str = "") -> list[dict]:
+    """All statements, or a stage's; one that is damaged says nothing, and its job is done again."""
     found = []
-    for place in sorted((results / FOLDER).rglob("*.json")):
-        with suppress(OSError, ValueError):
-            stated = json.loads(place.read_text(encoding="utf-8"))
-            if isinstance(stated, dict) and {"rule", "inputs", "outputs"} <= stated.keys():
+    for place in sorted((results / FOLDER / stage).rglob("*.json")):
+        with suppress(OSError, ValueError, RecursionError):
+            stated = _read_json(place)
+            if _is_statement(stated, results):
                 found.append(stated)
     return found
+
+
+def _is_statement(stated: object, results: Path) -> bool:
+    """Whether it has the form of one, of files in `results` alone: their times are set."""
+    if not isinstance(stated, dict) or "rule" not in stated:
+        return False
+    parts = [stated.get("inputs"), stated.get("outputs")]
+    if not all(isinstance(part, dict) and all(map(_is_text, part.values())) for part in parts):
+        return False
+    made = map(os.path.normpath, parts[1])
+    return all(Path(path).is_relative_to(results) for path in made)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
 
 
 def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
@@ -149,13 +175,17 @@ def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
         for output, said in one["outputs"].items():
             if why.get(output) == "" or not os.path.exists(output):
                 continue
-            if os.path.isfile(output) and not os.path.getsize(output):
-                why[output] = "it is empty"
-            elif contents.of(output) != said:
+            if contents.of(output) != said:
                 why[output] = "it was altered or replaced after it was made"
             else:
                 why[output] = f"{changed[0]} has changed since" if changed else ""
     return why
+
+
+def other_environment(stated: dict) -> str:
+    """What a job was done with, if it is not what is here: versions of Python and libraries."""
+    was = stated.get("environment", environment())
+    return "" if was == environment() else f"made with {was}, and here is {environment()}"
 
 
 def unstated(results: Path, known: Iterable[str]) -> list[str]:
@@ -186,15 +216,20 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
     why = outdated(stated, contents)
     late = {path: reason for path, reason in why.items() if reason}
     late |= dict.fromkeys(unstated(results, why), "nothing says what it was made of")
+    for path in {path for one in stated for path in one["outputs"]}:
+        if os.path.islink(path) and why.get(path) != "":
+            os.unlink(path)  # jobs make no links; what it leads to is another's
+            late[path] = "it is a link to another file"
     for path in late:
         contents.set_time(path, _LONG_AGO)
     newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
-    newest = max(newest, 2 * _LONG_AGO)
+    newest, now = max(newest, 2 * _LONG_AGO), time.time()
     for path in _inputs_of(late, stated) - late.keys():
-        if _time(path) <= _LONG_AGO:  # as some archives leave it
-            contents.set_time(path, newest)
+        # as some archives leave it, or of a clock that is ahead, which Snakemake refuses
+        if not _LONG_AGO < _time(path) <= now:
+            contents.set_time(path, min(newest, now))
     if any(_older_than_inputs(one, why) for one in stated):
-        newest = max(time.time(), newest)
+        newest = max(now, newest)
         for path, reason in why.items():
             if not reason:
                 contents.set_time(path, newest)
@@ -218,8 +253,9 @@ def _older_than_inputs(one: dict, why: dict[str, str]) -> bool:
 
 
 def _time(path: str) -> float:
-    """Time of change; Snakemake takes that of the mark in a folder."""
+    """Time of change; Snakemake takes that of the mark in a folder, and the later one of a link."""
     mark = os.path.join(path, ".snakemake_timestamp")
     with suppress(OSError):
-        return os.path.getmtime(mark if os.path.isdir(path) else path)
+        place = mark if os.path.isdir(path) else path
+        return max(os.stat(place).st_mtime, os.lstat(place).st_mtime)
     return 0.0

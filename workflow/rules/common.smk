@@ -14,6 +14,7 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
+from bladeroot.io.names import MEANT, MEANT_TOLD
 from bladeroot.schema import check, read_yaml
 from bladeroot.rom.file import check_structure
 
@@ -95,6 +96,9 @@ def checked_campaigns():
         config[key] = with_numbers(config[key])
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
     check_nonlinear(config["nonlinear"])
+    for path in (config["model"], config["diagnosis"]["mechanisms"]):
+        if MEANT & set(path):
+            raise ValueError(f"a path must have none of {MEANT_TOLD}: {path}")
     campaigns, structures, faults = {}, {}, []
     for name in names:
         folder = campaign_folder(name)

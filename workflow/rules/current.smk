@@ -1,15 +1,39 @@
 # What is current: decided by content, before Snakemake looks at times (CONTRIBUTING.md, "What is done again").
 import atexit
 import logging
+import os
 import shutil
 
 from snakemake.logging import logger
+from snakemake.settings.types import DAGSettings
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from bladeroot import runs, statement
 
+# Snakemake's own checksums of inputs only prevent jobs, whichever profile is used: files whose content is
+# another count as the same where a record says so. Contents are compared here.
+DAGSettings.max_checksum_file_size = property(lambda _: 0, lambda *_: None)
+
 RESULTS = Path("results")
 CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")
+
+
+def refuse_what_is_no_folder():
+    """End in a line where a file, or a link to nowhere, stands in a folder's place."""
+    names = (*CAMPAIGNS, "structures", "bench", "logs", "benchmarks", statement.FOLDER)
+    usual = Path(".snakemake")
+    for place in (
+        usual,
+        RESULTS,
+        usual / "bladeroot_runs",
+        *map(RESULTS.joinpath, names),
+    ):
+        if os.path.lexists(place) and not place.is_dir():
+            print(
+                f"bad input: {place} must be a folder; move away what is there",
+                file=sys.stderr,
+            )
+            sys.exit(1)
 
 
 def keep_records_with_results():
@@ -29,6 +53,19 @@ def keep_records_with_results():
         usual.rename(kept)
     kept.mkdir(exist_ok=True)
     usual.symlink_to(Path("..") / kept)
+
+
+def tell_other_folders():
+    """Results of another campaign folder of the same name, which this run replaces."""
+    stated = statement.statements(RESULTS, "report")
+    for place in {Path(path).parent for one in stated for path in one["inputs"]}:
+        campaign = CAMPAIGNS.get(place.name)
+        other = campaign and (place / "campaign.yaml").is_file()
+        if other and not campaign.folder.samefile(place):
+            print(
+                f"warning: results/{place.name} are those of {place}, and become those of {campaign.folder}",
+                file=sys.stderr,
+            )
 
 
 def settle():
@@ -116,6 +153,12 @@ def begin():
     if alone:
         runs.remove_what_is_left()
         settle()
+    else:
+        print(
+            "another run is at work here, or was when its machine went: what is current is told by times alone"
+            f" (signs: {Path('.snakemake') / 'bladeroot_runs'})",
+            file=sys.stderr,
+        )
     logger.addHandler(STATED)
     return run
 
@@ -123,5 +166,7 @@ def begin():
 # With a storage plugin results are elsewhere, and Snakemake decides by itself.
 RUN = None
 if workflow.is_main_process and not workflow.storage_settings.default_storage_prefix:
+    refuse_what_is_no_folder()
+    tell_other_folders()
     keep_records_with_results()
     RUN = begin()

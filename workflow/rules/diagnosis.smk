@@ -109,8 +109,7 @@ rule verdict:
     message:
         "verdict on {wildcards.campaign}"
     shell:
-        "cp {input.verdict:q} {output.verdict}.part > {log} 2>&1"
-        " && mv {output.verdict}.part {output.verdict} >> {log} 2>&1"
+        "cp {input.verdict:q} {output.verdict} > {log} 2>&1"
 
 
 # A structure could be named "verdict".

@@ -34,7 +34,7 @@ def model_of(wildcards):
     """The model file: the campaign's own diagnosis, or the one that is given."""
     if config["model"] == "diagnosis":
         return made(rules.diagnosis.output.model, **wildcards)
-    return config["model"]
+    return given(config["model"])
 
 
 rule extended_structure:

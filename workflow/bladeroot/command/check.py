@@ -10,7 +10,7 @@ from bladeroot.io.campaign import load_campaign
 
 
 @click.command()
-@click.argument("campaign", type=click.Path(exists=True, path_type=Path))
+@click.argument("campaign", type=click.Path(path_type=Path))
 def command(campaign: Path) -> None:
     """Check campaign.yaml, the sheet and the files that they name, a line a fault.
 
@@ -34,6 +34,8 @@ def command(campaign: Path) -> None:
 def _tell_currency(result: Path) -> None:
     from bladeroot.command.currency import why_not_current
 
+    if not os.path.lexists(result):
+        raise ValueError(f"{result} is not there; `snakemake -j2 {result}` makes it")
     reasons = why_not_current(os.path.relpath(result))
     if not reasons:
         click.echo(f"{result}: current")

@@ -40,6 +40,7 @@ def why_not_current(target: str) -> list[str]:
     lines = [f"{path}: {content[path]}" for path in _behind(target, stated) if content.get(path)]
     for stage, reason in _JOB.findall(text):
         lines += [f"{stage}: {ours}" for said, ours in _WORDS.items() if said in reason]
+    lines += filter(None, [statement.other_environment(made[-1])])
     return lines or ["what it stands on is not current"]
 
 

@@ -82,6 +82,8 @@ def read(document: Mapping, catalogue: Sequence[Mechanism]) -> Extension:
             )
         one = by_id[entry["mechanism"]]
         one = one.of_form(entry.get("form", one.form))
+        if lacks := [p.name for p in one.parameters if p.name not in entry["parameters"]]:
+            raise ValueError(f"the extension's {one.id} lacks {', '.join(lacks)}")
         values = [entry["parameters"][p.name]["value"] for p in one.parameters]
         causes.append((one, np.array(values, float)))
     return Extension(dict(document["contact"]), tuple(causes))

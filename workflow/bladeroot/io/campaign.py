@@ -23,7 +23,7 @@ NUMBERS = (
 # The modes that a structure's stages know.
 STRUCTURE_MODES = ("1B", "2B")
 # Folders of results/ that are no campaign's.
-_RESERVED = ("structures", "bench", "logs", "benchmarks")
+_RESERVED = ("structures", "bench", "logs", "benchmarks", "provenance")
 
 
 class CampaignError(ValueError):
@@ -96,7 +96,7 @@ def load_campaign(folder: str | Path) -> Campaign:
         raise CampaignError(
             f"the path of a campaign folder must have none of {MEANT_TOLD}: {folder}"
         )
-    if folder.name in _RESERVED:
+    if folder.name.lower() in _RESERVED:  # some disks do not tell a from A
         raise CampaignError(
             f"a campaign must not be named {folder.name}: results/ has such a folder"
         )

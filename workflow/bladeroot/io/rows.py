@@ -48,10 +48,11 @@ class RecordRows(Cells):
                 self.fault(f"record must be {ID_TOLD}, got {short(record)!r}", row)
                 continue
             for line in self._row(row, values, naming):
-                if line["record"] in first_row:
-                    where = f"row {first_row[line['record']]} already"
+                name = line["record"].lower()  # some disks do not tell a from A
+                if name in first_row:
+                    where = f"row {first_row[name]} already"
                     self.fault(f"record {line['record']!r} stands in {where}", row)
-                first_row.setdefault(line["record"], row)
+                first_row.setdefault(name, row)
                 checked.append(line)
                 places.append(row)
         self._one_use(rows)
