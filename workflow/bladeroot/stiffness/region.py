@@ -1,4 +1,4 @@
-"""Regions of (ln kn, ln kt) by the posterior's draws: where they lie densest.
+"""Regions of the ln k by the posterior's draws: where they lie densest.
 
 The valley of (ln kn, ln kt) is bent and can end at the model's box, so that ellipses about a mean
 hold too little. The region of a share is where the density is above the value that this share of
@@ -14,13 +14,13 @@ SHARES = (0.68, 0.95)
 
 
 def share_within(
-    draws: Float[ndarray, "draw 2"], points: Float[ndarray, "point 2"]
+    draws: Float[ndarray, "draw axis"], points: Float[ndarray, "point axis"]
 ) -> Float[ndarray, " point"]:
     """Share of the region on whose edge each point lies: every larger region holds the point."""
     from scipy.stats import gaussian_kde
 
     kernel = gaussian_kde(draws.T)
     count = len(draws)
-    peak = 1.0 / (2.0 * np.pi * np.sqrt(np.linalg.det(kernel.covariance)))
+    peak = 1.0 / np.sqrt(np.linalg.det(2.0 * np.pi * kernel.covariance))
     own = np.sort((count * kernel(draws.T) - peak) / (count - 1))  # at a draw, by the others
     return 1.0 - np.searchsorted(own, kernel(points.T)) / count
