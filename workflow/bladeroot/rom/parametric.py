@@ -1,9 +1,9 @@
 """The parametric reduced model: frequencies over (ln k..., load), once for each structure.
 
 For each named mode it holds a small basis with an error bound (`ritz`). Of two stiffnesses it holds
-ln f as a sum of Chebyshev polynomials (`chebyshev`), too, the fast way to values, gradients and
-Hessians; of other numbers of them the small problem itself is solved wherever it is asked for
-(`solved`): a grid in five dimensions would take more solutions than any inference asks for.
+ln f as a sum of Chebyshev polynomials (`chebyshev`), too, the fast way to values and gradients; of
+other numbers of them the small problem itself is solved wherever it is asked for (`solved`): a grid
+in five dimensions would take more solutions than any inference asks for.
 """
 
 from collections.abc import Sequence
@@ -136,20 +136,6 @@ def frequencies_gradient(
     value, slope = chebyshev.evaluate(surface, points, order=1)
     f = np.exp(value)
     return f, f[..., None] * slope
-
-
-def frequencies_hessian(
-    surface: Surface, points: Float[ndarray, "point 3"]
-) -> tuple[
-    Float[ndarray, "point mode"],
-    Float[ndarray, "point mode 3"],
-    Float[ndarray, "point mode 3 3"],
-]:
-    """Frequencies (Hz), gradient and Hessian by (ln kn, ln kt, F)."""
-    value, slope, curve = chebyshev.evaluate(surface, points, order=2)
-    f = np.exp(value)
-    curve = curve + slope[..., :, None] * slope[..., None, :]
-    return f, f[..., None] * slope, f[..., None, None] * curve
 
 
 @dataclass(frozen=True)
