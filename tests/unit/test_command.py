@@ -94,12 +94,40 @@ def test_look_shows_channels_lines_and_the_curve(folder):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_look_says_in_one_line_what_it_lacks(folder):
+def test_look_says_what_it_takes_for_what_nobody_states(folder):
     done = called("look", folder / "blow 1.csv")
-    assert done.exit_code == 1
-    assert "expected a unit" in done.stderr
+    assert done.exit_code == 0, done.output
     assert "looking at channel 2: top" in done.output
+    assert "taken for m/s" in done.output
+    assert "ring-down of the mode near 61" in done.output
+
+
+def test_signals_of_a_digitiser_need_a_sensitivity_and_no_more(tmp_path):
+    samples = (2e4 * ringing(1)[1] / 0.02).astype(np.int16)
+    scipy.io.wavfile.write(tmp_path / "a.wav", int(RATE), samples)
+    assert "taken for 1 m/s/FS" in called("look", tmp_path / "a.wav").output
+    (tmp_path / "a.wav.look.png").unlink()
+    assert called("new", tmp_path).exit_code == 0
+    sheet = tmp_path / "records.csv"
+    assert sheet.read_text().splitlines() == [
+        "record,file,mode,sensitivity,group,note", "a,a.wav,all,FILL_IN,,"
+    ]  # fmt: skip
+    sheet.write_text(sheet.read_text().replace("FILL_IN", "2 g/FS"))
+    assert called("check", tmp_path).exit_code == 0
+
+
+def test_times_without_a_name_are_no_channel_and_need_their_unit(tmp_path):
+    t, v = ringing(1)
+    np.savetxt(tmp_path / "a.txt", np.column_stack([1e3 * t, v]), fmt="%.9g")
+    done = called("look", tmp_path / "a.txt")
+    assert done.exit_code == 1
+    assert "channel 2: column 2" in done.output
+    assert "channel 1" not in done.output
+    assert f"{1e3 / (1e3 / RATE):.9g} in ms" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+    done = called("look", tmp_path / "a.txt", "--sampling", RATE)
+    assert "ring-down of the mode near 61" in done.output
+    assert "column 1" not in done.output
 
 
 def test_check_tells_every_fault_on_a_line(folder):

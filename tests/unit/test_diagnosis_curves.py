@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bladeroot.diagnosis.curve_model import LOOSE, OFFSET, curve_data, problem
+from bladeroot.diagnosis.dataset import level_offsets
 from diagnosis_bench import FORCES, NOISE, campaign
 from stiffness_beam import _model
 
@@ -40,3 +41,13 @@ def test_levels_without_a_plateau_begin_anywhere():
     first, other = (np.flatnonzero(data.level == k)[[0, -1]] for k in (0, 1))
     shared = [whole[a, b] - data.noise[a, b] for a, b in (first, other)]
     assert shared == pytest.approx([LOOSE**2, OFFSET**2])
+
+
+def test_levels_are_drawn_from_where_their_small_amplitudes_lie():
+    """A level's zero is arbitrary where no record has a plateau; a figure must not show it."""
+    data = curve_data(campaign(_model(False), seed=1), ("1B", "2B"))
+    shift = 1e-3 * (1 + np.concatenate([data.level, -data.level]))
+    flat = level_offsets(data, shift)
+    assert flat == pytest.approx(shift)
+    bent = np.where(data.twice.amplitude > np.median(data.points.amplitude), shift + 1.0, shift)
+    assert np.all(level_offsets(data, bent) < 0.5)

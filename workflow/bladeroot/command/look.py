@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 import numpy as np
 
-from bladeroot.io.read import channels, read
+from bladeroot.io.read import as_stated, channels, read, stated_unit
 from bladeroot.io.recording import Recording
+from bladeroot.io.units import RAW, normal_unit
 from bladeroot.signal.spectral_peaks import peaks, spectrum
 
 SHOWN_LINES = 8
@@ -45,6 +46,7 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     if len(found) > 1 and not channel:
         click.echo(f"  looking at channel {found[0]}; --channel names another")
     given = {"unit": unit, "quantity": quantity, "sensitivity": sensitivity}
+    given |= _assumed(file, named, given)
     record = read(file, channel=named, sampling_Hz=sampling_Hz, **given)
     duration = record.samples.size / record.sampling_Hz
     click.echo(f"  {record.quantity}, {record.sampling_Hz:g} Hz, {duration:.3g} s")
@@ -65,6 +67,22 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     place = picture or file.with_name(f"{file.name}.look.png")
     _draw(record, frequency, level, decay).savefig(place, dpi=110)
     click.echo(f"picture: {place}")
+
+
+def _assumed(file: Path, channel: str | None, given: dict[str, str | None]) -> dict[str, str]:
+    """What is taken for a unit or sensitivity that nobody states: frequencies need neither."""
+    found = as_stated(file, channel)
+    own = stated_unit(found, f"{file}, channel {found.name!r}") or given["unit"]
+    made = {}
+    if own is None:
+        made["unit"] = "m/s"
+        click.echo(
+            "  the file states no unit: its numbers are taken for m/s; --unit says otherwise"
+        )
+    elif normal_unit(own) in RAW and not given["sensitivity"]:
+        made["sensitivity"] = f"1 m/s/{normal_unit(own)}"
+        click.echo(f"  taken for {made['sensitivity']}; --sensitivity says otherwise")
+    return made
 
 
 def _draw(record: Recording, frequency, level, decay):

@@ -11,26 +11,34 @@ from pathlib import Path
 import click
 
 from bladeroot.io.channel import Entry
-from bladeroot.io.read import channels, formats, read
-from bladeroot.io.units import SI, quantity_of
+from bladeroot.io.read import as_stated, channels, formats, stated_unit
+from bladeroot.io.recording import recording
+from bladeroot.io.units import RAW, SI, normal_unit, quantity_of
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
 # The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
 _CELL = re.compile(r".*\{\d+")
-# A frequency only serves to look at spectra of files that do not say theirs.
-_ANY_RATE = 1.0
+# Numbers are checked, and their lines found, whatever the sheet has to give.
+_ANY_UNIT, _ANY_RATE = "m/s", 1.0
+# What a row may lack, by the column that gives it.
+LACKING = {
+    "unit": "unit of the numbers",
+    "sensitivity": "sensitivity of the sensor (125 mm/s/V, 2 g/FS)",
+    "sampling_Hz": "sampling frequency",
+}
 
 
 @dataclass(frozen=True)
 class Found:
-    """One raw file: its channels of motion, what it does not say, and the lines in each channel."""
+    """One raw file: its channels of motion, the columns of the sheet that must give what it does
+    not say, and the lines in each channel whose frequencies it does.
+    """
 
     path: Path
     channels: tuple[Entry, ...]
     alone: bool
-    unit: bool
-    sampling: bool
+    lacks: frozenset[str]
     lines: tuple[tuple[tuple[float, float], ...], ...]
 
 
@@ -51,7 +59,7 @@ def command(folder: Path) -> None:
     if not found:
         known = ", ".join(sorted(formats()))
         raise ValueError(f"expected raw files ending in {known} that can be read ({folder})")
-    modes = common([lines for one in found if one.sampling for lines in one.lines])
+    modes = common([lines for one in found for lines in one.lines])
     (folder / "campaign.yaml").write_text(
         description(folder.resolve().name, modes), encoding="utf-8"
     )
@@ -65,24 +73,31 @@ def looked_at(path: Path) -> Found:
     every = channels(path)
     moving = [e for e in every if (e.quantity or quantity_of(e.name, e.unit)) in SI]
     chosen = tuple(moving or every)
-    unit = sampling = True
+    lacks: set[str] = set()
     lines = []
     for entry in chosen:
-        given: dict = {}
-        for _ in range(3):
-            try:
-                record = read(path, channel=str(entry.number), **given)
-                break
-            except ValueError as error:
-                text = str(error)
-                if "unit" not in given and re.search(r"\bunit\b", text):
-                    unit, given["unit"] = False, "m/s"
-                elif "sampling_Hz" not in given and "sampling" in text:
-                    sampling, given["sampling_Hz"] = False, _ANY_RATE
-                else:
-                    raise
-        lines.append(tuple(peaks(*spectrum(record.samples, record.sampling_Hz))))
-    return Found(path, chosen, len(every) == 1, unit, sampling, tuple(lines))
+        found = as_stated(path, channel=str(entry.number))
+        where = f"{path}, channel {found.name!r}"
+        unit = stated_unit(found, where)
+        if unit is None:
+            lacks.add("unit")
+        elif normal_unit(unit) in RAW:
+            lacks.add("sensitivity")
+        timed = found.sampling_Hz is not None or found.time is not None
+        if not timed:
+            lacks.add("sampling_Hz")
+        record = recording(
+            found.samples,
+            unit if unit and normal_unit(unit) not in RAW else _ANY_UNIT,
+            where,
+            found.time,
+            found.sampling_Hz if timed else _ANY_RATE,
+            start_s=found.start_s,
+            scale=found.scale,
+        )
+        if timed:
+            lines.append(tuple(peaks(*spectrum(record.samples, record.sampling_Hz))))
+    return Found(path, chosen, len(every) == 1, frozenset(lacks), tuple(lines))
 
 
 def description(title: str, modes: Sequence[float]) -> str:
@@ -104,8 +119,7 @@ def sheet(found: Sequence[Found]) -> str:
     """The text of records.csv: a row a file or cell of one, all modes, every channel of motion."""
     columns = ["record", "file", "mode"]
     columns += ["channel"] if any(not one.alone for one in found) else []
-    columns += ["unit"] if any(not one.unit for one in found) else []
-    columns += ["sampling_Hz"] if any(not one.sampling for one in found) else []
+    columns += [name for name in LACKING if any(name in one.lacks for one in found)]
     columns += ["group", "note"]
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -118,8 +132,7 @@ def sheet(found: Sequence[Found]) -> str:
                 "file": one.path.name,
                 "mode": "all",
                 "channel": "" if one.alone else ";".join(entry.name for entry in together),
-                "unit": "" if one.unit else FILL,
-                "sampling_Hz": "" if one.sampling else FILL,
+                **dict.fromkeys(one.lacks, FILL),
             }
             writer.writerow({name: row.get(name, "") for name in columns})
     return text.getvalue()
@@ -161,12 +174,9 @@ def told(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[s
     if modes:
         lines.append(f"modes suggested: {', '.join(f'{f:.4g} Hz' for f in modes)}")
     missing = [
-        f"the {name} in column {column} ({FILL})"
-        for name, column, there in (
-            ("unit of the numbers", "unit", all(one.unit for one in found)),
-            ("sampling frequency", "sampling_Hz", all(one.sampling for one in found)),
-        )
-        if not there
+        f"the {meaning} in column {column} ({FILL})"
+        for column, meaning in LACKING.items()
+        if any(column in one.lacks for one in found)
     ]
     missing += [] if modes else [f"the modes in campaign.yaml ({FILL})"]
     if missing:

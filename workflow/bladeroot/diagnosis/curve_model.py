@@ -13,6 +13,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
+from bladeroot.diagnosis.coupling import COUPLING
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import near
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
@@ -133,13 +134,18 @@ def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
     mask = known[:, chosen]
     distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
     means, covariances = [], []
-    for line, std in zip(lines, (std_f, std_loss), strict=True):
+    for line, std, shared in zip(lines, (std_f, std_loss), COUPLING, strict=True):
         y = np.where(mask, line[:, chosen], 0.0)
         means.append(y.sum(axis=0) / count)
         s = np.where(mask, std[:, chosen], 0.0) / count
         smooth = np.exp(-distance[None] / np.maximum(length, 0.05)[:, None, None])
         covariances.append((s[:, :, None] * s[:, None, :] * smooth).sum(axis=0))
         more = _beyond(line[:, chosen], std[:, chosen], mask)
+        if shared in seen:  # alike in all records of a level
+            by_others = (
+                np.where(mask, seen[shared].values[rows][:, chosen], 0.0).sum(axis=0) / count
+            )
+            more = np.hypot(more, by_others)
         covariances[-1] += np.outer(more, more) * np.exp(-distance)
     # The error of a record's plateau is a step of the mean where that record begins or ends.
     plateaus = (

@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
@@ -130,7 +131,8 @@ def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
     """Excess over the plateau, measured and simulated, at the points that were used."""
     data = made.curves
     n = data.points.mode.size
-    own = np.sqrt(np.diag(found.final.problem.covariance(found.final.state, found.final.scales)[0]))
+    own = np.sqrt(np.diag(data.noise))
+    value = data.value - level_offsets(data, data.value - found.final.state.mean)
     entries = {
         "curve_mode": _var("point", np.array(data.modes)[data.points.mode], "", "mode"),
         "curve_force": _var("point", data.points.force, "N", "axial force"),
@@ -141,13 +143,26 @@ def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
         (("curve_frequency", "ln(f over its plateau)"), ("curve_loss", "loss factor less plateau"))
     ):
         mine = slice(q * n, (q + 1) * n)
-        entries[name] = _var("point", data.value[mine], "1", f"measured {text}")
-        entries[f"{name}_std"] = _var(
-            "point", own[mine], "1", f"standard deviation of {text}, a level's offset included"
-        )
+        entries[name] = _var("point", value[mine], "1", f"measured {text}")
+        entries[f"{name}_std"] = _var("point", own[mine], "1", f"standard error of {text}")
         simulated = np.array([fit.state.mean[mine] for fit in _sides(found)])
         entries[f"{name}_simulated"] = _var(("stage", "point"), simulated, "1", f"simulated {text}")
     return xr.Dataset(entries, coords={"stage": list(STAGES)})
+
+
+def level_offsets(data: CurveData, residual: Float[ndarray, " datum"]) -> Float[ndarray, " datum"]:
+    """Mean residual of the smaller amplitudes of each level, where the plateau is or would be.
+
+    A level's offset is free, and without a plateau its zero is arbitrary.
+    """
+    offset, weight = np.zeros(residual.size), 1.0 / np.diag(data.noise)
+    level = np.concatenate([data.level, data.level + data.level.max() + 1])
+    amplitude = data.twice.amplitude
+    for one in np.unique(level):
+        mine = level == one
+        small = mine & (amplitude <= np.median(amplitude[mine]))
+        offset[mine] = np.average(residual[small], weights=weight[small])
+    return offset
 
 
 def _ranking(made: Diagnosis) -> xr.Dataset:

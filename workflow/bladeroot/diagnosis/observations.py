@@ -8,6 +8,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.coupling import coupling
 from bladeroot.loads import load_attrs
 from bladeroot.pooling.curves import ladder_of, on_ladder
 from bladeroot.pooling.groups import group_differences
@@ -42,6 +43,8 @@ POINT = {
     "frequency_std": ("Hz", "standard error of frequency"),
     "loss_factor": ("1", "hysteretic loss factor"),
     "loss_factor_std": ("1", "standard error of loss_factor"),
+    "frequency_coupling": ("1", "what the motion's other modes may change of ln(frequency)"),
+    "loss_factor_coupling": ("1", "what the motion's other modes may change of loss_factor"),
 }
 
 
@@ -130,11 +133,12 @@ def observations(
         ).reshape(len(rows), ladder.size)
         for name in CURVES
     }
+    points |= coupling(chosen, rows, ladder)
     made = {
         name: ("record", np.array([row[name] for row in rows]), _attrs(RECORD[name]))
         for name in RECORD
     }
-    made |= {name: (("record", "amplitude"), points[name], _attrs(POINT[name])) for name in CURVES}
+    made |= {name: (("record", "amplitude"), points[name], _attrs(POINT[name])) for name in POINT}
     if scatter is not None:
         text = "standard error of stick_frequency by the rows' scatter about a smooth law"
         made["stick_frequency_scatter"] = ("record", scatter, _attrs(("Hz", text)))

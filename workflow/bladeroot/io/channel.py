@@ -23,7 +23,7 @@ class Channel:
 
     A number of `samples` times `scale` is in `unit`. `sampling_error` is what the digits of
     `sampling_Hz` leave open, relative. `facts` holds what else the file states and
-    records.csv may contradict: mode, force_N.
+    records.csv may contradict: mode, force_N. `clock` says what looks like times and may be none.
     """
 
     name: str
@@ -37,6 +37,7 @@ class Channel:
     start_s: float = 0.0
     facts: dict[str, str | float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    clock: str = ""
 
 
 @dataclass(frozen=True)

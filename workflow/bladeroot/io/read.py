@@ -57,23 +57,15 @@ def read(
             contradiction between file and sheet; always in one line.
     """
     path = Path(path)
-    known = formats()
-    if path.suffix.lower() not in known:
-        raise ValueError(
-            f"expected a file ending in {', '.join(sorted(known))}, got {path.suffix!r} ({path})"
-        )
-    if not path.is_file():
-        raise ValueError(f"expected a record file, got none at {path}")
-    if path.stat().st_size == 0:
-        raise ValueError(f"expected a record, got an empty file ({path})")
-    found = _channel(known[path.suffix.lower()], path, channel, quantity)
+    found = as_stated(path, channel, quantity)
     where = f"{path}, channel {found.name!r}"
     notes = list(found.notes)
     unit = _unit(found, unit, quantity, sensitivity, where, notes)
     _agree(found, mode, force_N, where, notes)
     own = found.sampling_Hz
-    if own is None and sampling_Hz is None and found.time is None and found.notes:
-        raise ValueError(f"expected a sampling frequency; {'; '.join(found.notes)} ({where})")
+    hints = [*found.notes, *([found.clock] if found.clock else [])]
+    if own is None and sampling_Hz is None and found.time is None and hints:
+        raise ValueError(f"expected a sampling frequency; {'; '.join(hints)} ({where})")
     record = recording(
         found.samples,
         unit,
@@ -96,6 +88,35 @@ def read(
     return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
 
 
+def as_stated(path: str | Path, channel: str | None = None, quantity: str | None = None) -> Channel:
+    """One channel as the file tells it, whatever it leaves open.
+
+    Raises:
+        ValueError: no such file, an unknown suffix, a damaged file, or not one channel, in one
+            line.
+    """
+    path, known = Path(path), formats()
+    if path.suffix.lower() not in known:
+        raise ValueError(
+            f"expected a file ending in {', '.join(sorted(known))}, got {path.suffix!r} ({path})"
+        )
+    if not path.is_file():
+        raise ValueError(f"expected a record file, got none at {path}")
+    if path.stat().st_size == 0:
+        raise ValueError(f"expected a record, got an empty file ({path})")
+    return _channel(known[path.suffix.lower()], path, channel, quantity)
+
+
+def stated_unit(found: Channel, where: str) -> str | None:
+    """The unit that a file gives a channel, None if none.
+
+    Raises:
+        ValueError: the channel's name contradicts it.
+    """
+    own = found.unit if found.unit and found.unit.strip().lower() not in NO_UNIT else None
+    return one_unit({"of the channel": own, "in its name": _unit_in(found.name)}, where)
+
+
 def channels(path: str | Path) -> tuple[Entry, ...]:
     """What channels of motion or signal a file has, times left out.
 
@@ -104,7 +125,7 @@ def channels(path: str | Path) -> tuple[Entry, ...]:
     """
     try:
         # no channel has that name: whatever the file holds is listed
-        read(path, channel="\0")
+        as_stated(path, channel="\0")
     except ChannelError as error:
         return tuple(entry for entry in error.entries if not entry.timelike)
     raise AssertionError("a reader takes a channel that is not there")
@@ -137,8 +158,7 @@ def _unit(
     notes: list[str],
 ) -> str:
     """The unit that sheet and file agree on."""
-    own = found.unit if found.unit and found.unit.strip().lower() not in NO_UNIT else None
-    own = one_unit({"of the channel": own, "in its name": _unit_in(found.name)}, where)
+    own = stated_unit(found, where)
     if own and unit:
         try:
             agree = same(own, unit)

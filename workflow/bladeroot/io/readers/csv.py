@@ -9,6 +9,7 @@ import numpy as np
 
 from bladeroot.io.channel import Channel, Entry, pick, split_name, time_factor
 from bladeroot.io.numbers import check_commas, check_thousands, numeric
+from bladeroot.io.sampling import uniform
 from bladeroot.io.statements import one_time, one_unit, statements
 from bladeroot.io.text import encoding_of, separator_of
 from bladeroot.io.units import normal_unit, quantity_of, seconds
@@ -66,10 +67,12 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     form = _form(path)
     columns = list(zip(form.names, form.units, strict=True))
     factors = [time_factor(name, unit, path) for name, unit in columns]
+    clock = _unnamed_clock(path, form)
     entries = [
-        Entry(k + 1, name, unit or split_name(name)[1], timelike=factors[k] is not None)
+        Entry(k + 1, name, unit or split_name(name)[1],
+              timelike=factors[k] is not None or (k == 0 and clock != ""))
         for k, (name, unit) in enumerate(columns)
-    ]
+    ]  # fmt: skip
     entry = pick(entries, channel, quantity, path)
     times = [k for k, factor in enumerate(factors) if factor is not None and k != entry.number - 1]
     values = _numbers(path, form, [entry.number - 1, *times])
@@ -94,7 +97,27 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
         sampling_error=said.sampling_error,
         facts=said.facts,
         notes=said.notes,
+        clock=clock,
     )
+
+
+def _unnamed_clock(path: str, form: _Form) -> str:
+    """What to say of a first column without a name that rises in equal steps, as no motion does."""
+    if len(form.names) < 2 or form.names[0] != _unnamed(0):
+        return ""
+    first = _numbers(path, form, [0])[:, 0]
+    try:
+        rate, _ = uniform(first, first.size, path)
+    except ValueError:
+        return ""
+    return (
+        f"column 1 rises in steps of {1.0 / rate:.6g}, as times do; sampling_Hz in records.csv "
+        f"says their unit: {rate:.9g} if they are in s, {1e3 * rate:.9g} in ms"
+    )
+
+
+def _unnamed(k: int) -> str:
+    return f"column {k + 1}"
 
 
 def _form(path: str) -> _Form:
@@ -161,7 +184,7 @@ def _commented(lines: list[str], separator: str | None, count: int) -> list[str]
     last = lines[-1] if lines and lines[-1].startswith(_COMMENTS) else ""
     names = _fields(last.lstrip("".join(_COMMENTS)), separator)
     told = len(names) == count and any(_unit(split_name(name)[1] or "") for name in names)
-    return names if told else [f"column {k + 1}" for k in range(count)]
+    return names if told else [_unnamed(k) for k in range(count)]
 
 
 def _fields(line: str, separator: str | None) -> list[str]:
