@@ -75,10 +75,9 @@ def craig_bampton(
 
 
 def project(matrix: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
-    """alpha^T A alpha for a node-by-node matrix that acts alike on each axis (M, Kg), eq. 4.12."""
-    nodes, reduced = matrix.shape[0], basis.columns.shape[1]
-    moved = (matrix @ basis.columns.reshape(nodes, 3 * reduced)).reshape(-1, reduced)
-    result = basis.columns.T @ moved
+    """alpha^T A alpha (eq. 4.12) of a matrix by dof, or by node that acts alike on each axis."""
+    moved = matrix @ basis.columns.reshape(matrix.shape[0], -1)
+    result = basis.columns.T @ moved.reshape(basis.columns.shape)
     return (result + result.T) / 2
 
 

@@ -76,7 +76,7 @@ def solve(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
     body, geometric, *springs = (
         part[kept, kept] for part in (ritz.beam + ritz.slots, ritz.geometric, *ritz.springs)
     )
-    shape = np.linalg.eigh(_stiffness(body, geometric, springs, points))[1][:, :, ritz.rank]
+    shape = np.linalg.eigh(stiffness_of(body, geometric, springs, points))[1][:, :, ritz.rank]
     return Pairs(quotient(body, geometric, springs, shape, points), shape)
 
 
@@ -87,14 +87,8 @@ def closest(
     return np.abs(np.einsum("piv,pi->pv", shapes, shape)).argmax(axis=1)
 
 
-def stiffness_of(
-    ritz: Ritz, points: Float[ndarray, "point coordinate"]
-) -> Float[ndarray, "point vector vector"]:
-    """Projected stiffness in the whole basis, 1/s^2."""
-    return _stiffness(ritz.beam + ritz.slots, ritz.geometric, ritz.springs, points)
-
-
-def _stiffness(body, geometric, springs, points) -> ndarray:
+def stiffness_of(body, geometric, springs, points) -> ndarray:
+    """Projected stiffness at points (ln k..., F), 1/s^2."""
     matrix = body + points[:, -1, None, None] * geometric
     for k, rows in zip(np.exp(points[:, :-1].T)[:, :, None, None], springs, strict=True):
         matrix += k * (rows.T @ rows)

@@ -54,12 +54,6 @@ def motion(ritz: Ritz, x: float) -> Float[ndarray, "3 vector"]:
     return (1.0 - share) * rows[right - 1] + share * rows[right]
 
 
-def added_mass(ritz: Ritz, x: float) -> Change:
-    """One unit adds a kilogram at x (m) on the display line, moving with it in X, Y and Z."""
-    rows = motion(ritz, x)
-    return Change(np.zeros_like(ritz.beam), rows.T @ rows)
-
-
 def changed_frequencies(
     ritz: Ritz,
     points: Float[ndarray, "point coordinate"],
@@ -67,7 +61,7 @@ def changed_frequencies(
     amounts: Float[ndarray, "point change"],
 ) -> Float[ndarray, " point"]:
     """Frequency (Hz) with finite amounts of each change; the unchanged shape tells the mode."""
-    stiffness = stiffness_of(ritz, points)
+    stiffness = stiffness_of(ritz.beam + ritz.slots, ritz.geometric, ritz.springs, points)
     mass = np.broadcast_to(np.eye(len(ritz.beam)), stiffness.shape).copy()
     for change, amount in zip(changes, amounts.T, strict=True):
         stiffness += amount[:, None, None] * change.stiffness
