@@ -21,11 +21,11 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import yaml  # noqa: E402
 from bladeroot import artifacts  # noqa: E402
-from bladeroot.diagnosis.judged import judge  # noqa: E402
-from bladeroot.mechanisms.catalogue import catalogue  # noqa: E402
 from cases import Case, draw_case  # noqa: E402
+from fast import save  # noqa: E402
 from lab import Laboratory  # noqa: E402
 from lap_coarse import lap_model, lap_reduced  # noqa: E402
+from runs import diagnose  # noqa: E402
 from score import Outcome, score, share  # noqa: E402
 from seal import open_seal, seal  # noqa: E402
 
@@ -80,6 +80,7 @@ def draw_sheet(seed: int) -> pd.DataFrame:
 def laboratory(folder: Path) -> Laboratory:
     """With the coarse lap joint as the specimen."""
     artifacts.save(lap_reduced(), folder / "reduced.nc")
+    artifacts.save(lap_model(), folder / "parametric.nc")
     return Laboratory(folder / "reduced.nc", bench=draw_bench, sheet=draw_sheet)
 
 
@@ -87,7 +88,9 @@ def run_case(lab: Laboratory, case: Case, sealed: Path) -> tuple[dict, Outcome]:
     """Seal, diagnose what a run may see, open and score."""
     shown = seal(case.answer(), sealed)
     seen = lab.fast(case).assign_attrs(load_name="bolt preload", load_unit="N")
-    verdict = judge(seen, lap_model(), FACTS, catalogue())[1]
+    save(seen, sealed.with_name(f"{sealed.name}-seen") / "observations.nc")
+    verdict = diagnose(sealed.with_name(f"{sealed.name}-seen") / "observations.nc",
+                       lab.reduced.with_name("parametric.nc"), FACTS)  # fmt: skip
     return verdict, score(open_seal(sealed, shown), verdict)
 
 
