@@ -386,9 +386,9 @@ def test_a_stiffness_that_is_singular_inside(lab):
 
 
 def test_a_mode_that_cannot_be_found(exported, monkeypatch):
-    monkeypatch.setattr("bladeroot.rom.external.reduction._TRIED", 1)
+    monkeypatch.setattr("bladeroot.rom.external.reduction.MODES", ("1B", "98B"))
     description = read_description(exported / "mtx.yaml")
-    with pytest.raises(ValueError, match=r"no mode 2B among the lowest 1: odd.*mtx\.yaml"):
+    with pytest.raises(ValueError, match=r"no mode 98B among the lowest \d+: .*mtx\.yaml"):
         reduce_matrices(description, external_mesh(description))
 
 
