@@ -3,8 +3,9 @@
     python benchmarks/amplitude_coverage.py results/structures/dovetail-HB --truths 20
 
 A truth is a virtual bench whose stiffness law, friction, pressure, waviness, gauge and deviation
-from the model are drawn; its curves are those of `bench/curves.py`, one quasi-static cycle in place
-of records, with errors as records leave them. The inference gets stick frequencies and curves only.
+from the model are drawn; its curves are those of `tests/blind/bench_curves.py`, one quasi-static
+cycle in place of records, with errors as records leave them. The inference gets stick frequencies
+and curves only.
 Printed by truth and in all: which law was taken, how much narrower the curves make ln kn, ln kt and
 the area of their ellipse, and the share of the region on whose edge the truth lies, for three ways
 to choose the law.
@@ -17,6 +18,7 @@ by as much but mostly alike; `none`. With `--alone` there are no curves.
 import argparse
 import os
 import secrets
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -27,22 +29,23 @@ import numpy as np
 import xarray as xr
 import yaml
 from bladeroot.bench.conditions import baseline, reading
-from bladeroot.bench.curves import campaign_curves, few_dofs
 from bladeroot.bench.joint import parts
 from bladeroot.bench.programme import programme
+from bladeroot.diagnosis.observations import Gauge, observations
 from bladeroot.inference.sampling import sample
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.stick import stick_from_records
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness.amplitude import level_names
-from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, models_of
 from bladeroot.stiffness.model import map_estimate
 from bladeroot.stiffness.priors import REFERENCE_FORCE
-from bladeroot.stiffness.region import SHARES, share_within
-from bladeroot.stiffness.softening import softening_of
+from bladeroot.stiffness.softening import DISCREPANCY, softening_of
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
+from bench_curves import campaign_curves, few_dofs
 
 ROOT = Path(__file__).resolve().parents[1]
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m
@@ -82,9 +85,9 @@ def deviate(bench: dict, deviation: str, rng) -> dict[str, float]:
 
 def measured(
     bench: dict, factors: dict[str, float], ladder: np.ndarray, whole, few, rng
-) -> tuple[xr.Dataset, dict[str, xr.Dataset]]:
-    """Stick frequencies and curves by record, as the stages before the inference give them."""
-    plateaus, decays = [], {}
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Stick frequencies, and the records' curves, as the stages before the inference give them."""
+    plateaus, decays = [], []
     for _, sheet in programme(bench).groupby("pressure_bar"):
         rows = sheet.to_dict("records")
         true = [baseline(bench, row) for row in rows]
@@ -95,8 +98,9 @@ def measured(
                 at[name] = at[name] * factors[row["mode"]]
             plateau, decay = _record(row, at, ladder, reading(bench, row), rng)
             plateaus.append(plateau)
-            decays[row["record"]] = decay
-    return stick_from_records(plateaus), decays
+            decays.append(decay)
+    stick = stick_from_records(plateaus)
+    return stick, observations(stick, decays, None, Gauge(0.0, 0.0), {})
 
 
 def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Dataset, xr.Dataset]:
@@ -115,14 +119,14 @@ def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Da
     plateau["plateau_reached"], plateau["verdict"] = ((), 1), ((), "plateau")
     attrs = {"record": row["record"], "mode": row["mode"], "hold": row["hold"],
              "direction": row["direction"], "force_N": force}  # fmt: skip
-    return xr.Dataset(plateau, attrs=attrs), xr.Dataset(data)
+    return xr.Dataset(plateau, attrs=attrs), xr.Dataset(data, attrs=attrs)
 
 
-def with_curves(joint, models, alone, stick, decays, lasers):
+def with_curves(joint, models, alone, seen, lasers):
     """Models and fits of every law with curves, from those without, and the fit of the curves."""
     best = freest(alone)
     levels = level_names(models[best])
-    softening = softening_of(decays, stick, levels)
+    softening = softening_of(seen, levels)
     fit = fit_curves(joint, models[best], alone[best], softening, levels, lasers, DISCREPANCY)
     models = {name: replace(one, curves=fit.term) for name, one in models.items()}
     return models, {name: map_estimate(one) for name, one in models.items()}, fit
@@ -201,7 +205,7 @@ def main() -> None:
         factors = deviate(bench, options.deviation, rng)
         began = time.process_time()
         try:
-            stick, decays = measured(bench, factors, ladder, whole, few, rng)
+            stick, seen = measured(bench, factors, ladder, whole, few, rng)
         except ValueError as error:  # a specimen so soft that its modes change places
             print(f"  drawn again: {error}")
             continue
@@ -211,7 +215,7 @@ def main() -> None:
         if not options.alone:
             lasers = {mode: 1e-3 * x for mode, x in bench["laser"]["x_mm"].items()}
             models["curves"], fits["curves"], fit = with_curves(
-                joint, models["alone"], fits["alone"], stick, decays, lasers
+                joint, models["alone"], fits["alone"], seen, lasers
             )
             told = f"; {fit.term.points} numbers" + ("" if fit.converged else ", NOT CONVERGED")
         truth = np.log([bench["joint"][f"{name}_N_per_m"] for name in ("kn", "kt")])

@@ -17,15 +17,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from bladeroot.rom.joint import joint_of_reduced
-from bladeroot.stiffness import curve_errors
+from bladeroot.stiffness import softening as curve_errors
 from bladeroot.stiffness.amplitude import level_names
-from bladeroot.stiffness.curve_errors import DISCREPANCY, covariance
 from bladeroot.stiffness.curve_fit import fit_curves
-from bladeroot.stiffness.curve_term import curve_term
 from bladeroot.stiffness.information import covariance_of_k, scaled
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, models_of
-from bladeroot.stiffness.model import map_estimate, predict
+from bladeroot.stiffness.model import curve_term, map_estimate, predict
 from bladeroot.stiffness.priors import FRICTION, REFERENCE_FORCE
 from bladeroot.stiffness.simulated_curves import (
     along,
@@ -34,7 +32,7 @@ from bladeroot.stiffness.simulated_curves import (
     by_unevenness,
     levels_at,
 )
-from bladeroot.stiffness.softening import softening_of
+from bladeroot.stiffness.softening import DISCREPANCY, covariance, softening_of
 
 BIAS, GAUGE = {"1B": 0.005, "2B": 0.005}, ForceGauge(1253.0, 0.01, "full-scale")
 LASERS = {"1B": 0.0, "2B": -0.07}  # m
@@ -71,13 +69,10 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
         return xr.open_dataset(folder / path).load()
 
     joint = joint_of_reduced(load(f"structures/{structure}/reduced.nc"))
-    curves = [
-        xr.open_dataset(path).load() for path in sorted((folder / campaign / "decay").iterdir())
-    ]
     stick = load(f"{campaign}/stick.nc")
     models = models_of(load(f"structures/{structure}/parametric.nc"), stick, GAUGE, BIAS)
     levels = level_names(next(iter(models.values())))
-    softening = softening_of({str(c.attrs["record"]): c for c in curves}, stick, levels)
+    softening = softening_of(load(f"{campaign}/observations.nc"), levels)
     alone = {name: map_estimate(model) for name, model in models.items()}
     best = freest(alone)
     fit = fit_curves(joint, models[best], alone[best], softening, levels, LASERS, DISCREPANCY)

@@ -17,9 +17,9 @@ import xarray as xr
 from bladeroot.decay.cut import cut
 from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, hilbert, lfilter
+from scipy.signal import hilbert
 
-REQUIREMENTS = ("noise-floor", "too-short", "ends-early", "louder-mode")
+REQUIREMENTS = ("louder-mode",)
 
 
 def decay(rng, **fixed):
@@ -128,7 +128,7 @@ def faulty(rng, name, size, velocity, rate, made):
     if name == "driven-residue":
         phase = 2 * np.pi * f * x + rng.uniform(0.0, 2.0 * np.pi)
         velocity = velocity + size * start * np.cos(phase)
-    if name in ("baseline", "wandering-baseline"):
+    if name == "baseline":
         velocity = velocity + size * start * np.sin(2 * np.pi * (2.0 * x * rate / n + rng.random()))
     if name == "coloured-noise":
         white = np.fft.rfft(rng.standard_normal(n))
@@ -145,11 +145,6 @@ def after(rng, name, size, velocity, rate, made):
     if name == "clipping":
         top = (1.0 - size) * start
         velocity = np.clip(velocity, -top, top)
-    if name == "soft-clipping":
-        top = (1.0 - size) * start
-        corner = made["f"] * np.exp(rng.uniform(np.log(0.005), np.log(0.1)))
-        section = butter(1, corner / (0.5 * rate), "high")
-        velocity = lfilter(*section, np.clip(velocity, -top, top))
     if name == "noisy-clipping":
         top = (1.0 - size) * start
         velocity = np.clip(velocity, -top, top) + 0.003 * start * rng.standard_normal(n)
@@ -214,7 +209,6 @@ def clean(seed, count, keep=None):
 POWER = {
     "clipping": (0.02, 0.1, 0.3),
     "noisy-clipping": (0.05, 0.1, 0.3),
-    "soft-clipping": (0.1, 0.3),
     "shaker-recontact": (0.03, 0.05, 0.1, 0.3),
     "gap": (0.1, 0.3),
     "dropout": (0.1, 1.0),
@@ -223,7 +217,6 @@ POWER = {
     "mains-hum": (1e-4, 2e-4, 1e-3),
     "driven-residue": (0.003, 0.01, 0.03),
     "baseline": (0.03, 0.1),
-    "wandering-baseline": (0.003, 0.01, 0.03),
     "coloured-noise": (3.0, 10.0),
 }
 # What the power is stated for: a laboratory's record.

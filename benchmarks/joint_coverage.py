@@ -40,18 +40,19 @@ from bladeroot.rom.bodies import reduce_bodies
 from bladeroot.rom.chebyshev import at_force, trimmed
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.lap_joint import lap_joint_assembly
-from bladeroot.rom.parametric import ln_frequencies, parametric_model, solved_of, surface_of
+from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.rom.whole import parametric_structure
 from bladeroot.stiffness.interpolation import interpolate_to
 from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
-from bladeroot.stiffness.map import all_frequencies
 from bladeroot.stiffness.model import level_model, map_estimate, predict
+from bladeroot.stiffness.posterior import SHARES, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
-from bladeroot.stiffness.region import SHARES, share_within
 from bladeroot.stiffness.roots import newton
 from bladeroot.stiffness.search import ln_covariance
+from bladeroot.stiffness.surface import all_frequencies
 from scipy.stats import chi2
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -13,21 +13,25 @@ minute).
 """
 
 import argparse
+import sys
 import time
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
-from bladeroot.nonlinear.one_step import exact, hysteretic
 from bladeroot.nonlinear.system import system_of
-from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import joint_of_reduced
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import PchipInterpolator
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
+from one_step import exact, hysteretic
+from time_integration import free_decay
 
 # Axial force (N), kn, kt (N/m) as identified near it, and the highest amplitude of a decay (m).
 CASES = ((4e3, 0.5e9, 0.9e9, 75e-6), (24e3, 2.5e9, 3.6e9, 280e-6))

@@ -27,12 +27,8 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.chebyshev import at_force
 from bladeroot.rom.joint import exact_modes, joint_of_reduced, stiffness_at
-from bladeroot.rom.parametric import (
-    frequencies,
-    frequencies_gradient,
-    parametric_model,
-    surface_of,
-)
+from bladeroot.rom.parametric import frequencies, frequencies_gradient, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import beam_basis, beam_model, contact_dofs, reduce_structure
 from bladeroot.rom.ritz import frequency
 

@@ -162,9 +162,9 @@ def pooling(count, seed):
                         y.append(clamped + np.hypot(record_std, own) * rng.standard_normal())
             both = np.array(force), np.array(hold)
             pooled = pool(np.array(y), np.full(len(y), own), *both, np.zeros(len(y)))
-            if pooled.hold_freedom:
+            if pooled.clamping_freedom:
                 z += list(pooled.mean / pooled.std)
-                found.append(pooled.hold_std / hold_std)
+                found.append(pooled.clamping_std / hold_std)
         print(f"{name:15s}  {share(z, 1):3.0f} {share(z, 1.96):3.0f}   {np.median(found):.2f}")
 
 

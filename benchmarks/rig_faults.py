@@ -23,7 +23,7 @@ NAMES = {
     "re-contact 10 %, other mode struck": "shaker-recontact",
     "hum 2e-4 m/s": "mains-hum", "close mode 5 %": "mode-beating",
 }  # fmt: skip
-REQUIREMENTS = ("noise-floor", "too-short", "ends-early", "louder-mode")
+REQUIREMENTS = ("louder-mode",)
 
 
 def faulty(rng, fault, velocity, rate, release, back, own, other):

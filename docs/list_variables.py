@@ -2,7 +2,7 @@
 
     python docs/list_variables.py results
 
-The page of artifacts is made from it (`reference.py`); a test of a whole run compares.
+The page of artifacts is made from it (`reference.py`).
 """
 
 import csv
@@ -49,6 +49,8 @@ def variables(results: Path) -> list[list[str]]:
 
 
 if __name__ == "__main__":
+    rows = variables(Path(sys.argv[1]))
+    if not rows:
+        sys.exit(f"expected results of a finished run, found none in {sys.argv[1]}")
     with PLACE.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([COLUMNS, *variables(Path(sys.argv[1]))])
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])

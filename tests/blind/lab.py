@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bladeroot.bench.curves import campaign_curves, few_dofs
+from bench_curves import campaign_curves, few_dofs
 from bladeroot.bench.joint import Parts
 from bladeroot.bench.tuning import cause_of, conditions_of, effect
 from cases import Case, draw_bench, draw_sheet

@@ -242,6 +242,7 @@ TABLE = [
     ("pooled curves", code("pooling/curves.py"), "curves", "integrity"),
     ("interpolation", code("stiffness/interpolation.py"), "fe_forces", "joint amplitude diagnosis"),
     ("posterior", code("stiffness/posterior.py"), "joint amplitude", "diagnosis"),
+    ("curve of a level", code("pooling/level_curve.py"), "curves integrity observations amplitude diagnosis"),
     ("theory", code("contact/theory.py"), "theory"),
     ("law of friction", code("contact/laws/iwan.py"), "amplitude shortfall"),
     ("verdict", code("diagnosis/verdict.py"), "diagnosis"),

@@ -19,7 +19,8 @@ from bladeroot.rom.external.mesh import external_mesh
 from bladeroot.rom.external.reading import MOST_ROWS
 from bladeroot.rom.external.reduction import reduce_matrices
 from bladeroot.rom.joint import joint_of_reduced
-from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
+from bladeroot.rom.parametric import frequencies, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from structure_coarse import coarse_structure
 
 

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 from bladeroot.rom.joint import joint_of
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.stiffness.map import frequency_map
 
 LENGTH, NODES = 0.30, 11

@@ -17,7 +17,8 @@ from bladeroot.reproduction.thesis_search import table_deltas
 from bladeroot.rom.checks import checks
 from bladeroot.rom.file import load_structure
 from bladeroot.rom.joint import joint_of_reduced
-from bladeroot.rom.parametric import parametric_model, surface_of
+from bladeroot.rom.parametric import surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 
 RESOURCES = Path(__file__).resolve().parents[2] / "resources"

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from bench_curves import campaign_curves, few_dofs
 from bladeroot.bench.bench import move
 from bladeroot.bench.clamping import clamp
 from bladeroot.bench.conditions import baseline
-from bladeroot.bench.curves import campaign_curves, few_dofs
 from bladeroot.bench.cycle import cycle_curves, loss_factor, slip_cycle
 from bladeroot.bench.joint import parts
 from bladeroot.bench.modes import StuckModes

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,12 @@ def test_a_damaged_cache_is_made_again(library):
             path.write_bytes(content)
         assert run(library) == (6.0, 0)
     assert run(library) == (6.0, 1)
+
+
+def test_of_processes_that_start_together_one_compiles(library):
+    with ThreadPoolExecutor() as pool:
+        found = sorted(pool.map(run, [library] * 3))
+    assert found == [(6.0, 0), (6.0, 1), (6.0, 1)]
 
 
 def test_where_nothing_can_be_written_it_compiles(library, tmp_path):

@@ -139,3 +139,25 @@ def test_what_begins_in_motion_or_grows_slowly_was_not_struck():
     time = np.arange(int(4.0 * RATE)) / RATE
     driven = np.minimum(time, 1.0) * np.cos(2 * np.pi * 80.0 * time)
     assert onset(driven, RATE / 80.0) == 0
+
+
+@pytest.mark.parametrize(("order", "part"), [(2, 0.01), (3, 0.02), (2, 0.0)])
+def test_a_louder_modes_harmonic_beside_the_mode_is_taken_off(order, part):
+    loud_Hz, own_Hz, own = 101.0, order * 101.0 - 1.6, (0.002, 0.05)
+    time = np.arange(int(3.0 * RATE)) / RATE
+    lag = np.exp(-0.0009 * 2 * np.pi * loud_Hz * time)
+    # the loud mode softens: its harmonic moves with it
+    turns = 2.0 * np.pi * (loud_Hz * time - 0.05 * (1.0 - lag))
+    velocity = 0.2 * lag * np.cos(turns) + 0.2 * part * lag**1.7 * np.cos(order * turns + 0.7)
+    velocity += decay(own_Hz, *own, time)
+    velocity += NOISE * np.random.default_rng(4).standard_normal(time.size)
+    judged, found = curve(velocity, own_Hz + 0.5, (loud_Hz,))
+    told = "harmonic" in judged["finding_id"].values.tolist()
+    assert told == (part > 0.0)
+    above = found["amplitude"].values * 2.0 * np.pi * own_Hz > max(0.5 * part * 0.2, 1e-3)
+    assert above.sum() > 50
+    frequency, loss = found["frequency"].values[above], found["loss_factor"].values[above]
+    assert np.abs(frequency / own_Hz - 1.0).max() < 5e-4
+    assert np.median(np.abs(loss / 0.004 - 1.0)) < 0.03
+    z = (frequency - own_Hz) / found["frequency_std"].values[above]
+    assert np.sqrt(np.mean(z**2)) < 3.0

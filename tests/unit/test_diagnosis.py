@@ -14,7 +14,7 @@ from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import is_shown, verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.schema import check
 from diagnosis_bench import FORCES, campaign, programme
 from scipy.stats import binom

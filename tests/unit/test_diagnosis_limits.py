@@ -7,7 +7,7 @@ from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.limits import limits
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric_build import parametric_model
 from diagnosis_bench import campaign, programme
 from stiffness_beam import beam_joint
 

@@ -18,7 +18,8 @@ from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.plain_words import plainly
-from bladeroot.rom.parametric import ln_frequencies, parametric_model, surface_of
+from bladeroot.rom.parametric import ln_frequencies, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.schema import check
 from diagnosis_bench import FORCES, MODES, campaign, programme
 from stiffness_beam import beam_joint

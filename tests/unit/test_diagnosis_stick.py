@@ -7,7 +7,8 @@ from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.rom.parametric import ln_frequencies, parametric_model
+from bladeroot.rom.parametric import ln_frequencies
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.sensitivity import changed_frequencies
 from diagnosis_bench import MODES, campaign, programme
 from stiffness_beam import beam_joint

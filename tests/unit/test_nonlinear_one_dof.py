@@ -9,9 +9,9 @@ import pytest
 from bladeroot.contact.laws import closed_forms
 from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
-from bladeroot.nonlinear.one_step import exact, newmark
-from bladeroot.nonlinear.time_integration import free_decay
 from nonlinear_systems import MASS, SPRING, sliding_mass
+from one_step import exact, newmark
+from time_integration import free_decay
 
 CONTACT = 0.02 * SPRING
 X_CR = 1e-4

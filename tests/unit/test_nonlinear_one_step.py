@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from bladeroot.nonlinear.one_step import exact, hysteretic, newmark
 from hypothesis import given
 from hypothesis import strategies as st
+from one_step import exact, hysteretic, newmark
 from scipy.integrate import solve_ivp
 
 METHODS = pytest.mark.parametrize("method", [newmark, exact])

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from bladeroot.contact.laws.coulomb import coulomb
 from bladeroot.contact.laws.sliders import Sliders
-from bladeroot.nonlinear.one_step import exact, hysteretic, newmark
-from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.reproduction.one_dof import Slider
 from bladeroot.reproduction.one_dof import free_decay as between_events
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, X_CR, sliding_mass
+from one_step import exact, hysteretic, newmark
+from time_integration import free_decay
 
 OMEGA = np.sqrt((SPRING + TANGENTIAL) / MASS)
 SAMPLING = 51200.0

@@ -11,15 +11,15 @@ from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
-from bladeroot.nonlinear.one_step import exact, hysteretic
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_contact
 from bladeroot.nonlinear.system import system_of
-from bladeroot.nonlinear.time_integration import free_decay
 from bladeroot.nonlinear.uneven import Uneven, edge_distance, relative_pressure, uneven_sliders
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof
+from one_step import exact, hysteretic
+from time_integration import free_decay
 
 POINT = np.array([np.log(0.6e9), np.log(0.9e9), 4e3])
 LAW = Uneven(friction=0.4, keep=0.02, exponent=0.7, spread=0.4)

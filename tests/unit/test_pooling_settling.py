@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.pooling.settling import unsettled
+from bladeroot.pooling.curves import unsettled
 
 LADDER = np.geomspace(1e-5, 1e-3, 81)
 

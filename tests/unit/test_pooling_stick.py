@@ -241,22 +241,5 @@ def test_few_rows_have_no_scatter():
     assert np.isnan(result["scatter_ratio"]).all()
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"frequency_Hz": [1333.0, -1.0]}, "frequency_Hz must be a positive number, got -1.0"),
-        (
-            {"frequency_std_Hz": [np.inf, 0.1]},
-            "frequency_std_Hz must be a positive number, got inf",
-        ),
-        ({"frequency_std_Hz": [0.1, 0.0]}, "frequency_std_Hz must be a positive number, got 0.0"),
-        ({"mode": ["1B", "1B"]}, "once a mode, got 1B at 3580 N"),
-    ],
-)
-def test_bad_tables_are_named(changes, message):
-    with pytest.raises(ValueError, match=message):
-        stick_from_table(table(**changes))
-
-
 def test_no_records_at_all():
     assert stick_from_records([]).sizes == {"record": 0, "level": 0}

@@ -257,6 +257,6 @@ def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
     assert sum(verdict.probabilities.values()) == pytest.approx(1.0, abs=1e-6)
     assert not verdict.causes
     assert "two-modes" in repr(verdict)
-    assert len(verdict.plot().axes) == 2
+    assert len(verdict.plot().axes) == 4
     with pytest.raises(ValueError, match="campaign folder not found"):
         br.diagnose(tmp_path / "nowhere")

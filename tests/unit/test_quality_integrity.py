@@ -58,7 +58,7 @@ def test_a_clean_decay_raises_nothing(noise_db, softening):
     for seed in range(2):
         velocity = decay(seed=seed, noise_db=noise_db, softening=softening, second=0.3)
         found = judged(velocity)
-        assert ids(found) <= {"ends-early"}
+        assert not ids(found)
         assert found["usable"].values.all()
         assert found.attrs["verdict"] == "usable"
 
@@ -66,7 +66,7 @@ def test_a_clean_decay_raises_nothing(noise_db, softening):
 def test_a_whole_record_with_release_and_return_raises_nothing():
     for seed in range(2):
         velocity, _, _, _ = shaken(seed)
-        assert ids(judged(velocity, 245.0)) <= {"ends-early"}
+        assert not ids(judged(velocity, 245.0))
 
 
 @pytest.mark.parametrize("noise_after", [0.0, 0.002])
@@ -94,20 +94,6 @@ def test_clipping_before_the_release_alone_is_told_and_masks_nothing():
     assert "before the release" in text(found, "clipping")
     assert found["usable"].values.all()
     assert found.attrs["verdict"] == "usable"
-
-
-def test_tilted_tops_are_masked_up_to_the_last():
-    from scipy.signal import butter, lfilter
-
-    clean = ring_down(second=0.0, noise_db=120, bits=24, eta=(0.002, 0.003))[0]
-    section = butter(1, 25.0 / (0.5 * RATE), "high")
-    velocity = lfilter(*section, np.clip(clean, -0.7 * START, 0.7 * START))
-    velocity += 5e-4 * START * np.random.default_rng(0).standard_normal(clean.size)
-    found = judged(velocity)
-    assert "soft-clipping" in ids(found)
-    last = np.flatnonzero(np.abs(clean) > 0.7 * START)[-1] / RATE
-    masked = np.flatnonzero(found["usable"].values == 0)[-1] / RATE
-    assert masked == pytest.approx(last, rel=0.3)
 
 
 def test_wrong_samples_are_masked_and_do_not_end_the_decay():
@@ -203,7 +189,7 @@ def test_a_close_mode_beats():
     other = 262.0
     beat = ringing(time, other, np.pi * other * 0.004)
     found = judged(clean + 0.05 * START * beat)
-    assert ids(found) - {"ends-early"} == {"mode-beating"}
+    assert ids(found) == {"mode-beating"}
     assert found.attrs["verdict"] == "usable"
     distance = float(re.search(r"a mode ([-+][\d.]+) Hz", text(found, "mode-beating"))[1])
     assert distance == pytest.approx(12.0, abs=2.5)
@@ -274,7 +260,7 @@ def test_driven_residue():
 @pytest.mark.parametrize("nepers", [2.5, 2.7])
 def test_a_record_that_ends_soon_after_slip_is_no_driven_residue(nepers):
     found = judged(coulomb_decay(0.12, 0.02, nepers=nepers))
-    assert ids(found) <= {"ends-early", "too-short"}
+    assert not ids(found)
     assert found["usable"].values.all()
 
 
@@ -325,17 +311,6 @@ def test_two_close_modes_that_are_louder_are_not_told_apart_by_their_beat():
     assert begin == pytest.approx(equal_s, abs=12 / 250.0)
 
 
-def test_a_wandering_baseline_is_taken_off():
-    clean = decay(noise_db=70)
-    time = np.arange(clean.size) / RATE
-    drift = 0.1 * START * np.sin(2 * np.pi * time / time[-1]) * time / time[-1]
-    before, after = judged(clean), judged(clean + drift)
-    assert "wandering-baseline" not in ids(before)
-    assert "wandering-baseline" in ids(after)
-    left = after["velocity"].values - before["velocity"].values
-    assert np.abs(left).max() < 0.02 * np.abs(drift).max()
-
-
 def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
     rate = 102_400.0
     time = np.arange(150_000) / rate
@@ -347,7 +322,7 @@ def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
         first = round(found.attrs["start_s"] * rate)
         left = found["velocity"].values - (own + noise)[first : first + found.sizes["time"]]
         assert "mains-hum" in ids(found)
-        assert not ids(found) & {"wandering-baseline", "louder-mode"}
+        assert "louder-mode" not in ids(found)
         assert np.abs(left).max() < 0.01 * size
 
 
@@ -437,16 +412,6 @@ def test_a_louder_mode_beside_one_at_the_expected_frequency(louder, others, verd
     found = judged(velocity, 500.0, 20000.0, modes_Hz=others)
     assert "but nearer to the expected 500 Hz" in found.attrs["findings"]
     assert found.attrs["verdict"] == verdict
-
-
-def test_short_and_broken_off_records_are_told():
-    found = uncut(decay(second=0.0, eta=(0.01, 0.01))[: int(0.16 * RATE)])
-    assert {"too-short", "ends-early"} <= ids(found)
-    assert found.attrs["verdict"] == "usable"
-
-
-def test_low_dynamic_range_is_told():
-    assert "noise-floor" in ids(uncut(decay(noise_db=-8, second=0.0)))
 
 
 @settings(max_examples=8, deadline=None)

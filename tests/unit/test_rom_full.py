@@ -9,7 +9,8 @@ from bladeroot.rom.accuracy import accuracy
 from bladeroot.rom.full import full_frequencies, full_joint
 from bladeroot.rom.joint import Operator, joint_of_reduced, stiffness_at
 from bladeroot.rom.joint_symmetry import joint_sectors
-from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
+from bladeroot.rom.parametric import frequencies, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from structure_coarse import coarse_structure
 

@@ -18,10 +18,10 @@ from bladeroot.rom.joint import (
 from bladeroot.rom.parametric import (
     frequencies,
     frequencies_gradient,
-    parametric_model,
     ritz_of,
     surface_of,
 )
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.rom.ritz import error_bound, frequency, solve
 from bladeroot.rom.sensitivity import (

@@ -20,16 +20,17 @@ ALLOWED = {
     "contact": set(),
     "nonlinear": {"contact", "rom"},
     "inference": set(),
-    "stiffness": {"rom", "nonlinear", "inference"},
+    "stiffness": {"pooling", "rom", "nonlinear", "inference"},
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),
-    "reproduction": {"decay", "plateau", "fem", "rom", "contact", "stiffness"},
+    "reproduction": {"decay", "plateau", "fem", "rom", "contact", "inference", "stiffness"},
     "figures": set(),
     "report": {"figures"},
     "command": {"artifacts", "statement", "__version__", "io", "signal", "public", "report"},
     "public": {
         "artifacts",
+        "figures",
         "io",
         "decay",
         "pooling",
@@ -44,7 +45,9 @@ ALLOWED = {
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share
 # what checks files, what artifacts say of the load, and words.
 COMPILER = {"compiled"}
-SHARED = {"schema", "checksum", "hdf5_links", "loads", "plain_words", "shipped_files"}
+SHARED = {
+    "schema", "checksum", "hdf5_links", "loads", "plain_words", "shipped_files", "variables",
+}  # fmt: skip
 
 
 def imported_rooms(room):

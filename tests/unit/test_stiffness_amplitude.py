@@ -13,10 +13,8 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.stiffness import curve_fit
 from bladeroot.stiffness.amplitude import level_names
-from bladeroot.stiffness.curve_errors import covariance
 from bladeroot.stiffness.curve_fit import FRICTION_PRIOR, fit_curves, friction_problem
-from bladeroot.stiffness.curve_term import curve_term
-from bladeroot.stiffness.model import map_estimate, predict, problem_of
+from bladeroot.stiffness.model import curve_term, map_estimate, predict, problem_of
 from bladeroot.stiffness.simulated_curves import (
     along,
     by_friction,
@@ -24,7 +22,7 @@ from bladeroot.stiffness.simulated_curves import (
     friction_of,
     levels_at,
 )
-from bladeroot.stiffness.softening import Softening, softening_of
+from bladeroot.stiffness.softening import Softening, covariance, softening_of
 from nonlinear_systems import coarse_joint
 from stiffness_bench import GAUGE, HIGH, LOW, drawn, surface
 from stiffness_bench import stick as stick_of
@@ -70,68 +68,64 @@ def test_slopes_of_the_model_with_curves():
 
 def records(falls=(0.0, 1e-2)):
     """Two records of one level whose stick frequencies differ; the frequency falls as ln A."""
-    amplitude = np.geomspace(1e-5, 1e-7, 60)
-    decays, sticks = {}, []
-    for k, f in enumerate((500.0, 505.0)):
-        shape = np.clip(np.log(amplitude / 1e-6), 0.0, None)
-        decays[f"r{k}"] = xr.Dataset(
-            {
-                "amplitude": ("point", amplitude),
-                "frequency": ("point", f * (1.0 - falls[1] * shape)),
-                "frequency_std": ("point", np.full(60, 1e-3)),
-                "loss_factor": ("point", 0.003 + k * 1e-3 + 0.02 * shape),
-                "loss_factor_std": ("point", np.full(60, 1e-5)),
-            }
-        )
-        sticks.append((f"r{k}", f, 0.003 + k * 1e-3, f"h{k}"))
-    names, f, eta, hold = zip(*sticks, strict=True)
-    stick = xr.Dataset(
+    amplitude, stuck = np.geomspace(1e-7, 1e-5, 60), np.array([500.0, 505.0])
+    plateau, shape = np.array([3e-3, 4e-3]), np.clip(np.log(amplitude / 1e-6), 0.0, None)
+    over = ("record", "amplitude")
+    return xr.Dataset(
         {
-            "record_mode": ("record", ["1B"] * 2),
-            "record_force": ("record", [4e3] * 2),
+            "mode": ("record", ["1B"] * 2),
+            "force": ("record", [4e3] * 2),
+            "hold": ("record", ["h0", ""]),
+            "verdict": ("record", ["usable"] * 2),
             "plateau_reached": ("record", [1, 1]),
-            "hold": ("record", list(hold)),
-            "stick_frequency": ("record", list(f)),
+            "correlation_decades": ("record", [0.5] * 2),
+            "stick_frequency": ("record", stuck),
             "stick_frequency_std": ("record", [1e-3] * 2),
-            "record_loss_factor": ("record", list(eta)),
-            "record_loss_factor_std": ("record", [1e-5] * 2),
+            "stick_loss_factor": ("record", plateau),
+            "stick_loss_factor_std": ("record", [1e-5] * 2),
+            "frequency": (over, np.outer(stuck, 1.0 - falls[1] * shape)),
+            "frequency_std": (over, np.full((2, 60), 1e-3)),
+            "loss_factor": (over, plateau[:, None] + 0.02 * shape),
+            "loss_factor_std": (over, np.full((2, 60), 1e-5)),
         },
-        coords={"record": list(names)},
+        coords={"record": ["r0", "r1"], "amplitude": amplitude},
     )
-    return decays, stick
 
 
 def test_each_record_is_counted_from_its_own_stick_frequency():
-    found = softening_of(*records(), [("2B", 4e3), ("1B", 4e3)])
+    found = softening_of(records(), [("2B", 4e3), ("1B", 4e3)])
     assert set(found.level) == {1}
-    assert np.all(found.holds == 2)
+    assert np.all(found.clampings == 2)
     assert found.amplitude.min() > 1e-6
     shape = np.log(found.amplitude / 1e-6)
-    np.testing.assert_allclose(found.fall, -1e-2 * shape, atol=5e-4)
-    np.testing.assert_allclose(found.rise, 2e-2 * shape, atol=1e-3)
+    np.testing.assert_allclose(found.fall, -1e-2 * shape, atol=1e-9)
+    np.testing.assert_allclose(found.rise, 2e-2 * shape, atol=1e-9)
+    size = np.sqrt(np.diag(found.noise))[: found.fall.size] * 505.0
+    # two records of 1 mHz, with the plateaus' 1 mHz: sqrt(2) / sqrt(2)
+    np.testing.assert_allclose(size, 1e-3, rtol=0.1)
 
 
 def test_a_frequency_that_does_not_fall_gives_no_points():
-    assert not len(softening_of(*records(falls=(0.0, 0.0)), [("1B", 4e3)]).level)
+    assert not len(softening_of(records(falls=(0.0, 0.0)), [("1B", 4e3)]).level)
 
 
-@pytest.mark.parametrize("wrong", [np.nan, np.inf])
-def test_one_amplitude_that_is_no_number_costs_one_point(wrong):
-    decays, stick = records()
-    whole = softening_of(decays, stick, [("1B", 4e3)])
-    decays["r0"]["amplitude"][5] = wrong
-    found = softening_of(decays, stick, [("1B", 4e3)])
+def test_a_record_that_ends_leaves_no_step():
+    seen = records()
+    whole = softening_of(seen, [("1B", 4e3)])
+    seen["frequency"][0, 50:] = np.nan
+    seen["loss_factor"][0, 50:] = np.nan
+    found = softening_of(seen, [("1B", 4e3)])
     np.testing.assert_array_equal(found.amplitude, whole.amplitude)
-    np.testing.assert_allclose(found.fall, whole.fall, atol=1e-4)
+    np.testing.assert_allclose(found.fall, whole.fall, atol=1e-9)
+    assert sorted(set(found.clampings)) == [1.0, 2.0]
 
 
 def made_up(levels, size=8):
     level = np.repeat(np.arange(len(levels)), size)
     amplitude = np.tile(np.geomspace(4e-6, 6e-5, size), len(levels))
     nothing = np.zeros(level.size)
-    return Softening(
-        level, amplitude, nothing, nothing + 1e-6, nothing, nothing + 1e-6, nothing + 2.0
-    )
+    noise = 1e-12 * np.eye(2 * level.size)
+    return Softening(level, amplitude, nothing, nothing, nothing + 2.0, noise)
 
 
 def test_errors_of_the_curves_are_a_covariance():
@@ -200,7 +194,7 @@ def campaign(monkeypatch):
     )
     made, theta = drawn("one power", 0.003)
     frequencies = stick_of(np.exp(predict(made, theta[None]).ln_frequency[0]))
-    monkeypatch.setattr(stage, "softening_of", lambda decays, stick, levels: made_up(levels, 2))
+    monkeypatch.setattr(stage, "softening_of", lambda seen, levels: made_up(levels, 2))
 
     def fails(joint, model, alone, softening, levels, lasers, discrepancy):
         modes = sorted({levels[k][0] for k in softening.level})
@@ -210,7 +204,10 @@ def campaign(monkeypatch):
     bias = {"1B": 0.005, "2B": 0.005}
 
     def run(lasers):
-        return stage.amplitude(coarse_joint(), box, frequencies, {}, lasers, GAUGE, [12e3], bias)
+        nothing = xr.Dataset()
+        return stage.amplitude(
+            coarse_joint(), box, frequencies, nothing, lasers, GAUGE, [12e3], bias
+        )
 
     return run
 

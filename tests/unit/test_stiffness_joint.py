@@ -14,9 +14,8 @@ from bladeroot.stiffness.joint import freest, joint, models_of, surfaces_of
 from bladeroot.stiffness.laws import LAWS, PRIORS, powers, slopes
 from bladeroot.stiffness.levels import LEAST_STD, levels_of
 from bladeroot.stiffness.model import map_estimate, predict, problem_of
-from bladeroot.stiffness.posterior import combinations
+from bladeroot.stiffness.posterior import combinations, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE
-from bladeroot.stiffness.region import share_within
 from stiffness_bench import (
     BIAS,
     FORCE,
@@ -75,7 +74,7 @@ def test_beyond_the_box_the_model_goes_on_and_is_not_believed():
 @pytest.mark.parametrize("shared", [True, False])
 def test_cost_is_a_multivariate_normal_with_the_scatter_in_its_covariance(shared):
     made, theta = drawn(shared=shared)
-    made = replace(made, levels=replace(made.levels, hold_freedom=np.zeros(2)))
+    made = replace(made, levels=replace(made.levels, clamping_freedom=np.zeros(2)))
     problem, scales = problem_of(made), np.array([np.log(0.03)])
     state = problem.predict(theta)
     slope = state.facts["slope"][:, :2]
@@ -103,11 +102,11 @@ def test_regions_hold_their_share_of_a_bent_distribution():
 
 def test_repeats_pull_the_scatter_to_what_they_show():
     made, _ = drawn()
-    told = replace(made, levels=replace(made.levels, hold_freedom=np.full(2, 400.0)))
+    told = replace(made, levels=replace(made.levels, clamping_freedom=np.full(2, 400.0)))
     found = map_estimate(told, (0.0,))
     slope = found.state.facts["slope"][:, :2]
     gain = [(slope[told.levels.mode == m] ** 2).sum(axis=1).mean() for m in range(2)]
-    shown = np.mean(told.levels.hold_std**2 / gain)
+    shown = np.mean(told.levels.clamping_std**2 / gain)
     assert np.exp(2 * found.scales[0]) == pytest.approx(shown, rel=0.1)
 
 
@@ -190,7 +189,7 @@ def test_levels_know_which_share_a_clamping():
     assert found.clamping[0] == found.clamping[5]
     assert found.clamping[1] != found.clamping[6]
     np.testing.assert_allclose(found.std, 0.05 / 500.0)  # sqrt(0.03^2 + (0.08 / 2)^2)
-    np.testing.assert_allclose(found.hold_std, 1e-3)
+    np.testing.assert_allclose(found.clamping_std, 1e-3)
     # its own scatter of clampings is not the joint inference's, even where no force repeats one
     once = records | {"hold_freedom": ("level", np.zeros(2 * len(FORCE), int))}
     alone = levels_of(stick(f).drop_dims("record").assign(once), ("1B", "2B"))

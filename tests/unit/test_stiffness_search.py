@@ -4,9 +4,9 @@ import xarray as xr
 from bladeroot.rom.chebyshev import fit
 from bladeroot.stiffness.grid_search import grid_search
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
-from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
 from bladeroot.stiffness.search import fit_modes, ln_covariance, search
+from bladeroot.stiffness.surface import all_frequencies, surface_of_map
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiffness_beam import beam_map

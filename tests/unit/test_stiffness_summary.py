@@ -3,9 +3,9 @@ import pytest
 import xarray as xr
 from bladeroot.contact.published import published_stiffness
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
-from bladeroot.stiffness.map import all_frequencies, surface_of_map
 from bladeroot.stiffness.search import search
 from bladeroot.stiffness.summary import power_law, summarise
+from bladeroot.stiffness.surface import all_frequencies, surface_of_map
 from stiffness_beam import beam_map
 
 FORCES = np.array([10e3, 12e3, 16e3, 20e3])

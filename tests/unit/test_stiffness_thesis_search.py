@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.reproduction.thesis_search import NODES, thesis_search
-from bladeroot.rom.parametric import frequencies, parametric_model, surface_of
+from bladeroot.rom.parametric import frequencies, surface_of
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from stiffness_beam import beam_joint
 

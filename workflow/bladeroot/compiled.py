@@ -6,9 +6,11 @@ folder by the hash of itself and all that it imports. A cache only saves time: o
 full or cannot be written to means compiling again, never an end.
 """
 
+import fcntl
 import hashlib
 import os
 import shutil
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -24,6 +26,8 @@ from bladeroot.provenance import code_hash
 _LIBRARY = Path(__file__).parent
 # Folders of one module that are kept, the last used ones: branches that are worked on in turn.
 _KEPT = 4
+# Seconds that a process waits for another that compiles the same function, which takes one or two.
+_PATIENCE = 120.0
 
 
 def njit(**options: object) -> Callable[[Callable], Callable]:
@@ -100,11 +104,47 @@ class _Compiled(CompileResultCacheImpl):
 
 
 class _Cache(FunctionCache):
-    """numba's, whose faults are no end: what cannot be read is compiled again."""
+    """numba's, whose faults are no end: what cannot be read is compiled again.
+
+    Jobs that start together need the same functions: one compiles, the others wait for it.
+    """
 
     _impl_class = _Compiled
 
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function)
+        self._turn = None  # the open file that says that this process compiles
+        self._sign = _folder(_file_of(function)) / f"{function.__qualname__}.lock"
+
     def load_overload(self, sig: object, target_context: object) -> object:
+        found = self._read(sig, target_context)
+        if found is None and self._wait():
+            found = self._read(sig, target_context)
+            if found is not None:
+                self._done()
+        return found
+
+    def _wait(self) -> bool:
+        """Take the turn to compile; whether another had it before."""
+        last = time.monotonic() + _PATIENCE
+        waited = False
+        with suppress(OSError):  # a disk without locks: each compiles for itself
+            self._turn = self._turn or open(self._sign, "a")  # noqa: SIM115
+            while time.monotonic() < last:
+                try:
+                    fcntl.flock(self._turn, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    waited = True
+                    time.sleep(0.02)
+        return waited
+
+    def _done(self) -> None:
+        if self._turn:
+            self._turn.close()
+        self._turn = None
+
+    def _read(self, sig: object, target_context: object) -> object:
         try:
             return super().load_overload(sig, target_context)
         except Exception:  # a damaged pickle throws anything
@@ -115,3 +155,4 @@ class _Cache(FunctionCache):
     def save_overload(self, sig: object, data: object) -> None:
         with suppress(Exception):  # no space, no right, a folder that is gone
             super().save_overload(sig, data)
+        self._done()

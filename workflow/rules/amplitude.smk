@@ -16,8 +16,7 @@ rule amplitude:
         reduced=rules.reduced.output.reduced,
         parametric=rules.parametric.output.parametric,
         stick=rules.stick.output.stick,
-        batches=batch_lists,
-        decays=of_records("decay"),
+        observations="results/{campaign}/observations.nc",
     output:
         amplitude="results/{campaign}/amplitude/{structure}.nc",
     log:
@@ -35,7 +34,7 @@ rule amplitude:
         "kn, kt of {wildcards.campaign} with {wildcards.structure} from frequencies and amplitude curves"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/amplitude.py --reduced {input.reduced:q} --parametric {input.parametric:q}"
-        " --stick {input.stick:q} --batches {input.batches:q} --settings {params.settings:q}"
+        " --stick {input.stick:q} --observations {input.observations:q} --settings {params.settings:q}"
         " --output {output.amplitude} > {log} 2>&1"
 
 

@@ -2,7 +2,7 @@
 # A batch of records is one job, with a rule of its own: a rule's outputs can't be a list that grows.
 
 # Clampings a batch: the records of one share most of their work.
-BENCH_CLAMPINGS = 2
+BENCH_CLAMPINGS = 4
 
 
 def rows_by_batch(campaign):

@@ -9,19 +9,18 @@ from bladeroot.stiffness.amplitude import amplitude
 from bladeroot.stiffness.interpolation import ForceGauge
 
 
-def main(reduced, parametric, stick, batches, settings, output):
+def main(reduced, parametric, stick, observations, settings, output):
     measured, asked = artifacts.load(stick), json.loads(settings)
     gauge = asked["gauge"]
     bias, offset = (
         {mode: percent / 100 for mode, percent in asked[name].items()}
         for name in ("fe_bias_percent", "fe_offset_percent")
     )
-    curves = artifacts.load_records(batches, "decay")
     found = amplitude(
         joint_of_reduced(artifacts.load(reduced)),
         artifacts.load(parametric),
         measured,
-        {str(curve.attrs["record"]): curve for curve in curves},
+        artifacts.load(observations),
         asked["lasers"],
         ForceGauge(gauge["full_scale_std"], gauge["relative_std"], gauge["primary"]),
         gauge["forces"],
@@ -39,7 +38,7 @@ if __name__ == "__main__":
         reduced="reduced.nc of the structure",
         parametric="parametric.nc of the structure",
         stick="stick.nc",
-        batches="many: lists of the records in each batch",
+        observations="observations.nc",
         settings="as of joint.py, with lasers (m, by mode) and curve_discrepancy_percent (JSON)",
         output="amplitude file",
     )

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.reproduction.calibration import Problem
+from bladeroot.reproduction.calibration import Calibration
 from bladeroot.reproduction.calibration_result import calibration
 from bladeroot.reproduction.parameters import parameters_of
 from bladeroot.reproduction.targets import targets_of
@@ -21,12 +21,12 @@ def main(calibration_file, structure, tables, output):
             f"got {asked['structure']!r} ({calibration_file})"
         )
     published = {Path(table).stem: pd.read_csv(table) for table in tables}
-    problem = Problem(
+    asked_for = Calibration(
         start,
         parameters_of(asked["parameters"], start),
         targets_of(published, {**asked["judged"], **asked["targets"]}),
     )
-    artifacts.save(calibration(problem, list(asked["targets"])), output)
+    artifacts.save(calibration(asked_for, list(asked["targets"])), output)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ import yaml
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.reproduction.build import ledger
-from bladeroot.reproduction.evidence import Evidence
-from bladeroot.reproduction.slider_curves import slider_curves
+from bladeroot.reproduction.entry import Evidence
+from bladeroot.reproduction.one_dof import slider_curves
 
 
 def main(stages, checks, reduced, maps, thesis, output, slider):

@@ -21,11 +21,10 @@ SKIRT, FAINT = 0.35, 0.03
 # Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
 # longer by a factor. Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
+# Beside a line that is not known yet, what has less than this part of its harm may be its image.
+IMAGE = 0.1
 # In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
 AUDIBLE = 0.08
-# Harmonics of lines from this part of the mode's amplitude on may lie nearer, but not nearer than
-# the other part of its frequency.
-OVERTONES, NEAREST = 0.3, 0.05
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
@@ -63,8 +62,10 @@ def more_lines(
             own = float(np.sqrt(2.0 * np.mean(mode[:size] ** 2)))
             candidates += _peaks(rest[:size], own, found, sampling_Hz, slowest_Hz)
     chosen: list[float] = []
-    for _, line in sorted(candidates, reverse=True):
-        if all(abs(line - one) > SAME * min(line, own_Hz) for one in chosen):
+    for harm, line in sorted(candidates, reverse=True):
+        if harm > IMAGE * max(candidates)[0] and all(
+            abs(line - one) > SAME * min(line, own_Hz) for one in chosen
+        ):
             chosen.append(line)
     return chosen[:AT_ONCE]
 
@@ -164,9 +165,12 @@ def meant(
 ) -> Float[ndarray, " line"]:
     """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
 
-    The one nearer to where it is expected, where other modes near by are left the other.
+    The one nearer to where it is expected, where other modes near by are left the other; where
+    nobody knows of one, the louder, unless that is further off than a sheet may be.
     """
     near = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+    if not near and abs(np.log(lines[0] / expected_Hz)) < ABOUT:
+        return lines
 
     def off(own: float, other: float) -> float:
         theirs = min((abs(np.log(other / one)) for one in near), default=0.0)
@@ -192,19 +196,6 @@ def elsewhere_first(
         other &= np.abs(frequency / mode - 1.0) > ABOUT
     own = level.max(where=off < 0.5 * APART, initial=0.0)
     return bool(own < AUDIBLE * level.max(where=other, initial=0.0))
-
-
-def overtones(found: Envelopes, lines: Float[ndarray, " line"]) -> list[float]:
-    """Harmonics of loud lines that lie too near to the mode to be seen beside it."""
-    size = [np.abs(found.envelope(k)).max() for k in range(lines.size)]
-    near = [
-        order * line
-        for line, own in zip(lines[1:], size[1:], strict=True)
-        for order in (2, 3)
-        if own > OVERTONES * size[0]
-    ]
-    near = [one for one in near if abs(one - lines[0]) < APART * lines[0]]
-    return [one for one in near if np.abs(one - lines).min() > NEAREST * lines[0]]
 
 
 def moved(found: Envelopes, line: int, sampling_Hz: float) -> float:

@@ -16,10 +16,10 @@ from bladeroot.decay.component_lines import (
     meant,
     more_lines,
     moved,
-    overtones,
     told_apart,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.harmonic import Harmonic, harmonics
 from bladeroot.signal.lines import loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
@@ -49,6 +49,10 @@ DOUBT = 0.5
 ALIKE = 2
 # A mode whose frequency moves looks like two lines, of which one grows by that factor.
 BORN = 1.3
+CLOSE_MODE = (
+    "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
+    "the other is taken off; the sheet had better name both"
+)
 # A course falls by no more than this (of ln A) below its top: what is lower is noise.
 DEEPEST = 12.0
 
@@ -60,7 +64,7 @@ class Separated:
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
     start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
     were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
-    be, as an error of independent cycles.
+    be, as an error of independent cycles. `told`: findings, by id.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -69,6 +73,7 @@ class Separated:
     time: Float[ndarray, " knot"]
     widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
+    told: tuple[tuple[str, str], ...] = ()
 
 
 def separated(
@@ -89,7 +94,7 @@ def separated(
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    x = velocity[first:]
+    x, begun = velocity[first:], first
     known = None if usable is None else usable[first:]
     frequency, level = loudest(x, sampling_Hz, expected_Hz)
     for other in modes_Hz:
@@ -97,12 +102,13 @@ def separated(
             level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
-    own_Hz, base_Hz = float(lines[0]), 0.0
+    own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
+    near: list[Harmonic] = []
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
@@ -114,9 +120,17 @@ def separated(
             own_Hz = float(lines[0])
             continue
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
+        if not near and not trimmed:
+            near = harmonics(found, sampling_Hz, APART)
+            if near:  # what was found of others may have been theirs
+                velocity = velocity.copy()
+                velocity[first:] -= sum(one.wave for one in near)
+                x, lines = velocity[first:], named
+                continue
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
         if not trimmed and (turn or not more):
-            last, trimmed = _lasting(found), True
+            hidden = [one.hides(found, sampling_Hz) for one in near]
+            last, trimmed = min([_lasting(found), *hidden]), True
             x, known = x[:last], None if known is None else known[:last]
             if last < found.samples:
                 continue
@@ -125,7 +139,7 @@ def separated(
             if close:
                 before = lines
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
-                own_Hz = float(lines[0])
+                own_Hz, close = float(lines[0]), [float(lines[-1])]
                 continue
         if not more:
             break
@@ -134,10 +148,9 @@ def separated(
         slow = [line for line in more if line < resolved]
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
-        lines = np.concatenate([lines, fast])[: MOST + 1]
+        lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
     if lines.size > found.lines_Hz.size:
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    lines = np.concatenate([lines, overtones(found, lines)])
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     for _ in range(BLOWS):
@@ -149,8 +162,8 @@ def separated(
         first += struck
         x, known = x[struck:], None if known is None else known[struck:]
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    course = np.stack([_course(found, k) for k in range(lines.size)])
-    spacing, before = found.spacing, found.envelope(0)
+    spacing = found.spacing
+    course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
     beside = x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1], lines[1:]
     single = demodulated(*beside)
@@ -159,12 +172,19 @@ def separated(
     doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
+    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
+    for one in near:
+        off = one.over(found.envelope(0), time - begun / sampling_Hz)
+        doubt = np.hypot(doubt, np.minimum(off, 1.0))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
-    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
-    return Separated(left, first, [float(lines[1 + k]) for k in loud], time, widening, doubt)
+    taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
+    told = [("harmonic", one.told) for one in near]
+    if close:
+        told.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
+    return Separated(left, first, taken_Hz, time, widening, doubt, tuple(told))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

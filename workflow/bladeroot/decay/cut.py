@@ -12,7 +12,6 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.beating import beat, without_beat
 from bladeroot.decay.ending import RISE, find_end, running_power, strikes
 from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
@@ -27,10 +26,6 @@ LEAST_FALL, SHORT_FALL = 2.0, 1.1
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
 # followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
 SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
-# One decay under a beat falls by more than this many times what it falls by within a beat.
-DEEPER = 1.5
-# A release so many frames after the loudest one may be a beat's.
-LATE = 16
 # Cycles from which the mode's own frequency is taken.
 LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
@@ -147,15 +142,6 @@ def _span(
     broken = strikes(seen, noise)
     ratio = 0.0 if end == "noise" else float(end)
     one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio, known)
-    loudest = int(np.argmax(one.level))
-    if one.reason == "disturbed" or one.begin > loudest + LATE:
-        # a deep beat looks like many decays, or like a release
-        period = beat(seen, floor, loudest)
-        if period is not None:
-            calm = without_beat(seen, loudest, period)
-            whole = _decay(velocity, sampling_Hz, calm, floor, least, broken, ratio, known)
-            if whole.fall > DEEPER * one.fall or _free_before(whole, one.begin, period):
-                one = whole
     fall, found, release = one.fall, one.found, one.release
     if release is None:
         return (0, 0), (
@@ -164,12 +150,6 @@ def _span(
         )
     level, end_s, reason = one.level, one.end_s, one.reason
     start_s = release.time_s + 2.0 * release.std_s
-    period = beat(seen, floor, one.begin) if reason == "disturbed" else None
-    if period is not None:
-        # a beat rises and bends as a disturbance does; under its mean a real one still shows
-        calm = without_beat(seen, one.begin, period)
-        _, course, later = _falls(calm, floor, broken, one.begin)
-        end_s, reason = find_end(calm, floor, least, course, broken, one.begin, later[0][1], ratio)
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -228,19 +208,6 @@ def _decay(
 
 def _least_fall(known: Release | None) -> float:
     return SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
-
-
-def _free_before(calm: _Decay, begin: int, period: float) -> bool:
-    """Whether a decay without its beat falls before a frame as it does after it."""
-    before = begin - calm.begin
-    if calm.release is None or before < period:
-        return False
-    after = min(begin + before, calm.level.size - 1)
-    fallen, falls = (
-        calm.level[calm.begin] - calm.level[begin],
-        calm.level[begin] - calm.level[after],
-    )
-    return bool(fallen > 0.5 * falls > 0.0)
 
 
 def _falls(

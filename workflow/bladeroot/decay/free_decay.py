@@ -56,7 +56,7 @@ def free_decay(
         if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
             alone.attrs["end_reason"] = "the noise"
         alone = windowed(alone, parts.velocity, *window)
-        known = expected_Hz, modes_Hz, recording.notes, recording, parts.velocity
+        known = expected_Hz, modes_Hz, recording.notes, recording, parts.velocity, parts.told
         judged = judge(alone, motion, *known)
         again = _struck_again(judged) if struck else 0
         if not again:

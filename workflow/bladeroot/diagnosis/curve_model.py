@@ -1,8 +1,7 @@
 """Frequency and damping over amplitude: what the baseline leaves, level by level.
 
-A level is a mode at a force in one group. From each record its own plateau is taken off, what is
-left is averaged over the level's records; each level keeps a free offset. The baseline has no slip,
-or that of the simulation that it is given.
+A level is a mode at a force in one group; `bladeroot.pooling.level_curve` averages its records, and
+it keeps a free offset. The baseline has no slip, or that of the simulation that it is given.
 """
 
 from collections.abc import Sequence
@@ -12,12 +11,13 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
+from scipy.linalg import block_diag
 
-from bladeroot.diagnosis.coupling import COUPLING
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import near
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
+from bladeroot.pooling.level_curve import level_curve
 
 SPACING = 5  # ladder's points between those that are used
 REACH = 10.0**2.5  # from the largest amplitude of a level down
@@ -80,131 +80,31 @@ def curve_data(
         return None
     force = seen["force"].values
     group = seen["group"].values.astype(str) if "group" in seen else np.full(force.size, "")
-    blocks, size = [], 0
+    places, curves = [], []
     for number, name in enumerate(modes):
         mine = use & (mode == name)
         for f, own in sorted(set(zip(force[mine].tolist(), group[mine].tolist(), strict=True))):
             rows = np.flatnonzero(mine & (force == f) & (group == own))
-            block = _level(seen, rows, amplitude)
-            if block is not None:
-                blocks.append((number, float(f), *block))
-                size += block[0].size
-    if not blocks:
+            curve = level_curve(seen.isel(record=rows), SPACING, REACH)
+            if curve is not None:
+                places.append((number, float(f)))
+                curves.append(curve)
+    if not curves:
         return None
+    sizes = [one.amplitude.size for one in curves]
     points = Points(
-        *(
-            np.concatenate([b[k] if k == 2 else np.full(b[2].size, b[k]) for b in blocks])
-            for k in (0, 1, 2, 6)
-        )
+        *(np.repeat(part, sizes) for part in zip(*places, strict=True)),
+        np.concatenate([one.amplitude for one in curves]),
+        np.repeat([one.plateau_loss for one in curves], sizes),
     )
-    level = np.repeat(np.arange(len(blocks)), [b[2].size for b in blocks])
-    noise = np.zeros((2 * size, 2 * size))
-    first = 0
-    for b in blocks:
-        for q in (0, 1):
-            here = slice(q * size + first, q * size + first + b[2].size)
-            noise[here, here] = b[4][q]
-        first += b[2].size
-    value = np.concatenate([np.concatenate([b[3][q] for b in blocks]) for q in (0, 1)])
-    count = np.concatenate([b[5] for b in blocks])
+    level = np.repeat(np.arange(len(curves)), sizes)
+    noise = block_diag(*(one.stated[q] + one.repeats[q] for q in (0, 1) for one in curves))
+    value = np.concatenate([one.mean[q] for q in (0, 1) for one in curves])
+    count = np.concatenate([one.records for one in curves])
     if baseline is not None:
         value = value - _of_baseline(baseline, points, modes)
-    stuck = np.concatenate([np.full(b[2].size, b[7]) for b in blocks])
+    stuck = np.repeat([one.stuck for one in curves], sizes)
     return CurveData(tuple(modes), points, value, noise, level, count, stuck)
-
-
-def _level(seen: xr.Dataset, rows: ndarray, amplitude: ndarray) -> tuple | None:
-    """Of one level: amplitudes, mean excesses, covariances, counts and loss factor."""
-    f, loss = seen["frequency"].values[rows], seen["loss_factor"].values[rows]
-    std_f, std_loss = seen["frequency_std"].values[rows] / f, seen["loss_factor_std"].values[rows]
-    known = np.isfinite(f) & np.isfinite(loss) & np.isfinite(std_f) & np.isfinite(std_loss)
-    reached = np.flatnonzero(known.any(axis=0))
-    if not reached.size:
-        return None
-    reached = reached[amplitude[reached] * REACH >= amplitude[reached[-1]]]
-    chosen = reached[::-1][::SPACING][::-1]
-    stuck = seen["stick_frequency"].values[rows], seen["stick_loss_factor"].values[rows]
-    lines = [
-        _less_plateau(y, known, k) for y, k in ((np.log(f), np.log(stuck[0])), (loss, stuck[1]))
-    ]
-    count = known[:, chosen].sum(axis=0)
-    kept = count > 0
-    chosen, count = chosen[kept], count[kept]
-    length = np.nan_to_num(seen["correlation_decades"].values[rows], nan=1.0)
-    mask = known[:, chosen]
-    distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
-    means, covariances = [], []
-    for line, std, shared in zip(lines, (std_f, std_loss), COUPLING, strict=True):
-        y = np.where(mask, line[:, chosen], 0.0)
-        means.append(y.sum(axis=0) / count)
-        s = np.where(mask, std[:, chosen], 0.0) / count
-        smooth = np.exp(-distance[None] / np.maximum(length, 0.05)[:, None, None])
-        covariances.append((s[:, :, None] * s[:, None, :] * smooth).sum(axis=0))
-        more = _beyond(line[:, chosen], std[:, chosen], mask)
-        if shared in seen:  # alike in all records of a level
-            by_others = (
-                np.where(mask, seen[shared].values[rows][:, chosen], 0.0).sum(axis=0) / count
-            )
-            more = np.hypot(more, by_others)
-        covariances[-1] += np.outer(more, more) * np.exp(-distance)
-    # The error of a record's plateau is a step of the mean where that record begins or ends.
-    plateaus = (
-        seen["stick_frequency_std"].values[rows] / stuck[0],
-        seen["stick_loss_factor_std"].values[rows],
-    )
-    for own, std in zip(covariances, plateaus, strict=True):
-        step = np.nan_to_num(std)[:, None] * mask / count
-        own += step.T @ step
-    reaches = bool(np.isfinite(stuck[0]).any())
-    own_loss = _plateau_loss(stuck[1], loss, known)
-    return amplitude[chosen], means, covariances, count, own_loss, reaches
-
-
-def _beyond(line: ndarray, std: ndarray, mask: ndarray) -> Float[ndarray, " point"]:
-    """Standard error of the mean of repeats by what they differ beyond their stated errors.
-
-    Beside another mode, or after a blow, records are worse than they say, each in its own way.
-    Points of one record have that of the nearest point of several.
-    """
-    count = mask.sum(axis=0)
-    here = np.where(mask, line, 0.0)
-    off = np.where(mask, line - here.sum(axis=0) / count, 0.0)
-    freedom = np.maximum(count - 1, 1)
-    stated = np.where(mask, std**2, 0.0).sum(axis=0) / count
-    more = np.maximum((off**2).sum(axis=0) / freedom - stated, 0.0)
-    several = np.flatnonzero(count > 1)
-    if not several.size:
-        return np.zeros(count.size)
-    nearest = several[np.abs(np.arange(count.size)[:, None] - several).argmin(axis=1)]
-    return np.sqrt(more[nearest] / count)
-
-
-def _plateau_loss(plateau: ndarray, loss: ndarray, known: ndarray) -> float:
-    """Mean loss factor of the plateaus, or the least of the curves where there is none."""
-    if np.isfinite(plateau).any():
-        return float(np.nanmean(plateau))
-    return float(np.where(known, loss, np.inf).min())
-
-
-def _less_plateau(
-    line: Float[ndarray, "record amplitude"],
-    known: Bool[ndarray, "record amplitude"],
-    plateau: Float[ndarray, " record"],
-) -> Float[ndarray, "record amplitude"]:
-    """Curves less their plateaus; one without lies as the others' mean where they overlap."""
-    left = np.where(known, line, np.nan) - np.where(np.isfinite(plateau), plateau, np.nan)[:, None]
-    have = np.isfinite(plateau)
-    order = np.argsort(~have, kind="stable")
-    for i in order[have.sum() :]:
-        own = np.where(known[i], line[i], np.nan)
-        others = np.isfinite(left) & known[i]
-        if others.any():
-            total = np.where(others, left, 0.0).sum(axis=0)
-            middle = total / np.maximum(others.sum(axis=0), 1)
-            left[i] = own - np.mean((own - middle)[others.any(axis=0)])
-        else:
-            left[i] = own - own[np.flatnonzero(known[i])[0]] if known[i].any() else own
-    return left
 
 
 def _of_baseline(baseline: xr.Dataset, points: Points, modes: Sequence[str]) -> ndarray:

@@ -8,10 +8,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.coupling import coupling
 from bladeroot.loads import load_attrs
-from bladeroot.pooling.curves import ladder_of, on_ladder
+from bladeroot.pooling.coupling import coupling
 from bladeroot.pooling.groups import group_differences
+from bladeroot.pooling.level_curve import ladder_of, on_ladder
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.

@@ -18,9 +18,12 @@ _STEPS, _FIRST_STEPS, _HALVINGS = 30, 6, 5
 _NO_GAIN = 3e-3  # nats a step
 # Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
 # steps do not know, has its own say in the rest.
-_WORTH_A_SHORTER = 0.05
+_PROMISED = 0.05
 _SETTLED = 1e-2  # prior's standard deviations, and of a scale's coordinate
 _LONGEST = 1.5  # of a step of a scale's coordinate
+_SMALL = 0.02  # such a step is taken without asking whether it gains
+_FIRST_GAIN = 0.1  # nats, of a first step at fixed scales that is still worth another
+_RISE = 1e-9  # nats, that rounding may add to the cost
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,17 @@ class Problem:
     def states(self, parameters: Float[ndarray, "point parameter"]) -> Sequence[State]:
         """What the model says at several points."""
         return self.many(parameters) if self.many else [self.predict(one) for one in parameters]
+
+
+def with_known_errors(
+    data: Float[ndarray, " datum"],
+    predict: Predict,
+    errors: Float[ndarray, "datum datum"],
+    prior: Prior,
+) -> Problem:
+    """Least squares with priors: a covariance that nothing changes, and no scales."""
+    nothing = Prior(np.zeros(0), np.zeros(0))
+    return Problem(data, predict, lambda *_: (errors, list), prior, nothing)
 
 
 @dataclass(frozen=True)
@@ -216,7 +230,7 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     step = np.clip(step, -_LONGEST, _LONGEST)
     for _ in range(_HALVINGS):
         new = _point(problem, at.parameters, at.scales + step, at.state)
-        if np.abs(step).max() < 0.02 or _marginal(problem, new) <= before:
+        if np.abs(step).max() < _SMALL or _marginal(problem, new) <= before:
             return new
         step = 0.5 * step
     return at
@@ -282,9 +296,7 @@ def fit(
 
     least: nats; the search ends with a step that gains less.
     """
-    start = problem.prior.mean if start is None else np.asarray(start, float)
-    scales = problem.scales.mean if scales is None else np.asarray(scales, float)
-    return _finish(problem, _climb(problem, _point(problem, start, scales), _STEPS, least=least))
+    return best_fit(problem, [problem.prior.mean if start is None else start], scales, least)
 
 
 def best_fit(
@@ -297,9 +309,9 @@ def best_fit(
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
     points = [_point(problem, np.asarray(start, float), scales) for start in starts]
     if len(points) > 1:
-        points = [_climb(problem, point, _FIRST_STEPS, free=False) for point in points]
+        points = [_iterated(problem, point, _FIRST_STEPS, free=False) for point in points]
     at = min(points, key=lambda point: point.cost)
-    return _finish(problem, _climb(problem, at, _STEPS, least=least))
+    return _finish(problem, _iterated(problem, at, _STEPS, least=least))
 
 
 def cost(problem: Problem, parameters: ndarray, scales: ndarray | None = None) -> float:
@@ -315,7 +327,7 @@ def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarr
     return slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
 
 
-def _climb(
+def _iterated(
     problem: Problem, at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
 ) -> _Point:
     """Newton's steps of the parameters, and of the scales in turn if they are free."""
@@ -323,9 +335,9 @@ def _climb(
     for _ in range(steps):
         step, expected = _step(problem, at, damping)
         new = _point(problem, at.parameters + step, at.scales)
-        if new.cost <= at.cost + 1e-9:
+        if new.cost <= at.cost + _RISE:
             damping = damping / 10.0 if damping > 1e-4 else 0.0
-        elif expected > _WORTH_A_SHORTER:
+        elif expected > _PROMISED:
             damping = max(10.0 * damping, 1e-2)
             continue
         else:
@@ -335,7 +347,7 @@ def _climb(
         if free:
             new = _rescaled(problem, new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
-        settled = abs(at.cost - new.cost) < least if free else gain < 0.1
+        settled = abs(at.cost - new.cost) < least if free else gain < _FIRST_GAIN
         at = new
         if moved < _SETTLED * np.sqrt(least / _NO_GAIN) or settled:
             break

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
-from bladeroot.inference.gaussian import Fit, Prior, Problem, State, best_fit
+from bladeroot.inference.gaussian import Fit, Prior, State, best_fit, with_known_errors
 
 _STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
 _LEAST_GAIN = 1e-8  # nats
@@ -54,17 +54,16 @@ def fit_stiffness(
     prior: Prior,
 ) -> StiffnessFit:
     """The stiffnesses that measured ln f ask for; std: of measurement and model together."""
-    errors, nothing = np.diag(std**2), Prior(np.zeros(0), np.zeros(0))
 
     def predict(ln_k: ndarray) -> State:
         value, slope, inside = frequencies(ln_k)
         return State(value, slope, {}, inside)
 
-    problem = Problem(ln_measured, predict, lambda *_: (errors, list), prior, nothing)
+    problem = with_known_errors(ln_measured, predict, np.diag(std**2), prior)
     starts = [prior.mean + step * prior.std for step in _STARTS]
     found = best_fit(problem, starts, least=_LEAST_GAIN)
     misfit = (ln_measured - found.state.mean) / std
     square, freedom = float(misfit @ misfit), ln_measured.size - prior.mean.size
-    chance = float(chi2.sf(square, freedom)) if freedom > 0 else 1.0
+    chance = float(chdtrc(freedom, square)) if freedom > 0 else 1.0
     gain = found.covariance @ (found.state.slope / std[:, None] ** 2).T
     return StiffnessFit(found, misfit, gain, square, freedom, chance)

@@ -13,6 +13,6 @@ MECHANISM = Mechanism(
         ),
     ),
     splitter="a record at a wider range, or a smaller drive",
-    finding="clipping;soft-clipping",
+    finding="clipping",
     spoils=True,
 )  # fmt: skip

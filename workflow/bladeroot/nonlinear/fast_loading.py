@@ -10,7 +10,7 @@ from numpy import ndarray
 from scipy.interpolate import PchipInterpolator
 
 from bladeroot.contact.laws.sliders import Sliders, at_rest, parts
-from bladeroot.nonlinear.marching import SWEEPS, correct, settle
+from bladeroot.nonlinear.marching import load_up
 from bladeroot.nonlinear.masing import first_harmonic
 from bladeroot.nonlinear.system import System
 
@@ -59,18 +59,13 @@ def states(system: System, sliders: Sliders, master: ndarray) -> tuple[ndarray, 
     at_laser = system.laser_flexibility[:, 1:].ravel()
     at_laser = at_laser + pushed[:, 1:] @ (others * system.laser[1:])
     law = (*(np.ascontiguousarray(one, float) for one in parts(sliders)[:4]), False)
-    w, g = at_rest(sliders), np.zeros_like(k)
-    tension = np.zeros_like(w)
-    load, laser = np.empty(len(master)), np.empty(len(master))
-    for i, q in enumerate(master):
-        u = (shape[:, 0] * q + g.ravel() @ give).reshape(k.shape)
-        if not 0 < correct(*law, k, give, _TOLERANCE * np.abs(u).max(), w, u, g) < SWEEPS:
-            at = 1e6 * abs(system.laser[0] * q)
-            raise RuntimeError(
-                f"the contacts of {system.mode} did not settle under first loading to {at:.3g} um "
-                "at the laser"
-            )
-        settle(*law, system.count, u, w, tension)
-        load[i] = system.values[0] * q - g.ravel() @ pushed[:, 0]
-        laser[i] = system.laser[0] * q + g.ravel() @ at_laser
-    return load, laser
+    g, settled = load_up(
+        *law, k, system.count, give, shape[:, 0].copy(), master, _TOLERANCE, at_rest(sliders)
+    )
+    if settled < len(master):
+        at = 1e6 * abs(system.laser[0] * master[settled])
+        raise RuntimeError(
+            f"the contacts of {system.mode} did not settle under first loading to {at:.3g} um "
+            "at the laser"
+        )
+    return system.values[0] * master - g @ pushed[:, 0], system.laser[0] * master + g @ at_laser

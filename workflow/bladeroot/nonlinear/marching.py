@@ -1,12 +1,8 @@
-"""The kernel of the time integration: stuck modes stepped on, friction solved within each step.
+"""Friction points solved one contact after the other, by Newton's method, until none changes.
 
-Prediction and correction as in section 3.3.3: a step is first made as if no friction point moved;
-if one would slip, the contacts' corrections are solved together with the motion, one contact after
-the other by Newton's method until none changes. A contact's correction is what its springs would
-bear beyond its law, g = k u - f(u): it is constant while the contact sticks.
-
-Motions have three components a contact (normal, two tangential), or the two tangential ones alone
-where the law leaves the normal spring linear.
+A contact's correction is what its springs would bear beyond its law, g = k u - f(u): it is constant
+while the contact sticks. Motions have three components a contact (normal, two tangential), or the
+two tangential ones alone where the law leaves the normal spring linear.
 """
 
 from typing import no_type_check
@@ -74,10 +70,15 @@ def solve_small(lead, x):
 
 @njit(cache=True)
 @no_type_check
-def local_solve(kn, kt, n0, mu, varies, stuck, give, free, w, u, force, tangent, step, lead):
-    """Solve u = free + give (stuck u - f(u)) of one contact in place; says whether it settled."""
+def local_solve(
+    kn, kt, n0, mu, varies, stuck, give, free, close, w, u, force, tangent, step, lead
+):  # fmt: skip
+    """Solve u = free + give (stuck u - f(u)) of one contact in place; says whether it settled.
+
+    force, tangent: at u. A step as short as `close` (m) is the last one: the next would be its
+    square.
+    """
     for _ in range(NEWTON):
-        contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
         for a in range(u.size):
             step[a] = free[a] - u[a]
             for b in range(u.size):
@@ -87,13 +88,12 @@ def local_solve(kn, kt, n0, mu, varies, stuck, give, free, w, u, force, tangent,
                     lead[a, b] += give[a, c] * tangent[c, b]
             lead[a, a] += 1.0
         solve_small(lead, step)
-        size, reach = 0.0, 0.0
+        size = 0.0
         for a in range(u.size):
             u[a] += step[a]
             size += step[a] ** 2
-            reach += (u[a] - free[a]) ** 2 + u[a] ** 2
-        if size <= 1e-24 * reach:
-            contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
+        contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
+        if size <= close**2:
             return True
     return False
 
@@ -128,8 +128,8 @@ def correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g):
                 for b in range(size):
                     free[a] -= block[a, b] * g[c, b]
             if not local_solve(
-                kn[c], kt[c], n0[c], mu[c], varies, stuck[c], block, free, w[c], place, force,
-                tangent, step, lead,
+                kn[c], kt[c], n0[c], mu[c], varies, stuck[c], block, free, 0.01 * tolerance, w[c],
+                place, force, tangent, step, lead,
             ):  # fmt: skip
                 return -1
             moved = 0.0
@@ -177,84 +177,35 @@ def settle(kn, kt, n0, mu, varies, count, u, w, tension):
 
 @njit(cache=True)
 @no_type_check
-def any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
-    """Whether a contact leaves its stuck state, or is not in it."""
-    for c in range(u.shape[0]):
-        if contact_force(kn[c], kt[c], n0[c], mu[c], varies, u[c], w[c], force, tangent):
-            return True
-        if varies and g[c, 0] != 0.0:
-            return True
-    return False
+def load_up(kn, kt, n0, mu, varies, stuck, count, give, shape, master, tolerance, w):
+    """Corrections g (state, contact and component) on first loading, and how many states settled.
 
-
-@njit(cache=True)
-@no_type_check
-def march(
-    kn, kt, n0, mu, varies, stuck, count, shape, residual, step, loss, tolerance, steps, every,
-    laser, watched, r, v, w, u, g, tension,
-):  # fmt: skip
-    """Step on; r, v, w, u, g and the sliders' tension are changed in place.
-
-    count: images of each contact, which all push. shape (mode, motion). residual: row k is the
-    motion of all, by the modes not kept, for correction k on all its images. Returns velocity at
-    the samples, motion and force of the watched contact there, the work of damping and of friction
-    (J), the most sweeps of a step and the number of steps made: fewer than asked if one did not
-    settle.
+    master: rising coordinates (m kg^1/2), `shape` the contacts' motion by them; tolerance: of the
+    largest motion. Each state starts from the last two, continued.
     """
-    modes = shape.shape[0]
-    size = u.shape[1]
-    samples = steps // every + 1
-    velocity = np.zeros(samples)
-    seen = np.zeros((2, samples, size))
-    damped, rubbed, most = 0.0, 0.0, 0
-    push = shape * np.repeat(count, size)
-    give = residual + (push.T * step[:, 0, 3]) @ shape
-    flat, flat_g = u.reshape(-1), g.reshape(-1)
-    held = flat_g.copy()
-    back = flat - shape.T @ r  # what the corrections move through the residual
-    load0 = push @ flat_g
-    load1, ahead = load0.copy(), np.empty(modes)
-    z = np.empty(4)
-    force, tangent = np.empty(size), np.empty((size, size))
-    for n in range(steps + 1):
-        if n % every == 0:
-            at = n // every
-            velocity[at] = laser @ v
-            seen[0, at] = u[watched]
-            seen[1, at] = stuck[watched] * u[watched] - g[watched]
-        if n == steps:
-            break
-        flat[:] = back
-        for m in range(modes):
-            ahead[m] = (
-                step[m, 0, 0] * r[m]
-                + step[m, 0, 1] * v[m]
-                + (step[m, 0, 2] + step[m, 0, 3]) * load0[m]
-            )
-            for k in range(flat.size):
-                flat[k] += shape[m, k] * ahead[m]
-        if any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
-            sweeps = correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g)
-            if sweeps < 0 or sweeps == SWEEPS:
-                return velocity, seen, damped, rubbed, most, n
-            most = max(most, sweeps)
-            back[:] = flat
-            for m in range(modes):
+    g, u = np.zeros(stuck.shape), np.empty(stuck.shape)
+    flat, flat_g, tension = u.reshape(-1), g.reshape(-1), np.zeros_like(w)
+    before, found = np.zeros(flat.size), np.zeros((master.size, flat.size))
+    for i in range(master.size):
+        further = 0.0
+        if i > 1:
+            further = (master[i] - master[i - 1]) / (master[i - 1] - master[i - 2])
+        for k in range(flat.size):
+            more = flat_g[k] - before[k]
+            before[k] = flat_g[k]
+            flat_g[k] += further * more
+            flat[k] = shape[k] * master[i]
+        for j in range(flat.size):
+            if flat_g[j] != 0.0:
                 for k in range(flat.size):
-                    load1[m] += push[m, k] * (flat_g[k] - held[k])
-                ahead[m] += step[m, 0, 3] * (load1[m] - load0[m])
-                for k in range(flat.size):
-                    back[k] -= shape[m, k] * ahead[m]
-            held[:] = flat_g
-            rubbed += settle(kn, kt, n0, mu, varies, count, u, w, tension)
-        else:
-            settle(kn, kt, n0, mu, varies, count, u, w, tension)
-        for m in range(modes):
-            z[0], z[1], z[2], z[3] = r[m], v[m], load0[m], load1[m]
-            fast = 0.0
-            for a in range(4):
-                fast += step[m, 1, a] * z[a]
-                for b in range(4):
-                    damped += z[a] * loss[m, a, b] * z[b]
-            r[m], v[m], load0[m] = ahead[m], fast, load1[m]
-    return velocity, seen, damped, rubbed, most, steps
+                    flat[k] += give[j, k] * flat_g[j]
+        largest = 0.0
+        for k in range(flat.size):
+            largest = max(largest, abs(flat[k]))
+        sweeps = correct(kn, kt, n0, mu, varies, stuck, give, tolerance * largest, w, u, g)
+        if not 0 < sweeps < SWEEPS:
+            return found, i
+        settle(kn, kt, n0, mu, varies, count, u, w, tension)
+        for k in range(flat.size):
+            found[i, k] = flat_g[k]
+    return found, master.size

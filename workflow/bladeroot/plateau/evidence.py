@@ -121,7 +121,11 @@ def fits(found: Sums, channel: int, excess: float) -> Fits:
     """
     right = np.ascontiguousarray(found.right[channel])
     evidence, size, tilted, spread = marginal(
-        found.gram / excess, right / excess, found.tilt, found.groups, np.array(DOUBT)
+        found.gram / excess,
+        right / excess,
+        np.ascontiguousarray(found.tilt),  # one layout: another is compiled for another second
+        found.groups,
+        np.array(DOUBT),
     )
     variance = excess * found.variance + spread
     return Fits(evidence, found.rate[channel] - tilted, variance, size)

@@ -41,7 +41,8 @@ def projections(
                 for cell in range(groups - 1):
                     cells[cell] = shape[law, cell] * hat(log[cell], first[law], part)
             else:
-                cells[:] = between[law]
+                for cell in range(groups - 1):
+                    cells[cell] = between[law, cell]
             integrate(cells, length, bend, x[part])
             one = two = 0.0
             for group in range(groups):

@@ -48,8 +48,12 @@ def _quantiles(
 ) -> Float[ndarray, " share"]:
     """By bisection, to 1e-5 of the smallest standard deviation."""
     found = np.empty(share.size)
+    least, most = np.inf, -np.inf
+    for part in range(mean.size):
+        least = min(least, mean[part] - 4.0 * std[part])
+        most = max(most, mean[part] + 4.0 * std[part])
     for k in range(share.size):
-        low, high = (mean - 4.0 * std).min(), (mean + 4.0 * std).max()
+        low, high = least, most
         while high - low > 1e-5 * std.min():
             at = 0.5 * (low + high)
             if at in (low, high):

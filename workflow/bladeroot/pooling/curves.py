@@ -5,37 +5,40 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 from scipy.special import stdtrit
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.pooling.components import QUANTILE_95
-from bladeroot.pooling.settling import unsettled
+from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.variables import dataset
 
-CURVES = {"frequency": ("Hz", "natural frequency"), "loss_factor": ("1", "loss factor")}
-KINDS = {
-    "": "mean over records of",
-    "_std": "standard error of the mean",
-    "_change_std": "standard error, without that of the records' levels, of the mean",
-    "_scatter": "standard deviation between records of different holds of",
-}
+CURVES = ("frequency", "loss_factor")
+# The mean, its standard error with and without that of the records' levels, the scatter of records.
+KINDS = ("", "_std", "_change_std", "_scatter")
+
+# Records that pass an amplitude at least this far below their start (in ln A) are settled there.
+SETTLED = 0.1
+# So many of them are asked, and a record must lie outside what they predict with this probability.
+ASKED = 4
+PREDICTED = 0.999
+# A record that differs further down than this (in ln A) is another decay, not an unsettled one.
+DEEPEST = 0.3
 
 
-def mean_curves(
-    decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset], points_a_decade: int = 40
-) -> xr.Dataset:
+def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
     attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
     is its own level plus a change with amplitude that all share: levels are taken off before the
     mean and their mean is put back, so that a record that begins or ends makes no step. The levels
-    of a hold (one clamping) are averaged, then the holds, each weighted by its own variance and the
+    of a clamping are averaged, then the clampings, each weighted by its own variance and the
     scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
-    standard error a normal 95 % interval is right for few repeats, too (Student). Where no hold
+    standard error a normal 95 % interval is right for few repeats, too (Student). Where no clamping
     repeats it is a lower bound, and says so. First cycles that decay unlike all records which pass
-    them later (`settling`) are left out.
+    them later (`unsettled`) are left out.
 
     Returns:
         dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
@@ -51,7 +54,7 @@ def mean_curves(
     ]
     level_of = [_level_of(decay.attrs) for decay in decays]
     levels = sorted(set(level_of))
-    ladder = ladder_of(decays, points_a_decade)
+    ladder = ladder_of(decays)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
     count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
     unknown = []
@@ -77,36 +80,27 @@ def mean_curves(
                 read[name][own] = np.where(doubted, np.nan, read[name][own])
             count[row] = np.isfinite(read["loss_factor"][own]).sum(axis=0)
         for name in CURVES:
-            *found, repeated = _means(read[name], read[f"{name}_std"], _holds(here, level), level)
+            clamping = _clampings(here, level)
+            *found, repeated = _means(read[name], read[f"{name}_std"], clamping, level)
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
         unknown += [] if repeated else [kind[0]]
-    curves = xr.Dataset(
-        {name: (("level", "amplitude"), values[name], _attrs(name)) for name in values},
-        coords={
-            "amplitude": (
-                "amplitude", ladder,
-                {"units": "m", "long_name": "displacement amplitude at the sensor"},
-            ),
-            "mode": ("level", _strings(levels, 0), {"units": "", "long_name": "mode"}),
-            "force": ("level", [own[1] for own in levels], load_attrs(facts)),
-            "group": ("level", _strings(levels, 2), {"units": "", "long_name": "group"}),
-            "sensor": ("level", _strings(levels, 3), {"units": "", "long_name": "sensor"}),
-        },
-        attrs={"simulated": max((int(d.attrs.get("simulated", 0)) for d in decays), default=0),
-               **facts},
-    )  # fmt: skip
+    made = values | {
+        "amplitude": ladder,
+        "mode": _strings(levels, 0),
+        "force": [own[1] for own in levels],
+        "group": _strings(levels, 2),
+        "sensor": _strings(levels, 3),
+        "records": count,
+        "unsettled": left_out,
+    }
+    curves = dataset("pooling/curves", made).set_coords(["mode", "force", "group", "sensor"])
+    curves["force"].attrs = load_attrs(facts)
     for name in CURVES if unknown else ():
         text = f"; clamping scatter of {', '.join(dict.fromkeys(unknown))} unknown: a lower bound"
         curves[f"{name}_std"].attrs["long_name"] += text
-    return curves.assign(
-        records=(("level", "amplitude"), count, {"units": "1", "long_name": "records that reach"}),
-        unsettled=(
-            ("level", "amplitude"),
-            left_out,
-            {"units": "1", "long_name": "records whose first cycles are left out"},
-        ),
-    )
+    simulated = max((int(d.attrs.get("simulated", 0)) for d in decays), default=0)
+    return curves.assign_attrs(simulated=simulated, **facts)
 
 
 def _level_of(attrs: Mapping) -> tuple[str, float, str, str]:
@@ -124,8 +118,8 @@ def _strings(levels: Sequence[tuple], k: int) -> ndarray:
     return np.array([own[k] for own in levels], dtype=str)
 
 
-def _holds(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
-    """Numbers of the holds; records that name none are holds of their own."""
+def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
+    """Numbers of the clampings; records that name none are clampings of their own."""
     names = [
         f"{own} {decay.attrs.get('hold', '') or f'record {k}'}"
         for k, (own, decay) in enumerate(zip(level, decays, strict=True))
@@ -137,44 +131,15 @@ def _names() -> list[str]:
     return [f"{name}{part}" for name in CURVES for part in KINDS]
 
 
-def _attrs(name: str) -> dict[str, str]:
-    base = next(known for known in CURVES if name.startswith(known))
-    units, text = CURVES[base]
-    kind = KINDS[name.removeprefix(base)]
-    return {"units": units, "long_name": f"{kind} {text}", "source": "eq. 3.11"}
-
-
-def ladder_of(decays: Sequence[xr.Dataset], points_a_decade: int) -> Float[ndarray, " amplitude"]:
-    """Amplitudes evenly spaced in their logarithm, at places that no record can shift."""
-    if not decays:
-        return np.zeros(0)
-    low = min(float(decay["amplitude"].min()) for decay in decays)
-    high = max(float(decay["amplitude"].max()) for decay in decays)
-    first = np.ceil(points_a_decade * np.log10(low))
-    last = np.floor(points_a_decade * np.log10(high))
-    return 10.0 ** (np.arange(first, last + 1) / points_a_decade)
-
-
-def on_ladder(decay: xr.Dataset, name: str, ladder: ndarray) -> Float[ndarray, " amplitude"]:
-    """A record's curve at the ladder's amplitudes, NaN beyond what it reaches."""
-    value, amplitude = decay[name].values, decay["amplitude"].values
-    known = np.isfinite(value) & np.isfinite(amplitude)
-    if known.sum() < 2:
-        return np.full(ladder.size, np.nan)
-    order = np.argsort(amplitude[known])
-    x, y = np.log(amplitude[known][order]), value[known][order]
-    return np.interp(np.log(ladder), x, y, left=np.nan, right=np.nan)
-
-
 def _means(
     value: Float[ndarray, "record amplitude"],
     std: Float[ndarray, "record amplitude"],
-    hold: Int[ndarray, " record"],
+    clamping: Int[ndarray, " record"],
     force: Int[ndarray, " record"],
 ) -> tuple[ndarray, ndarray, ndarray, ndarray, bool]:
-    """What `KINDS` names, for each force, and whether holds repeat.
+    """What `KINDS` names, for each force, and whether clampings repeat.
 
-    hold, force: numbers from 0; a hold belongs to one force.
+    clamping, force: numbers from 0; a clamping belongs to one force.
     """
     known = np.isfinite(value) & (std > 0.0)
     variance = np.where(known, std, np.inf) ** 2
@@ -184,7 +149,8 @@ def _means(
         level[force == one] = levels_of(value[force == one], weight[force == one])
     with np.errstate(divide="ignore"):
         level_std = (1.0 / variance).sum(axis=1) ** -0.5
-    middle, middle_std, apart, repeated = _middle(level[:, None], level_std[:, None], hold, force)
+    own = (level[:, None], level_std[:, None])
+    middle, middle_std, apart, repeated = _middle(*own, clamping, force)
     change = _grouped(value - level[:, None], variance, force)
     reached = np.isfinite(change.variance)
     mean, change_std = (
@@ -195,44 +161,29 @@ def _means(
     return mean + middle, np.hypot(change_std, middle_std), change_std, scatter, repeated
 
 
-def levels_of(
-    value: Float[ndarray, "record amplitude"], weight: Float[ndarray, "record amplitude"]
-) -> Float[ndarray, " record"]:
-    """How far each record lies above the others: least squares of record + amplitude.
-
-    They sum to zero over records that are linked by common amplitudes; others are not compared.
-    """
-    value = np.where(weight > 0.0, value, 0.0)
-    total = weight.sum(axis=0)
-    share = weight / np.where(total > 0.0, total, 1.0)
-    normal = np.diag(weight.sum(axis=1)) - share @ weight.T
-    right = (weight * (value - (share * value).sum(axis=0))).sum(axis=1)
-    return np.linalg.pinv(normal, rcond=1e-12, hermitian=True) @ right
-
-
 def _middle(
     value: Float[ndarray, "record amplitude"],
     std: Float[ndarray, "record amplitude"],
-    hold: Int[ndarray, " record"],
+    clamping: Int[ndarray, " record"],
     force: Int[ndarray, " record"],
 ) -> tuple[ndarray, ndarray, ndarray, bool]:
-    """Mean of each force, its standard error, the scatter between records, and if holds repeat."""
-    first = np.unique(hold, return_index=True)[1]
+    """Mean of each force, its standard error, the scatter of records, and if clampings repeat."""
+    first = np.unique(clamping, return_index=True)[1]
     known = np.isfinite(value) & (std > 0.0)
-    records = _grouped(value, np.where(known, std, np.inf) ** 2, hold)
-    holds = _grouped(records.mean, records.variance, force[first])
-    by_records = records.scatter * (_member(force[first]) @ (holds.share**2 * records.squares))
-    by_holds = holds.scatter * holds.squares
+    records = _grouped(value, np.where(known, std, np.inf) ** 2, clamping)
+    clampings = _grouped(records.mean, records.variance, force[first])
+    by_records = records.scatter * (_member(force[first]) @ (clampings.share**2 * records.squares))
+    by_clampings = clampings.scatter * clampings.squares
     with np.errstate(invalid="ignore", divide="ignore"):
         doubt = np.nan_to_num(by_records**2 / records.freedom)
-        doubt = doubt + np.nan_to_num(by_holds**2 / holds.freedom)
-        freedom = holds.variance**2 / doubt  # Satterthwaite's
-        error = np.sqrt(holds.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
-    scatter = np.sqrt(records.scatter + holds.scatter)
-    scatter = np.where(records.freedom + holds.freedom > 0, scatter, np.nan)
-    reached = np.isfinite(holds.variance)
-    found = (np.where(reached, part, np.nan) for part in (holds.mean, error, scatter))
-    return *found, bool(holds.freedom.any())
+        doubt = doubt + np.nan_to_num(by_clampings**2 / clampings.freedom)
+        freedom = clampings.variance**2 / doubt  # Satterthwaite's
+        error = np.sqrt(clampings.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
+    scatter = np.sqrt(records.scatter + clampings.scatter)
+    scatter = np.where(records.freedom + clampings.freedom > 0, scatter, np.nan)
+    reached = np.isfinite(clampings.variance)
+    found = (np.where(reached, part, np.nan) for part in (clampings.mean, error, scatter))
+    return *found, bool(clampings.freedom.any())
 
 
 @dataclass(frozen=True)
@@ -276,3 +227,44 @@ def _grouped(
 
 def _member(group: Int[ndarray, " row"]) -> Float[ndarray, "group row"]:
     return (np.arange(group.max() + 1)[:, None] == group).astype(float)
+
+
+def unsettled(
+    ladder: Float[ndarray, " amplitude"],
+    start: Float[ndarray, " record"],
+    value: Float[ndarray, "record amplitude"],
+    std: Float[ndarray, "record amplitude"],
+) -> Bool[ndarray, "record amplitude"]:
+    """Points of a record, from its start down, outside the prediction interval of settled records.
+
+    A release may leave something behind that dies within some cycles. One record by itself cannot
+    tell that from slip which just begins; records that pass the same amplitude later can.
+
+    ladder: amplitudes (m), rising. start: amplitude at which each record begins. value, std: a
+    quantity with its standard error, NaN where not reached. The interval is that of one more draw
+    from the settled records' distribution (Student), widened by the record's own error. Where
+    fewer than ASKED settled records pass, or the difference goes on for more than DEEPEST, nothing
+    is doubted.
+    """
+    depth = np.log(start)[:, None] - np.log(ladder)
+    asked = np.isfinite(value) & (depth >= SETTLED)
+    out = np.zeros(value.shape, dtype=bool)
+    for record in range(len(start)):
+        first = None
+        for k in np.flatnonzero(np.isfinite(value[record]))[::-1]:
+            others = asked[:, k].copy()
+            others[record] = False
+            count = int(others.sum())
+            if count < ASKED:
+                continue
+            first = depth[record, k] if first is None else first
+            settled = value[others, k]
+            spread = settled.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)
+            reach = stdtrit(count - 1, 0.5 + 0.5 * PREDICTED) * np.hypot(spread, std[record, k])
+            if abs(value[record, k] - settled.mean()) <= reach:
+                break
+            if depth[record, k] > max(DEEPEST, first):
+                out[record] = False
+                break
+            out[record, k] = True
+    return out

@@ -17,10 +17,11 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
 from bladeroot.plain_words import length
-from bladeroot.pooling.curves import ladder_of, levels_of, on_ladder
+from bladeroot.pooling.components import QUANTILE_95
+from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")
-POINTS_A_DECADE = 40
 # Chance of as much without a difference, below which groups are said to differ.
 CHANCE = 0.01
 # Standard errors from which a difference at one amplitude is sure: the largest of some hundred.
@@ -111,7 +112,7 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
     chance = fdtrc(between, freedom, excess / between) if freedom else chdtrc(between, excess)
     low, high = int(np.argmin(mean)), int(np.argmax(mean))
     ratio = float(np.exp(mean[high] - mean[low]))
-    wide = stdtrit(freedom, 0.975) / 1.959964 if freedom else 1.0
+    wide = stdtrit(freedom, 0.975) / QUANTILE_95 if freedom else 1.0
     row = {
         "difference": ratio - 1.0,
         "difference_std": float(ratio * wide * np.hypot(error[low], error[high])),
@@ -164,7 +165,7 @@ def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
 
 def _curves(here: Sequence[_Motion], quantity: str) -> tuple[ndarray, ndarray, ndarray]:
     """A ladder of amplitudes, ln of each record's curve on it, and its standard errors."""
-    ladder = ladder_of([one.decay for one in here], POINTS_A_DECADE)
+    ladder = ladder_of([one.decay for one in here])
     value = np.array([on_ladder(one.decay, quantity, ladder) for one in here])
     std = np.array([on_ladder(one.decay, f"{quantity}_std", ladder) for one in here])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -196,46 +197,11 @@ def _linked(known: Bool[ndarray, "record amplitude"]) -> Bool[ndarray, " record"
     return own & (part == np.argmax(np.bincount(part, own)))
 
 
-_COMPARED = {
-    "mode": ("", "mode"),
-    "quantity": ("", "frequency or loss_factor"),
-    "difference": ("1", "highest group over the lowest at the same amplitude, less 1"),
-    "difference_std": ("1", "standard error of difference"),
-    "low_group": ("", "group that lies lowest"),
-    "high_group": ("", "group that lies highest"),
-    "chance": ("1", "probability of as much without a difference"),
-    "scatter": ("1", "standard deviation of ln between the events of a group"),
-    "freedom": ("1", "degrees of freedom of scatter"),
-    "told": ("1", "1 where the groups differ"),
-    "largest": ("1", "the same where groups lie furthest apart, NaN: nowhere for sure"),
-    "largest_std": ("1", "standard error of largest"),
-    "largest_amplitude": ("m", "amplitude at which that is"),
-    "largest_sensor": ("", "sensor of that amplitude"),
-    "largest_high": ("", "group that lies highest there"),
-    "largest_low": ("", "group that lies lowest there"),
-}
-_LEVEL = {
-    "mode": ("", "mode"),
-    "quantity": ("", "frequency or loss_factor"),
-    "group": ("", "group"),
-    "level": ("1", "ln of the group's level over the mean of the groups"),
-    "level_std": ("1", "standard error of level"),
-    "events": ("1", "number of events"),
-}
-
-
 def _dataset(rows: list[dict], levels: list[dict]) -> xr.Dataset:
-    made = {}
-    for dim, prefix, table, entries in (
-        ("comparison", "compared_", _COMPARED, rows),
-        ("group_level", "of_group_", _LEVEL, levels),
-    ):
-        for name, (units, text) in table.items():
-            values = np.array([one[name] for one in entries])
-            plain = dim == "comparison" and name not in ("mode", "quantity")
-            key = name if plain else f"{prefix}{name}"
-            made[key] = (dim, values, {"units": units, "long_name": text})
-    return xr.Dataset(made)
+    plain = {f"compared_{name}" if name in ("mode", "quantity") else name: name for name in rows[0]}
+    made = {key: np.array([one[name] for one in rows]) for key, name in plain.items()}
+    made |= {f"of_group_{name}": np.array([one[name] for one in levels]) for name in levels[0]}
+    return dataset("pooling/groups", made)
 
 
 def _at(one: xr.Dataset) -> str:

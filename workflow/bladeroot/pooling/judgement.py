@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 from bladeroot.pooling.repeats import unlike_repeats
+from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.
 FINDING = {"id": str, "statistic": float, "threshold": float, "consequence": str, "text": str,
@@ -57,24 +58,22 @@ def judgement(
         name: ("finding", values, first[name].attrs if name in first else {})
         for name, values in columns.items()
     }
-    made["finding_record"] = (
-        "finding", np.array(owners, str), {"units": "", "long_name": "record of the finding"},
-    )  # fmt: skip
     for name in OPINION:
         attrs = decays[0][name].attrs
         made[name] = ("record", np.array([decay[name].item() for decay in decays]), attrs)
     load = load_facts_of(records)
-    about = load_attrs(load)
     facts = {
-        "mode": ("mode", "", [str(record.attrs["mode"]) for record in records]),
-        "force": (about["long_name"], about["units"], [value_of(r.attrs) for r in records]),
-        "verdict": ("usable or rejected", "", [str(decay.attrs["verdict"]) for decay in decays]),
-        "masked": ("part of the samples without weight", "1", [_masked(r) for r in records]),
+        "record": names,
+        "finding_record": np.array(owners, str),
+        "mode": [str(record.attrs["mode"]) for record in records],
+        "force": [value_of(record.attrs) for record in records],
+        "verdict": [str(decay.attrs["verdict"]) for decay in decays],
+        "masked": [_masked(record) for record in records],
     }
-    for name, (text, units, values) in facts.items():
-        made[name] = ("record", np.array(values), {"units": units, "long_name": text})
     simulated = max(int(record.attrs["simulated"]) for record in records)
-    return xr.Dataset(made, coords={"record": names}, attrs={"simulated": simulated, **load})
+    whole = dataset("pooling/judgement", facts).assign(made)
+    whole["force"].attrs = load_attrs(load)
+    return whole.assign_attrs(simulated=simulated, **load)
 
 
 def _of_repeats(

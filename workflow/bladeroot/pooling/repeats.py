@@ -14,13 +14,12 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from bladeroot.loads import value_of
-from bladeroot.pooling.curves import ladder_of, on_ladder
+from bladeroot.pooling.level_curve import ladder_of, on_ladder
 
 # Set on drawn campaigns (benchmarks/repeats.py): the clampings of a force are few, so the usual
 # distance is known roughly, and clampings scatter more where the force is small.
 TIMES, PART = 10.0, 0.01
 _TO_STD = 1.4826  # of the median distance, for a normal distribution
-_POINTS_A_DECADE = 40  # of amplitude, where curves are compared
 
 Matrix = Float[ndarray, "record record"]
 
@@ -42,11 +41,11 @@ def unlike_repeats(
     ]
     modes = np.array(["\n".join(kind) for kind in kinds])
     force = np.array([value_of(plateau.attrs) for plateau in plateaus])
-    hold = np.array([str(plateau.attrs["hold"]) for plateau in plateaus])
+    clamping = np.array([str(plateau.attrs["hold"]) for plateau in plateaus])
     for mode in np.unique(modes):
         mine = np.flatnonzero(modes == mode)
         distance = _distances([decays[k] for k in mine], [plateaus[k] for k in mine], force[mine])
-        out, allowed = _unlike(distance, force[mine], hold[mine])
+        out, allowed = _unlike(distance, force[mine], clamping[mine])
         for k in np.flatnonzero(out):
             apart = _median(distance[k, ~out & (force[mine] == force[mine[k]])])
             # clampings that lie apart with no third to say which is right are all out
@@ -56,10 +55,10 @@ def unlike_repeats(
 
 
 def _unlike(
-    distance: Matrix, force: Float[ndarray, " record"], hold: ndarray
+    distance: Matrix, force: Float[ndarray, " record"], clamping: ndarray
 ) -> tuple[Bool[ndarray, " record"], Float[ndarray, " record"]]:
     """Which records of one mode stand out, and what distance each was allowed."""
-    places = np.array([f"{f!r} {h}" for f, h in zip(force.tolist(), hold, strict=True)])
+    places = np.array([f"{f!r} {h}" for f, h in zip(force.tolist(), clamping, strict=True)])
     clampings, member = np.unique(places, return_inverse=True)
     out, allowed = _stand_out(distance, member, force)
     for k in np.flatnonzero(np.bincount(member) == 2):
@@ -101,16 +100,14 @@ def _distances(
     """ln frequency of each record less that of each other at its force; NaN where none can be."""
     stick = np.log([float(plateau["stick_frequency"]) for plateau in plateaus])
     distance = stick[:, None] - stick
-    told = [
+    usable = [
         decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
         for decay, plateau in zip(decays, plateaus, strict=True)
     ]
-    ladder = ladder_of(
-        [d for d, known in zip(decays, told, strict=True) if known], _POINTS_A_DECADE
-    )
+    ladder = ladder_of([d for d, known in zip(decays, usable, strict=True) if known])
     curves = [
         np.log(on_ladder(decay, "frequency", ladder)) if known else np.full(ladder.size, np.nan)
-        for decay, known in zip(decays, told, strict=True)
+        for decay, known in zip(decays, usable, strict=True)
     ]
     for a, b in zip(*np.nonzero(np.isnan(distance) & (force[:, None] == force)), strict=True):
         distance[a, b] = _median(curves[a] - curves[b])

@@ -11,35 +11,19 @@ from numpy import ndarray
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.components import Pooled, pool
-from bladeroot.pooling.events import by_event
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
+from bladeroot.variables import dataset
 
-LEVEL = {
-    "frequency": (
-        "Hz",
-        "stick frequency of a mode at a force, mean of both directions",
-        "eq. 3.21",
-    ),
-    "frequency_std": ("Hz", "standard error of frequency: within, records and clampings", ""),
-    "within_std": ("Hz", "within-record standard error, propagated", "eq. 3.21"),
-    "between_std": ("Hz", "standard deviation of the records at this force", ""),
-    "between_record_std": ("Hz", "standard deviation of records in a hold, of the mode", ""),
-    "between_hold_std": ("Hz", "standard deviation between holds, of the mode", ""),
-    "record_freedom": ("1", "degrees of freedom of between_record_std", ""),
-    "hold_freedom": ("1", "degrees of freedom of between_hold_std", ""),
-    "direction_difference": ("Hz", "frequency loading up less down at this force", ""),
-    "mode_direction_difference": ("Hz", "frequency loading up less down, over the mode", ""),
-    "mode_direction_difference_std": ("Hz", "standard error of mode_direction_difference", ""),
-    "loss_factor": ("1", "loss factor of a mode at a force", "eq. 3.21"),
-    "loss_factor_std": ("1", "standard error of loss_factor: within, records and clampings", ""),
-    "onset_amplitude": ("m", "displacement amplitude where sticking ends", "sec. 3.5"),
-    "onset_amplitude_std": ("m", "standard error of onset_amplitude", ""),
-    "records": ("1", "number of records used", ""),
-    "holds": ("1", "number of holds (clampings) among them", ""),
-}
+# What is said of a level beside its mode, force and group.
+LEVEL = (
+    "frequency", "frequency_std", "within_std", "between_std", "between_record_std",
+    "between_hold_std", "record_freedom", "hold_freedom", "direction_difference",
+    "mode_direction_difference", "mode_direction_difference_std", "loss_factor", "loss_factor_std",
+    "onset_amplitude", "onset_amplitude_std", "records", "holds",
+)  # fmt: skip
+_OF_EVENT = ("stick_frequency", "loss_factor")
 TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
 COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
-TABLE_ERRORS = ("stated", "scatter")
 TABLE_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
 )  # fmt: skip
@@ -50,9 +34,9 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
 
     Each plateau (`bladeroot.plateau.record`) carries `mode`, its load and optionally `record`,
     `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
-    records of one event are one motion (`bladeroot.pooling.events`). Records at one force are
-    pooled (`bladeroot.pooling.components`): the unit of replication is the hold (one clamping),
-    records without one are holds of their own, and what a mode's records and holds scatter is told
+    records of one event are one motion (`by_event`). Records at one force are pooled
+    (`bladeroot.pooling.components`): the unit of replication is the clamping, records without one
+    are clampings of their own, and what a mode's records and clampings scatter is told
     from all its forces. Where loading up and down both occur, the frequency is that between them
     and their difference is reported; it does not count as scatter. `frequency_std` makes a normal
     95 % interval right whatever the degrees of freedom. Where no force is clamped twice, what the
@@ -93,39 +77,16 @@ def stick_from_table(
 ) -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
-    A table tells nothing of the scatter between records or holds at one force, but its rows scatter
-    about a smooth law of the force. Both are carried, `stated_std` as printed and `scatter_std`,
-    which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode how many times
-    the scatter exceeds the printed errors; `error`, one of `TABLE_ERRORS`, is the one that
-    `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is none.
-    Onset amplitudes are unknown (NaN).
-
-    Raises:
-        ValueError: a column is missing, a number is not positive, or a mode has a force twice.
+    A table tells nothing of the scatter between records or clampings at one force, but its rows
+    scatter about a smooth law of the force. Both are carried, `stated_std` as printed and
+    `scatter_std`, which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode
+    how many times the scatter exceeds the printed errors; `error`, stated or scatter, is the one
+    that `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is
+    none. Onset amplitudes are unknown (NaN). The numbers are checked where the sheet is read
+    (`bladeroot.io.stick_rows`).
     """
-    missing = [name for name in TABLE_COLUMNS if name not in table.columns]
-    if missing:
-        raise ValueError(
-            f"expected columns {', '.join(TABLE_COLUMNS)}, {', '.join(missing)} missing, got "
-            f"{', '.join(map(str, table.columns))}"
-        )
-    frame = pd.DataFrame({"mode": table["mode"].astype(str)})
-    for name in TABLE_COLUMNS[1:]:
-        frame[name] = pd.to_numeric(table[name], errors="coerce")
-        bad = np.flatnonzero(~((frame[name] > 0.0) & (frame[name] < np.inf)))
-        if bad.size:
-            raise ValueError(
-                f"{name} must be a positive number, got {table[name].iloc[bad[0]]} "
-                f"(row {bad[0] + 2})"
-            )
-    twice = frame[frame.duplicated(["mode", "force_N"])]
-    if len(twice):
-        raise ValueError(
-            f"each force must appear once a mode, got {twice['mode'].iloc[0]} at "
-            f"{twice['force_N'].iloc[0]:g} N again (row {twice.index[0] + 2})"
-        )
-    if error not in TABLE_ERRORS:
-        raise ValueError(f"a table's error must be one of {TABLE_ERRORS}, got {error!r}")
+    frame = table[list(TABLE_COLUMNS)].astype({name: float for name in TABLE_COLUMNS[1:]})
+    frame["mode"] = frame["mode"].astype(str)
     frame = frame.sort_values(["mode", "force_N"]).reset_index(drop=True)
     made, ratios = _scatter(frame)
     chosen = {name: made[f"{name}{error}_std"] for name in ("", "loss_factor_")}
@@ -143,18 +104,10 @@ def stick_from_table(
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
     result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
-    for name, values in made.items():
-        quantity, units = ("loss factor", "1") if "loss" in name else ("frequency", "Hz")
-        text = "as printed" if "stated" in name else "printed, and scatter about a smooth law"
-        attrs = {"units": units, "long_name": f"standard error of {quantity}: {text}"}
-        result[name] = ("level", values, attrs)
-    result = result.assign_coords(table_mode=list(ratios), quantile=[0.025, 0.5, 0.975])
+    made |= {"table_mode": list(ratios), "quantile": [0.025, 0.5, 0.975]}
     for k, name in enumerate(("scatter_ratio", "loss_factor_scatter_ratio")):
-        text = "scatter about a smooth law over the printed error, median of the mode's rows"
-        values = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
-        attrs = {"units": "1", "long_name": text}
-        result[name] = (("table_mode", "quantile"), values, attrs)
-    return result
+        made[name] = np.array([pair[k] for pair in ratios.values()]).reshape(-1, 3)
+    return result.merge(dataset("pooling/stick", made))
 
 
 def _scatter(frame: pd.DataFrame) -> tuple[dict[str, ndarray], dict[str, list[ndarray]]]:
@@ -195,9 +148,9 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
                 "within_std": float(np.sqrt((std**2).sum()) / std.size),
                 "between_std": float(value.std(ddof=1)) if value.size > 1 else np.nan,
                 "between_record_std": frequency.record_std,
-                "between_hold_std": frequency.hold_std,
+                "between_hold_std": frequency.clamping_std,
                 "record_freedom": frequency.record_freedom,
-                "hold_freedom": frequency.hold_freedom,
+                "hold_freedom": frequency.clamping_freedom,
                 "direction_difference": _difference(here),
                 "mode_direction_difference": frequency.difference,
                 "mode_direction_difference_std": frequency.difference_std,
@@ -210,8 +163,47 @@ def _levels(records: pd.DataFrame) -> list[dict[str, float | str]]:
     return levels
 
 
+def by_event(records: pd.DataFrame) -> pd.DataFrame:
+    """The records of one mode with those of one event, load and direction as one row each.
+
+    records: rows as of `stick_from_records`. Noise is each sensor's own, so that values are
+    averaged by their errors; where they lie further apart than these allow, the error grows (its
+    root of chi squared over the degrees of freedom). An amplitude belongs to a sensor: the onset of
+    what several saw is not known. `seen_by` is the number of records in a row.
+    """
+    records = records.assign(seen_by=1)
+    several = records[records["event"] != ""]
+    rows = [records[records["event"] == ""]]
+    for _, seen in several.groupby(["event", "force", "direction"], sort=True):
+        rows.append(seen if len(seen) == 1 else _one_motion(seen))
+    return pd.concat(rows) if len(rows) > 1 else records
+
+
+def _one_motion(seen: pd.DataFrame) -> pd.DataFrame:
+    """The rows of one event as one row, named as the first."""
+    row = seen.iloc[:1].copy()
+    for name in _OF_EVENT:
+        row[name], row[f"{name}_std"] = _weighted(
+            seen[name].to_numpy(float), seen[f"{name}_std"].to_numpy(float)
+        )
+    for name in RECORD:
+        if name.startswith("onset"):
+            row[name] = np.nan
+    return row.assign(sensor="", seen_by=len(seen))
+
+
+def _weighted(value: ndarray, std: ndarray) -> tuple[float, float]:
+    known = np.isfinite(value) & (std > 0.0)
+    if not known.any():
+        return np.nan, np.nan
+    value, weight = value[known], 1.0 / std[known] ** 2
+    mean = float(weight @ value / weight.sum())
+    apart = float(weight @ (value - mean) ** 2) / max(value.size - 1, 1)
+    return mean, float(np.sqrt(max(apart, 1.0) / weight.sum()))
+
+
 def _pooled(records: pd.DataFrame, name: str) -> Pooled:
-    """Means of the forces, in rising order; a hold is told apart at each force."""
+    """Means of the forces, in rising order; a clamping is told apart at each force."""
     unit = records["force"].astype(str) + " " + _units(records)
     sign = records["direction"].map({"up": 1.0, "down": -1.0}).fillna(0.0)
     forces, force = np.unique(records["force"], return_inverse=True)
@@ -222,14 +214,14 @@ def _pooled(records: pd.DataFrame, name: str) -> Pooled:
         np.unique(unit, return_inverse=True)[1],
         sign.to_numpy(float),
     )
-    if found.hold_freedom:
+    if found.clamping_freedom:
         return found
     clampings = scatter_about_law(forces, found.mean, found.std).rms
     return replace(found, std=np.hypot(found.std, np.nan_to_num(clampings)))
 
 
 def _difference(records: pd.DataFrame) -> float:
-    """Mean of the holds loaded up less that of those loaded down; NaN without both."""
+    """Mean of the clampings loaded up less that of those loaded down; NaN without both."""
     means = records.groupby(["direction", _units(records)])["stick_frequency"].mean()
     sides = [means[side].mean() for side in ("up", "down") if side in means.index]
     return float(sides[0] - sides[1]) if len(sides) == 2 else np.nan
@@ -254,7 +246,7 @@ def _onsets(records: pd.DataFrame) -> dict[float, tuple[float, float]]:
 
 
 def _units(records: pd.DataFrame) -> pd.Series:
-    """The hold of each record; one of its own where none is named."""
+    """The clamping of each record; one of its own where none is named."""
     return records["hold"].where(records["hold"] != "", "record " + records["record"])
 
 
@@ -265,24 +257,27 @@ def _text(value: object) -> str:
 
 def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str]) -> xr.Dataset:
     """Levels under plain names; a record's variables of the same name under record_<name>."""
-    result = xr.Dataset(coords={"record": _strings(records["record"])}, attrs=load)
-    for name in ("hold", "direction", "event", "sensor", "verdict"):
-        result[name] = ("record", _strings(records[name]), {"units": "", "long_name": name})
-    for name, dim, frame in (("record_group", "record", records), ("group", "level", levels)):
-        result[name] = (dim, _strings(frame["group"]), {"units": "", "long_name": "group"})
-    for dim, frame, table in (("record", records, RECORD), ("level", levels, LEVEL)):
-        names = {name: f"record_{name}" if dim == "record" else name for name in ("mode", "force")}
-        result[names["mode"]] = (
-            dim, _strings(frame["mode"]), {"units": "", "long_name": "name of the mode"}
-        )  # fmt: skip
-        result[names["force"]] = (dim, frame["force"].to_numpy(float), load_attrs(load))
-        for name, (units, long_name, source) in table.items():
-            key = f"record_{name}" if dim == "record" and name in LEVEL else name
-            kind = int if name in COUNTS else float
-            attrs = {"units": units, "long_name": long_name}
-            values = frame[name].to_numpy(kind)
-            result[key] = (dim, values, attrs | {"source": source} if source else attrs)
+    made = {
+        name: _strings(records[name])
+        for name in ("record", "hold", "direction", "event", "sensor", "verdict")
+    }
+    for prefix, frame in (("record_", records), ("", levels)):
+        made |= {f"{prefix}{name}": _strings(frame[name]) for name in ("group", "mode")}
+        made[f"{prefix}force"] = frame["force"].to_numpy(float)
+    made |= {name: _numbers(levels[name]) for name in LEVEL}
+    result = dataset("pooling/stick", made).assign_attrs(load)
+    for name in ("record_force", "force"):
+        result[name].attrs = load_attrs(load)
+    for name, (units, long_name, source) in RECORD.items():
+        key = f"record_{name}" if name in LEVEL else name
+        attrs = {"units": units, "long_name": long_name}
+        attrs |= {"source": source} if source else {}
+        result[key] = ("record", _numbers(records[name]), attrs)
     return result
+
+
+def _numbers(column: pd.Series) -> ndarray:
+    return column.to_numpy(int if column.name in COUNTS else float)
 
 
 def _strings(column: pd.Series) -> ndarray:

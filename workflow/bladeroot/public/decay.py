@@ -50,27 +50,13 @@ class Ringdown:
 
     def plot(self):
         """Frequency and loss factor over amplitude with their standard errors; a Figure."""
-        from matplotlib.figure import Figure
+        from bladeroot.figures.curves import records
+        from bladeroot.figures.still import still
 
-        figure = Figure(figsize=(6.0, 5.0), layout="constrained")
-        upper, lower = figure.subplots(2, sharex=True)
-        for axis, name, label in (
-            (upper, "frequency", "frequency in Hz"),
-            (lower, "loss_factor", "loss factor"),
-        ):
-            axis.errorbar(
-                self.curves["amplitude"],
-                self.curves[name],
-                self.curves[f"{name}_std"],
-                fmt=".",
-                markersize=4,
-                elinewidth=0.8,
-            )
-            axis.set_ylabel(label)
-            axis.grid(alpha=0.3)
-        lower.set_xscale("log")
-        lower.set_xlabel("displacement amplitude in m")
-        return figure
+        drawn = records([self.curves])
+        if drawn is None:
+            raise ValueError(f"there are no curves to plot: {self.verdict}")
+        return still(drawn)
 
     def __repr__(self) -> str:
         """A short table."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -52,22 +51,16 @@ class Verdict:
         return tuple(one["mechanism"] for one in self.said["causes"] if is_shown(one))
 
     def plot(self):
-        """Measured stick frequencies over the load, by mode; a Figure."""
-        from matplotlib.figure import Figure
+        """Measured stick frequencies and loss factors over the load, by mode; a Figure."""
+        from bladeroot.figures.stick import over_load
+        from bladeroot.figures.still import still
 
-        seen = self.observations
-        modes = list(dict.fromkeys(seen["mode"].values.astype(str)))
-        figure = Figure(figsize=(6.0, 1.2 + 1.8 * len(modes)), layout="constrained")
-        for axis, mode in zip(figure.subplots(len(modes), squeeze=False).flat, modes, strict=True):
-            here = seen.isel(record=np.flatnonzero(seen["mode"].values == mode))
-            axis.errorbar(
-                here["force"], here["stick_frequency"], here["stick_frequency_std"], fmt="."
+        drawn = over_load(self.stick, None, bool(self.stick.attrs["simulated"]))
+        if drawn is None:
+            raise ValueError(
+                "no record reached its plateau: there are no stick frequencies to plot"
             )
-            axis.set_ylabel(f"{mode} in Hz")
-            axis.grid(alpha=0.3)
-        name, unit = seen.attrs.get("load_name", ""), seen.attrs.get("load_unit", "")
-        axis.set_xlabel(f"{name} in {unit}" if name else "record")
-        return figure
+        return still(drawn)
 
     def __repr__(self) -> str:
         """The answer, its reason, and what is most probable."""

@@ -12,14 +12,12 @@ from numpy import ndarray
 from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.io.names import is_id
 from bladeroot.rom.assembly import frames
+from bladeroot.rom.bodies import LEAST_MAC, SEARCHED
+from bladeroot.rom.full import gaps_along
 from bladeroot.shipped_files import structure_file
 
 # Of the largest entry, by which a matrix may differ from its transpose.
 _SYMMETRIC = 1e-6
-# Elastic modes that are searched for the named ones, beyond the highest order asked for.
-_SEARCHED = 6
-# Least agreement (MAC) of a mode with the shape that it is named by.
-LEAST_MAC = 0.7
 # Shift below the spectrum, over the lowest Rayleigh quotient of a single dof: keeps the factor away
 # from the rigid motions of free bodies.
 _SHIFT = 1e-3
@@ -142,7 +140,7 @@ class Joint:
         """
         names = tuple(names) or tuple(self.modes)
         orders = [self.modes[n] for n in names if not isinstance(self.modes[n], ndarray)]
-        count = max([len(self.modes), *orders]) + _SEARCHED
+        count = max([len(self.modes), *orders]) + SEARCHED
         values, shapes = self._elastic(np.asarray(ln_k, float), load, count)
         chosen = [self._column(name, shapes, values.size) for name in names]
         return NamedModes(np.sqrt(values[chosen]) / (2.0 * np.pi), shapes[:, chosen])
@@ -250,27 +248,9 @@ def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
     for name in pairs.interfaces:
         mine = np.flatnonzero(of == name)
         scaled = np.sqrt(area[mine] / area[mine].sum())[:, None, None] * frame[mine]
-        gap[name] = _rows(scaled[:, :1], first[mine], second[mine], size)
-        slip[name] = _rows(scaled[:, 1:], first[mine], second[mine], size)
+        gap[name] = gaps_along(scaled[:, :1], first[mine], second[mine], size)
+        slip[name] = gaps_along(scaled[:, 1:], first[mine], second[mine], size)
     return gap, slip
-
-
-def _rows(
-    direction: Float[ndarray, "pair k 3"],
-    first: Int[ndarray, "pair 3"],
-    second: Int[ndarray, "pair 3"],
-    size: int,
-) -> sp.csr_array:
-    """Sparse rows of direction . (u_first - u_second)."""
-    pairs, k, _ = direction.shape
-    row = np.broadcast_to(np.arange(pairs * k).reshape(pairs, k, 1), direction.shape)
-    parts = []
-    for sign, dof in ((1.0, first), (-1.0, second)):
-        column = np.broadcast_to(dof[:, None, :], direction.shape)
-        there = column >= 0
-        parts.append((sign * direction[there], row[there], column[there]))
-    value, i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return sp.csr_array((value, (i, j)), shape=(pairs * k, size))
 
 
 def _of_operator(operator, names: Sequence[str]) -> Joint:

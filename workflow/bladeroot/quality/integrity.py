@@ -48,6 +48,7 @@ def judge(
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
     alone: Float[ndarray, " alone"] | None = None,
+    told: tuple[tuple[str, str], ...] = (),
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -65,8 +66,10 @@ def judge(
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
         alone: `whole` with the mode by itself (`decay.components`), if others were taken off.
+        told: findings of that separation, by id, which warn.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
+    found += [(name, _fact(text, "warn")) for name, text in told]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     noise = decay.attrs["noise_velocity"]
@@ -147,7 +150,6 @@ def sight(
         noise=float(decay.attrs["noise_velocity"]),
         whole=whole,
         first=first,
-        end_reason=decay.attrs["end_reason"],
         modes_Hz=tuple(modes_Hz),
     )
 

@@ -74,7 +74,7 @@ class Sight:
 
     `velocity` is the cut decay, `whole` the raw record, `first` where
     the cut begins in it, `noise` the rms of the sensor's
-    noise, `end_reason` why the cut ends there, `modes_Hz` expected frequencies of the structure's
+    noise, `modes_Hz` expected frequencies of the structure's
     other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
     but where the sensor's own channel is looked at. `mixed` is the decay with all that rings, where
     this one has been freed of the rest.
@@ -86,7 +86,6 @@ class Sight:
     noise: float
     whole: Float[ndarray, " whole"]
     first: int = 0
-    end_reason: str = ""
     modes_Hz: tuple[float, ...] = ()
     blind: tuple[tuple[int, int], ...] = ()
     unit: str = "m/s"

@@ -5,25 +5,19 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladeroot.reproduction.entry import Entry, Values, best, compare, printed_values, verdict
-from bladeroot.reproduction.evidence import Evidence
+from bladeroot.reproduction.entry import (
+    Entry,
+    Evidence,
+    Values,
+    best,
+    compare,
+    printed_values,
+    verdict,
+)
 from bladeroot.reproduction.quantities import QUANTITIES
+from bladeroot.variables import dataset
 
-_TEXTS = {
-    "chapter": "chapter or appendix",
-    "where": "where the thesis prints it",
-    "what": "what it is",
-    "unit": "unit of the values",
-    "covers": "tables and figures that the row answers for",
-    "says": "statement in words, where no number is printed",
-    "allowed": "largest difference, or range, that counts as reproduced",
-    "variant": "structure or reading of the gauge that the values are of",
-    "others": "values within for the other variants",
-    "verdict": "reproduced, differs, erratum or not reproducible",
-    "errata": "errata that explain the difference",
-    "reason": "why it differs, or what is missing",
-    "ours": "what of this report shows the same",
-}
+_NUMBERS = ("printed", "computed", "difference", "tolerance", "within")
 
 
 def missing_rows(entries: Sequence[Mapping], contents: Mapping[str, Mapping]) -> list[str]:
@@ -117,27 +111,11 @@ def _allowed(entry: Entry) -> str:
 
 
 def _dataset(ids: list[str], rows: list[dict], numbers: list[Values]) -> xr.Dataset:
-    variables = {
-        name: ("row", np.array([row[name] for row in rows], str), {"units": "", "long_name": text})
-        for name, text in _TEXTS.items()
-    }
-    owner = np.concatenate([np.full(v.printed.size, i) for i, v in enumerate(numbers)])
-    labels = [label for v in numbers for label in v.labels]
-    variables["value_row"] = ("value", owner, _attrs("row of the value, counted from 0"))
-    variables["value_label"] = ("value", np.array(labels, str), _attrs("which value of its row"))
-    for name, part, text in (
-        ("printed", "printed", "value as printed, in the row's unit"),
-        ("computed", "computed", "value computed here"),
-        ("difference", "difference", "computed less printed"),
-        ("tolerance", "tolerance", "largest difference that counts as reproduced"),
-        ("within", "within", "1 where the value is within its tolerance or range"),
-    ):
-        values = np.concatenate([getattr(v, part) for v in numbers])
-        if part == "within":
-            values = values.astype(np.int8)
-        variables[f"value_{name}"] = ("value", values, _attrs(text))
-    return xr.Dataset(variables, coords={"row": ("row", np.array(ids, str))})
-
-
-def _attrs(text: str) -> dict[str, str]:
-    return {"units": "see unit of the row", "long_name": text}
+    made = {name: np.array([row[name] for row in rows], str) for name in rows[0]}
+    made["row"] = np.array(ids, str)
+    made["value_row"] = np.concatenate([np.full(v.printed.size, i) for i, v in enumerate(numbers)])
+    made["value_label"] = np.array([label for v in numbers for label in v.labels], str)
+    for name in _NUMBERS:
+        values = np.concatenate([getattr(v, name) for v in numbers])
+        made[f"value_{name}"] = values.astype(np.int8) if name == "within" else values
+    return dataset("reproduction/ledger", made)

@@ -1,7 +1,7 @@
 """Unpublished dimensions from published tables: the most probable ones and how sure they are.
 
-Gauss-Newton on tables and priors, all Gaussian; the posterior is Laplace's at its end. Derivatives
-come from `shape_gradient`, so that a step costs one solution of the model.
+The tables and priors are all Gaussian: the MAP estimate and its covariance are the engine's.
+Derivatives come from `shape_gradient`, so that a step costs one solution of the model.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,25 +9,24 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray
 
+from bladeroot.inference.gaussian import LazyState, Prior, State, fit, with_known_errors
 from bladeroot.reproduction.cases import Mode, Model, build_model, solve_modes
 from bladeroot.reproduction.parameters import Parameter, values_in, with_values
 from bladeroot.reproduction.shape_gradient import adjoints, lagrangian
 from bladeroot.reproduction.targets import Target
 
-# Largest step of one parameter, in prior standard deviations.
-_STEP = 1.0
 # Nearness of neighbours for derivatives, in prior standard deviations: carried modes are stiff, so
 # that the second order shows already at 1e-4.
 _NEAR = 1e-6
+_LEAST_GAIN = 1e-4  # nats: some 0.01 posterior standard deviations
 _CONVERGED = 0.02  # posterior standard deviations
-_STEPS = 12
 
 
 @dataclass(frozen=True)
-class Problem:
+class Calibration:
     """A structure file's content, its free parameters and all targets, fitted or only judged."""
 
     start: Mapping[str, Any]
@@ -35,14 +34,10 @@ class Problem:
     targets: Sequence[Target]
 
     @property
-    def prior_mean(self) -> Float[ndarray, " parameter"]:
-        """Of each parameter, in the unit of the structure file."""
-        return np.array([one.prior_mean for one in self.parameters])
-
-    @property
-    def prior_std(self) -> Float[ndarray, " parameter"]:
-        """Of each parameter, in the unit of the structure file."""
-        return np.array([one.prior_std for one in self.parameters])
+    def prior(self) -> Prior:
+        """Of all parameters, in the units of the structure file."""
+        both = np.array([(one.prior_mean, one.prior_std) for one in self.parameters])
+        return Prior(*both.T)
 
     @property
     def reference(self) -> Float[ndarray, " target"]:
@@ -68,7 +63,11 @@ class Problem:
         """The table of each target."""
         return [one.table for one in self.targets]
 
-    def of(self, tables: Sequence[str]) -> "Problem":
+    def where(self, tables: Sequence[str]) -> Bool[ndarray, " target"]:
+        """Which targets are of some tables."""
+        return np.isin(self.tables, tables)
+
+    def of(self, tables: Sequence[str]) -> "Calibration":
         """The same with the targets of some tables only."""
         return replace(self, targets=[one for one in self.targets if one.table in tables])
 
@@ -85,56 +84,82 @@ class Linear:
         """Values at another point, to first order."""
         return self.values + self.jacobian @ (point - self.point)
 
+    def of(self, used: Bool[ndarray, " target"]) -> "Linear":
+        """The same of some targets."""
+        return Linear(self.point, self.values[used], self.jacobian[used])
+
 
 Solved = list[tuple[Model, dict]]
 
 
-def predict(problem: Problem, point: Float[ndarray, " parameter"]) -> Float[ndarray, " target"]:
+def predict(asked: Calibration, point: Float[ndarray, " parameter"]) -> Float[ndarray, " target"]:
     """The targets' values by solving the whole model."""
-    return _values(problem, _solve(problem, point))
+    return _state(asked, point).mean
 
 
-def linearise(problem: Problem, point: Float[ndarray, " parameter"]) -> Linear:
+def linearise(asked: Calibration, point: Float[ndarray, " parameter"]) -> Linear:
     """Values and derivatives of all targets at one point."""
-    solved = _solve(problem, point)
-    slopes: dict = {}
-    for model, modes in solved:
-        slopes |= _eigenvalue_slopes(problem, point, model, modes)
-    every = {key: mode for _, modes in solved for key, mode in modes.items()}
-    jacobian = [one.derivative(every, slopes) for one in problem.targets]
-    return Linear(point, _values(problem, solved), np.array(jacobian))
+    state = _state(asked, point)
+    return Linear(point, state.mean, state.slope)
 
 
-def calibrate(problem: Problem) -> tuple[Float[ndarray, " parameter"], int]:
-    """The most probable parameters and the steps taken; ValueError if it does not settle."""
-    point, std = values_in(problem.start, problem.parameters), problem.prior_std
-    for step in range(1, _STEPS + 1):
-        linear = linearise(problem, point)
-        mean, covariance = posterior(problem, linear)
-        change = np.clip(mean - point, -_STEP * std, _STEP * std)
-        point = point + change
-        if np.all(np.abs(change) < _CONVERGED * np.sqrt(np.diag(covariance))):
-            return point, step
-    raise ValueError(f"{problem.start['name']}: the calibration did not settle in {_STEPS} steps")
+def calibrate(asked: Calibration, fitted: Sequence[str]) -> Linear:
+    """The whole model at the most probable parameters by the tables that are fitted.
+
+    ValueError if the fit does not settle.
+    """
+    used = asked.where(fitted)
+
+    def predict_used(point: ndarray) -> State:
+        try:
+            whole = _state(asked, point)
+        except ValueError:  # a shape that cannot be, or that loses a mode
+            nowhere = np.full(used.sum(), np.nan)
+            return LazyState(nowhere, lambda: nowhere, {})
+        return LazyState(whole.mean[used], lambda: whole.slope[used], {"whole": whole})
+
+    errors = asked.covariance[np.ix_(used, used)]
+    inverse = with_known_errors(asked.reference[used], predict_used, errors, asked.prior)
+    found = fit(inverse, values_in(asked.start, asked.parameters), least=_LEAST_GAIN)
+    whole = found.state.facts["whole"]
+    linear = Linear(found.parameters, whole.mean, whole.slope)
+    mean, covariance = posterior(asked, linear, used)
+    if np.any(np.abs(mean - found.parameters) > _CONVERGED * np.sqrt(np.diag(covariance))):
+        raise ValueError(f"{asked.start['name']}: the calibration did not settle")
+    return linear
 
 
 def posterior(
-    problem: Problem, linear: Linear, used: ndarray | None = None
+    asked: Calibration, linear: Linear, used: Bool[ndarray, " target"]
 ) -> tuple[Float[ndarray, " parameter"], Float[ndarray, "parameter parameter"]]:
-    """Mean and covariance from priors and targets (where `used`, or all), by the linear model."""
-    used = np.ones(len(problem.targets), bool) if used is None else used
-    root = np.linalg.cholesky(problem.covariance[np.ix_(used, used)])
-    scaled = np.linalg.solve(root, linear.jacobian[used] * problem.prior_std)
-    offset = linear.at(problem.prior_mean)
-    misfit = np.linalg.solve(root, (problem.reference - offset)[used])
-    inverse = np.linalg.inv(np.eye(len(problem.parameters)) + scaled.T @ scaled)
-    mean = problem.prior_mean + problem.prior_std * (inverse @ (scaled.T @ misfit))
-    return mean, inverse * np.outer(problem.prior_std, problem.prior_std)
+    """Mean and covariance from priors and the targets that are used, by the linear model."""
+    part = linear.of(used)
+
+    def straight(point: ndarray) -> State:
+        return State(part.at(point), part.jacobian, {})
+
+    errors = asked.covariance[np.ix_(used, used)]
+    found = fit(with_known_errors(asked.reference[used], straight, errors, asked.prior))
+    return found.parameters, found.covariance
 
 
-def _solve(problem: Problem, point: ndarray) -> Solved:
-    structure = with_values(problem.start, problem.parameters, point)
-    wanted = [key for one in problem.targets for key, _ in one.terms]
+def _state(asked: Calibration, point: ndarray) -> LazyState:
+    """All targets by the whole model; their derivatives when they are asked for."""
+    solved = _solve(asked, point)
+    every = {key: mode for _, modes in solved for key, mode in modes.items()}
+
+    def jacobian() -> ndarray:
+        slopes: dict = {}
+        for model, modes in solved:
+            slopes |= _eigenvalue_slopes(asked, point, model, modes)
+        return np.array([one.derivative(every, slopes) for one in asked.targets])
+
+    return LazyState(np.array([one.value(every) for one in asked.targets]), jacobian, {})
+
+
+def _solve(asked: Calibration, point: ndarray) -> Solved:
+    structure = with_values(asked.start, asked.parameters, point)
+    wanted = [key for one in asked.targets for key, _ in one.terms]
     solved = []
     for pad in sorted({case.pad for case, _ in wanted}):
         model = build_model(structure, pad)
@@ -143,12 +168,7 @@ def _solve(problem: Problem, point: ndarray) -> Solved:
     return solved
 
 
-def _values(problem: Problem, solved: Solved) -> Float[ndarray, " target"]:
-    every = {key: mode for _, modes in solved for key, mode in modes.items()}
-    return np.array([one.value(every) for one in problem.targets])
-
-
-def _eigenvalue_slopes(problem: Problem, point: ndarray, model: Model, modes: dict) -> dict:
+def _eigenvalue_slopes(asked: Calibration, point: ndarray, model: Model, modes: dict) -> dict:
     """Derivatives of the modes' eigenvalues by each parameter."""
     listed: list[Mode] = list(modes.values())
     static = model.prestress.displacement.values
@@ -156,8 +176,8 @@ def _eigenvalue_slopes(problem: Problem, point: ndarray, model: Model, modes: di
     pad = bool(model.mesh.attrs["with_pad"])
     base = lagrangian(model.structure, pad, listed, static, adjoint)
     columns = []
-    for k, near in enumerate(_NEAR * problem.prior_std):
+    for k, near in enumerate(_NEAR * asked.prior.std):
         other = point + near * np.eye(len(point))[k]
-        structure = with_values(problem.start, problem.parameters, other)
+        structure = with_values(asked.start, asked.parameters, other)
         columns.append((lagrangian(structure, pad, listed, static, adjoint) - base) / near)
     return dict(zip(modes, np.array(columns).T, strict=True))

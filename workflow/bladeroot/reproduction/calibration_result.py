@@ -1,6 +1,7 @@
 """A calibration from tables to artifact: dimensions, what they predict, tables in contradiction."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -8,15 +9,16 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.reproduction.calibration import (
+    Calibration,
     Linear,
-    Problem,
     calibrate,
     linearise,
     posterior,
     predict,
 )
-from bladeroot.reproduction.joint_spread import MODES, JointSpread, joint_spread
+from bladeroot.reproduction.cases import Case
 from bladeroot.reproduction.parameters import values_in
+from bladeroot.reproduction.targets import Target
 from bladeroot.reproduction.tension import (
     Incompatible,
     LeftOut,
@@ -24,121 +26,126 @@ from bladeroot.reproduction.tension import (
     left_out,
     pair_inflation,
 )
+from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.surface import MODES
+from bladeroot.variables import dataset
 
+_TABLE = "reproduction/calibration"
 # The joint's spread is taken at Table 5.2's first force and stiffness (N, N/m a flank).
-JOINT = (12.0e3, (33 * 41428.6e3, 33 * 64285.7e3))
+JOINT = (12.0e3, (NODES * 41428.6e3, NODES * 64285.7e3))
 # A combination is seen if the tables narrow it to this part of its prior deviation.
 _SEEN = 0.99
 
 
-def calibration(problem: Problem, fitted: Sequence[str], refinements: int = 3) -> xr.Dataset:
-    """Fit the tables named by `fitted`, judge all of the problem's: `calibration.nc`.
+# N/m a flank: no gap opens or slips, yet modes far from it still converge.
+BONDED = 1.0e12
+_NEAR = 1e-3  # of ln k, between neighbours
+
+
+@dataclass(frozen=True)
+class JointSpread:
+    """At one axial force: bonded frequencies and their derivatives; ln kn, ln kt by parameter.
+
+    `ln_stiffness` is how ln kn and ln kt move per unit of a parameter if the frequencies are kept.
+    """
+
+    force: float
+    bonded: Float[ndarray, "mode"]
+    bonded_jacobian: Float[ndarray, "mode parameter"]
+    ln_stiffness: Float[ndarray, "2 parameter"]
+
+
+def joint_spread(
+    asked: Calibration,
+    point: Float[ndarray, " parameter"],
+    force: float,
+    stiffness: tuple[float, float],
+) -> JointSpread:
+    """The joint at a calibrated geometry, at `force` (N) and near kn, kt (N/m a flank)."""
+    kn, kt = stiffness
+    near = np.exp(_NEAR)
+    contacts = [(BONDED, BONDED), (kn, kt), (kn * near, kt), (kn, kt * near)]
+    targets = [
+        Target("joint", mode, Case(True, force, *contact, slots=True), 0.0, 0.0, 1.0)
+        for contact in contacts
+        for mode in MODES
+    ]
+    linear = linearise(replace(asked, targets=targets), point)
+    bonded, soft, normal, tangential = linear.values.reshape(4, -1)
+    jacobian = linear.jacobian.reshape(4, len(MODES), -1)
+    by_stiffness = np.stack([normal - soft, tangential - soft], axis=1) / _NEAR
+    return JointSpread(force, bonded, jacobian[0], -np.linalg.solve(by_stiffness, jacobian[1]))
+
+
+def calibration(asked: Calibration, fitted: Sequence[str], refinements: int = 3) -> xr.Dataset:
+    """Fit the tables named by `fitted`, judge all of all tables: `calibration.nc`.
 
     ValueError if the fit does not settle or leads to a shape that cannot be.
     """
-    point, steps = calibrate(problem.of(fitted))
-    linear = linearise(problem, point)
-    used = np.isin(problem.tables, fitted)
-    _, covariance = posterior(problem, linear, used)
-    joint = joint_spread(problem, point, *JOINT)
+    linear, used = calibrate(asked, fitted), asked.where(fitted)
+    point, (_, covariance) = linear.point, posterior(asked, linear, used)
+    joint = joint_spread(asked, point, *JOINT)
     parts = [
-        _parameters(problem, point, covariance),
-        _targets(problem, linear, covariance, used),
-        _directions(problem.of(fitted), linear, covariance, used, joint),
-        _tables(left_out(problem, linear, fitted), pair_inflation(problem, linear), fitted),
-        _sets(problem, incompatible_sets(problem, linear, refinements)),
+        _parameters(asked, point, covariance),
+        _targets(asked, linear, covariance, used),
+        _directions(asked.of(fitted), linear, covariance, used, joint),
+        _tables(left_out(asked, linear, fitted), pair_inflation(asked, linear), fitted),
+        _sets(asked, incompatible_sets(asked, linear, refinements)),
         _joint(joint, covariance),
     ]
-    return xr.merge(parts).assign_attrs(
-        structure=problem.start["name"], fitted=", ".join(fitted), steps=steps
-    )
+    return xr.merge(parts).assign_attrs(structure=asked.start["name"], fitted=", ".join(fitted))
 
 
-def _sizes(problem: Problem) -> Float[ndarray, " parameter"]:
-    return np.array([one.unit[1] for one in problem.parameters])
+def _sizes(asked: Calibration) -> Float[ndarray, " parameter"]:
+    return np.array([one.unit[1] for one in asked.parameters])
 
 
-def _parameters(problem: Problem, point: ndarray, covariance: ndarray) -> xr.Dataset:
-    std, size = np.sqrt(np.diag(covariance)), _sizes(problem)
-    shipped = values_in(problem.start, problem.parameters)
+def _parameters(asked: Calibration, point: ndarray, covariance: ndarray) -> xr.Dataset:
+    std, size = np.sqrt(np.diag(covariance)), _sizes(asked)
+    shipped = values_in(asked.start, asked.parameters)
     away = shipped - point
 
-    def of(values: ndarray, label: str) -> tuple:
-        return "parameter", values, {"units": "see unit", "long_name": label}
-
-    return xr.Dataset(
-        {
-            "unit": (
-                "parameter",
-                [one.unit[0] for one in problem.parameters],
-                {"units": "", "long_name": "unit of the parameter"},
-            ),
-            "most_probable": of(point * size, "most probable value"),
-            "std": of(std * size, "posterior standard deviation (Laplace)"),
-            "prior_mean": of(problem.prior_mean * size, "prior mean"),
-            "prior_std": of(problem.prior_std * size, "prior standard deviation"),
-            "shipped": of(shipped * size, "value in the structure file"),
-            "shipped_distance": (
-                (),
-                np.sqrt(away @ np.linalg.solve(covariance, away)),
-                {
-                    "units": "1",
-                    "long_name": "Mahalanobis distance of the structure file from the most "
-                    "probable; the square root of the number of parameters is usual",
-                },
-            ),
-            "correlation": (
-                ("parameter", "parameter_"),
-                covariance / np.outer(std, std),
-                {"units": "1", "long_name": "posterior correlation"},
-            ),
-        },
-        coords={"parameter": [one.name for one in problem.parameters]},
-    )
+    made = {
+        "unit": [one.unit[0] for one in asked.parameters],
+        "most_probable": point * size,
+        "std": std * size,
+        "prior_mean": asked.prior.mean * size,
+        "prior_std": asked.prior.std * size,
+        "shipped": shipped * size,
+        "shipped_distance": np.sqrt(away @ np.linalg.solve(covariance, away)),
+        "correlation": covariance / np.outer(std, std),
+        "parameter": [one.name for one in asked.parameters],
+    }
+    return dataset(_TABLE, made)
 
 
-def _targets(problem: Problem, linear: Linear, covariance: ndarray, used: ndarray) -> xr.Dataset:
+def _targets(asked: Calibration, linear: Linear, covariance: ndarray, used: ndarray) -> xr.Dataset:
     spread = np.sqrt(np.einsum("ij,jk,ik->i", linear.jacobian, covariance, linear.jacobian))
-    residual = (linear.values - problem.reference) / problem.tolerance
-
-    def of(values: object, unit: str, label: str) -> tuple:
-        return "target", values, {"units": unit, "long_name": label}
-
-    own = "Hz, or Hz2/N for slopes"
-    return xr.Dataset(
-        {
-            "target_table": of(problem.tables, "", "table of the thesis"),
-            "target_mode": of([one.mode for one in problem.targets], "", "mode"),
-            "target_force": of([one.case.force for one in problem.targets], "N", "axial force"),
-            "target_fitted": of(used.astype(np.int8), "1", "1 where the table was fitted"),
-            "target_is_slope": of(
-                np.array([one.slope for one in problem.targets], np.int8),
-                "1",
-                "1 for a slope of f^2 over the force, 0 for a frequency",
-            ),
-            "reference": of(problem.reference, own, "published value"),
-            "tolerance": of(problem.tolerance, own, "standard deviation of model and rounding"),
-            "predicted": of(linear.values, own, "value of the model at the most probable geometry"),
-            "predicted_std": of(spread, own, "its standard deviation over the posterior"),
-            "residual_z": of(residual, "1", "predicted minus published over the tolerance"),
-            "jacobian": (
-                ("target", "parameter"),
-                linear.jacobian / _sizes(problem),
-                {"units": "per unit of the parameter", "long_name": "derivative of predicted"},
-            ),
-        }
-    )
+    made = {
+        "target_table": asked.tables,
+        "target_mode": [one.mode for one in asked.targets],
+        "target_force": [one.case.force for one in asked.targets],
+        "target_fitted": used.astype(np.int8),
+        "target_is_slope": np.array([one.slope for one in asked.targets], np.int8),
+        "reference": asked.reference,
+        "tolerance": asked.tolerance,
+        "predicted": linear.values,
+        "predicted_std": spread,
+        "residual_z": (linear.values - asked.reference) / asked.tolerance,
+        "jacobian": linear.jacobian / _sizes(asked),
+    }
+    return dataset(_TABLE, made)
 
 
 def _directions(
-    problem: Problem, linear: Linear, covariance: ndarray, used: ndarray, joint: JointSpread
+    asked: Calibration, linear: Linear, covariance: ndarray, used: ndarray, joint: JointSpread
 ) -> xr.Dataset:
     """Stiffest and sloppiest combination that the fitted tables see, relative to the priors.
 
     With them how linear the model is, and what they do to the bonded joint.
     """
-    part = Linear(linear.point, linear.values[used], linear.jacobian[used])
-    scale = problem.prior_std
+    part = linear.of(used)
+    scale = asked.prior.std
     variances, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     chosen = [0, int(np.flatnonzero(variances < _SEEN**2)[-1])]
     steps = (axes * np.sqrt(variances)).T[chosen] * scale
@@ -147,132 +154,55 @@ def _directions(
         for column, sign in enumerate((-1, 1)):
             there = linear.point + sign * step
             misfit[row, column] = np.abs(
-                (predict(problem, there) - part.at(there)) / problem.tolerance
+                (predict(asked, there) - part.at(there)) / asked.tolerance
             ).max()
-    return xr.Dataset(
-        {
-            "direction_step": (
-                ("direction", "parameter"),
-                steps * _sizes(problem),
-                {"units": "see unit", "long_name": "one standard deviation along the combination"},
-            ),
-            "direction_share": (
-                "direction",
-                np.sqrt(variances[chosen]),
-                {"units": "1", "long_name": "posterior over prior standard deviation"},
-            ),
-            "direction_error": (
-                ("direction", "sign"),
-                misfit,
-                {
-                    "units": "1",
-                    "long_name": "largest error of the linear model one standard deviation away, "
-                    "over the tolerance",
-                },
-            ),
-            "direction_bonded": (
-                ("direction", "joint_mode"),
-                steps @ joint.bonded_jacobian.T,
-                {"units": "Hz", "long_name": "what the step adds to the bonded frequencies"},
-            ),
-        },
-        coords={"direction": ["stiffest", "sloppiest"], "sign": [-1, 1], "joint_mode": list(MODES)},
-    )
+    made = {
+        "direction_step": steps * _sizes(asked),
+        "direction_share": np.sqrt(variances[chosen]),
+        "direction_error": misfit,
+        "direction_bonded": steps @ joint.bonded_jacobian.T,
+        "direction": ["stiffest", "sloppiest"],
+        "sign": [-1, 1],
+        "joint_mode": list(MODES),
+    }
+    return dataset(_TABLE, made)
 
 
 def _tables(judged: Sequence[LeftOut], pairs: ndarray, fitted: Sequence[str]) -> xr.Dataset:
-    def of(values: object, label: str) -> tuple:
-        return "table", values, {"units": "1", "long_name": label}
-
-    return xr.Dataset(
-        {
-            "table_fitted": of(
-                np.array([one.table in fitted for one in judged], np.int8), "1 where fitted"
-            ),
-            "left_out_count": of([len(one.z) for one in judged], "numbers in the table"),
-            "left_out_z": of(
-                [one.z[np.argmax(np.abs(one.z))] for one in judged],
-                "largest z of the table as the other fitted tables predict it",
-            ),
-            "left_out_chi_square": of(
-                [one.chi_square for one in judged], "chi square of that prediction"
-            ),
-            "left_out_chance": of(
-                [one.chance for one in judged], "chance of a chi square at least as large"
-            ),
-            "pair_inflation": (
-                ("table", "table_"),
-                pairs,
-                {
-                    "units": "1",
-                    "long_name": "least factor on the tolerances at which both tables are met, "
-                    "by the linear model; above 1 they contradict each other",
-                },
-            ),
-        },
-        coords={"table": [one.table for one in judged]},
-    )
+    made = {
+        "table_fitted": np.array([one.table in fitted for one in judged], np.int8),
+        "left_out_count": [len(one.z) for one in judged],
+        "left_out_z": [one.z[np.argmax(np.abs(one.z))] for one in judged],
+        "left_out_chi_square": [one.chi_square for one in judged],
+        "left_out_chance": [one.chance for one in judged],
+        "pair_inflation": pairs,
+        "table": [one.table for one in judged],
+    }
+    return dataset(_TABLE, made)
 
 
-def _sets(problem: Problem, sets: Sequence[Incompatible]) -> xr.Dataset:
-    points = np.array([one.point for one in sets]).reshape(len(sets), len(problem.parameters))
-    return xr.Dataset(
-        {
-            "set_tables": (
-                "set",
-                np.array(["; ".join(one.tables) for one in sets], dtype=str),
-                {"units": "", "long_name": "tables that no geometry meets together"},
-            ),
-            "set_inflation": (
-                "set",
-                np.array([one.inflation for one in sets], float),
-                {"units": "1", "long_name": "factor on all tolerances at which one geometry would"},
-            ),
-            "set_inflation_linear": (
-                "set",
-                np.array([one.linear for one in sets], float),
-                {"units": "1", "long_name": "the same by the linear model alone"},
-            ),
-            "set_nearest": (
-                ("set", "parameter"),
-                points * _sizes(problem),
-                {"units": "see unit", "long_name": "that geometry"},
-            ),
-        }
-    )
+def _sets(asked: Calibration, sets: Sequence[Incompatible]) -> xr.Dataset:
+    points = np.array([one.point for one in sets]).reshape(len(sets), len(asked.parameters))
+    made = {
+        "set_tables": np.array(["; ".join(one.tables) for one in sets], dtype=str),
+        "set_inflation": np.array([one.inflation for one in sets], float),
+        "set_inflation_linear": np.array([one.linear for one in sets], float),
+        "set_nearest": points * _sizes(asked),
+    }
+    return dataset(_TABLE, made)
 
 
 def _joint(joint: JointSpread, covariance: ndarray) -> xr.Dataset:
     spread = joint.bonded_jacobian @ covariance @ joint.bonded_jacobian.T
     stiffness = joint.ln_stiffness @ covariance @ joint.ln_stiffness.T
     std = np.sqrt(np.diag(stiffness))
-    return xr.Dataset(
-        {
-            "bonded_frequency": (
-                "joint_mode",
-                joint.bonded,
-                {"units": "Hz", "long_name": "frequency with bonded flanks"},
-            ),
-            "bonded_frequency_std": (
-                "joint_mode",
-                np.sqrt(np.diag(spread)),
-                {"units": "Hz", "long_name": "its standard deviation over the geometries"},
-            ),
-            "ln_stiffness_std": (
-                "contact",
-                std,
-                {
-                    "units": "1",
-                    "long_name": "standard deviation of ln kn, ln kt over the geometries, "
-                    "frequencies kept",
-                },
-            ),
-            "ln_stiffness_correlation": (
-                (),
-                stiffness[0, 1] / (std[0] * std[1]),
-                {"units": "1", "long_name": "correlation of ln kn and ln kt over the geometries"},
-            ),
-            "joint_force": ((), joint.force, {"units": "N", "long_name": "axial force"}),
-        },
-        coords={"joint_mode": list(MODES), "contact": ["kn", "kt"]},
-    )
+    made = {
+        "bonded_frequency": joint.bonded,
+        "bonded_frequency_std": np.sqrt(np.diag(spread)),
+        "ln_stiffness_std": std,
+        "ln_stiffness_correlation": stiffness[0, 1] / (std[0] * std[1]),
+        "joint_force": joint.force,
+        "joint_mode": list(MODES),
+        "contact": ["kn", "kt"],
+    }
+    return dataset(_TABLE, made)

@@ -9,9 +9,8 @@ from numpy import ndarray
 
 from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
-from bladeroot.reproduction.evidence import Computed, Evidence
-from bladeroot.reproduction.one_dof import Slider, free_decay
-from bladeroot.reproduction.slider_curves import SAMPLING, START, slider_curves
+from bladeroot.reproduction.entry import Computed, Evidence
+from bladeroot.reproduction.one_dof import SAMPLING, START, Slider, free_decay, slider_curves
 
 ADHESION = 12e3  # N, above which the thesis takes the joint to stick
 _BAR = 1e5

@@ -4,10 +4,20 @@ Between two events, the begin and the end of slip, the motion is a damped sine a
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
+
+from bladeroot.contact.laws import closed_forms
+from bladeroot.decay.freevib import freevib
+from bladeroot.variables import dataset
+
+SAMPLING = 51200.0  # Hz
+START = 100.0  # times the critical amplitude
+_DURATION = 0.33  # s
 
 
 @dataclass(frozen=True)
@@ -100,3 +110,40 @@ class _Motion:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if over(middle) > 0.0 else (middle, high)
         return float(high)
+
+
+@cache
+def slider_curves() -> xr.Dataset:
+    """Figures 3.7 to 3.9: a decay (velocity, contact force), its frequency and loss factor.
+
+    By FREEVIB on the decay, and by the first harmonic of the contact (3.19); that harmonic's
+    stiffness and damping are over k_t. The noise is that of a good record: without any there is no
+    error to weigh by.
+    """
+    model = Slider()
+    velocity, force = free_decay(model, START * model.critical_amplitude, SAMPLING, _DURATION)
+    noise = 1e-5 * velocity.max()
+    seen = velocity + noise * np.random.default_rng(0).standard_normal(velocity.size)
+    curve = freevib(seen, SAMPLING, 500.0, noise, tolerance=0.4)
+    size = model.critical_amplitude * np.geomspace(0.1, START, 200)
+    frequency, loss = closed_forms.one_dof(
+        size, model.mass, model.spring, model.contact, model.slip_force
+    )
+    stiffness, damping = closed_forms.equivalent_stiffness(size, model.contact, model.slip_force)
+    viscous = 2.0 * model.zeta * model.stick_frequency / frequency
+    made = {
+        "balanced_amplitude": size,
+        "velocity": velocity,
+        "force": force,
+        "balanced_frequency": frequency,
+        "balanced_loss_factor": loss + viscous,
+        "stiffness": stiffness / model.contact,
+        "damping": damping / model.contact,
+    }
+    return curve.merge(dataset("reproduction/slider", made)).assign_attrs(
+        sampling_Hz=SAMPLING,
+        critical_amplitude_m=model.critical_amplitude,
+        slip_force_N=model.slip_force,
+        stick_frequency_Hz=model.stick_frequency,
+        loss_factor=2.0 * model.zeta,
+    )

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 
 from bladeroot.reproduction import measured, simulated, theoretical
-from bladeroot.reproduction.evidence import Computed, Evidence
+from bladeroot.reproduction.entry import Computed, Evidence
 
 QUANTITIES: dict[str, Callable[[Evidence], Computed]] = {
     "piston area": measured.piston_area,

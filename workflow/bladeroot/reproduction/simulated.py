@@ -6,12 +6,13 @@ import scipy.linalg
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.interpolate import RectBivariateSpline
 
 from bladeroot.fem.clamped_beam import beam_frequency, stiffening_factor, wave_number
-from bladeroot.reproduction.evidence import Computed, Evidence
+from bladeroot.reproduction.entry import Computed, Evidence
+from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.search import ln_covariance
+from bladeroot.stiffness.surface import MODES, all_frequencies, surface_of_map
 
-NODES = 33  # of a flank (6.16)
 _N_PER_MM = 1e3
 
 
@@ -162,76 +163,65 @@ def growth(evidence: Evidence, name: str) -> Computed:
 
 
 def _at_table_5_2(evidence: Evidence) -> dict[str, tuple[ndarray, ndarray]]:
-    """Frequencies (mode, force) and their slopes by ln kn, ln kt at Table 5.2's own points."""
+    """Frequencies (mode, force) and slopes by ln k (force, mode, k) at Table 5.2's own points."""
     table = evidence.tables["5_2"]
-    points = NODES * _N_PER_MM * table[["kn_N_per_mm", "kt_N_per_mm"]].to_numpy()
+    points = np.log(NODES * _N_PER_MM * table[["kn_N_per_mm", "kt_N_per_mm"]].to_numpy())
     out = {}
     for structure, maps in evidence.maps.items():
-        values, slopes = np.full((2, len(table)), np.nan), np.full((2, len(table), 2), np.nan)
-        for i, (force, point) in enumerate(zip(_forces(evidence), np.log(points), strict=True)):
-            if force not in maps:
-                continue
-            for m, mode in enumerate(("1B", "2B")):
-                line = _spline(maps[force], mode)
-                values[m, i] = line.ev(*point)
-                slopes[m, i] = line.ev(*point, dx=1), line.ev(*point, dy=1)
+        values, slopes = np.full((2, len(table)), np.nan), np.full((len(table), 2, 2), np.nan)
+        for i, (force, point) in enumerate(zip(_forces(evidence), points, strict=True)):
+            if force in maps:
+                surface = surface_of_map(maps[force].sel(mode=list(MODES)))
+                (values[:, i],), (slopes[i],) = all_frequencies(surface, point[None])
         out[structure] = values, slopes
     return out
-
-
-def _spline(own: xr.Dataset, mode: str) -> RectBivariateSpline:
-    axes = (np.log(own["map_kn"].values), np.log(own["map_kt"].values))
-    surface = own["map_frequency"].sel(mode=mode).transpose("map_kn", "map_kt").values
-    return RectBivariateSpline(*axes, surface)
 
 
 def frequency_at_table_5_2(evidence: Evidence, mode: str) -> Computed:
     """Per cent: model's frequency with Table 5.2's stiffness over the measured one, minus one."""
     measured = evidence.stages["fe_forces"]["frequency"].sel(mode=mode)
     measured = measured.reindex(force=_forces(evidence)).values
-    row = ("1B", "2B").index(mode)
     return {
-        structure: 100.0 * (values[row] / measured - 1.0)
+        structure: 100.0 * (values[MODES.index(mode)] / measured - 1.0)
         for structure, (values, _) in _at_table_5_2(evidence).items()
     }
 
 
-def std_at_table_5_2(evidence: Evidence, name: str) -> Computed:
-    """N/mm a node: (5.22) with Table 5.1's errors and our Jacobian at Table 5.2's points."""
-    errors = evidence.tables["5_1"].set_index("force_kN")
-    table = evidence.tables["5_2"]
-    errors = errors.loc[table["force_kN"]].to_numpy()
+def _covariances_at_table_5_2(evidence: Evidence) -> dict[str, Float[ndarray, "force 2 2"]]:
+    """Of ln kn, ln kt by (5.22) with Table 5.1's errors; NaN where this run has no map."""
+    table = evidence.tables["5_1"].set_index("force_kN")
+    errors = table.loc[evidence.tables["5_2"]["force_kN"]].to_numpy()
     out = {}
-    for structure, (_, slopes) in _at_table_5_2(evidence).items():
-        # (force, mode, stiffness); NaN where this run has no map
-        weighed = slopes.transpose(1, 0, 2) / errors[:, :, None]
-        inverse = np.full_like(weighed, np.nan)
-        known = np.isfinite(weighed).all(axis=(1, 2))
-        inverse[known] = np.linalg.inv(weighed[known])
-        spread = np.sqrt((inverse**2).sum(axis=2))[:, ("kn", "kt").index(name)]
-        out[structure] = spread * table[f"{name}_N_per_mm"].to_numpy()
+    for structure, (values, slopes) in _at_table_5_2(evidence).items():
+        known = np.isfinite(slopes).all(axis=(1, 2))
+        out[structure] = np.full_like(slopes, np.nan)
+        for i in np.flatnonzero(known):
+            out[structure][i] = ln_covariance(slopes[i], values[:, i], errors[i], np.zeros(2))[0]
     return out
+
+
+def std_at_table_5_2(evidence: Evidence, name: str) -> Computed:
+    """N/mm a node, at Table 5.2's points."""
+    k, row = evidence.tables["5_2"][f"{name}_N_per_mm"].to_numpy(), ("kn", "kt").index(name)
+    covariances = _covariances_at_table_5_2(evidence).items()
+    return {structure: k * np.sqrt(one[:, row, row]) for structure, one in covariances}
 
 
 def correlation_at_table_5_2(evidence: Evidence) -> Computed:
-    """Correlation of kn and kt by (5.22) at Table 5.2's points."""
-    errors = evidence.tables["5_1"].set_index("force_kN")
-    errors = errors.loc[evidence.tables["5_2"]["force_kN"]].to_numpy()
-    out = {}
-    for structure, (_, slopes) in _at_table_5_2(evidence).items():
-        weighed = slopes.transpose(1, 0, 2) / errors[:, :, None]
-        normal = np.einsum("fmk,fml->fkl", weighed, weighed)
-        # of the inverse of a 2 x 2 matrix
-        out[structure] = -normal[:, 0, 1] / np.sqrt(normal[:, 0, 0] * normal[:, 1, 1])
-    return out
+    """Correlation of kn and kt at Table 5.2's points."""
+    return {
+        structure: one[:, 0, 1] / np.sqrt(one[:, 0, 0] * one[:, 1, 1])
+        for structure, one in _covariances_at_table_5_2(evidence).items()
+    }
 
 
 def curvature_of_the_map(evidence: Evidence) -> Computed:
     """Slope of 1B by kn at the low end of the thesis's grid (1e4 N/mm a node) over the high end."""
-    low, high, middle = (NODES * _N_PER_MM * k for k in (1e4, 1.5e5, 6e4))
+    k = NODES * _N_PER_MM * np.array([1e4, 1.5e5])
+    points = np.log([(k[0], NODES * _N_PER_MM * 6e4), (k[1], NODES * _N_PER_MM * 6e4)])
     out = {}
     for structure, maps in evidence.maps.items():
-        line = _spline(maps[min(maps)], "1B")
-        slope = [float(line.ev(np.log(k), np.log(middle), dx=1)) / k for k in (low, high)]
+        surface = surface_of_map(maps[min(maps)].sel(mode=["1B"]))
+        slope = all_frequencies(surface, points)[1][:, 0, 0] / k
         out[structure] = np.array([slope[0] / slope[1]])
     return out

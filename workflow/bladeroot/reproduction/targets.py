@@ -7,9 +7,8 @@ import numpy as np
 import pandas as pd
 
 from bladeroot.reproduction.cases import RIGID, Case, Mode
+from bladeroot.stiffness.grid_search import NODES
 
-# Contact nodes of a flank: Table 5.2 prints nodal stiffness.
-_NODES = 33
 _STRETCHED = 30.0e3
 _BENDING = {"1B": "1Fy", "2B": "2Fy"}
 # With the flanks held in normal direction only, the beam turns about Z on them near the frequency
@@ -135,7 +134,7 @@ def _table_5_2(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
     rows = []
     for one in tables["table_5_2"].itertuples():
         force = 1e3 * float(one.force_kN)
-        flank = [1e3 * _NODES * k for k in (one.kn_N_per_mm, one.kt_N_per_mm)]
+        flank = [1e3 * NODES * k for k in (one.kn_N_per_mm, one.kt_N_per_mm)]
         for mode, table in measured.items():
             reference = float(np.interp(force, table.force_N, table.frequency_Hz))
             measured_std = float(errors.loc[one.force_kN, f"frequency_delta_{mode}_Hz"])

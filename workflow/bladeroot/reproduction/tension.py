@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.reproduction.calibration import Linear, Problem, linearise, posterior
+from bladeroot.reproduction.calibration import Calibration, Linear, linearise, posterior
 
 # A number is met within this many standard deviations of its tolerance, a parameter is possible
 # within that many of its prior.
@@ -42,72 +42,70 @@ class Incompatible:
     point: Float[ndarray, " parameter"]
 
 
-def left_out(problem: Problem, linear: Linear, fitted: Sequence[str]) -> list[LeftOut]:
-    """Each table of the problem as the other fitted tables predict it."""
+def left_out(asked: Calibration, linear: Linear, fitted: Sequence[str]) -> list[LeftOut]:
+    """Each table as the other fitted tables predict it."""
     from scipy.special import gammaincc
 
-    tables = np.array(problem.tables)
+    tables = np.array(asked.tables)
     result = []
-    for table in dict.fromkeys(problem.tables):
+    for table in dict.fromkeys(asked.tables):
         mine = tables == table
-        mean, covariance = posterior(problem, linear, np.isin(tables, fitted) & ~mine)
+        mean, covariance = posterior(asked, linear, asked.where(fitted) & ~mine)
         jacobian = linear.jacobian[mine]
-        spread = jacobian @ covariance @ jacobian.T + problem.covariance[np.ix_(mine, mine)]
-        residual = (linear.at(mean) - problem.reference)[mine]
+        spread = jacobian @ covariance @ jacobian.T + asked.covariance[np.ix_(mine, mine)]
+        residual = (linear.at(mean) - asked.reference)[mine]
         chi_square = float(residual @ np.linalg.solve(spread, residual))
         chance = float(gammaincc(mine.sum() / 2, chi_square / 2))
         result.append(LeftOut(table, residual / np.sqrt(np.diag(spread)), chi_square, chance))
     return result
 
 
-def incompatible_sets(problem: Problem, linear: Linear, refinements: int) -> list[Incompatible]:
+def incompatible_sets(asked: Calibration, linear: Linear, refinements: int) -> list[Incompatible]:
     """Smallest sets of tables that no geometry within the priors meets, fewest tables first.
 
     The linear model proposes a set; up to `refinements` solutions of the whole model, each near the
     best so far, then look for a geometry that meets it after all. A set counts if none does.
     """
-    names = list(dict.fromkeys(problem.tables))
+    names = list(dict.fromkeys(asked.tables))
     found: list[Incompatible] = []
     for size in range(1, len(names) + 1):
         for tables in combinations(names, size):
             if any(set(one.tables) <= set(tables) for one in found):
                 continue
-            chosen = np.isin(problem.tables, tables)
-            part = Linear(linear.point, linear.values[chosen], linear.jacobian[chosen])
-            _, worst = _minimax(problem.of(tables), part)
+            part = linear.of(asked.where(tables))
+            _, worst = _minimax(asked.of(tables), part)
             if worst <= MET:
                 continue
-            point, refined = _refine(problem.of(tables), part, refinements)
+            point, refined = _refine(asked.of(tables), part, refinements)
             if refined > MET:
                 found.append(Incompatible(tables, refined / MET, worst / MET, point))
     return found
 
 
-def pair_inflation(problem: Problem, linear: Linear) -> Float[ndarray, "table table"]:
+def pair_inflation(asked: Calibration, linear: Linear) -> Float[ndarray, "table table"]:
     """Least factor on tolerances at which both tables of a pair are met, by the linear model."""
-    names = list(dict.fromkeys(problem.tables))
+    names = list(dict.fromkeys(asked.tables))
     result = np.empty((len(names),) * 2)
     for i, one in enumerate(names):
         for j, other in enumerate(names[: i + 1]):
-            chosen = np.isin(problem.tables, [one, other])
-            part = Linear(linear.point, linear.values[chosen], linear.jacobian[chosen])
-            result[i, j] = result[j, i] = _minimax(problem.of([one, other]), part)[1] / MET
+            part = linear.of(asked.where([one, other]))
+            result[i, j] = result[j, i] = _minimax(asked.of([one, other]), part)[1] / MET
     return result
 
 
-def _refine(problem: Problem, linear: Linear, count: int) -> tuple[ndarray, float]:
+def _refine(asked: Calibration, linear: Linear, count: int) -> tuple[ndarray, float]:
     """Least worst misfit of the whole model, by linear programs within a limited reach."""
 
     def misfit(there: Linear) -> float:
-        return float(np.abs((there.values - problem.reference) / problem.tolerance).max())
+        return float(np.abs((there.values - asked.reference) / asked.tolerance).max())
 
     least, reach = misfit(linear), _REACH
     for _ in range(count):
         if least <= MET:
             break
-        point, _ = _minimax(problem, linear, reach)
+        point, _ = _minimax(asked, linear, reach)
         try:
-            there = linearise(problem, point)
+            there = linearise(asked, point)
         except ValueError:  # a shape that cannot be, or that loses a mode
             reach *= 0.5
             continue
@@ -119,7 +117,7 @@ def _refine(problem: Problem, linear: Linear, count: int) -> tuple[ndarray, floa
 
 
 def _minimax(
-    problem: Problem, linear: Linear, reach: float = np.inf
+    asked: Calibration, linear: Linear, reach: float = np.inf
 ) -> tuple[Float[ndarray, " parameter"], float]:
     """Parameters of the least largest misfit (in tolerances), within the priors and a reach.
 
@@ -127,10 +125,10 @@ def _minimax(
     """
     from scipy.optimize import linprog
 
-    std, tolerance = problem.prior_std, problem.tolerance
+    std, tolerance = asked.prior.std, asked.tolerance
     slope = linear.jacobian * std / tolerance[:, None]
-    misfit = (problem.reference - linear.values) / tolerance
-    centre = (problem.prior_mean - linear.point) / std
+    misfit = (asked.reference - linear.values) / tolerance
+    centre = (asked.prior.mean - linear.point) / std
     low = np.maximum(centre - POSSIBLE, -reach)
     high = np.maximum(np.minimum(centre + POSSIBLE, reach), low)
     ones = np.ones((len(misfit), 1))
@@ -141,5 +139,5 @@ def _minimax(
         bounds=[*zip(low, high, strict=True), (0.0, None)],
     )
     if not solved.success:
-        raise ValueError(f"no least misfit of {set(problem.tables)}: {solved.message}")
+        raise ValueError(f"no least misfit of {set(asked.tables)}: {solved.message}")
     return linear.point + std * solved.x[:-1], float(solved.x[-1])

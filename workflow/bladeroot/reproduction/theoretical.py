@@ -6,7 +6,7 @@ import numpy as np
 
 from bladeroot.contact import compliance
 from bladeroot.contact.punch import Punch, punch_from
-from bladeroot.reproduction.evidence import Computed, Evidence
+from bladeroot.reproduction.entry import Computed, Evidence
 
 
 def normal_force(evidence: Evidence) -> Computed:

@@ -12,8 +12,9 @@ from numpy import ndarray
 from bladeroot.rom.chebyshev import Surface, at_force
 from bladeroot.rom.parametric import surface_of
 from bladeroot.stiffness.grid_search import NODES, grid_search
-from bladeroot.stiffness.map import MODES, all_frequencies
 from bladeroot.stiffness.search import ln_covariance
+from bladeroot.stiffness.surface import MODES, all_frequencies
+from bladeroot.variables import dataset
 
 
 def thesis_search(
@@ -48,28 +49,22 @@ def thesis_search(
         point = np.array([[float(one["grid_kn"]), float(one["grid_kt"])]])
         if np.isfinite(point).all():
             chosen[f] = all_frequencies(cut, np.log(point))[0][0]
-    force = xr.Variable("force", forces[known], {"units": "N", "long_name": "axial force"})
-    parts = xr.concat(found, force).drop_attrs(deep=False)
-
-    def var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-        attrs = {"units": units, "long_name": long_name}
-        return (dims, values, attrs | ({"source": source} if source else {}))
-
-    grid = ("force", "mode", "grid_axis_kn", "grid_axis_kt")
-    return parts.assign(
-        grid_frequency=var(grid, np.array(drawn), "Hz", "frequency on the grid", "fig. 5.11"),
-        target_frequency=var(
-            ("force", "mode"), target[known], "Hz", "measured stick frequency", "eq. 5.13"
-        ),
-        target_std=var(("force", "mode"), std[known], "Hz", "its standard deviation", "eq. 5.14"),
-        chosen_frequency=var(
-            ("force", "mode"), chosen[known], "Hz",
-            "frequency of the model at the point of minimum error", "figs 5.17, 5.18",
-        ),
-        fe_error=var("mode", fe_error, "1", "relative error of the model, not published"),
-    ).assign(table_deltas(surface, published, published_std, fe_error)).assign_coords(
-        mode=list(MODES), stiffness=["kn", "kt"]
-    ).assign_attrs(structure=model.attrs["structure"], springs=model.attrs["springs"])  # fmt: skip
+    made = {
+        "force": forces[known],
+        "mode": list(MODES),
+        "stiffness": ["kn", "kt"],
+        "grid_frequency": np.array(drawn),
+        "target_frequency": target[known],
+        "target_std": std[known],
+        "chosen_frequency": chosen[known],
+        "fe_error": fe_error,
+        **table_deltas(surface, published, published_std, fe_error),
+    }
+    ours = dataset("reproduction/thesis_search", made)
+    parts = xr.concat(found, ours["force"].variable).drop_attrs(deep=False)
+    return parts.merge(ours, compat="equals", join="exact").assign_attrs(
+        structure=model.attrs["structure"], springs=model.attrs["springs"]
+    )
 
 
 def table_deltas(
@@ -77,7 +72,7 @@ def table_deltas(
     published: xr.Dataset,
     published_std: Float[ndarray, "force mode"],
     fe_error: Float[ndarray, " mode"],
-) -> dict[str, tuple]:
+) -> dict[str, ndarray]:
     """Standard deviations of nodal kn and kt at Table 5.2's points from Table 5.1's errors (5.22).
 
     `table_std` counts the measurement alone, as the thesis does, `table_bias_std` the model's error
@@ -91,18 +86,11 @@ def table_deltas(
         both = ln_covariance(jacobian[0], f[0], published_std[row], fe_error)
         spreads = np.sqrt(np.diagonal(both, axis1=1, axis2=2)) * k[row] / NODES
         std[row], bias[row], frequency[row] = spreads[0], spreads[1], f[0]
-    of_k = ("table_force", "stiffness")
     printed = np.column_stack([published["kn_nodal_std"].values, published["kt_nodal_std"].values])
-    rows = {
-        "table_force": ("table_force", published["force"].values, "N", "axial force", "Table 5.2"),
-        "table_printed_std": (of_k, printed, "N/m", "standard deviation as printed", "Table 5.2"),
-        "table_std": (of_k, std, "N/m", "the same from Table 5.1 at its own points", "eq. 5.22"),
-        "table_bias_std": (of_k, bias, "N/m", "the same from the model's error alone", "eq. 5.22"),
-        "table_frequency": (
-            ("table_force", "mode"), frequency, "Hz", "the model at the table's points", "eq. 5.4",
-        ),
-    }  # fmt: skip
     return {
-        name: (dims, values, {"units": units, "long_name": text, "source": source})
-        for name, (dims, values, units, text, source) in rows.items()
+        "table_force": published["force"].values,
+        "table_printed_std": printed,
+        "table_std": std,
+        "table_bias_std": bias,
+        "table_frequency": frequency,
     }

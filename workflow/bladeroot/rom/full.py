@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.fem import elasticity
@@ -132,14 +132,27 @@ def _springs(
     axes: Float[ndarray, "pair k 3"],
 ) -> sp.csr_array:
     """Contact matrix of 1 N/m of flank stiffness along the given local axes."""
-    pairs, count = axes.shape[:2]
     dofs = number[3 * mesh.pair_node.values[:, :, None] + np.arange(3)]  # pair, side, axis
-    values = np.sqrt(share)[:, None, None, None] * np.stack([axes, -axes], axis=2)
-    columns = np.broadcast_to(dofs[:, None], values.shape)
-    rows = np.broadcast_to(np.arange(pairs * count).reshape(pairs, count, 1, 1), values.shape)
-    shape = (pairs * count, size)
-    gaps = sp.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    gaps = gaps_along(np.sqrt(share)[:, None, None] * axes, dofs[:, 0], dofs[:, 1], size)
     return sp.csr_array(gaps.T @ gaps)
+
+
+def gaps_along(
+    direction: Float[ndarray, "pair k 3"],
+    first: Int[ndarray, "pair 3"],
+    second: Int[ndarray, "pair 3"],
+    size: int,
+) -> sp.csr_array:
+    """Sparse rows of direction . (u_first - u_second); rows of displacements, -1: fixed."""
+    pairs, k, _ = direction.shape
+    row = np.broadcast_to(np.arange(pairs * k).reshape(pairs, k, 1), direction.shape)
+    parts = []
+    for sign, dof in ((1.0, first), (-1.0, second)):
+        column = np.broadcast_to(dof[:, None, :], direction.shape)
+        there = column >= 0
+        parts.append((sign * direction[there], row[there], column[there]))
+    value, i, j = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return sp.csr_array((value, (i, j)), shape=(pairs * k, size))
 
 
 def full_frequencies(

@@ -15,7 +15,7 @@ from bladeroot.rom.external.reduction import reduce_matrices
 from bladeroot.rom.file import ASSEMBLY, LAP_JOINT, is_matrices, kind_of, load_structure
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.lap_joint import lap_joint_assembly
-from bladeroot.rom.parametric import parametric_model
+from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.schema import read_yaml
 

@@ -49,7 +49,9 @@ def solved(
 ) -> Float[ndarray, " n"]:
     """The matrix's inverse times a vector."""
     n, width = factor.shape
-    x = right * scale
+    x = np.empty(n)
+    for j in range(n):
+        x[j] = right[j] * scale[j]
     for j in range(n):
         for k in range(1, min(width, n - j)):
             x[j + k] -= factor[j, k] * x[j]
@@ -57,7 +59,9 @@ def solved(
         x[j] /= factor[j, 0]
         for k in range(1, min(width, n - j)):
             x[j] -= factor[j, k] * x[j + k]
-    return x * scale
+    for j in range(n):
+        x[j] *= scale[j]
+    return x
 
 
 @njit(cache=True)

@@ -73,15 +73,13 @@ def peaks(level: Float[ndarray, " line"]) -> Bool[ndarray, " line"]:
     return found
 
 
-def one_sided(
-    log: Complex[ndarray, " frame"], least: float, furthest: float = 0.5, usual: float = 0.5
-) -> tuple[float, float]:
+def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, float]:
     """How clear a log-envelope's strongest line on one side of zero is, and its turns a frame.
 
     A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)): lines on one side of zero
     only, which no knock, bend or law of amplitude makes. A smooth course is taken off; the line
-    makes FEWEST_TURNS turns at least and `furthest` a frame at most, swings the logarithm by
-    `least`, and is compared with the median one up to `usual` turns a frame. (0, 0): there is none.
+    makes FEWEST_TURNS turns at least, swings the logarithm by `least`, and is compared with the
+    median one. (0, 0): there is none.
     """
     trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE)
     taper = np.hanning(log.size)
@@ -89,13 +87,12 @@ def one_sided(
     level = np.abs(np.fft.fft(rest, 4 * log.size)) / taper.sum()
     turns = np.fft.fftfreq(level.size)
     apart = np.abs(turns) * log.size >= FEWEST_TURNS
-    inside = apart & (np.abs(turns) <= furthest)
-    if not inside.any():
+    if not apart.any():
         return 0.0, 0.0
-    k = int(np.argmax(np.where(inside, level, 0.0)))
+    k = int(np.argmax(np.where(apart, level, 0.0)))
     if level[k] < max(least, ONE_SIDED * level[-k]):
         return 0.0, 0.0
-    middle = float(np.median(level[apart & (np.abs(turns) <= usual)]))
+    middle = float(np.median(level[apart]))
     return float(level[k]) / max(middle, 1e-300), float(turns[k])
 
 

@@ -31,25 +31,33 @@ def normal_sums(
 ) -> tuple[Float[ndarray, "n width"], Float[ndarray, "part n"], Float[ndarray, "part 2"]]:
     """Normal equations (lower band) of the values less a straight line, and the line."""
     parts, alive = y.shape[0], shape.shape[1]
-    weight = 1.0 / std**2
-    total = weight.sum()
-    mean = (weight * x).sum() / total
-    level = np.array([(weight * y[part]).sum() / total for part in range(parts)])
-    lever = weight * (x - mean)
     gram, right, trend = np.zeros((count, alive)), np.zeros((parts, count)), np.empty((parts, 2))
-    about = np.empty_like(y)
-    for part in range(parts):
-        slope = (lever * (y[part] - level[part])).sum() / (lever * (x - mean)).sum()
-        trend[part, 0], trend[part, 1] = slope, level[part] - slope * mean
-        about[part] = weight * (y[part] - slope * x - trend[part, 1])
+    # all by loops: sums of whole arrays take two seconds to compile
+    total = mean = spread = 0.0
     for v in range(x.size):
-        j = first[v]
+        total += 1.0 / std[v] ** 2
+        mean += 1.0 / std[v] ** 2 * x[v]
+    mean /= total
+    for v in range(x.size):
+        spread += 1.0 / std[v] ** 2 * (x[v] - mean) * (x[v] - mean)
+    for part in range(parts):
+        level = slope = 0.0
+        for v in range(x.size):
+            level += 1.0 / std[v] ** 2 * y[part, v]
+        level /= total
+        for v in range(x.size):
+            slope += 1.0 / std[v] ** 2 * (x[v] - mean) * (y[part, v] - level)
+        slope /= spread
+        trend[part, 0], trend[part, 1] = slope, level - slope * mean
+    for v in range(x.size):
+        j, weight = first[v], 1.0 / std[v] ** 2
         for a in range(alive):
-            weighted = weight[v] * shape[v, a]
+            weighted = weight * shape[v, a]
             for b in range(a, alive):
                 gram[j + a, b - a] += weighted * shape[v, b]
             for part in range(parts):
-                right[part, j + a] += about[part, v] * shape[v, a]
+                about = weight * (y[part, v] - trend[part, 0] * x[v] - trend[part, 1])
+                right[part, j + a] += about * shape[v, a]
     return gram, right, trend
 
 
@@ -172,9 +180,10 @@ def _step(inverse, value, rows, place, precision, nodes):
 def _spread(log_precision):
     """Intensities averaged with a half of each neighbour's."""
     stiffest, last = log_precision.max(), log_precision.size - 1
-    intensity = np.exp(stiffest - log_precision)
-    mean = np.empty(log_precision.size)
-    for k in range(log_precision.size):
+    intensity, mean = np.empty(last + 1), np.empty(last + 1)
+    for k in range(last + 1):
+        intensity[k] = np.exp(stiffest - log_precision[k])
+    for k in range(last + 1):
         beside = intensity[max(k - 1, 0)] + intensity[min(k + 1, last)]
         mean[k] = stiffest - np.log(0.25 * beside + 0.5 * intensity[k])
     return mean

@@ -19,17 +19,17 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.rom.joint import Joint
-from bladeroot.stiffness.curve_errors import DISCREPANCY
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, measured_modes, models_of, posterior_of
 from bladeroot.stiffness.model import LevelModel, map_estimate, predict
-from bladeroot.stiffness.posterior import variable
 from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import friction_of, level_systems
-from bladeroot.stiffness.softening import Softening, of_modes, softening_of
+from bladeroot.stiffness.softening import DISCREPANCY, Softening, of_modes, softening_of
+from bladeroot.variables import dataset
 
 _MAP = np.geomspace(2e-7, 2e-5, 41)  # m
+_TABLE = "stiffness/amplitude"
 _PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
 
 
@@ -37,7 +37,7 @@ def amplitude(
     joint: Joint,
     model: xr.Dataset,
     stick: xr.Dataset,
-    decays: Mapping[str, xr.Dataset],
+    seen: xr.Dataset,
     lasers: Mapping[str, float],
     gauge: ForceGauge,
     forces: Sequence[float],
@@ -49,9 +49,9 @@ def amplitude(
     """Posterior of kn, kt with curves, beside that of the frequencies alone under the same law.
 
     joint: the reduced structure. model, stick, gauge, forces, fe_bias, fe_offset, least_force:
-    as of `bladeroot.stiffness.joint.joint`. decays: from `bladeroot.decay.estimate`, by
-    record. lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the
-    largest effect.
+    as of `bladeroot.stiffness.joint.joint`. seen: from `bladeroot.diagnosis.observations`.
+    lasers: place along the beam (m), by mode. discrepancy: of the simulated curves, of the largest
+    effect.
 
     The law is `freest` with curves, and the same for the frequencies alone.
 
@@ -70,7 +70,7 @@ def amplitude(
         return nothing("there are stick frequencies of fewer than two modes")
     models = models_of(model, stick, gauge, fe_bias, fe_offset, least_force)
     levels = level_names(next(iter(models.values())))
-    softening = softening_of(decays, stick, levels)
+    softening = softening_of(seen, levels)
     if not len(softening.level):
         return nothing("no record's frequency clearly falls with amplitude")
     alone = {name: map_estimate(one) for name, one in models.items()}
@@ -159,89 +159,46 @@ def _gained(before: xr.Dataset, found: xr.Dataset) -> xr.Dataset:
         one["ln_std"].prod("stiffness") * np.sqrt(1.0 - one["correlation"] ** 2)
         for one in (before, found)
     ]
-    of_k = ("force", "stiffness")
-    return xr.Dataset(
-        {
-            "frequencies_ln_std": variable(
-                of_k, before["ln_std"].values, "1", "standard deviation of ln k without curves"
-            ),
-            "frequencies_k_quantile": variable(
-                (*of_k, "quantile"),
-                before["k_quantile"].values,
-                "N/m",
-                "quantiles of k without curves",
-            ),
-            "shrinkage": variable(
-                of_k,
-                (before["ln_std"] / found["ln_std"]).values,
-                "1",
-                "standard deviation of ln k without curves over that with them",
-            ),
-            "area_shrinkage": variable(
-                "force",
-                (area[0] / area[1]).values,
-                "1",
-                "area of the ellipse of ln kn, ln kt without curves over that with them",
-            ),
-        },
-        coords={
-            "force": found["force"],
-            "stiffness": found["stiffness"],
-            "quantile": found["quantile"],
-        },
+    made = {
+        "frequencies_ln_std": before["ln_std"].values,
+        "frequencies_k_quantile": before["k_quantile"].values,
+        "shrinkage": (before["ln_std"] / found["ln_std"]).values,
+        "area_shrinkage": (area[0] / area[1]).values,
+    }
+    return dataset(_TABLE, made).assign_coords(
+        {name: found[name] for name in ("force", "stiffness", "quantile")}
     )
 
 
 def _friction(fit: CurveFit) -> xr.Dataset:
     std = np.sqrt(np.diag(fit.friction_covariance))
     prior = np.array([entry[:2] for entry in FRICTION.values()])
-    return xr.Dataset(
-        {
-            "friction_value": variable(
-                "friction", np.exp(fit.friction), "1", "MAP estimate at the stiffness found"
-            ),
-            "friction_ln_std": variable(
-                "friction", std, "1", "standard deviation of its logarithm there"
-            ),
-            "friction_prior": variable("friction", np.exp(prior[:, 0]), "1", "median of the prior"),
-            "friction_prior_ln_std": variable(
-                "friction", prior[:, 1], "1", "standard deviation of the prior's logarithm"
-            ),
-            "friction_origin": variable(
-                "friction",
-                [entry[2] for entry in FRICTION.values()],
-                "",
-                "where the prior comes from",
-            ),
-        },
-        coords={"friction": [name.removeprefix("ln_") for name in FRICTION]},
-    )
+    made = {
+        "friction_value": np.exp(fit.friction),
+        "friction_ln_std": std,
+        "friction_prior": np.exp(prior[:, 0]),
+        "friction_prior_ln_std": prior[:, 1],
+        "friction_origin": [entry[2] for entry in FRICTION.values()],
+        "friction": [name.removeprefix("ln_") for name in FRICTION],
+    }
+    return dataset(_TABLE, made)
 
 
 def _points(softening: Softening, levels: list[tuple[str, float]], fit: CurveFit) -> xr.Dataset:
     """Measured and simulated curves at the points that were fitted."""
     (fall, rise), (fall_std, rise_std) = (part.reshape(2, -1) for part in (fit.value, fit.std))
-    return xr.Dataset(
-        {
-            "point_mode": variable("point", [levels[k][0] for k in softening.level], "", "mode"),
-            "point_force": variable(
-                "point", [levels[k][1] for k in softening.level], "N", "axial force as read"
-            ),
-            "point_amplitude": variable(
-                "point", softening.amplitude, "m", "amplitude at the laser"
-            ),
-            "fall": variable("point", softening.fall, "1", "measured f / f_stick - 1", "eq. 3.11"),
-            "rise": variable("point", softening.rise, "1", "measured eta - eta_stick", "eq. 3.11"),
-            "fall_simulated": variable("point", fall, "1", "simulated f / f_stick - 1"),
-            "rise_simulated": variable("point", rise, "1", "simulated loss factor of friction"),
-            "fall_std": variable(
-                "point", fall_std, "1", "standard deviation of measured less simulated"
-            ),
-            "rise_std": variable(
-                "point", rise_std, "1", "standard deviation of measured less simulated"
-            ),
-        }
-    )
+    made = {
+        "point_mode": [levels[k][0] for k in softening.level],
+        "point_force": [levels[k][1] for k in softening.level],
+        "point_amplitude": softening.amplitude,
+        "fall": softening.fall,
+        "rise": softening.rise,
+        "fall_simulated": fall,
+        "rise_simulated": rise,
+        "fall_std": fall_std,
+        "rise_std": rise_std,
+    }
+    return dataset(_TABLE, made)
 
 
 def _simulated(
@@ -277,18 +234,5 @@ def _simulated(
     most = int(softening.level[np.argmin(softening.fall)])
     largest = float(softening.amplitude[softening.level == most].max())
     drawn = pictures(joint, *made(most), [p * largest for p in _PICTURES])
-    over: tuple[str, str] = ("level", "amplitude")
-    left = ", NaN where there is none"
-    values: dict[str, tuple] = {
-        "map_fall": variable(over, curves[0], "1", "simulated f / f_stick - 1" + left),
-        "map_rise": variable(over, curves[1], "1", "simulated loss factor of friction" + left),
-    }
-    ladder: Float[ndarray, " amplitude"] = _MAP
-    coords = {
-        "amplitude": ("amplitude", ladder, {"units": "m", "long_name": "amplitude at the laser"})
-    }
-    return (
-        xr.Dataset(values, coords=coords)
-        .assign(drawn.variables)
-        .assign_attrs(drawn.attrs, picture_force_N=levels[most][1])
-    )
+    made = dataset(_TABLE, {"map_fall": curves[0], "map_rise": curves[1], "amplitude": _MAP})
+    return made.assign(drawn.variables).assign_attrs(drawn.attrs, picture_force_N=levels[most][1])

@@ -2,7 +2,7 @@
 
 In each round friction is fitted to the curves at the present stiffness (Levenberg and Marquardt's
 method); there the curves are made linear, friction is integrated out of them, and the joint
-posterior with what is left is climbed. Where on the flanks the pressure happens to be high is not
+MAP estimate with what is left is found. Where on the flanks the pressure happens to be high is not
 known: what that does to the curves is an error that all levels, falls and rises share.
 """
 
@@ -13,11 +13,18 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Fit, LazyState, Prior, Problem, State, cost, fit
+from bladeroot.inference.gaussian import (
+    Fit,
+    LazyState,
+    Prior,
+    Problem,
+    State,
+    cost,
+    fit,
+    with_known_errors,
+)
 from bladeroot.rom.joint import Joint
-from bladeroot.stiffness.curve_errors import covariance
-from bladeroot.stiffness.curve_term import CurveTerm, curve_term
-from bladeroot.stiffness.model import LevelModel, predict, refit
+from bladeroot.stiffness.model import CurveTerm, LevelModel, curve_term, predict, refit
 from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import (
     along,
@@ -26,7 +33,7 @@ from bladeroot.stiffness.simulated_curves import (
     by_unevenness,
     levels_at,
 )
-from bladeroot.stiffness.softening import Softening
+from bladeroot.stiffness.softening import Softening, covariance
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
 _UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little
@@ -136,8 +143,7 @@ def friction_problem(
             value, lambda: by_friction(joint, at, friction, value, slope), {"along": slope}
         )
 
-    nothing = Prior(np.zeros(0), np.zeros(0))
-    return Problem(measured, predict_curves, lambda *_: (errors, list), prior, nothing)
+    return with_known_errors(measured, predict_curves, errors, prior)
 
 
 def _start(problem: Problem) -> Float[ndarray, " parameter"]:

@@ -11,9 +11,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.stiffness.map import all_frequencies
+from bladeroot.stiffness.surface import all_frequencies
+from bladeroot.variables import dataset
 
-NODES = 33
+NODES = 33  # of a flank (6.16); tables print the stiffness of one
 NODAL_RANGE = (1e7, 1.5e8)  # N/m: 1e4 to 1.5e5 N/mm
 POINTS = 50
 
@@ -45,24 +46,11 @@ def grid_search(
     chosen, std = np.full(2, np.nan), np.full(2, np.nan)
     if accepted.any():
         chosen, std = k[best], np.sqrt(np.diag(covariance[best]))
-    attrs = {"units": "N/m", "source": "eqs 5.10-5.12, 5.22-5.24"}
-    variables = {}
-    for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
-        text = f"{part} stiffness of a flank by the thesis's search"
-        variables[f"grid_{name}"] = ((), chosen[i], attrs | {"long_name": text})
-        text = f"standard deviation: {text}"
-        variables[f"grid_{name}_std"] = ((), std[i], attrs | {"long_name": text})
-    variables["grid_accepted"] = (
-        ("grid_axis_kn", "grid_axis_kt"),
-        accepted.reshape(POINTS, POINTS).astype(np.int8),
-        {"units": "1", "long_name": "1 where the thesis's search accepts", "source": "eq. 5.10"},
-    )
-    coords = {
-        f"grid_axis_{name}": (
-            f"grid_axis_{name}",
-            axis,
-            {"units": "N/m", "long_name": f"{part} stiffness of a flank"},
-        )
-        for name, part in (("kn", "normal"), ("kt", "tangential"))
+    made = {
+        "grid_accepted": accepted.reshape(POINTS, POINTS).astype(np.int8),
+        "grid_axis_kn": axis,
+        "grid_axis_kt": axis,
     }
-    return xr.Dataset(variables, coords=coords)
+    for i, name in enumerate(("grid_kn", "grid_kt")):
+        made |= {name: chosen[i], f"{name}_std": std[i]}
+    return dataset("stiffness/grid_search", made)

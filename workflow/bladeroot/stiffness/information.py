@@ -15,6 +15,7 @@ from bladeroot.inference.gaussian import Fit, Prior, information
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.model import LevelModel, problem_of
+from bladeroot.variables import dataset
 
 
 def expected_information(
@@ -31,7 +32,7 @@ def expected_information(
     gauge = ("force_offset", "force_gain")
     better = scaled(model, biases, 0.2)
     both = scaled(better, gauge, 0.1)
-    more = replace(model, levels=replace(model.levels, holds=9.0 * model.levels.holds))
+    more = replace(model, levels=replace(model.levels, clampings=9.0 * model.levels.clampings))
     cases = {
         "as measured": (model, theta),
         "force gauge ten times better": (scaled(model, gauge, 0.1), theta),
@@ -48,26 +49,15 @@ def expected_information(
     )
     std = np.sqrt(np.diagonal(covariances, axis1=1, axis2=2))
 
-    def var(dims, values, text: str) -> tuple:
-        return (dims, values, {"units": "1", "long_name": text})
-
-    return xr.Dataset(
-        {
-            "worth_ln_std": var(
-                ("option", "stiffness"), std, "expected standard deviation of ln k at 12 kN"
-            ),
-            "worth_combination_std": var(
-                ("option", "combination"), np.sqrt(np.linalg.eigvalsh(covariances)),
-                "the same of the stiff and sloppy combination",
-            ),
-            "worth_correlation": var(
-                "option", covariances[:, 0, 1] / std.prod(axis=1), "expected correlation"
-            ),
-        },
-        coords={
-            "option": list(cases), "stiffness": ["kn", "kt"], "combination": ["stiff", "sloppy"],
-        },
-    )  # fmt: skip
+    made = {
+        "worth_ln_std": std,
+        "worth_combination_std": np.sqrt(np.linalg.eigvalsh(covariances)),
+        "worth_correlation": covariances[:, 0, 1] / std.prod(axis=1),
+        "option": list(cases),
+        "stiffness": ["kn", "kt"],
+        "combination": ["stiff", "sloppy"],
+    }
+    return dataset("stiffness/joint", made)
 
 
 def covariance_of_k(
@@ -100,10 +90,10 @@ def _with_mode(
         (*levels.modes, name),
         np.concatenate([levels.mode, np.full(len(own), number)]),
         *(grown(values) for values in (
-            levels.force, levels.ln_frequency, levels.std, levels.clamping, levels.holds
+            levels.force, levels.ln_frequency, levels.std, levels.clamping, levels.clampings
         )),
-        np.append(levels.hold_std, levels.hold_std[like]),
-        np.append(levels.hold_freedom, 0.0),
+        np.append(levels.clamping_std, levels.clamping_std[like]),
+        np.append(levels.clamping_freedom, 0.0),
     )  # fmt: skip
     first = len(model.law.parameters)
     places = [first + number, first + 2 * number]  # behind the other modes' biases, and their tilts

@@ -7,8 +7,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.variables import dataset
+
 FORCE_ERRORS = ("full-scale", "reading")
-QUANTITIES = {"frequency": ("Hz", "stick frequency"), "loss_factor": ("1", "loss factor")}
+QUANTITIES = ("frequency", "loss_factor")
 
 
 @dataclass(frozen=True)
@@ -79,27 +81,19 @@ def interpolate_to(
     forces rise strictly. Outside the measured range every value is NaN. At a measured force the
     line is the one from the neighbour below.
     """
-    count = len(targets)
-    lines = Lines(
-        np.full(count, np.nan),
-        np.zeros((count, len(forces))),
-        np.zeros((count, len(forces))),
-        np.full(count, np.nan),
-        np.full(count, np.nan),
-    )
-    for t, target in enumerate(targets):
-        if len(forces) < 2 or not forces[0] <= target <= forces[-1]:
-            continue
-        high = max(int(np.searchsorted(forces, target)), 1)
-        pair = [high - 1, high]
-        step = forces[high] - forces[high - 1]
-        share = (target - forces[high - 1]) / step
-        weight = np.array([1.0 - share, share])
-        lines.value[t] = weight @ values[pair]
-        lines.by_value[t, pair] = weight
-        lines.by_force[t, pair] = -weight * (values[high] - values[high - 1]) / step
-        lines.lower[t], lines.upper[t] = forces[pair]
-    return lines
+    value, lower, upper = np.full((3, len(targets)), np.nan)
+    weight, by_force = np.zeros((2, len(targets), len(forces)))
+    if len(forces) < 2:
+        return Lines(value, weight, by_force, lower, upper)
+    inside = np.flatnonzero((targets >= forces[0]) & (targets <= forces[-1]))
+    high = np.maximum(np.searchsorted(forces, targets[inside]), 1)
+    lower[inside], upper[inside] = forces[high - 1], forces[high]
+    share = (targets[inside] - lower[inside]) / (upper - lower)[inside]
+    weight[inside, high - 1], weight[inside, high] = 1.0 - share, share
+    slope = (values[high] - values[high - 1]) / (upper - lower)[inside]
+    by_force[inside] = -weight[inside] * slope[:, None]
+    value[inside] = weight[inside] @ values
+    return Lines(value, weight, by_force, lower, upper)
 
 
 def fe_forces(stick: xr.Dataset, forces: Float[ndarray, " force"], gauge: ForceGauge) -> xr.Dataset:
@@ -136,7 +130,13 @@ def fe_forces(stick: xr.Dataset, forces: Float[ndarray, " force"], gauge: ForceG
                     out["frequency_covariance"][e, m] = whole
             if name == "frequency":
                 out["lower_force"][m], out["upper_force"][m] = lines.lower, lines.upper
-    return _as_dataset(out, modes, targets, gauge)
+    made = dataset("stiffness/fe_forces", out | {"mode": modes, "force": targets,
+                                                 "force_error": list(FORCE_ERRORS)})  # fmt: skip
+    return made.assign_attrs(
+        primary_force_error=gauge.primary,
+        gauge_full_scale_std_N=gauge.full_scale_std,
+        gauge_relative_std=gauge.relative_std,
+    )
 
 
 def _levels(stick: xr.Dataset, mode: str, name: str) -> tuple[ndarray, ndarray, ndarray]:
@@ -149,42 +149,3 @@ def _levels(stick: xr.Dataset, mode: str, name: str) -> tuple[ndarray, ndarray, 
         twice = force[np.flatnonzero(np.diff(force) <= 0.0)[0]]
         raise ValueError(f"mode {mode} has two levels at {twice} N; join them first (eq. 3.21)")
     return force, value[chosen].astype(float), stick[f"{name}_std"].values[chosen].astype(float)
-
-
-def _as_dataset(out: dict, modes: list, targets: ndarray, gauge: ForceGauge) -> xr.Dataset:
-    plain, split = ("mode", "force"), ("force_error", "mode", "force")
-    variables = {}
-    for name, (units, text) in QUANTITIES.items():
-        entries = (
-            (name, plain, f"{text} at the FE force", "eq. 5.13"),
-            (f"{name}_std", split, f"standard deviation of the {text}", "eq. 5.14"),
-            (f"{name}_only_std", plain, f"{text}: standard deviation from it alone", "eq. 5.14"),
-        )
-        for key, dims, long_name, source in entries:
-            attrs = {"units": units, "long_name": long_name, "source": source}
-            variables[key] = (dims, out[key], attrs)
-    for key, text in (("lower_force", "below"), ("upper_force", "above")):
-        attrs = {"units": "N", "long_name": f"nearest measured force {text}", "source": "eq. 5.13"}
-        variables[key] = (plain, out[key], attrs)
-    variables["frequency_covariance"] = (
-        (*split, "force_"),
-        out["frequency_covariance"],
-        {
-            "units": "Hz2",
-            "long_name": "covariance of the stick frequencies at two FE forces",
-            "source": "eq. 5.14",
-        },
-    )
-    return xr.Dataset(
-        variables,
-        coords={
-            "mode": modes,
-            "force": ("force", targets, {"units": "N", "long_name": "axial force"}),
-            "force_error": list(FORCE_ERRORS),
-        },
-        attrs={
-            "primary_force_error": gauge.primary,
-            "gauge_full_scale_std_N": gauge.full_scale_std,
-            "gauge_relative_std": gauge.relative_std,
-        },
-    )

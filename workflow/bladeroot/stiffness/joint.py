@@ -18,8 +18,9 @@ from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.laws import LAWS, PRIORS
 from bladeroot.stiffness.levels import from_force, levels_of
 from bladeroot.stiffness.model import LevelModel, level_model, map_estimate
-from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior, variable
+from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
+from bladeroot.variables import dataset
 
 _ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
 
@@ -122,16 +123,16 @@ def posterior_of(
     model = models[law]
     levels = model.levels
     highest = min(1.05 * levels.force.max(), float(model.surface.high[2]))
-    told = {
+    measured = {
         "mode": np.array(levels.modes)[levels.mode],
         "force": levels.force,
         "ln_frequency": levels.ln_frequency,
     }
-    laws = {name: _told(models[name], fit) for name, fit in fits.items()}
-    return posterior(laws, law, forces, (float(levels.force.min()), highest), told)
+    laws = {name: _law_of(models[name], fit) for name, fit in fits.items()}
+    return posterior(laws, law, forces, (float(levels.force.min()), highest), measured)
 
 
-def _told(model: LevelModel, fit: Fit) -> Law:
+def _law_of(model: LevelModel, fit: Fit) -> Law:
     """A law with the names of its parameters and the origins of their priors."""
     other = {"force_offset": "the gauge's accuracy", "force_gain": "the gauge's accuracy"}
     origins = tuple(
@@ -168,20 +169,14 @@ def _variations(model: LevelModel, fit: Fit, stick: xr.Dataset) -> xr.Dataset:
     elif len(np.unique(every.mode[every.force >= REFERENCE_FORCE])) == len(every.modes):
         cases["forces from 12 kN up"] = replace(model, levels=from_force(every, REFERENCE_FORCE))
     at = np.array([REFERENCE_FORCE])
-    told = [
-        _told(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
+    found = [
+        _law_of(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
         for one in cases.values()
     ]
-    dims = ("variation", "stiffness")
-    return xr.Dataset(
-        {
-            "variation_k": variable(
-                dims, [one.k for one in told], "N/m", "k at 12 kN, MAP estimate"
-            ),
-            "variation_ln_std": variable(
-                dims, [np.sqrt(np.diag(one.covariance(at)[0])) for one in told], "1",
-                "standard deviation of ln k there (Laplace)",
-            ),
-        },
-        coords={"variation": list(cases), "stiffness": list(STIFFNESS)},
-    )  # fmt: skip
+    made = {
+        "variation_k": [one.k for one in found],
+        "variation_ln_std": [np.sqrt(np.diag(one.covariance(at)[0])) for one in found],
+        "variation": list(cases),
+        "stiffness": list(STIFFNESS),
+    }
+    return dataset("stiffness/joint", made)

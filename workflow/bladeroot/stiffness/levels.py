@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.sparse.csgraph import connected_components
 
 # No frequency repeats better, relative: a steel's modulus changes by 2.5e-4 a kelvin, so 0.01 K is
 # as much. An error of one clean record alone may be a thousand times smaller; beside the scatter of
@@ -20,9 +21,9 @@ class Levels:
     """One entry a mode and force.
 
     mode: number of the mode in `modes`. std: relative, without what a new clamping changes.
-    clamping: levels of one number were measured on the same clampings, of which there were `holds`.
-    hold_std, hold_freedom: what each mode's repeats say of the scatter between clampings, relative,
-    and with how many degrees of freedom (0: nothing).
+    clamping: levels of one number were measured on the same clampings, `clampings` of them.
+    clamping_std, clamping_freedom: what each mode's repeats say of the scatter between clampings,
+    relative, and with how many degrees of freedom (0: nothing).
     """
 
     modes: tuple[str, ...]
@@ -31,15 +32,15 @@ class Levels:
     ln_frequency: Float[ndarray, " level"]
     std: Float[ndarray, " level"]
     clamping: Int[ndarray, " level"]
-    holds: Float[ndarray, " level"]
-    hold_std: Float[ndarray, " mode"]
-    hold_freedom: Float[ndarray, " mode"]
+    clampings: Float[ndarray, " level"]
+    clamping_std: Float[ndarray, " mode"]
+    clamping_freedom: Float[ndarray, " mode"]
 
 
 def from_force(levels: Levels, least: float) -> Levels:
     """The levels at or above an axial force (N)."""
     kept = levels.force >= least
-    names = ("mode", "force", "ln_frequency", "std", "holds")
+    names = ("mode", "force", "ln_frequency", "std", "clampings")
     parts = {name: getattr(levels, name)[kept] for name in names}
     clamping = np.unique(levels.clamping[kept], return_inverse=True)[1]
     return replace(levels, **parts, clamping=clamping)
@@ -74,12 +75,12 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
             f"a stick frequency must have a positive error, got {own[bad]} for mode "
             f"{modes[mode[bad]]} at {force[bad]:g} N"
         )
-    hold_std, freedom = np.zeros(len(modes)), np.zeros(len(modes))
+    clamping_std, freedom = np.zeros(len(modes)), np.zeros(len(modes))
     for m in range(len(modes)):
         of_mode = np.flatnonzero((mode == m) & repeated)
         if len(of_mode):
             relative = here["between_hold_std"].values[of_mode] / frequency[of_mode]
-            hold_std[m] = np.sqrt(np.mean(relative**2))
+            clamping_std[m] = np.sqrt(np.mean(relative**2))
             freedom[m] = float(here["hold_freedom"].values[of_mode].max())
     return Levels(
         modes,
@@ -89,27 +90,21 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
         np.maximum(own / frequency, LEAST_STD),
         _clampings(stick, here, mode, force),
         np.maximum(here["holds"].values, 1).astype(float),
-        hold_std,
+        clamping_std,
         freedom,
     )
 
 
 def _clampings(stick: xr.Dataset, here: xr.Dataset, mode: ndarray, force: ndarray) -> ndarray:
-    """Numbers of clampings; two modes at one force have the same if their records name one hold."""
-    held: list[tuple[float, set[str]]] = []
-    numbers = np.empty(len(force), dtype=int)
-    for i in range(len(force)):
-        own = (
-            (stick["record_force"].values == force[i])
-            & (stick["record_mode"].values.astype(str) == str(here["mode"].values[i]))
-            & (stick["plateau_reached"].values == 1)
-        )
-        names = {hold for hold in stick["hold"].values[own].astype(str) if hold}
-        shared = [k for k, (f, known) in enumerate(held) if f == force[i] and known & names]
-        if shared:
-            numbers[i] = shared[0]
-            held[shared[0]][1].update(names)
-        else:
-            numbers[i] = len(held)
-            held.append((float(force[i]), names))
-    return numbers
+    """Numbers of clampings; two modes at one force have the same if their records name one."""
+    reached = stick["plateau_reached"].values == 1
+    names = []
+    for f, name in zip(force, here["mode"].values.astype(str), strict=True):
+        own = reached & (stick["record_force"].values == f)
+        own &= stick["record_mode"].values.astype(str) == name
+        names.append(set(stick["hold"].values[own].astype(str)) - {""})
+    shared = [
+        [f == other and bool(one & two) for other, two in zip(force, names, strict=True)]
+        for f, one in zip(force, names, strict=True)
+    ]
+    return connected_components(np.array(shared), directed=False)[1]

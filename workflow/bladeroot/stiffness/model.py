@@ -7,7 +7,8 @@
 Unknown are the law's parameters, the model's bias of each mode, gain and offset of the gauge, which
 all its readings share, and by how much ln kn and ln kt scatter from clamping to clamping; the
 slopes of the model carry that to the frequencies. Amplitude curves, where there are any, add rows
-that are linear in (ln kn, ln kt, ln F) of the levels.
+that are linear in (ln kn, ln kt, ln F) of the levels; what else they depend on, the friction, is
+integrated out before: it only makes their covariance wider.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +21,6 @@ from numpy import ndarray
 from bladeroot.inference.gaussian import Fit, Prior, Problem, Repeats, State, best_fit, fit
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.stiffness.curve_term import CurveTerm
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.priors import BIAS_TILT, REFERENCE_FORCE, SCATTER
@@ -28,6 +28,40 @@ from bladeroot.stiffness.priors import BIAS_TILT, REFERENCE_FORCE, SCATTER
 LEAST_FORCE = 100.0  # N; a law in ln F ends before zero force
 _STARTS = (-0.7, 0.0, 0.7)  # of ln kn and ln kt, in standard deviations of their priors
 _LEAST_GAIN = 1e-6  # nats: laws and variations are compared by their MAP estimates
+
+
+@dataclass(frozen=True)
+class CurveTerm:
+    """rest = slope (z - center) + errors of unit variance, as few rows as say it all.
+
+    center: (ln kn, ln kt, ln F) of each level, F the true axial force in N; slope by the same
+    coordinates, flattened. constant: what these rows leave out of the log-likelihood. points:
+    numbers behind it.
+    """
+
+    center: Float[ndarray, "level 3"]
+    rest: Float[ndarray, " row"]
+    slope: Float[ndarray, "row coordinate"]
+    constant: float
+    points: int
+
+
+def curve_term(
+    center: Float[ndarray, "level 3"],
+    rest: Float[ndarray, " point"],
+    slope: Float[ndarray, "point coordinate"],
+    covariance: Float[ndarray, "point point"],
+) -> CurveTerm:
+    """The term of measured minus simulated curves, `rest`, whose simulation has `slope`."""
+    factor = np.linalg.cholesky(covariance)
+    whitened = np.linalg.solve(factor, np.column_stack([rest, slope]))
+    rest, slope = whitened[:, 0], whitened[:, 1:]
+    across, rows = np.linalg.qr(slope)
+    kept = across.T @ rest
+    spare = len(rest) - len(kept)
+    volume = np.log(np.diag(factor)).sum() + 0.5 * spare * np.log(2.0 * np.pi)
+    constant = float(-0.5 * (rest @ rest - kept @ kept) - volume)
+    return CurveTerm(center, kept, rows, constant, len(rest))
 
 
 @dataclass(frozen=True)
@@ -176,8 +210,8 @@ def problem_of(model: LevelModel) -> Problem:
 
     noise = np.concatenate([levels.std**2, np.ones(len(data) - len(levels.std))])
     diagonal = np.arange(len(data))
-    held = levels.clamping[:, None] == levels.clamping
-    alike = held / np.sqrt(np.outer(levels.holds, levels.holds))
+    alike = levels.clamping[:, None] == levels.clamping
+    alike = alike / np.sqrt(np.outer(levels.clampings, levels.clampings))
     own = slice(0, len(levels.std))
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Callable]:
@@ -200,7 +234,7 @@ def _repeats(levels: Levels) -> Repeats | None:
 
     The modes are measured on the same clampings, so their repeats together count as one mode's.
     """
-    known = [m for m in np.flatnonzero(levels.hold_freedom > 0) if (levels.mode == m).any()]
+    known = [m for m in np.flatnonzero(levels.clamping_freedom > 0) if (levels.mode == m).any()]
     if not known:
         return None
 
@@ -209,7 +243,9 @@ def _repeats(levels: Levels) -> Repeats | None:
         of_mode = np.array([gain[levels.mode == m].mean() for m in known])
         return np.exp(2.0 * scales[0]) * of_mode, np.full((len(known), 1), 2.0)
 
-    return Repeats(levels.hold_freedom[known] / len(known), levels.hold_std[known] ** 2, expected)
+    return Repeats(
+        levels.clamping_freedom[known] / len(known), levels.clamping_std[known] ** 2, expected
+    )
 
 
 def map_estimate(model: LevelModel, starts: tuple[float, ...] = _STARTS) -> Fit:

@@ -15,7 +15,7 @@ from numpy import ndarray
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.sampling import DRAWS, Draws, sample
 from bladeroot.stiffness.priors import REFERENCE_FORCE
-from bladeroot.stiffness.region import share_within
+from bladeroot.variables import dataset
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 COMBINATIONS = ("stiff", "sloppy")
@@ -25,6 +25,9 @@ _KEPT = 2000  # draws in the artifact
 _LEVEL_DRAWS = 400  # behind a level's prediction
 _CURVE = 60
 _PLANE = 80  # points along each axis of the plane of (ln kn, ln kt)
+
+SHARES = (0.68, 0.95)  # of the regions that are drawn
+_TABLE = "stiffness/posterior"
 
 LnStiffness = Callable[[ndarray, ndarray], ndarray]
 
@@ -58,12 +61,6 @@ class Law:
         up, down = np.split(ends, 2)
         rows = ((up - down) / (2e-4 * std[:, None, None])).transpose(1, 2, 0)
         return rows @ self.fit.covariance @ rows.transpose(0, 2, 1)
-
-
-def variable(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-    """A variable of a Dataset with its attributes."""
-    attrs = {"units": units, "long_name": long_name}
-    return (dims, values, attrs | ({"source": source} if source else {}))
 
 
 def combinations(covariance: Float[ndarray, "2 2"]) -> tuple[ndarray, ndarray]:
@@ -113,57 +110,33 @@ def _some(draws: Float[ndarray, "draw parameter"], count: int) -> ndarray:
 def _laws(laws: Mapping[str, Law]) -> xr.Dataset:
     covariance = [law.covariance(np.array([REFERENCE_FORCE]))[0] for law in laws.values()]
     std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    of_k = ("law", "stiffness")
-    return xr.Dataset(
-        {
-            "log_evidence": variable(
-                "law", [law.fit.log_evidence for law in laws.values()], "1",
-                "log evidence of a law (Laplace)",
-            ),
-            "law_k": variable(
-                of_k, [law.k for law in laws.values()], "N/m", "k at 12 kN by a law, MAP estimate"
-            ),
-            "law_ln_std": variable(of_k, std, "1", "standard deviation of ln k there (Laplace)"),
-            "law_correlation": variable(
-                "law", [c[0, 1] for c in covariance] / std.prod(axis=1), "1", "correlation there"
-            ),
-            "law_scatter": variable(
-                "law", [np.exp(law.fit.scales[0]) for law in laws.values()], "1",
-                "scatter of ln k about a law",
-            ),
-        },
-        coords={"law": list(laws), "stiffness": list(STIFFNESS)},
-    )  # fmt: skip
+    made = {
+        "log_evidence": [law.fit.log_evidence for law in laws.values()],
+        "law_k": [law.k for law in laws.values()],
+        "law_ln_std": std,
+        "law_correlation": [c[0, 1] for c in covariance] / std.prod(axis=1),
+        "law_scatter": [np.exp(law.fit.scales[0]) for law in laws.values()],
+        "law": list(laws),
+        "stiffness": list(STIFFNESS),
+    }
+    return dataset(_TABLE, made)
 
 
 def _parameters(law: Law, draws: Draws) -> xr.Dataset:
     fit, problem = law.fit, law.fit.problem
     drawn = np.hstack([draws.parameters, draws.scales])
 
-    def both(parameters: ndarray, scales: ndarray, text: str) -> tuple:
-        return variable("parameter", np.concatenate([parameters, scales]), "mixed", text)
-
-    return xr.Dataset(
-        {
-            "prior_mean": both(problem.prior.mean, problem.scales.mean, "mean of the prior"),
-            "prior_std": both(
-                problem.prior.std, problem.scales.std, "standard deviation of the prior"
-            ),
-            "prior_origin": variable(
-                "parameter", list(law.origins), "", "where the prior comes from"
-            ),
-            "mode_value": both(fit.parameters, fit.scales, "MAP estimate"),
-            "laplace_std": both(
-                fit.std, np.sqrt(np.diag(fit.scales_covariance)),
-                "standard deviation by the curvature at the MAP estimate",
-            ),
-            "posterior_mean": variable("parameter", drawn.mean(axis=0), "mixed", "mean of draws"),
-            "posterior_std": variable(
-                "parameter", drawn.std(axis=0), "mixed", "standard deviation of the draws"
-            ),
-        },
-        coords={"parameter": list(law.names)},
-    )  # fmt: skip
+    made = {
+        "prior_mean": np.concatenate([problem.prior.mean, problem.scales.mean]),
+        "prior_std": np.concatenate([problem.prior.std, problem.scales.std]),
+        "prior_origin": list(law.origins),
+        "mode_value": np.concatenate([fit.parameters, fit.scales]),
+        "laplace_std": np.concatenate([fit.std, np.sqrt(np.diag(fit.scales_covariance))]),
+        "posterior_mean": drawn.mean(axis=0),
+        "posterior_std": drawn.std(axis=0),
+        "parameter": list(law.names),
+    }
+    return dataset(_TABLE, made)
 
 
 def _at_forces(law: Law, draws: Draws, forces: Float[ndarray, " force"]) -> xr.Dataset:
@@ -175,39 +148,21 @@ def _at_forces(law: Law, draws: Draws, forces: Float[ndarray, " force"]) -> xr.D
     laplace = np.sqrt(np.diagonal(law.covariance(at), axis1=1, axis2=2))
     size, weights = zip(*(combinations(one) for one in covariance), strict=True)
     quantile = np.exp(np.quantile(ln_k, QUANTILES, axis=0)).transpose(1, 2, 0)
-    of_k = ("force", "stiffness")
-    entries = {
-        "k_quantile": variable((*of_k, "quantile"), quantile[:-1], "N/m", "quantiles of k"),
-        "ln_std": variable(of_k, std[:-1], "1", "standard deviation of ln k"),
-        "ln_laplace_std": variable(of_k, laplace[:-1], "1", "the same by curvature (Laplace)"),
-        "correlation": variable(
-            "force", covariance[:-1, 0, 1] / std[:-1].prod(axis=1), "1",
-            "correlation of ln kn and ln kt",
-        ),
-        "combination_std": variable(
-            ("force", "combination"), np.array(size)[:-1], "1",
-            "standard deviation of the stiff and the sloppy combination of ln kn, ln kt",
-        ),
-        "combination_weight": variable(
-            ("force", "combination", "stiffness"), np.array(weights)[:-1], "1",
-            "weights of ln kn, ln kt in it, of unit length",
-        ),
-        "reference_quantile": variable(
-            ("stiffness", "quantile"), quantile[-1], "N/m", "quantiles of k at 12 kN"
-        ),
-        "reference_draw": variable(
-            ("draw", "stiffness"), np.exp(_some(ln_k[:, -1], _KEPT)), "N/m", "draws of k at 12 kN"
-        ),
-    }  # fmt: skip
-    return xr.Dataset(
-        entries,
-        coords={
-            "force": ("force", forces, {"units": "N", "long_name": "axial force"}),
-            "stiffness": list(STIFFNESS),
-            "quantile": list(QUANTILES),
-            "combination": list(COMBINATIONS),
-        },
-    )
+    made = {
+        "k_quantile": quantile[:-1],
+        "ln_std": std[:-1],
+        "ln_laplace_std": laplace[:-1],
+        "correlation": covariance[:-1, 0, 1] / std[:-1].prod(axis=1),
+        "combination_std": np.array(size)[:-1],
+        "combination_weight": np.array(weights)[:-1],
+        "reference_quantile": quantile[-1],
+        "reference_draw": np.exp(_some(ln_k[:, -1], _KEPT)),
+        "force": forces,
+        "stiffness": list(STIFFNESS),
+        "quantile": list(QUANTILES),
+        "combination": list(COMBINATIONS),
+    }
+    return dataset(_TABLE, made)
 
 
 def _plane(law: Law, draws: Draws) -> xr.Dataset:
@@ -218,33 +173,20 @@ def _plane(law: Law, draws: Draws) -> xr.Dataset:
     axes = np.linspace(low - margin, high + margin, _PLANE).T
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     share = share_within(ln_k, points.reshape(-1, 2)).reshape(points.shape[:2])
-    return xr.Dataset(
-        {
-            "region_share": variable(
-                ("region_kn", "region_kt"), share, "1",
-                "share of the posterior in the region of highest density of (ln kn, ln kt) at "
-                "12 kN on whose edge the point lies: where it is below 0.95 is the 95 % region",
-            )
-        },
-        coords={
-            f"region_{name}": variable(f"region_{name}", np.exp(axis), "N/m", f"{name} of a flank")
-            for name, axis in zip(STIFFNESS, axes, strict=True)
-        },
-    )  # fmt: skip
+    made = {"region_share": share, "region_kn": np.exp(axes[0]), "region_kt": np.exp(axes[1])}
+    return dataset(_TABLE, made)
 
 
 def _curve(law: Law, draws: Draws, force: Float[ndarray, " force"]) -> xr.Dataset:
     ln_k = law.ln_k(_some(draws.parameters, _KEPT), force)
     quantile = np.exp(np.quantile(ln_k, QUANTILES, axis=0)).transpose(1, 2, 0)
-    dims = ("curve_force", "stiffness", "quantile")
-    return xr.Dataset(
-        {"curve_quantile": variable(dims, quantile, "N/m", "quantiles of k over axial force")},
-        coords={
-            "curve_force": ("curve_force", force, {"units": "N", "long_name": "axial force"}),
-            "stiffness": list(STIFFNESS),
-            "quantile": list(QUANTILES),
-        },
-    )
+    made = {
+        "curve_quantile": quantile,
+        "curve_force": force,
+        "stiffness": list(STIFFNESS),
+        "quantile": list(QUANTILES),
+    }
+    return dataset(_TABLE, made)
 
 
 def _levels(law: Law, draws: Draws, levels: Mapping[str, ndarray]) -> xr.Dataset:
@@ -258,21 +200,35 @@ def _levels(law: Law, draws: Draws, levels: Mapping[str, ndarray]) -> xr.Dataset
         for state, one in zip(states, scales, strict=True)
     ]
     middle = np.exp(ln_f).mean(axis=0)
-    return xr.Dataset(
-        {
-            "level_mode": variable("level", levels["mode"], "", "mode"),
-            "level_force": variable("level", levels["force"], "N", "axial force as read"),
-            "level_frequency": variable(
-                "level", np.exp(levels["ln_frequency"]), "Hz", "measured stick frequency"
-            ),
-            "level_predicted": variable("level", middle, "Hz", "mean of what is predicted"),
-            "level_misfit": variable(
-                "level", levels["ln_frequency"] - np.log(middle), "1",
-                "ln of measured over predicted",
-            ),
-            "level_misfit_std": variable(
-                "level", np.sqrt(np.var(ln_f, axis=0) + np.mean(scatter, axis=0)), "1",
-                "standard deviation of a predicted ln frequency",
-            ),
-        }
-    )  # fmt: skip
+    made = {
+        "level_mode": levels["mode"],
+        "level_force": levels["force"],
+        "level_frequency": np.exp(levels["ln_frequency"]),
+        "level_predicted": middle,
+        "level_misfit": levels["ln_frequency"] - np.log(middle),
+        "level_misfit_std": np.sqrt(np.var(ln_f, axis=0) + np.mean(scatter, axis=0)),
+    }
+    return dataset(_TABLE, made)
+
+
+def share_within(
+    draws: Float[ndarray, "draw axis"], points: Float[ndarray, "point axis"]
+) -> Float[ndarray, " point"]:
+    """Share of the region on whose edge each point lies: every larger region holds the point.
+
+    The valley of (ln kn, ln kt) is bent and can end at the model's box, so that ellipses about a
+    mean hold too little. The region of a share is where the density is above the value that this
+    share of the draws exceeds. The density is a kernel estimate, which smooths a thin valley to a
+    wider one; the share is counted among the draws, and stays right.
+    """
+    from scipy.stats import gaussian_kde
+
+    # Weighted draws come several times: a draw's density is that of all others, copies left out.
+    draws, copies = np.unique(draws, axis=0, return_counts=True)
+    weight = copies / copies.sum()
+    kernel = gaussian_kde(draws.T, weights=weight)
+    peak = 1.0 / np.sqrt(np.linalg.det(2.0 * np.pi * kernel.covariance))
+    own = (kernel(draws.T) - weight * peak) / (1.0 - weight)
+    order = np.argsort(own)
+    below = np.concatenate([[0.0], np.cumsum(weight[order])])
+    return 1.0 - below[np.searchsorted(own[order], kernel(points.T))]

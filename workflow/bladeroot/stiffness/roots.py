@@ -6,7 +6,7 @@ from numpy import ndarray
 from scipy.optimize import least_squares
 
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.stiffness.map import all_frequencies
+from bladeroot.stiffness.surface import all_frequencies
 
 _CONVERGED = 1e-9  # of the frequency; ten times finer than the map itself
 _SAME = 1e-4  # two roots nearer than this in ln k are one

@@ -24,12 +24,15 @@ from bladeroot.inference.least_squares import (
 )
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.grid_search import grid_search
-from bladeroot.stiffness.map import MODES, all_frequencies, surface_of_map
 from bladeroot.stiffness.roots import all_roots, nearest_point, newton
+from bladeroot.stiffness.surface import MODES, all_frequencies, surface_of_map
+from bladeroot.variables import dataset
 
 SOURCES = ("measurement", "finite elements")
 QUANTILES = (0.16, 0.5, 0.84)
 STIFFNESS = ("kn", "kt")
+_FEWEST = 20  # draws with a root, from which on they have quantiles
+_EDGE = 1e-3  # of ln k, from the box, at which a point lies on its edge
 
 
 def search(
@@ -79,7 +82,7 @@ def search(
     if known.any() and not pair:
         fitted = fit_modes(surface, target, std, bias, known, log_axis)
     parts = [
-        _targets(measured, bias, offset, modes),
+        _said(measured | {"fe_bias_std": bias, "fe_offset": offset, "mode": modes}),
         _estimate(surface, roots, fitted, target, std, bias, known, modes),
         _miss(surface, target, std, bias, drawn, log_axis, modes, rootless),
         _scatter(surface, target, std, bias, drawn, log_axis, draws if pair else 0, fitted),
@@ -90,18 +93,15 @@ def search(
         status = "fit" if known.sum() > 2 else "prior"
     else:
         status = "root" if len(roots) else "no root" if pair else "no measurement"
-    text = {"units": "1", "long_name": "how kn and kt come from the frequencies"}
-    return (
-        xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
-        .assign(status=((), status, text))
-        .assign_attrs(
-            structure=frequency_map.attrs["structure"],
-            axial_force=force,
-            force_error=fe_forces.attrs["primary_force_error"],
-            map_largest_relative_error=frequency_map.attrs["largest_relative_error"],
-            box_low=float(np.exp(log_axis[0])),
-            box_high=float(np.exp(log_axis[-1])),
-        )
+    parts.append(_said({"status": status}))
+    whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
+    return whole.assign_attrs(
+        structure=frequency_map.attrs["structure"],
+        axial_force=force,
+        force_error=fe_forces.attrs["primary_force_error"],
+        map_largest_relative_error=frequency_map.attrs["largest_relative_error"],
+        box_low=float(np.exp(log_axis[0])),
+        box_high=float(np.exp(log_axis[-1])),
     )
 
 
@@ -141,16 +141,12 @@ def _measured(fe_forces: xr.Dataset, modes: list[str], force: float) -> dict[str
     """Targets at one force, NaN where the campaign has none."""
     names = {"target_frequency": "frequency", "target_std": "frequency_std"}
     names |= {name: name for name in ("lower_force", "upper_force")}
-    out = {name: np.full(len(modes), np.nan) for name in names}
     close = np.flatnonzero(np.isclose(fe_forces["force"].values, force, rtol=1e-9))
     if len(close) == 0:
-        return out
+        return {name: np.full(len(modes), np.nan) for name in names}
     here = fe_forces.isel(force=int(close[0])).sel(force_error=fe_forces.primary_force_error)
-    for m, mode in enumerate(modes):
-        if mode in here["mode"].values:
-            for name, original in names.items():
-                out[name][m] = float(here[original].sel(mode=mode))
-    return out
+    here = here.reindex(mode=modes)
+    return {name: here[original].values for name, original in names.items()}
 
 
 def ln_covariance(
@@ -169,29 +165,8 @@ def ln_covariance(
     return np.stack([inverse @ np.diag(s**2) @ inverse.T for s in (std, bias * target)])
 
 
-def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-    attrs = {"units": units, "long_name": long_name}
-    return (dims, values, attrs | ({"source": source} if source else {}))
-
-
-def _targets(
-    measured: dict[str, ndarray], bias: ndarray, offset: ndarray, modes: list[str]
-) -> xr.Dataset:
-    return xr.Dataset(
-        {
-            "target_frequency": _var(
-                "mode", measured["target_frequency"], "Hz", "measured stick frequency", "eq. 5.13"
-            ),
-            "target_std": _var(
-                "mode", measured["target_std"], "Hz", "its standard deviation", "eq. 5.14"
-            ),
-            "lower_force": _var("mode", measured["lower_force"], "N", "measured force below"),
-            "upper_force": _var("mode", measured["upper_force"], "N", "measured force above"),
-            "fe_bias_std": _var("mode", bias, "1", "standard deviation of the model's bias"),
-            "fe_offset": _var("mode", offset, "1", "known bias of the model, allowed for"),
-        },
-        coords={"mode": modes},
-    )
+def _said(values: Mapping[str, object]) -> xr.Dataset:
+    return dataset("stiffness/search", values)
 
 
 def _estimate(surface, roots, fitted, target, std, bias, known, modes) -> xr.Dataset:
@@ -216,70 +191,31 @@ def _estimate(surface, roots, fitted, target, std, bias, known, modes) -> xr.Dat
         covariance = np.stack([(held * s**2) @ held.T for s in spreads])
     if total is None:
         total = covariance.sum(axis=0)
-    entries = {}
-    for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
-        text = f"{part} contact stiffness of a flank"
-        entries[name] = _var((), chosen[i], "N/m", text, "eq. 5.8")
-        spread = np.sqrt(total[i, i])
-        entries[f"ln_{name}_std"] = _var((), spread, "1", f"standard deviation of ln {name}")
-        entries[f"root_{name}"] = _var("root", np.exp(roots[:, i]), "N/m", f"{text}, every root")
-        spread = np.sqrt(whole[:, i, i])
-        entries[f"root_ln_{name}_std"] = _var(
-            "root", spread, "1", f"standard deviation of ln {name}, every root"
-        )
     with np.errstate(invalid="ignore"):  # a source without error has no correlation
         correlations = [c[0, 1] / np.sqrt(c[0, 0] * c[1, 1]) for c in (*covariance, total)]
-    return xr.Dataset(
-        entries
-        | {
-            "ln_covariance": _var(
-                ("source", "stiffness", "stiffness_"),
-                covariance,
-                "1",
-                "covariance of (ln kn, ln kt) by source of error",
-                "eq. 5.22",
-            ),
-            "correlation": _var((), correlations[2], "1", "correlation of ln kn and ln kt"),
-            "correlation_by_source": _var(
-                "source", correlations[:2], "1", "correlation of ln kn and ln kt by source of error"
-            ),
-            "jacobian": _var(
-                ("mode", "stiffness"), jacobian, "Hz", "slope of frequency by ln k", "eq. 5.16"
-            ),
-            "gain": _var(
-                ("stiffness", "mode"), gain, "1/Hz", "slope of ln k by the target frequency"
-            ),
-            "misfit": _var(
-                "mode",
-                misfit,
-                "1",
-                "ln of measured over fitted frequency, in standard deviations of measurement and "
-                "model together",
-            ),
-            "chi_square": _var(
-                (), np.nan if fitted is None else fitted.chi_square, "1", "sum of squared misfits"
-            ),
-            "freedom": _var(
-                (),
-                0 if fitted is None else max(fitted.freedom, 0),
-                "1",
-                "modes beyond the two unknowns",
-            ),
-            "probability": _var(
-                (),
-                np.nan if fitted is None or fitted.freedom < 1 else fitted.probability,
-                "1",
-                "of a larger chi-square, were the model right",
-            ),
-            "fits": _var(
-                (),
-                int(fitted is None or fitted.probability >= NOTABLE),
-                "1",
-                "0 where the model does not give more modes than unknowns within their errors",
-            ),
-        },
-        coords={"source": list(SOURCES), "stiffness": list(STIFFNESS), "mode": modes},
-    )
+    made = {
+        "ln_covariance": covariance,
+        "correlation": correlations[2],
+        "correlation_by_source": correlations[:2],
+        "jacobian": jacobian,
+        "gain": gain,
+        "misfit": misfit,
+        "chi_square": np.nan if fitted is None else fitted.chi_square,
+        "freedom": 0 if fitted is None else max(fitted.freedom, 0),
+        "probability": np.nan if fitted is None or fitted.freedom < 1 else fitted.probability,
+        "fits": int(fitted is None or fitted.probability >= NOTABLE),
+        "source": list(SOURCES),
+        "stiffness": list(STIFFNESS),
+        "mode": modes,
+    }
+    for i, name in enumerate(STIFFNESS):
+        made |= {
+            name: chosen[i],
+            f"ln_{name}_std": np.sqrt(total[i, i]),
+            f"root_{name}": np.exp(roots[:, i]),
+            f"root_ln_{name}_std": np.sqrt(whole[:, i, i]),
+        }
+    return _said(made)
 
 
 def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Dataset:
@@ -290,22 +226,8 @@ def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Da
         point = nearest_point(surface, target, spread, drawn, log_axis)
         near = all_frequencies(surface, point[None])[0][0]
         needed = target / near - 1.0
-        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < 1e-3))
-    return xr.Dataset(
-        {
-            "needed_bias": _var(
-                "mode",
-                needed,
-                "1",
-                "smallest relative change of the model's frequencies, in units of their standard "
-                "deviation, that gives a root",
-            ),
-            "needed_bias_at_edge": _var(
-                (), edge, "1", "1 where the nearest point lies on the edge of the box"
-            ),
-        },
-        coords={"mode": modes},
-    )
+        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < _EDGE))
+    return _said({"needed_bias": needed, "needed_bias_at_edge": edge, "mode": modes})
 
 
 def _scatter(
@@ -324,19 +246,10 @@ def _scatter(
         start = np.stack(np.unravel_index(np.argmin(miss, axis=1), drawn.shape[1:]), axis=1)
         ends, good = newton(surface, aims, log_axis[start], (log_axis[0], log_axis[-1]))
         share = float(np.mean(good))
-        if good.sum() >= 20:
+        if good.sum() >= _FEWEST:
             quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T
     elif fitted is not None:
         spread = np.outer(fitted.fit.std, ndtri(QUANTILES))
         quantiles = np.exp(fitted.fit.parameters[:, None] + spread)
-    entries = {
-        "root_share": _var(
-            (), share, "1", "share of draws of measurement and model errors that have a root"
-        )
-    }
-    for i, (name, part) in enumerate((("kn", "normal"), ("kt", "tangential"))):
-        text = (
-            f"{part} contact stiffness of a flank, quantiles over draws with a root or of the fit"
-        )
-        entries[f"{name}_quantile"] = _var("quantile", quantiles[i], "N/m", text)
-    return xr.Dataset(entries, coords={"quantile": list(QUANTILES)})
+    made = {"root_share": share, "quantile": list(QUANTILES)}
+    return _said(made | dict(zip(("kn_quantile", "kt_quantile"), quantiles, strict=True)))

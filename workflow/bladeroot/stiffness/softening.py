@@ -1,103 +1,121 @@
 """Measured curves as the inference takes them: how far frequency falls and damping rises by slip.
 
-Each record is counted from its own stick frequency and loss factor, so that what a clamping or the
-gauge does to these drops out. Records of a level are averaged.
+How far measured and simulated curves may differ is a covariance. Besides noise: the clampings' own
+friction, which moves a curve along the amplitude; and the model itself, which is trusted to some
+per cent. Slip is made of patches that let go one after the other, so an effect that is small
+against the largest, made by few of them, is less certain by its root.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Collection
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.linalg import block_diag
 
-A_DECADE = 10  # amplitudes of the ladder
+from bladeroot.pooling.level_curve import level_curve
+
 _LEAST = 2e-4  # of the stick frequency: less softening than this is not used
 _CLEAR = 4.0  # in standard errors
+DISCREPANCY = 0.05  # of the largest effect
+CLAMPING = 0.06  # standard deviation of ln friction between clampings
+_LENGTH = 0.7  # of the model's error, in ln amplitude
+# Of its variance: common to all forces at the same amplitude over force; own to the level; neither.
+_COMMON, _OWN, _LOOSE = 0.4, 0.4, 0.2
 
 
 @dataclass(frozen=True)
 class Softening:
     """Points of the curves, one entry a level and amplitude (m).
 
-    level: number of the level. fall: f / f_stick - 1. rise: eta - eta_stick. Their standard errors
-    are of the measurement alone. holds: clampings behind the point.
+    level: number of the level. fall: f / f_stick - 1. rise: eta - eta_stick. clampings: behind the
+    point. noise: covariance by the measurement alone, of all falls, then all rises.
     """
 
     level: Int[ndarray, " point"]
     amplitude: Float[ndarray, " point"]
     fall: Float[ndarray, " point"]
-    fall_std: Float[ndarray, " point"]
     rise: Float[ndarray, " point"]
-    rise_std: Float[ndarray, " point"]
-    holds: Float[ndarray, " point"]
+    clampings: Float[ndarray, " point"]
+    noise: Float[ndarray, "number number"]
 
 
-def softening_of(
-    decays: Mapping[str, xr.Dataset], stick: xr.Dataset, levels: list[tuple[str, float]]
-) -> Softening:
+def softening_of(seen: xr.Dataset, levels: list[tuple[str, float]]) -> Softening:
     """Points of the given levels (mode, force as read in N).
 
-    decays: from `bladeroot.decay.estimate`, by record. stick: from `bladeroot.pooling.stick`.
-    Only records that reach their plateau count, and points at which the frequency has clearly
-    fallen.
+    seen: from `bladeroot.diagnosis.observations`. Only records that reach their plateau count, and
+    points at which the frequency has clearly fallen.
     """
-    rows: list[tuple] = []
+    parts: list[tuple] = [(np.zeros((5, 0)), np.zeros((0, 0)), np.zeros((0, 0)))]
+    names = np.where(seen["hold"].values == "", seen["record"].values, seen["hold"].values)
     for number, (mode, force) in enumerate(levels):
         own = (
-            (stick["record_mode"].values.astype(str) == mode)
-            & (stick["record_force"].values == force)
-            & (stick["plateau_reached"].values == 1)
+            (seen["mode"].values.astype(str) == mode)
+            & (seen["force"].values == force)
+            & (seen["plateau_reached"].values == 1)
+            & (seen["verdict"].values.astype(str) == "usable")
         )
-        records = [str(name) for name in stick["record"].values[own] if str(name) in decays]
-        hold = dict(zip(stick["record"].values.astype(str), stick["hold"].values, strict=True))
-        curves = [_on_ladder(decays[name], stick.sel(record=name)) for name in records]
-        for k in sorted({k for curve in curves for k in curve}):
-            here = [(name, c[k]) for name, c in zip(records, curves, strict=True) if k in c]
-            value = np.array([point for _, point in here])
-            fall, fall_std, rise, rise_std = _mean(value[:, 0], value[:, 1]) + _mean(
-                value[:, 2], value[:, 3]
-            )
-            if fall < -_LEAST and -fall > _CLEAR * fall_std:
-                holds = len({str(hold[name]) for name, _ in here})
-                size = 10.0 ** (k / A_DECADE)
-                rows.append((number, size, fall, fall_std, rise, rise_std, float(holds)))
-    columns = np.array(rows).reshape(-1, 7).T
-    return Softening(columns[0].astype(int), *columns[1:])
+        curve = level_curve(seen.isel(record=np.flatnonzero(own)))
+        if curve is None:
+            continue
+        fall, (noise, noise_rise) = np.expm1(curve.mean[0]), curve.stated
+        noise = np.outer(1.0 + fall, 1.0 + fall) * noise
+        clear = (fall < -_LEAST) & (-fall > _CLEAR * np.sqrt(np.diag(noise)))
+        known = np.isfinite(seen["frequency"].values[own])
+        at = np.searchsorted(seen["amplitude"].values, curve.amplitude)
+        clampings = [len(set(names[own][row])) for row in known[:, at].T]
+        level = np.full(fall.size, float(number))
+        columns = np.array([level, curve.amplitude, fall, curve.mean[1], clampings])
+        parts.append((columns[:, clear], *(n[np.ix_(clear, clear)] for n in (noise, noise_rise))))
+    columns, *noise = zip(*parts, strict=True)
+    level, *rest = np.concatenate(columns, axis=1)
+    return Softening(level.astype(int), *rest, block_diag(*noise[0], *noise[1]))
 
 
 def of_modes(
     softening: Softening, levels: list[tuple[str, float]], modes: Collection[str]
 ) -> Softening:
     """The points of some modes."""
-    own = np.array([levels[k][0] in modes for k in softening.level])
-    return Softening(*(getattr(softening, field.name)[own] for field in fields(Softening)))
+    own = np.array([levels[k][0] in modes for k in softening.level], bool)
+    s, both = softening, np.tile(own, 2)
+    parts = (part[own] for part in (s.level, s.amplitude, s.fall, s.rise, s.clampings))
+    return Softening(*parts, s.noise[np.ix_(both, both)])
 
 
-def _mean(value: ndarray, std: ndarray) -> tuple[float, float]:
-    weight = 1.0 / std**2
-    return float(weight @ value / weight.sum()), float(weight.sum() ** -0.5)
+def covariance(
+    softening: Softening,
+    levels: list[tuple[str, float]],
+    discrepancy: float = DISCREPANCY,
+) -> Float[ndarray, "number number"]:
+    """Of all falls, then all rises. discrepancy: standard deviation, of the largest effect."""
+    mode = np.array([levels[k][0] for k in softening.level])
+    force = np.array([levels[k][1] for k in softening.level])
+    total = softening.noise.copy()
+    points = len(mode)
+    alike = (mode[:, None] == mode) * _near(np.log(softening.amplitude / force))
+    own = (softening.level[:, None] == softening.level) * _near(np.log(softening.amplitude))
+    kernel = _COMMON * alike + _OWN * own + _LOOSE * np.eye(points)
+    for part, value in ((slice(0, points), softening.fall), (slice(points, None), softening.rise)):
+        largest = np.array([np.abs(value[mode == one]).max() for one in mode])
+        size = discrepancy * np.sqrt(np.abs(value) * largest)
+        total[part, part] += kernel * np.outer(size, size)
+    along = np.concatenate([_slope(softening, softening.fall), _slope(softening, softening.rise)])
+    moved = CLAMPING * along / np.sqrt(np.tile(softening.clampings, 2))
+    same = np.tile(force, 2)[:, None] == np.tile(force, 2)
+    return total + same * np.outer(moved, moved)
 
 
-def _on_ladder(decay: xr.Dataset, stick: xr.Dataset) -> dict[int, tuple[float, ...]]:
-    """Fall and rise with their errors at the rungs that a record's curve reaches."""
-    amplitude = decay["amplitude"].values
-    order = np.argsort(amplitude)
-    order = order[np.isfinite(amplitude[order])]
-    x = A_DECADE * np.log10(amplitude[order])
-    if len(x) < 2:
-        return {}
-    rungs = np.arange(np.ceil(x[0]), np.floor(x[-1]) + 1).astype(int)
-    columns = [
-        np.interp(rungs, x, decay[name].values[order])
-        for name in ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
-    ]
-    f0, f0_std = float(stick["stick_frequency"]), float(stick["stick_frequency_std"])
-    e0, e0_std = float(stick["record_loss_factor"]), float(stick["record_loss_factor_std"])
-    f, f_std, e, e_std = columns
-    values = (f / f0 - 1.0, np.hypot(f_std, f0_std) / f0, e - e0, np.hypot(e_std, e0_std))
-    good = np.isfinite(np.array(values)).all(axis=0)
-    return {
-        int(k): tuple(v) for k, v, ok in zip(rungs, np.array(values).T, good, strict=True) if ok
-    }
+def _slope(softening: Softening, value: Float[ndarray, " point"]) -> Float[ndarray, " point"]:
+    """By ln amplitude, within each level; of a lone point as of one that grows with its square."""
+    slope = 2.0 * value
+    for one in np.unique(softening.level):
+        own = softening.level == one
+        if own.sum() > 1:
+            slope[own] = np.gradient(value[own], np.log(softening.amplitude[own]))
+    return slope
+
+
+def _near(place: Float[ndarray, " point"]) -> Float[ndarray, "point point"]:
+    return np.exp(-np.abs(place[:, None] - place) / _LENGTH)

@@ -7,45 +7,15 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-NODES = 33
-REFERENCE_FORCE = 12e3  # N
+from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.variables import dataset, registered
+
 DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
 FEWEST = 3  # of these that a law of two parameters needs at least
+_TABLES = ("stiffness/search", "stiffness/grid_search")
+_LEFT_OUT = {"root", "grid_axis_kn", "grid_axis_kt"}  # dims of what belongs to one search
 _FLOOR = 1e-6  # smallest std of ln k that a weight may rest on
-
-COLLECTED = (
-    "kn",
-    "kt",
-    "ln_kn_std",
-    "ln_kt_std",
-    "ln_covariance",
-    "correlation",
-    "correlation_by_source",
-    "jacobian",
-    "gain",
-    "misfit",
-    "chi_square",
-    "freedom",
-    "probability",
-    "fits",
-    "status",
-    "needed_bias",
-    "needed_bias_at_edge",
-    "root_share",
-    "kn_quantile",
-    "kt_quantile",
-    "target_frequency",
-    "target_std",
-    "fe_bias_std",
-    "fe_offset",
-    "lower_force",
-    "upper_force",
-    "bonded_frequency",
-    "grid_kn",
-    "grid_kt",
-    "grid_kn_std",
-    "grid_kt_std",
-)
 
 
 def summarise(
@@ -65,7 +35,7 @@ def summarise(
     whole["structure"] = whole["structure"].astype(str)
     status = whole["status"].fillna("no measurement").astype(str)
     whole["status"] = status.assign_attrs(whole["status"].attrs)
-    whole = whole.assign(_nodal(whole)).assign(_roots(whole))
+    whole = whole.assign(_counted(whole))
     laws = xr.concat(
         [_laws(whole.sel(structure=name), fe_forces) for name in whole["structure"].values],
         whole["structure"],
@@ -75,40 +45,33 @@ def summarise(
         named = published.rename({name: f"published_{name}" for name in published.data_vars})
         parts.append(named.reindex(force=whole["force"].values))
     merged = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
-    merged["force"].attrs = {"units": "N", "long_name": "axial force"}
+    merged["force"].attrs = registered("stiffness/summary")["force"][1]
     return merged.assign_attrs(
         force_error=fe_forces.attrs["primary_force_error"], reference_force_N=REFERENCE_FORCE
     )
 
 
 def _of_structure(name: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """All forces of a structure, but for every root and the thesis's grid."""
     forces = [float(part.attrs["axial_force"]) for part in parts]
     if len(set(forces)) != len(forces):
         raise ValueError(f"structure {name}: two searches at one force among {sorted(forces)} N")
+    listed = {name: dims for table in _TABLES for name, (dims, _) in registered(table).items()}
+    kept = {name for name, dims in listed.items() if not _LEFT_OUT & set(dims)}
+    kept.add("bonded_frequency")
     chosen = [
-        part[[key for key in COLLECTED if key in part]].drop_attrs(deep=False) for part in parts
+        part[[n for n in part.variables if n in kept]].drop_attrs(deep=False) for part in parts
     ]
     line = xr.concat(chosen, xr.Variable("force", forces), data_vars="all", join="outer")
     return line.expand_dims(structure=[name])
 
 
-def _nodal(whole: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Totals shared equally among the thesis's 33 nodes (eq. 6.16)."""
-    out = {}
-    for key, part in (("kn", "normal"), ("kt", "tangential")):
-        out[f"{key}_nodal"] = (whole[key] / NODES).assign_attrs(
-            units="N/m",
-            long_name=f"{part} contact stiffness of one of {NODES} equal nodes",
-            source="eq. 6.16",
-        )
-    return out
-
-
-def _roots(whole: xr.Dataset) -> dict[str, xr.DataArray]:
-    count = (whole["status"] == "root").sum("force")
-    return {
-        "root_count": count.assign_attrs(units="1", long_name="axial forces with a root"),
-    }
+def _counted(whole: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Roots, and totals shared equally among the thesis's 33 nodes (eq. 6.16)."""
+    made = {f"{name}_nodal": whole[name] / NODES for name in ("kn", "kt")}
+    made["root_count"] = (whole["status"] == "root").sum("force")
+    known = registered("stiffness/summary")
+    return {name: value.assign_attrs(known[name][1]) for name, value in made.items()}
 
 
 def power_law(
@@ -149,22 +112,16 @@ def _laws(line: xr.Dataset, fe_forces: xr.Dataset) -> xr.Dataset:
             parts = (measured[:, i, :, i], shared[:, i, :, i])
             law[i], covariance, scatter[i] = power_law(here["force"].values, ln_k, *parts)
             std[i] = np.sqrt(np.diag(covariance))
-    out = {}
+    made = {}
     for i, name in enumerate(names):
-        texts = {
-            f"{name}_law_reference": (np.exp(law[i, 0]), "N/m", f"{name} at 12 kN by its law"),
-            f"ln_{name}_law_reference_std": (
-                std[i, 0],
-                "1",
-                f"standard deviation of ln {name} there",
-            ),
-            f"{name}_law_exponent": (law[i, 1], "1", f"exponent of {name} over axial force"),
-            f"{name}_law_exponent_std": (std[i, 1], "1", "standard deviation of the exponent"),
-            f"{name}_law_scatter": (scatter[i], "1", f"rms of ln {name} about its law"),
+        made |= {
+            f"{name}_law_reference": np.exp(law[i, 0]),
+            f"ln_{name}_law_reference_std": std[i, 0],
+            f"{name}_law_exponent": law[i, 1],
+            f"{name}_law_exponent_std": std[i, 1],
+            f"{name}_law_scatter": scatter[i],
         }
-        for key, (value, units, text) in texts.items():
-            out[key] = ((), value, {"units": units, "long_name": text})
-    return xr.Dataset(out)
+    return dataset("stiffness/summary", made)
 
 
 def _joint_covariances(

@@ -8,10 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladeroot.io.channel import Channel, Entry, pick, split_name, time_factor
-from bladeroot.io.numbers import check_commas, check_thousands, numeric
 from bladeroot.io.sampling import uniform
 from bladeroot.io.statements import one_time, one_unit, statements
-from bladeroot.io.text import encoding_of, separator_of
+from bladeroot.io.text import (
+    check_commas,
+    check_thousands,
+    encoding_of,
+    numeric,
+    separator_of,
+)
 from bladeroot.io.units import normal_unit, quantity_of, seconds
 
 SUFFIXES = (".csv", ".txt", ".tsv", ".asc", ".lvm")

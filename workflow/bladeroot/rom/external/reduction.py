@@ -10,7 +10,7 @@ from numpy import ndarray
 from bladeroot.rom.external.bodies import Body, load_bodies
 from bladeroot.rom.external.description import Description
 from bladeroot.rom.joint import exact_modes, joint_of_reduced
-from bladeroot.rom.parametric import MODES
+from bladeroot.rom.parametric_build import MODES
 from bladeroot.rom.reduction import (
     Basis,
     craig_bampton,

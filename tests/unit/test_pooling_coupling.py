@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.diagnosis.coupling import coupling
+from bladeroot.pooling.coupling import coupling
 
 LADDER = np.geomspace(1e-8, 1e-4, 57)
 

@@ -6,16 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import xarray as xr
-from jaxtyping import Float
-from numpy import ndarray
-from scipy.linalg import eigh, svd
-
 from bladeroot.bench.bench import course_of, sine_force
 from bladeroot.bench.clamping import Clamping, clamp
 from bladeroot.bench.conditions import Conditions, baseline
 from bladeroot.bench.cycle import cycle_curves, loss_factor
 from bladeroot.bench.forces import no_forces
 from bladeroot.bench.joint import Parts, project, specimen, stuck_stiffness
+from jaxtyping import Float
+from numpy import ndarray
+from scipy.linalg import eigh, svd
 
 # Corners between which a specimen may lie: axial force (N), contact stiffness (N/m), slots.
 _FORCES = (0.0, 30e3)

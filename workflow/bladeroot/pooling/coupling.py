@@ -13,10 +13,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.pooling.curves import on_ladder
-
-# Variable of the observations, and the curve whose change counts; ln f and the loss factor.
-COUPLING = {"frequency_coupling": "frequency", "loss_factor_coupling": "loss_factor"}
+from bladeroot.pooling.level_curve import COUPLING, on_ladder
 
 
 def coupling(
@@ -41,7 +38,7 @@ def coupling(
         ]
         if own is None or not place[i][0] or not others:
             continue
-        for name, curve in COUPLING.items():
+        for name, curve in zip(COUPLING, ("frequency", "loss_factor"), strict=True):
             error = sum(_by(other, own, curve) for other in others)
             at = on_ladder(own.assign({name: ("point", error)}), name, ladder)
             made[name][i] = np.nan_to_num(at)

@@ -6,15 +6,16 @@ through a residual flexibility. Implicit in the contact force, so the step is fr
 """
 
 from dataclasses import dataclass
+from typing import no_type_check
 
 import numpy as np
+from bladeroot.compiled import njit
+from bladeroot.contact.laws.sliders import Sliders, at_rest, parts, stuck_stiffness
+from bladeroot.nonlinear.marching import SWEEPS, contact_force, correct, settle
+from bladeroot.nonlinear.system import System
 from jaxtyping import Float
 from numpy import ndarray
-
-from bladeroot.contact.laws.sliders import Sliders, at_rest, parts, stuck_stiffness
-from bladeroot.nonlinear.marching import SWEEPS, correct, march, settle
-from bladeroot.nonlinear.one_step import OneStep
-from bladeroot.nonlinear.system import System
+from one_step import OneStep
 
 ENERGY_TOLERANCE = 2e-3  # of the energy at the start
 _TOLERANCE = 1e-9  # of a step's contact motion, of the largest at the start
@@ -117,3 +118,88 @@ def _strain(sliders: Sliders, u: ndarray, w: ndarray) -> Float[ndarray, " contac
         gap = np.minimum(stretched + sliders.preload, 0.0)
         energy = energy + (stretched**2 - gap**2) / np.maximum(sliders.normal, 1e-300)
     return energy.sum(axis=1)
+
+
+@njit(cache=True)
+@no_type_check
+def any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
+    """Whether a contact leaves its stuck state, or is not in it."""
+    for c in range(u.shape[0]):
+        if contact_force(kn[c], kt[c], n0[c], mu[c], varies, u[c], w[c], force, tangent):
+            return True
+        if varies and g[c, 0] != 0.0:
+            return True
+    return False
+
+
+@njit(cache=True)
+@no_type_check
+def march(
+    kn, kt, n0, mu, varies, stuck, count, shape, residual, step, loss, tolerance, steps, every,
+    laser, watched, r, v, w, u, g, tension,
+):  # fmt: skip
+    """Step on; r, v, w, u, g and the sliders' tension are changed in place.
+
+    count: images of each contact, which all push. shape (mode, motion). residual: row k is the
+    motion of all, by the modes not kept, for correction k on all its images. Returns velocity at
+    the samples, motion and force of the watched contact there, the work of damping and of friction
+    (J), the most sweeps of a step and the number of steps made: fewer than asked if one did not
+    settle.
+    """
+    modes = shape.shape[0]
+    size = u.shape[1]
+    samples = steps // every + 1
+    velocity = np.zeros(samples)
+    seen = np.zeros((2, samples, size))
+    damped, rubbed, most = 0.0, 0.0, 0
+    push = shape * np.repeat(count, size)
+    give = residual + (push.T * step[:, 0, 3]) @ shape
+    flat, flat_g = u.reshape(-1), g.reshape(-1)
+    held = flat_g.copy()
+    back = flat - shape.T @ r  # what the corrections move through the residual
+    load0 = push @ flat_g
+    load1, ahead = load0.copy(), np.empty(modes)
+    z = np.empty(4)
+    force, tangent = np.empty(size), np.empty((size, size))
+    for n in range(steps + 1):
+        if n % every == 0:
+            at = n // every
+            velocity[at] = laser @ v
+            seen[0, at] = u[watched]
+            seen[1, at] = stuck[watched] * u[watched] - g[watched]
+        if n == steps:
+            break
+        flat[:] = back
+        for m in range(modes):
+            ahead[m] = (
+                step[m, 0, 0] * r[m]
+                + step[m, 0, 1] * v[m]
+                + (step[m, 0, 2] + step[m, 0, 3]) * load0[m]
+            )
+            for k in range(flat.size):
+                flat[k] += shape[m, k] * ahead[m]
+        if any_moves(kn, kt, n0, mu, varies, u, w, g, force, tangent):
+            sweeps = correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g)
+            if sweeps < 0 or sweeps == SWEEPS:
+                return velocity, seen, damped, rubbed, most, n
+            most = max(most, sweeps)
+            back[:] = flat
+            for m in range(modes):
+                for k in range(flat.size):
+                    load1[m] += push[m, k] * (flat_g[k] - held[k])
+                ahead[m] += step[m, 0, 3] * (load1[m] - load0[m])
+                for k in range(flat.size):
+                    back[k] -= shape[m, k] * ahead[m]
+            held[:] = flat_g
+            rubbed += settle(kn, kt, n0, mu, varies, count, u, w, tension)
+        else:
+            settle(kn, kt, n0, mu, varies, count, u, w, tension)
+        for m in range(modes):
+            z[0], z[1], z[2], z[3] = r[m], v[m], load0[m], load1[m]
+            fast = 0.0
+            for a in range(4):
+                fast += step[m, 1, a] * z[a]
+                for b in range(4):
+                    damped += z[a] * loss[m, a, b] * z[b]
+            r[m], v[m], load0[m] = ahead[m], fast, load1[m]
+    return velocity, seen, damped, rubbed, most, steps
