@@ -16,7 +16,7 @@ from numpy import ndarray
 
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.rom.ritz import Ritz, solve
+from bladeroot.rom.ritz import Ritz, frequency, solve
 
 # Projections in the artifact: dims besides mode, unit, what it is.
 SQUARE = ("vector", "vector_")
