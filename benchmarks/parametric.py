@@ -27,7 +27,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.chebyshev import at_force
 from bladeroot.rom.joint import exact_modes, joint_of_reduced, stiffness_at
-from bladeroot.rom.parametric import frequencies, frequencies_hessian, surface_of
+from bladeroot.rom.parametric import frequencies, frequencies_gradient, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import beam_basis, beam_model, contact_dofs, reduce_structure
 from bladeroot.rom.ritz import frequency
@@ -95,7 +95,7 @@ def compare_map(joint, model, dense: int = 4, random: int = 20) -> None:
     clock = Clock()
     drawn = frequencies(at_force(surface_of(model), FORCE), grid)
     ours = clock()
-    frequencies_hessian(surface_of(model), grid)
+    frequencies_gradient(surface_of(model), grid)
     second = clock()
     chosen = np.random.default_rng(1).choice(len(grid), dense)
     for point in grid[chosen]:
@@ -108,7 +108,7 @@ def compare_map(joint, model, dense: int = 4, random: int = 20) -> None:
     points = np.random.default_rng(2).uniform(low, high, (random, 3))
     exact = [frequency(exact_modes(joint, point, MODES).values) for point in points]
     error = np.abs(frequencies(surface_of(model), points) / exact - 1.0).max()
-    print(f"map 200 x 200, two modes, one force: {ours:.3f} s; with gradient and Hessian by "
+    print(f"map 200 x 200, two modes, one force: {ours:.3f} s; with the gradient by "
           f"(ln kn, ln kt, F) {second:.2f} s")  # fmt: skip
     print(f"dense eigh of {len(joint.mass)} dof a point: {plain:.0f} s, all modes; {few:.0f} s, "
           f"lowest 12 ({dense} points timed)")  # fmt: skip

@@ -1,5 +1,6 @@
 """The blind laboratory: one case from its draw to what a run may see."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,11 +22,13 @@ class Laboratory:
     """The specimen that all cases perturb: `reduced` is its file of reduced matrices.
 
     `library` tells what the workflow found in raw records with faults; without it the fast tier
-    has no findings.
+    has no findings. `bench` and `sheet` draw a case's bench and records from its seed.
     """
 
     reduced: Path
     library: pd.DataFrame | None = None
+    bench: Callable[[int], dict] = draw_bench
+    sheet: Callable[[int], pd.DataFrame] = draw_sheet
 
     @cached_property
     def whole(self) -> Parts:
@@ -33,7 +36,8 @@ class Laboratory:
 
     @cached_property
     def few(self) -> Parts:
-        return few_dofs(self.whole)
+        """Of a dovetail; an assembly's lowest modes are rigid motions, and it is small."""
+        return self.whole if self.whole.interfaces else few_dofs(self.whole)
 
     def hidden(self, case: Case, bench: dict, sheet: pd.DataFrame) -> list[tuple[str, float]]:
         """The case's effects with what causes them."""
@@ -54,8 +58,8 @@ class Laboratory:
 
     def fast(self, case: Case, sheet: pd.DataFrame | None = None) -> xr.Dataset:
         """Observations of a case, without raw records."""
-        bench = draw_bench(case.seed)
-        sheet = draw_sheet(case.seed) if sheet is None else sheet
+        bench = self.bench(case.seed)
+        sheet = self.sheet(case.seed) if sheet is None else sheet
         conditions = conditions_of(bench, sheet, self.hidden(case, bench, sheet))
         curves = campaign_curves(bench, self.whole, self.few, sheet, conditions, LADDER)
         chance = np.random.default_rng([case.seed, 4])
@@ -66,7 +70,7 @@ class Laboratory:
 
     def raw(self, case: Case, folder: Path, sheet: pd.DataFrame | None = None) -> None:
         """Write a case's campaign folder."""
-        bench = draw_bench(case.seed)
-        sheet = draw_sheet(case.seed) if sheet is None else sheet
+        bench = self.bench(case.seed)
+        sheet = self.sheet(case.seed) if sheet is None else sheet
         conditions = conditions_of(bench, sheet, self.hidden(case, bench, sheet))
         write_campaign(folder, bench, sheet, conditions, self.reduced)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.contact.boundary_elements import line_pressure, line_shear, rectangle_stiffness
+from bladeroot.contact.boundary_elements import _held, _strip, line_pressure, rectangle_stiffness
 from bladeroot.contact.compliance import normal_stiffness, tangential_stiffness
 from bladeroot.contact.punch import (
     Punch,
@@ -38,6 +38,26 @@ def test_the_pressure_converges_with_the_cells():
         inner = np.abs(x) < 0.9 * b
         miss.append(np.abs(p - pressure(x, load, HERTZ))[inner].max())
     assert miss[2] < 0.6 * miss[0]
+
+
+def line_shear(position, pressure, shear_load, punch):
+    """Shear (Pa) under a monotonic Q = `shear_load` (N/m) after the pressure of `line_pressure`.
+
+    Cells in contact move together until their shear reaches mu p; there it stays (6.1, 6.2).
+    """
+    width = position[1] - position[0]
+    _, influence = _strip(position[-1] + 0.5 * width, position.size, punch)
+    limit = punch.friction * pressure
+    stuck = pressure > 0.0
+    for _ in range(200):
+        slipping = np.where(stuck, 0.0, limit)
+        rest = shear_load / width - slipping.sum()
+        value, _ = _held(influence, stuck, -(influence @ slipping), rest)
+        over = stuck & (value > limit)
+        if not over.any():
+            break
+        stuck &= ~over
+    return value + slipping
 
 
 @pytest.mark.parametrize("punch", [FLANK, HERTZ])

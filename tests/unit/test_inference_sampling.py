@@ -76,3 +76,14 @@ def test_a_posterior_that_is_nowhere_is_told(found):
     nowhere = replace(found, problem=replace(found.problem, predict=never))
     with pytest.raises(ValueError, match="no draw has a finite posterior"):
         sample(nowhere, (0, 1), 100)
+
+
+def test_both_peaks_are_drawn_where_the_fit_stands_on_one():
+    def square(theta):
+        return State(theta**2, np.diag(2.0 * theta), {})
+
+    wide, none = Prior(np.zeros(1), np.ones(1)), Prior(np.zeros(0), np.zeros(0))
+    problem = Problem(np.ones(1), square, lambda *_: (np.eye(1) * 0.01, list), wide, none)
+    draws = sample(fit(problem, np.array([1.1])), (0,), 2000).parameters[:, 0]
+    assert (draws > 0.0).mean() == pytest.approx(0.5, abs=0.06)
+    assert abs(draws).std() == pytest.approx(0.05, rel=0.1)

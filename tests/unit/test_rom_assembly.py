@@ -4,13 +4,9 @@ import scipy.linalg
 from bladeroot.fem.elasticity import rigid_modes
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.rom.assembly import (
-    assemble,
-    assembly_modes,
-    contact_matrices,
-    find_modes,
-)
+from bladeroot.rom.assembly import assemble, find_modes
 from bladeroot.rom.reduction import reduce_structure
+from dense_joint import assembly_modes, contact_matrices
 from structure_coarse import coarse_structure
 
 BONDED = 1e13

@@ -25,20 +25,14 @@ def test_values_meet_the_tolerance(surface, points):
     np.testing.assert_allclose(evaluate(surface, points)[0], smooth(points).T, atol=1e-10)
 
 
-def test_gradient_and_hessian_are_the_functions_own(surface, points):
+def test_gradient_is_the_functions_own(surface, points):
     x, y, force = points.T
-    _, gradient, hessian = evaluate(surface, points, order=2)
+    _, gradient = evaluate(surface, points, order=1)
     wave = np.sin(x) * np.exp(0.3 * y)
     slope = np.stack([np.cos(x) * np.exp(0.3 * y) + 1e-4 * force, 0.3 * wave, 1e-4 * x], axis=1)
     np.testing.assert_allclose(gradient[:, 0], slope, atol=1e-8)
-    cosine = 0.3 * np.cos(x) * np.exp(0.3 * y)
-    np.testing.assert_allclose(hessian[:, 0, 0, 0], -wave, atol=1e-6)
-    np.testing.assert_allclose(hessian[:, 0, 0, 1], cosine, atol=1e-6)
-    np.testing.assert_allclose(hessian[:, 0, 0, 2], 1e-4, atol=1e-9)
-    np.testing.assert_allclose(hessian[:, 0, 2, 2], 0.0, atol=1e-12)
-    np.testing.assert_array_equal(hessian, hessian.swapaxes(2, 3))
     lower = x + 0.1 * y**2
-    np.testing.assert_allclose(hessian[:, 1, 0, 1], 0.4 * y / lower**3, atol=1e-6)
+    np.testing.assert_allclose(gradient[:, 1, 1], -0.2 * y / lower**2, atol=1e-7)
 
 
 def test_polynomials_need_no_more_than_their_degree():
@@ -49,8 +43,8 @@ def test_polynomials_need_no_more_than_their_degree():
 def test_a_cut_at_one_force_is_the_same_surface(surface, points):
     cut = at_force(surface, 1.2e3)
     here = np.column_stack([points[:, :2], np.full(len(points), 1.2e3)])
-    whole = evaluate(surface, here, order=2)
-    for part, other in zip(evaluate(cut, here, order=2), whole, strict=True):
+    whole = evaluate(surface, here, order=1)
+    for part, other in zip(evaluate(cut, here, order=1), whole, strict=True):
         inner = (slice(None), slice(None), *[slice(0, 2)] * (part.ndim - 2))
         np.testing.assert_allclose(part[inner], other[inner], atol=1e-10)
     assert np.all(evaluate(cut, here, order=1)[1][:, :, 2] == 0.0)

@@ -62,30 +62,6 @@ def test_missing_table_is_named(tables):
         checks(coarse_structure(), {k: v for k, v in tables.items() if k != "table_4_1"})
 
 
-def test_follower_load_is_shown_beside_the_dead_one(result):
-    def rows(title):
-        chosen = result.check.values == title
-        return dict(zip(result.mode.values[chosen], result.residual.values[chosen], strict=True))
-
-    against = rows("follower against dead load")
-    assert list(against) == ["1Fy", "1Fz", "2Fy", "3Fy"]
-    assert all(-0.2 < residual < -0.001 for residual in against.values())
-    slopes = rows("Table 4.2, follower load")
-    np.testing.assert_allclose([slopes["Ry"], slopes["Rz"]], -1.0, atol=1e-9)
-    assert slopes["1Fy"] < -0.5
-    left = rows("follower load, its symmetric part against all of it")
-    assert 0 < max(left.values()) < 0.005
-    shown = np.char.find(result.check.values.astype(str), "follower") >= 0
-    assert np.isnan(result.limit.values[shown]).all()
-
-
-def test_a_follower_structure_fails_the_dead_load_s_identities(tables):
-    result = checks(coarse_structure(load="follower"), tables)
-    chosen = np.isin(result.check.values, ["rigid rotation", "Table 4.2"])
-    missed = set(result.check.values[chosen & (result.within.values == 0)])
-    assert missed == {"rigid rotation", "Table 4.2"}
-
-
 @pytest.mark.parametrize(
     ("computed", "limit", "within"),
     [

@@ -18,7 +18,6 @@ from bladeroot.rom.joint import (
 from bladeroot.rom.parametric import (
     frequencies,
     frequencies_gradient,
-    frequencies_hessian,
     ritz_of,
     surface_of,
 )
@@ -27,10 +26,9 @@ from bladeroot.rom.reduction import reduce_structure
 from bladeroot.rom.ritz import error_bound, frequency, solve
 from bladeroot.rom.sensitivity import (
     SCALES,
-    added_mass,
+    Change,
     changed_frequencies,
-    derivatives,
-    mode_shape,
+    motion,
     scaled,
 )
 from stiffness_beam import beam_joint
@@ -158,24 +156,10 @@ def test_gradient_agrees_with_differences_of_exact_solutions(model, joint):
         np.testing.assert_allclose(gradient[:, :, axis], rise, rtol=1e-3, atol=1e-5 / step * 0.02)
 
 
-def test_hessian_agrees_with_differences_and_with_the_sum_over_modes(model):
-    surface, points = surface_of(model), inner_points(model, 20)
-    f, gradient, hessian = frequencies_hessian(surface, points)
-    step = np.array([0.01, 0.01, 100.0])
-    scale = 1.0 / step
-    for axis in range(3):
-        move = step[axis] * np.eye(3)[axis]
-        ends = [frequencies_gradient(surface, points + n * move)[1] for n in (-1, 1)]
-        rise = (ends[1] - ends[0]) / (2 * step[axis])
-        size = 1e-5 * scale[axis] * scale * 0.01
-        assert np.all(np.abs(hessian[:, :, axis] - rise) < size + 1e-3 * np.abs(rise))
-    for m, mode in enumerate(MODES):
-        own, slope, curve = derivatives(ritz_of(model, mode), points)
-        np.testing.assert_allclose(own, f[:, m], rtol=1e-7)
-        weight = np.array([1.0, 1.0, 1e4])
-        np.testing.assert_allclose(slope * weight, gradient[:, m] * weight, atol=1e-3)
-        both = weight[:, None] * weight
-        np.testing.assert_allclose(curve * both, hessian[:, m] * both, atol=2e-2)
+def added_mass(ritz, x):
+    """1 kg on the display line at x (m), moving with it."""
+    rows = motion(ritz, x)
+    return Change(np.zeros_like(ritz.beam), rows.T @ rows)
 
 
 def altered(joint, part, amount):
@@ -200,36 +184,9 @@ def test_perturbations_agree_with_a_joint_that_has_them(model, joint, part):
     for m, mode in enumerate(MODES):
         ritz = ritz_of(model, mode)
         change = scaled(ritz, part) if x is None else added_mass(ritz, x)
-        f, gradient, hessian = derivatives(ritz, points, [change])
         expected = [frequency(exact_modes(changed, p, MODES).values)[m] for p in points]
         finite = changed_frequencies(ritz, points, [change], np.full((len(points), 1), amount))
         np.testing.assert_allclose(finite, expected, rtol=2e-6)
-        second = f + amount * gradient[:, 3] + 0.5 * amount**2 * hessian[:, 3, 3]
-        first = np.abs(amount * gradient[:, 3]) / f
-        np.testing.assert_allclose(second / expected, 1.0, atol=2e-6 + 10 * first.max() ** 3)
-
-
-def test_mixed_derivatives_tell_how_an_added_mass_changes_with_stiffness(model):
-    ritz, points = ritz_of(model, "1B"), inner_points(model, 4)
-    change = added_mass(ritz, 0.01)
-    _, _, hessian = derivatives(ritz, points, [change])
-    move = np.array([0.01, 0.0, 0.0])
-    ends = [derivatives(ritz, points + n * move, [change])[1][:, 3] for n in (-1, 1)]
-    np.testing.assert_allclose(hessian[:, 3, 0], (ends[1] - ends[0]) / 0.02, rtol=1e-3, atol=1e-3)
-
-
-def test_shapes_are_those_of_exact_solutions(model, joint):
-    points = inner_points(model, 3)
-    display = joint.assembly["display_position"].values[:, 0]
-    for m, mode in enumerate(MODES):
-        ritz = ritz_of(model, mode)
-        for p in points:
-            shape = exact_modes(joint, p, MODES).shapes[:, m]
-            line = joint.assembly["display_shape"].values @ shape
-            shape = shape * np.sign(line[display > 0, 2].sum())
-            found = mode_shape(ritz, p[None], display[3])[0]
-            expected = joint.assembly["display_shape"].values[3] @ shape
-            np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(line).max())
 
 
 def test_further_modes_are_followed_among_those_they_mix_with():

@@ -288,3 +288,10 @@ def test_modes_and_forces_that_are_not_there_are_named(model):
         joint(model.sel(mode=["1B", "3B"]), given, GAUGE, [12e3], BIAS)
     with pytest.raises(ValueError, match="no stick frequency at 50000 N or above"):
         models_of(model, given, GAUGE, BIAS, least_force=50e3)
+
+
+def test_copies_of_weighted_draws_count_as_weight():
+    rng = np.random.default_rng(6)
+    some, points = rng.normal(size=(400, 4)), rng.normal(size=(50, 4))
+    once, thrice = share_within(some, points), share_within(np.repeat(some, 3, axis=0), points)
+    np.testing.assert_allclose(thrice, once, atol=1e-9)

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
-from bladeroot.rom.assembly import assembly_modes, find_modes
+from bladeroot.rom.assembly import find_modes
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.stiffness.map import frequency_map
 from bladeroot.stiffness.surface import all_frequencies, surface_of_map
+from dense_joint import assembly_modes
 from stiffness_beam import beam_assembly, beam_joint, beam_map
 
 

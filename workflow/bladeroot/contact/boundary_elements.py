@@ -1,7 +1,7 @@
 """Boundary elements as an independent check of the closed forms of chapter 6.
 
 Two problems, each from the influence of a loaded cell on the surface of an elastic half-space and
-nothing else: the punch pressed and sheared on a half-plane (pressure, shear, their widths), and a
+nothing else: the punch pressed on a half-plane (pressure and its width), and a
 rigid rectangle moved by a little on a half-space (stiffness of a contact of finite length, whose
 pressure rises towards all four edges; the closed forms hold it constant along the length).
 """
@@ -42,31 +42,6 @@ def line_pressure(
     if inside[0] or inside[-1]:
         raise ValueError(f"the contact is wider than the strip of half-width {reach} m")
     return x, value
-
-
-def line_shear(
-    position: Float[ndarray, " cell"],
-    pressure: Float[ndarray, " cell"],
-    shear_load: float,
-    punch: Punch,
-) -> Float[ndarray, " cell"]:
-    """Shear (Pa) under a monotonic Q = `shear_load` (N/m) after the pressure of `line_pressure`.
-
-    Cells in contact move together until their shear reaches mu p; there it stays (6.1, 6.2).
-    """
-    width = position[1] - position[0]
-    _, influence = _strip(position[-1] + 0.5 * width, position.size, punch)
-    limit = punch.friction * pressure
-    stuck = pressure > 0.0
-    for _ in range(200):
-        slipping = np.where(stuck, 0.0, limit)
-        rest = shear_load / width - slipping.sum()
-        value, _ = _held(influence, stuck, -(influence @ slipping), rest)
-        over = stuck & (value > limit)
-        if not over.any():
-            break
-        stuck &= ~over
-    return value + slipping
 
 
 def rectangle_stiffness(

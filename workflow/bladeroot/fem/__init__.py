@@ -1,5 +1,5 @@
 """The finite-element bodies of the dovetail: geometry, 27-node hexahedra, prestress.
 
 In: a structure file. Out: mesh (`mesh`), mass, stiffness and geometric stiffness (`elasticity`,
-`prestress`). A load that follows the flanks is an option (`follower`). Read `mesh` first.
+`prestress`). Read `mesh` first.
 """

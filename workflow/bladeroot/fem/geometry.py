@@ -67,8 +67,7 @@ class Structure:
     `profile` is the half-profile of the beam at positive x: points (x, half-height) from mid-span
     to the tip, mirrored in X and Z; `fillets` are numbers of its corners that are rounded, and
     their radii. `flank` names the two profile points that bound the contact.
-    `with_pad` says whether the joint's assembly carries the pad; `load` is "dead", where the
-    pressure on the flanks keeps its direction, or "follower", where it turns with them.
+    `with_pad` says whether the joint's assembly carries the pad.
     """
 
     name: str
@@ -84,7 +83,6 @@ class Structure:
     beam_modes: int
     slot_modes: int
     with_pad: bool
-    load: str = "dead"
 
 
 def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file") -> Structure:
@@ -130,7 +128,6 @@ def structure_from_mapping(data: Mapping[str, Any], where: str = "structure file
         beam_modes=data["reduction"]["beam_modes"],
         slot_modes=data["reduction"]["slot_modes"],
         with_pad=data["loaded_case"] == "with-pad",
-        load=data.get("load", "dead"),
     )
     _check_room(structure, where)
     return structure

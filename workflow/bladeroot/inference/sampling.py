@@ -18,13 +18,15 @@ from bladeroot.inference.gaussian import Fit, Problem
 DRAWS = 4000  # that are handed out
 # Draws are added until this part of those handed out is independent, or so many times were asked
 # for. Of 2,000 the quantiles of 68 % move by 0.03 of a standard deviation from seed to seed.
-_WANTED, _MOST = 0.5, 4
-_ROUNDS, _LEARN = 4, 500  # of learning, and the draws of each
+_WANTED, _MOST = 0.5, 6
+_ROUND = 500  # draws between two looks at them; for memory, too
+# Effective draws that a proposal is learnt from at least: with fewer, weights are evened out.
+_LEARNT_FROM = 60
+_PARTS = 3  # of the proposal, once it has learnt
+_OF_PRIOR = 0.25  # of the first proposal: Laplace's knows one peak, the prior all that can be
 _STEPS = 2  # of Gauss and Newton, to the rest
 _FREEDOM = 5.0  # of each part (multivariate t): heavier tails than the posterior's
 _WIDER = 1.3  # std of the first proposal over Laplace's
-_ENOUGH = 0.5  # share of the draws that are independent, from which on nothing is learnt
-_CHUNK = 500  # points at once, for memory
 
 
 @dataclass(frozen=True)
@@ -47,30 +49,35 @@ def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) 
     bent: numbers of the parameters along which the posterior bends. ValueError where no draw has a
     finite posterior.
     """
-    rng, bent, count = np.random.default_rng(seed), np.asarray(bent), len(bent)
-    outer = np.zeros((count + fit.scales.size,) * 2)
-    outer[:count, :count] = fit.covariance[np.ix_(bent, bent)]
-    outer[count:, count:] = fit.scales_covariance
-    centre = np.concatenate([fit.parameters[bent], fit.scales])
-    mixture = _Mixture(np.ones(1), centre[None], _WIDER**2 * outer[None])
-    proposed, learn = 0, min(_LEARN, draws)
-    for _ in range(_ROUNDS):
-        points, _, log = _proposed(fit, bent, mixture, learn, rng)
-        proposed += learn
-        if _effective(log) > _ENOUGH * learn:
+    rng, bent = np.random.default_rng(seed), np.asarray(bent)
+    proposals = [_first(fit, bent)]
+    found, log = [], np.zeros(0)
+    while len(log) < _MOST * draws:
+        found.append(_proposed(fit, bent, proposals[-1], rng))
+        points, parameters, target = (np.concatenate(part) for part in zip(*found, strict=True))
+        mixed = logsumexp([one.log_density(points) for one in proposals], axis=0)
+        log = target - mixed
+        if _effective(log) >= _WANTED * draws:
             break
-        mixture = mixture.learnt(points, _weights(log))
-    points, parameters, log = _proposed(fit, bent, mixture, draws, rng)
-    while len(log) < _MOST * draws and _effective(log) < _WANTED * draws:
-        more = _proposed(fit, bent, mixture, draws, rng)
-        points, parameters, log = (
-            np.concatenate(pair) for pair in zip((points, parameters, log), more, strict=True)
-        )
+        proposals.append(proposals[-1].learnt(points, _weights(_evened(log))))
     weight = _weights(log)
     steps = (np.arange(draws) + rng.uniform()) / draws
     chosen = np.minimum(np.searchsorted(np.cumsum(weight), steps), len(weight) - 1)
     chosen = rng.permutation(chosen)
-    return Draws(parameters[chosen], points[chosen, count:], _effective(log), proposed + len(log))
+    return Draws(parameters[chosen], points[chosen, len(bent) :], _effective(log), len(log))
+
+
+def _first(fit: Fit, bent: ndarray) -> "_Mixture":
+    """Laplace's approximation of the bent parameters and the scales, widened, and their prior."""
+    count, prior, scales = len(bent), fit.problem.prior, fit.problem.scales
+    size = count + fit.scales.size
+    laplace = np.zeros((size, size))
+    laplace[:count, :count] = fit.covariance[np.ix_(bent, bent)]
+    laplace[count:, count:] = fit.scales_covariance
+    means = [[*fit.parameters[bent], *fit.scales], [*prior.mean[bent], *scales.mean]]
+    before = np.diag(np.concatenate([prior.std[bent], scales.std]) ** 2)
+    share = np.array([1.0 - _OF_PRIOR, _OF_PRIOR])
+    return _Mixture(share, np.array(means), np.stack([_WIDER**2 * laplace, before]))
 
 
 def _weights(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
@@ -84,18 +91,21 @@ def _effective(log: Float[ndarray, " draw"]) -> float:
     return float(1.0 / np.sum(_weights(log) ** 2))
 
 
+def _evened(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
+    """ln of weights of which no few have it all."""
+    heat = 1.0
+    while _effective(log / heat) < _LEARNT_FROM and np.isfinite(log).sum() > 2 * _LEARNT_FROM:
+        heat *= 1.5
+    return log / heat
+
+
 def _proposed(
-    fit: Fit, bent: ndarray, mixture: "_Mixture", count: int, rng: np.random.Generator
+    fit: Fit, bent: ndarray, mixture: "_Mixture", rng: np.random.Generator
 ) -> tuple[ndarray, ndarray, ndarray]:
-    """Points of the mixture, all parameters there, and ln of their weights."""
-    points = mixture.draw(count, rng)
-    noise = rng.standard_normal((count, fit.parameters.size - len(bent)))
-    parts = [
-        _completed(fit, bent, points[k : k + _CHUNK], noise[k : k + _CHUNK])
-        for k in range(0, count, _CHUNK)
-    ]
-    parameters, log = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return points, parameters, log - mixture.log_density(points)
+    """Points of the mixture, all parameters there, and ln of the posterior over the rest's."""
+    points = mixture.draw(_ROUND, rng)
+    noise = rng.standard_normal((_ROUND, fit.parameters.size - len(bent)))
+    return points, *_completed(fit, bent, points, noise)
 
 
 def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tuple[ndarray, ndarray]:
@@ -108,7 +118,8 @@ def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tupl
     theta[:, bent] = points[:, :count]
     theta[:, rest] += (points[:, :count] - fit.parameters[bent]) @ along
     weight = np.diag(prior.std[rest] ** -2.0)
-    for _ in range(_STEPS):
+    curve = np.zeros((len(points), 0, 0))
+    for _ in range(_STEPS if rest.size else 0):
         here = _seen(problem, theta, scales)
         white = np.linalg.solve(
             here.root, np.concatenate([here.slope[..., rest], here.miss], axis=2)
@@ -205,15 +216,16 @@ class _Mixture:
     def learnt(self, points: ndarray, weight: ndarray) -> "_Mixture":
         """The mixture that the weighted draws ask for (expectation maximisation)."""
         mixture = self
-        if len(self.share) == 1:  # three, apart along the longest axis of what was seen
+        if len(self.share) < _PARTS:  # apart along the longest axis of what was seen
             mean = weight @ points
             spread = (weight[:, None] * (points - mean)).T @ (points - mean)
             spread += 0.05 * self.scale[0]
             unit = np.sqrt(np.diag(spread))
             size, axis = np.linalg.eigh(spread / np.outer(unit, unit))
             along = axis[:, -1] * np.sqrt(size[-1]) * unit
-            places = mean + np.array([-1.0, 0.0, 1.0])[:, None] * along
-            mixture = _Mixture(np.full(3, 1 / 3), places, np.tile(spread, (3, 1, 1)))
+            places = mean + np.linspace(-1.0, 1.0, _PARTS)[:, None] * along
+            share = np.full(_PARTS, 1.0 / _PARTS)
+            mixture = _Mixture(share, places, np.tile(spread, (_PARTS, 1, 1)))
         n = points.shape[1]
         for _ in range(5):
             log, square = mixture.log_parts(points)

@@ -39,7 +39,6 @@ def structure_section(
         failed = sorted(set(check["check"].values[check["within"].values == 0]))
         if failed:
             parts.append(f"{name} misses the limit in: {', '.join(failed)}.")
-        parts += _follower(name, check)
     parts.append(
         Table(
             "Reduced and parametric model against the finite-element model with all its degrees of "
@@ -64,26 +63,6 @@ def _accuracy_rows(accuracy: xr.Dataset) -> list[tuple[str, ...]]:
             *(f"{float(largest.sel(contact=c, force=force)):.1e}" for c in ("softest", "stiffest")),
         )
         for force in accuracy["force"].values
-    ]
-
-
-def _follower(name: str, check: xr.Dataset) -> list[str]:
-    """What a load that follows the flanks would change, in words, if it was computed."""
-
-    def residuals(title: str) -> dict[str, float]:
-        chosen = check.isel(row=check["check"].values == title)
-        return dict(zip(chosen["mode"].values, chosen["residual"].values, strict=True))
-
-    against = residuals("follower against dead load")
-    left = residuals("follower load, its symmetric part against all of it")
-    if not against:
-        return []
-    return [
-        f"A pressure that turned with the flanks of {name}, instead of a load of fixed direction, "
-        f"would lower the free beam's 1Fy by {percent(-against['1Fy'])} and its 2Fy by "
-        f"{percent(-against['2Fy'])} at 24 kN, and would stiffen no rigid rotation, against Table "
-        "4.2: the thesis's load is dead. Of a follower load's stiffness only the symmetric part is "
-        f"used; the rest moves these frequencies by at most {percent(max(left.values()), 2)}."
     ]
 
 

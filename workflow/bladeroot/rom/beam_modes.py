@@ -16,7 +16,6 @@ from bladeroot.rom.reduction import (
     BeamModel,
     force_stiffness,
     project,
-    project_force,
     project_stiffness,
 )
 
@@ -48,7 +47,7 @@ def reduce_beam(model: BeamModel, basis: Basis) -> ReducedBeam:
         basis,
         project(model.mass, basis),
         project_stiffness(model.stiffness, basis),
-        project_force(model, basis),
+        project(model.geometric, basis),
     )
 
 

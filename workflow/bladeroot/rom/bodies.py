@@ -17,7 +17,7 @@ from numpy import ndarray
 
 from bladeroot.rom.assembly import MATCHED, frames, gap_rows, of_parity
 from bladeroot.rom.joint import Joint, Operator
-from bladeroot.rom.reduction import craig_bampton, project_stiffness
+from bladeroot.rom.reduction import craig_bampton, project, project_stiffness
 
 # Least agreement (MAC) of a mode with a given shape, by which it is named. Measured shapes of one
 # mode agree to 0.9 and better; two modes on few points rarely to more than 0.5.
@@ -183,16 +183,9 @@ def _reduced(body: Body, contact: ndarray, kept: int) -> tuple[ndarray, ...]:
         basis = craig_bampton(body.stiffness, body.mass, masters, kept)
     except ValueError as error:
         raise ValueError(f"body {body.name}, its contact nodes held: {error}") from None
-    columns = basis.columns
-
-    def project(matrix: sp.csr_array | None) -> ndarray:
-        if matrix is None:
-            return np.zeros((columns.shape[1],) * 2)
-        made = columns.T @ (matrix @ columns)
-        return 0.5 * (made + made.T)
-
-    own = project_stiffness(body.stiffness, basis)
-    return project(body.mass), own, project(body.geometric), columns
+    own, geometric = project_stiffness(body.stiffness, basis), body.geometric
+    pull = np.zeros_like(own) if geometric is None else project(geometric, basis)
+    return project(body.mass, basis), own, pull, basis.columns
 
 
 def _join(pairs: Int[ndarray, "pair 2 3"], size: int) -> Float[ndarray, "dof kept"]:

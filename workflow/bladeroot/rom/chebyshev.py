@@ -1,7 +1,7 @@
 """Smooth functions of (ln kn, ln kt, F) as sums of Chebyshev polynomials, with derivatives.
 
 A function that is smooth over the box is represented to rounding by a few dozen coefficients a
-coordinate, and is then evaluated, with gradient and Hessian, in about a microsecond a point.
+coordinate, and is then evaluated, with its gradient, in about a microsecond a point.
 """
 
 from collections.abc import Callable
@@ -105,7 +105,7 @@ def trimmed(surface: Surface, tolerance: float = 1e-5) -> Surface:
 def evaluate(
     surface: Surface, points: Float[ndarray, "point 3"], order: int = 0
 ) -> list[Float[ndarray, "point function ..."]]:
-    """Values, and with order 1 or 2 gradients and Hessians by the coordinates, at many points.
+    """Values, and with order 1 gradients by the coordinates, at many points.
 
     Raises ValueError for a point outside the box.
     """
@@ -135,13 +135,6 @@ def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> lis
     results = [term(0, 0, 0)]
     if order > 0:
         results.append(np.stack([term(1, 0, 0), term(0, 1, 0), term(0, 0, 1)], axis=-1))
-    if order > 1:
-        hessian = np.empty((len(x), functions, 3, 3))
-        for a in range(3):
-            for b in range(a + 1):
-                power = np.bincount([a, b], minlength=3).tolist()
-                hessian[:, :, a, b] = hessian[:, :, b, a] = term(*power)
-        results.append(hessian)
     return results
 
 

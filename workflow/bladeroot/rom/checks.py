@@ -26,7 +26,6 @@ from bladeroot.rom.beam_modes import (
     reduced_modes,
 )
 from bladeroot.rom.comparison import checks_dataset, row
-from bladeroot.rom.load_checks import load_checks
 from bladeroot.rom.reduction import (
     BeamModel,
     beam_basis,
@@ -79,7 +78,6 @@ def checks(structure: Structure, tables: Mapping[str, pd.DataFrame]) -> xr.Datas
         *_table_4_4(reduced, tables["table_4_4"]),
         *_rotations(structure, reduced),
         *_reduction(full, reduced),
-        *load_checks(mesh, reduced, tables["table_4_2"]),
     ]
     return checks_dataset(rows, structure.name, structure.description)
 

@@ -14,8 +14,12 @@ def row(
     limit: float,
     quantity: str = "frequency",
     unit: str = "Hz",
+    scale: float | None = None,
 ) -> dict:
-    """One comparison: computed against a reference; `limit` NaN where none is required."""
+    """One comparison: computed against a reference; `limit` NaN where none is required.
+
+    scale: what the difference is divided by, the reference unless given.
+    """
     return {
         "check": check,
         "quantity": quantity,
@@ -24,7 +28,7 @@ def row(
         "force": float(force),
         "reference": float(reference),
         "computed": float(computed),
-        "residual": float(computed / reference - 1.0),
+        "residual": float((computed - reference) / (reference if scale is None else scale)),
         "limit": float(limit),
     }
 

@@ -1,10 +1,10 @@
 """The parametric reduced model as it is read: frequencies over (ln k..., load).
 
 For each named mode it holds a small basis with an error bound (`ritz`). Of two stiffnesses it holds
-ln f as a sum of Chebyshev polynomials (`chebyshev`), too, the fast way to values, gradients and
-Hessians; of other numbers of them the small problem itself is solved wherever it is asked for
-(`Solved`): a grid in five dimensions would take more solutions than any inference asks for. The
-model is made by `parametric_build`.
+ln f as a sum of Chebyshev polynomials (`chebyshev`), too, the fast way to values and gradients; of
+other numbers of them the small problem itself is solved wherever it is asked for (`Solved`): a grid
+in five dimensions would take more solutions than any inference asks for. The model is made by
+`parametric_build`.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from numpy import ndarray
 
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.rom.ritz import Ritz, solve
+from bladeroot.rom.ritz import Ritz, frequency, solve
 
 # Projections in the artifact: dims besides mode, unit, what it is.
 SQUARE = ("vector", "vector_")
@@ -88,20 +88,6 @@ def frequencies_gradient(
     value, slope = chebyshev.evaluate(surface, points, order=1)
     f = np.exp(value)
     return f, f[..., None] * slope
-
-
-def frequencies_hessian(
-    surface: Surface, points: Float[ndarray, "point 3"]
-) -> tuple[
-    Float[ndarray, "point mode"],
-    Float[ndarray, "point mode 3"],
-    Float[ndarray, "point mode 3 3"],
-]:
-    """Frequencies (Hz), gradient and Hessian by (ln kn, ln kt, F)."""
-    value, slope, curve = chebyshev.evaluate(surface, points, order=2)
-    f = np.exp(value)
-    curve = curve + slope[..., :, None] * slope[..., None, :]
-    return f, f[..., None] * slope, f[..., None, None] * curve
 
 
 @dataclass(frozen=True)

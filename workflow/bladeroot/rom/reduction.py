@@ -15,7 +15,6 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.fem import elasticity
-from bladeroot.fem.follower import load_stiffness, symmetric
 from bladeroot.fem.geometry import Structure
 from bladeroot.fem.linear import factor
 from bladeroot.fem.mesh import SLOTS, Mesh, base_nodes, body_mesh
@@ -76,10 +75,9 @@ def craig_bampton(
 
 
 def project(matrix: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
-    """alpha^T A alpha for a node-by-node matrix that acts alike on each axis (M, Kg), eq. 4.12."""
-    nodes, reduced = matrix.shape[0], basis.columns.shape[1]
-    moved = (matrix @ basis.columns.reshape(nodes, 3 * reduced)).reshape(-1, reduced)
-    result = basis.columns.T @ moved
+    """alpha^T A alpha (eq. 4.12) of a matrix by dof, or by node that acts alike on each axis."""
+    moved = matrix @ basis.columns.reshape(matrix.shape[0], -1)
+    result = basis.columns.T @ moved.reshape(basis.columns.shape)
     return (result + result.T) / 2
 
 
@@ -101,16 +99,12 @@ def contact_dofs(nodes: Int[ndarray, " pair"]) -> Int[ndarray, " dof"]:
 
 @dataclass(frozen=True)
 class BeamModel:
-    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node.
-
-    `follower`: symmetric load stiffness (per newton) by dof, None for a dead load.
-    """
+    """The whole beam: stiffness by dof, mass and geometric stiffness (per newton) by node."""
 
     mesh: Mesh
     stiffness: sp.csr_array
     mass: sp.csr_array
     geometric: sp.csr_array
-    follower: sp.csr_array | None = None
 
 
 def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) -> BeamModel:
@@ -125,22 +119,12 @@ def beam_model(structure: Structure, mesh: xr.Dataset, prestress: xr.Dataset) ->
         elasticity.stiffness(beam, rule, materials),
         elasticity.mass(beam, rule, materials),
         elasticity.geometric_stiffness(beam, rule, prestress.stress.values),
-        symmetric(load_stiffness(mesh)) if structure.load == "follower" else None,
     )
 
 
 def force_stiffness(model: BeamModel) -> sp.csr_array:
-    """Stiffness per newton of axial force (1/m) by dof: of the stress, and of a follower load."""
-    geometric = elasticity.per_axis(model.geometric)
-    return geometric if model.follower is None else sp.csr_array(geometric + model.follower)
-
-
-def project_force(model: BeamModel, basis: Basis) -> Float[ndarray, "reduced reduced"]:
-    """The reduced stiffness per newton of axial force (1/m), eqs 4.2, 4.12."""
-    geometric = project(model.geometric, basis)
-    if model.follower is None:
-        return geometric
-    return geometric + basis.columns.T @ (model.follower @ basis.columns)
+    """Stiffness per newton of axial force (1/m) by dof, of the stress under a dead load."""
+    return elasticity.per_axis(model.geometric)
 
 
 def beam_basis(model: BeamModel, mesh: xr.Dataset, modes: int) -> Basis:
@@ -164,7 +148,7 @@ def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Datas
         (
             project(model.mass, basis),
             project_stiffness(model.stiffness, basis),
-            project_force(model, basis),
+            project(model.geometric, basis),
         ),
         basis.columns.reshape(-1, 3, basis.columns.shape[1])[mesh.display_node.values],
         _reduce_slots(structure, mesh),

@@ -63,15 +63,11 @@ def contact_factor(rows: Float[ndarray, "row vector"]) -> Float[ndarray, "vector
 class Pairs:
     """Eigenpairs of a projected problem at many points.
 
-    value, shape: the mode's omega^2 (1/s^2) and shape of unit modal mass. values, shapes: all of
-    the basis's; place: the mode's column in them.
+    value, shape: the mode's omega^2 (1/s^2) and shape of unit modal mass.
     """
 
     value: Float[ndarray, " point"]
     shape: Float[ndarray, "point vector"]
-    values: Float[ndarray, "point vector"]
-    shapes: Float[ndarray, "point vector vector"]
-    place: Int[ndarray, " point"]
 
 
 def solve(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
@@ -80,19 +76,8 @@ def solve(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
     body, geometric, *springs = (
         part[kept, kept] for part in (ritz.beam + ritz.slots, ritz.geometric, *ritz.springs)
     )
-    values, shapes = np.linalg.eigh(_stiffness(body, geometric, springs, points))
-    shape = shapes[:, :, ritz.rank]
-    place = np.full(len(points), ritz.rank)
-    return Pairs(quotient(body, geometric, springs, shape, points), shape, values, shapes, place)
-
-
-def solve_whole(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
-    """The same with the vectors for perturbations; the mode is told by its shape."""
-    parts = (ritz.beam + ritz.slots, ritz.geometric, ritz.springs)
-    values, shapes = np.linalg.eigh(_stiffness(*parts, points))
-    place = closest(shapes[:, : ritz.own], solve(ritz, points).shape)
-    shape = shapes[np.arange(len(points)), :, place]
-    return Pairs(quotient(*parts, shape, points), shape, values, shapes, place)
+    shape = np.linalg.eigh(stiffness_of(body, geometric, springs, points))[1][:, :, ritz.rank]
+    return Pairs(quotient(body, geometric, springs, shape, points), shape)
 
 
 def closest(
@@ -102,14 +87,8 @@ def closest(
     return np.abs(np.einsum("piv,pi->pv", shapes, shape)).argmax(axis=1)
 
 
-def stiffness_of(
-    ritz: Ritz, points: Float[ndarray, "point coordinate"]
-) -> Float[ndarray, "point vector vector"]:
-    """Projected stiffness in the whole basis, 1/s^2."""
-    return _stiffness(ritz.beam + ritz.slots, ritz.geometric, ritz.springs, points)
-
-
-def _stiffness(body, geometric, springs, points) -> ndarray:
+def stiffness_of(body, geometric, springs, points) -> ndarray:
+    """Projected stiffness at points (ln k..., F), 1/s^2."""
     matrix = body + points[:, -1, None, None] * geometric
     for k, rows in zip(np.exp(points[:, :-1].T)[:, :, None, None], springs, strict=True):
         matrix += k * (rows.T @ rows)

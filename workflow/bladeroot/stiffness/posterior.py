@@ -212,7 +212,7 @@ def _levels(law: Law, draws: Draws, levels: Mapping[str, ndarray]) -> xr.Dataset
 
 
 def share_within(
-    draws: Float[ndarray, "draw 2"], points: Float[ndarray, "point 2"]
+    draws: Float[ndarray, "draw axis"], points: Float[ndarray, "point axis"]
 ) -> Float[ndarray, " point"]:
     """Share of the region on whose edge each point lies: every larger region holds the point.
 
@@ -223,8 +223,12 @@ def share_within(
     """
     from scipy.stats import gaussian_kde
 
-    kernel = gaussian_kde(draws.T)
-    count = len(draws)
-    peak = 1.0 / (2.0 * np.pi * np.sqrt(np.linalg.det(kernel.covariance)))
-    own = np.sort((count * kernel(draws.T) - peak) / (count - 1))  # at a draw, by the others
-    return 1.0 - np.searchsorted(own, kernel(points.T)) / count
+    # Weighted draws come several times: a draw's density is that of all others, copies left out.
+    draws, copies = np.unique(draws, axis=0, return_counts=True)
+    weight = copies / copies.sum()
+    kernel = gaussian_kde(draws.T, weights=weight)
+    peak = 1.0 / np.sqrt(np.linalg.det(2.0 * np.pi * kernel.covariance))
+    own = (kernel(draws.T) - weight * peak) / (1.0 - weight)
+    order = np.argsort(own)
+    below = np.concatenate([[0.0], np.cumsum(weight[order])])
+    return 1.0 - below[np.searchsorted(own[order], kernel(points.T))]

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from bladeroot.rom.comparison import checks_dataset
+from bladeroot.rom.comparison import checks_dataset, row
 from bladeroot.rom.external.bodies import Body, load_bodies, rigid_energy, rigid_motions
 from bladeroot.rom.external.description import Description
 
@@ -22,25 +22,10 @@ def external_checks(description: Description, mesh: xr.Dataset) -> xr.Dataset:
     is not that of one newton of axial force.
     """
     bodies = load_bodies(description, mesh)
-    rows = [row for body in bodies for row in _mass(body)]
+    rows = [one for body in bodies for one in _mass(body)]
     rows += _rigid(bodies[0])
     rows += _load(bodies[0], mesh)
     return checks_dataset(rows, mesh.attrs["structure"], mesh.attrs["description"])
-
-
-def _row(check: str, quantity: str, unit: str, mode: str, pair: tuple[float, float, float]) -> dict:
-    """`pair` is the reference, the value found, and the scale of their difference."""
-    reference, computed, scale = (float(value) for value in pair)
-    return {
-        "check": check,
-        "quantity": quantity,
-        "unit": unit,
-        "mode": mode,
-        "force": np.nan,
-        "reference": reference,
-        "computed": computed,
-        "residual": (computed - reference) / scale,
-    }
 
 
 def _mass(body: Body) -> list[dict]:
@@ -48,18 +33,18 @@ def _mass(body: Body) -> list[dict]:
     found = np.einsum("di,di->i", moves, body.mass @ moves)
     axes = (body.dof[:, :3] >= 0).sum(axis=1)
     limit = np.nan if ((axes == 1) | (axes == 2)).any() else LIMITS["mass"]
+    check = "mass is alike along X, Y and Z"
     return [
-        _row("mass is alike along X, Y and Z", "mass", "kg", f"{body.name}, {name}", pair)
-        | {"limit": limit}
-        for name, pair in zip("YZ", ((found[0], m, found[0]) for m in found[1:]), strict=True)
+        row(check, f"{body.name}, {name}", np.nan, found[0], mass, limit, "mass", "kg")
+        for name, mass in zip("YZ", found[1:], strict=True)
     ]
 
 
 def _rigid(beam: Body) -> list[dict]:
     limit = LIMITS["rigid motion"] if (beam.dof[:, :3] >= 0).all() else np.nan
+    about = ("relative energy", "1", 1.0)
     return [
-        _row("rigid motion of the free beam", "relative energy", "1", name, (0.0, energy, 1.0))
-        | {"limit": limit}
+        row("rigid motion of the free beam", name, np.nan, 0.0, energy, limit, *about)
         for name, energy in zip(_MOTIONS, rigid_energy(beam), strict=True)
     ]
 
@@ -78,8 +63,7 @@ def _load(beam: Body, mesh: xr.Dataset) -> list[dict]:
     for k, name in enumerate(_MOTIONS[3:]):
         spin = np.cross(np.eye(3)[k], np.eye(3)).T
         exact = np.trace(spin.T @ spin @ virial)
-        pair = (exact, found[3 + k], abs(exact))
+        about = (LIMITS["load"], "rotational stiffness per force", "m", abs(exact))
         check = "rigid rotation under the load of 1 N"
-        row = _row(check, "rotational stiffness per force", "m", name, pair)
-        rows.append(row | {"limit": LIMITS["load"]})
+        rows.append(row(check, name, np.nan, exact, found[3 + k], *about))
     return rows

@@ -7,18 +7,19 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.rom.assembly import assemble, assembly_modes, find_modes
 from bladeroot.rom.external.bodies import Body, load_bodies
 from bladeroot.rom.external.description import Description
+from bladeroot.rom.joint import exact_modes, joint_of_reduced
+from bladeroot.rom.parametric_build import MODES
 from bladeroot.rom.reduction import (
     Basis,
     craig_bampton,
+    project,
     project_stiffness,
     reduced_dataset,
 )
 
-# Stiffness of a flank (N/m) at which the two modes are looked for, and how many modes are tried.
-_CONTACT, _TRIED = 1.0e9, 24
+_CONTACT = 1.0e9  # stiffness of a flank (N/m) at which the two modes are looked for
 
 
 def reduce_matrices(description: Description, mesh: xr.Dataset) -> xr.Dataset:
@@ -44,7 +45,7 @@ def reduce_matrices(description: Description, mesh: xr.Dataset) -> xr.Dataset:
     shown = mesh.display_node.values
     reduced = reduced_dataset(
         mesh,
-        (*_reduced(beam, basis), _projected(beam.geometric, basis)),
+        (*_reduced(beam, basis), project(beam.geometric, basis)),
         basis.columns[beam.dof[shown, :3]],
         reduced_slots,
         settings,
@@ -68,13 +69,7 @@ def _basis(body: Body, contact: ndarray, modes: int) -> Basis:
 def _reduced(
     body: Body, basis: Basis
 ) -> tuple[Float[ndarray, "dof dof"], Float[ndarray, "dof dof"]]:
-    return _projected(body.mass, basis), project_stiffness(body.stiffness, basis)
-
-
-def _projected(matrix: sp.csr_array, basis: Basis) -> Float[ndarray, "reduced reduced"]:
-    """alpha^T A alpha, eq. 4.12."""
-    result = basis.columns.T @ (matrix @ basis.columns)
-    return (result + result.T) / 2
+    return project(body.mass, basis), project_stiffness(body.stiffness, basis)
 
 
 def _check_positive(matrix: sp.csr_array, what: str, where: str) -> None:
@@ -98,9 +93,8 @@ def _check_positive(matrix: sp.csr_array, what: str, where: str) -> None:
 
 def _check_modes(reduced: xr.Dataset, where: str) -> None:
     """The two modes of the measurement must be found among the joint's lowest."""
-    joint = assemble(reduced, 0.0)
-    _, shapes = assembly_modes(joint, _CONTACT, _CONTACT, min(_TRIED, joint.sizes["dof"]))
+    point = np.array([np.log(_CONTACT), np.log(_CONTACT), 0.0])
     try:
-        find_modes(joint, shapes)
+        exact_modes(joint_of_reduced(reduced), point, MODES)
     except ValueError as error:
         raise ValueError(f"{error} ({where})") from error
