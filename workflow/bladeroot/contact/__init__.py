@@ -2,5 +2,5 @@
 
 From the geometry of one flank to pressure, shear, normal and tangential approach, and from these
 to the incremental contact stiffness against the normal force and against the axial force.
-The room needs numpy, scipy and xarray only.
+In: a punch and a load. Out: Datasets (`theory`); friction laws are in `laws`. Read `punch` first.
 """

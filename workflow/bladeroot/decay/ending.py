@@ -8,20 +8,23 @@ from bladeroot.decay.release import FEWEST, OVERLAP, REACH, log_points
 from bladeroot.signal.envelope import FRAME_STEPS, Envelope
 from bladeroot.signal.turning import kinks
 
-# What strikes exceeds what was there over the last eight cycles by this factor (noise in a frame
-# of ten samples does so once in a million), and is this part of the mode: less does no harm.
+# A blow is seen in what a frame holds besides the mode: this grows beyond its largest over the
+# eight cycles before by the factor STRIKE (noise in a frame of ten samples does so once in a
+# million), and is more than the part HARMFUL of the mode's amplitude; a smaller one does no harm.
 STRIKE, HARMFUL = 5.0, 0.005
-# The tip's return as a kink: gain over noise (see `release.GAIN`; here every place of a record is
-# tested), gain over noise and the ripple that it leaves, or the first alone where it is abrupt.
+# The shaker's tip touches the beam again: a kink counts with GAIN over noise (see `release.GAIN`;
+# larger here, where every place of a record is tested) and BARE over noise and the ripple after
+# it, or with ALONE over noise where it is abrupt.
 GAIN, BARE, ALONE = 30.0, 10.0, 60.0
-# Step and bend (over the reach) of the log-phasor. A joint that begins to stick has neither; the
-# beat of a close mode of 8 % bends by as much, a frequency that changes at once by 0.7 % does so
-# over two dozen cycles, one that changes by 0.17 % over a hundred.
+# Least step of the log-phasor, or bend times the reach, of a kink. A joint that begins to stick has
+# neither. As much is reached by the beat of a close mode of 8 %, by a frequency that changes at
+# once by 0.7 % (over two dozen cycles), and by one that changes by 0.17 % (over a hundred).
 MOVED = 1.0
-# Frames a point (half cycles), and the fall of ln A before a place up to which a bend is a kink, or
-# an abrupt one: over more, a joint's damping rises to a hump and falls again by itself.
+# SIZES: frames (half cycles) in a tested point. STEEPEST, ABRUPT: a bend is a kink, or an abrupt
+# one, only if ln A falls by less than this over the points before it: over a larger fall, a joint's
+# damping rises to a hump and falls again by itself.
 SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
-# No noise makes the smoothed envelope rise by half, nor a decaying mode by itself.
+# Neither noise nor a decaying mode by itself makes the smoothed envelope rise by half.
 RISE = float(np.log(1.5))
 
 
@@ -34,7 +37,7 @@ def running_power(seen: Envelope, size: int) -> Float[ndarray, " frame"]:
 
 
 def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
-    """Frames in which something strikes: what is not the mode, or the mean, jumps."""
+    """Frames in which something strikes: the mean, or the rest besides the mode, jumps."""
     lag = FRAME_STEPS // 2
     moved = np.zeros_like(seen.mean)
     moved[FRAME_STEPS:] = np.abs(seen.mean[FRAME_STEPS:] - seen.mean[:-FRAME_STEPS])
@@ -62,23 +65,23 @@ def find_end(
 ) -> tuple[float, str]:
     """Time at which the decay from frame `begin` on ends, and why.
 
-    `noise` is a frame's rms amplitude, `least` the amplitude below which a digitiser's steps show,
-    `level` the smoothed ln of the amplitude, not below what noise may show, `broken` where
-    something strikes, `trough` the end of its fall, `ratio` the part of its first value at which
-    the envelope shall end (0: go on to the noise).
+    `noise` is the rms amplitude that noise shows in a frame, `least` the amplitude below which a
+    digitiser's steps show, `level` the smoothed ln of the amplitude, not below what noise may show,
+    `broken` where something strikes, `trough` the frame in which the fall of `level` ends, `ratio`
+    the part of its first value at which the envelope shall end (0: go on to the noise).
     """
     last = seen.level.size - 1
     ends = []
     over = trough + np.flatnonzero(broken[trough:] | (level[trough:] > level[trough] + RISE))
     if over.size:
-        # a rise has begun before it is as high; from the noise there is nothing to go back to
+        # a slow rise begins at the trough, before it is seen; out of the noise it has no such start
         creeps = not broken[over[0]] and level[trough] > level.min()
         at = trough if creeps else over[0]
         ends.append((seen.time[at] - 0.5 * seen.frame_s, "disturbed"))
     pace = (trough - begin) / max(seen.level[begin] - seen.level[trough], 0.1)
     size = int(np.clip(0.5 * pace, FRAME_STEPS, 4096))
     power = running_power(seen, size)[begin:]
-    # above the mean square of noise by three of its standard errors
+    # the mean square of noise, and three of its standard errors
     limit = noise**2 * (1.0 + 3.0 * np.sqrt(OVERLAP / size))
     lost = np.flatnonzero(power <= limit)
     if lost.size:

@@ -1,7 +1,8 @@
 """What several causes together change of the records' stick frequencies.
 
-They act on each other as on the specimen: a law of the axial force goes by the force that there is,
-not by what the gauge says, and changed matrices move frequencies by the stiffness that there is.
+They act on each other as on the specimen: a law of the axial force takes the true force, as the
+other causes change it, not the gauge's reading; and what changed matrices do to a frequency depends
+on the contact stiffness as the other causes change it.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,8 +22,9 @@ _STEP = 1e-4  # of a force, for slopes by differences
 class Causes:
     """Changes by `COORDINATES` (force in N).
 
-    changes: of all together. effects: of each, with what laws of the force make of it, linear.
-    slopes: of the changes, by each one's own coordinates in the fit, shape (record, 4, own).
+    changes: of all together. effects: of each alone, and, to first order, what laws of the force
+    make of its change of the force. slopes: derivatives of `changes` by each cause's own
+    coordinates in the fit, shape (record, 4, own).
     """
 
     changes: Float[ndarray, "record 4"]
@@ -38,8 +40,8 @@ def causes(
 ) -> Causes:
     """At coordinates `theta` of all mechanisms in order.
 
-    structures: change of ln f by changed matrices, and its derivatives, of a mechanism, its values
-    and what the others change in ln kn and ln kt.
+    structures: takes a mechanism, its values, and the others' changes of ln kn and ln kt; returns
+    the change of ln f by its changed matrices, and the derivatives.
     """
     told, first = [], 0
     for one in mechanisms:
@@ -47,7 +49,7 @@ def causes(
         first += len(one.parameters)
     n = records.force.size
     own = [np.zeros((n, 4)) for _ in told]
-    through = [np.zeros((n, 4)) for _ in told]  # laws of the force
+    through = [np.zeros((n, 4)) for _ in told]  # by way of the force, in the laws of others
     slopes = [np.zeros((n, 4, len(one.parameters))) for one in mechanisms]
     laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
     for k in laws:

@@ -1,1 +1,6 @@
-"""Figures: one small file a stage, each function takes Datasets and returns a matplotlib Figure."""
+"""Figures: one small file a stage, each with functions that the report calls.
+
+In: Datasets. Out: a `Chart` (data of panels and traces, which `live` and `still` draw), or a
+matplotlib Figure where a picture is no chart. Read `chart` first: an axis is a `Panel` in the
+stage's file. `style` is the look that all share.
+"""

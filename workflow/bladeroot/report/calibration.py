@@ -6,7 +6,7 @@ import xarray as xr
 from bladeroot.report.numbers import fixed, percent, significant
 from bladeroot.report.page import Table
 
-# SI unit -> the unit shown, its size, decimals.
+# SI unit -> the unit shown, its size in SI, decimals.
 _SHOWN = {"m": ("mm", 1e-3, 2), "Pa": ("GPa", 1e9, 1), "kg/m3": ("kg/m³", 1.0, 0)}
 
 

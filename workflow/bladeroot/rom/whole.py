@@ -19,8 +19,9 @@ from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
 from bladeroot.schema import read_yaml
 
-# Bound of a frequency's relative error in an assembly's model: five hundred times below the usual
-# error of a model, and its eigenproblems half the size of those for the dovetail's 1e-7.
+# Bound of a frequency's relative error in an assembly's parametric model: five hundred times below
+# the usual error of a finite-element model. Its eigenproblems are half the size of those that the
+# dovetail's bound, 1e-7, needs.
 TOLERANCE = 1e-5
 
 
@@ -51,8 +52,8 @@ def parametric_structure(
 ) -> xr.Dataset:
     """Frequencies over contact stiffness and load of what `reduced_structure` gives.
 
-    asked: section `parametric` of the configuration; an assembly brings its own modes and box.
-    equal_nodes: a dovetail's springs as in the thesis.
+    asked: section `parametric` of the configuration; an assembly brings its own modes and ranges of
+    stiffness. equal_nodes: the same spring at each node of a dovetail's flank, as in the thesis.
     """
     force = tuple(1e3 * end for end in asked["force_kN"])
     if reduced.attrs.get("kind") != "assembly":

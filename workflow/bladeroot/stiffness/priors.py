@@ -1,6 +1,7 @@
 """What is thought of each quantity beforehand: mean, standard deviation and origin.
 
-One prior a quantity, for the joint inference, the inference with curves and the diagnosis.
+One prior a quantity, for the joint inference, the inference with curves and the diagnosis. Damping
+(`diagnosis.damping_model`) and simulations without kn and kt (`diagnosis.simulation`) have theirs.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ EXPONENT = (0.5, 0.5, "smooth contact 0 (6.16), rough contact 1; Table 5.2 has 0
 # contact's 0.05 (6.16) too, is a cause's to explain.
 SMOOTH_EXPONENT = (0.0, 0.005, "smooth contact stiffens with exponent 0 to 0.07 (6.16)")
 BEND = (0.0, 0.25, "no law known to us bends; room for full contact reached only at high force")
-# ln of the scatter of k between clampings.
+# ln of the standard deviation of ln kn and ln kt between clampings.
 SCATTER = (np.log(0.04), 0.6, "re-clamping changes k by 2 to 14 %")
 CORRELATION = (0.5, 0.7, "atanh of the correlation of kn and kt between clampings")
 # A model that is wrong by so much at 12 kN is wrong by this part of it more a unit of ln F: 1 % of

@@ -5,5 +5,6 @@ strongest candidate with its statistic (which `quality.integrity` compares with 
 None where the record is too short to judge. Beside it stand `THRESHOLD` and `STATISTIC`, what
 the statistic is in a phrase. A file with `FIRST = True` is run before the others, which then see
 the record with what it masked bridged. One with `MIXED = True` looks at all that rings; the others
-see the mode by itself.
+see the mode by itself. One that other modes' leftovers may set off is listed in `OF_THE_COURSE` of
+`quality.integrity`.
 """

@@ -12,13 +12,14 @@ STATISTIC = (
     "0.3 of it where the decay no longer slows"
 )
 THRESHOLD = 3.0
-# A joint that sticks falls on at one rate, a driven mode ever slower: the last tenth is slower than
-# SLOWS of the tenth two before. Where it is not, only a ratio counts that no joint has.
+# While a joint sticks, ln A falls at one rate; that of a driven mode falls ever slower: in the last
+# tenth at less than SLOWS times the rate of the tenth two before. Where it does not slow so, the
+# ratio is multiplied by STEADY, so that only one counts that no joint has.
 SLOWS, STEADY = 0.6, 0.3
 
 
 def find(sight: Sight) -> Finding | None:
-    """Slopes of ln A; the tail below five times the last amplitude is masked."""
+    """Compare slopes of ln A; what lies below five times the last amplitude is masked."""
     frames = sight.frames
     level = frames.log.real[: frames.clear]
     if level.size < 80:
