@@ -61,12 +61,7 @@ class Model:
 
 
 def build_model(structure: Structure, pad: bool) -> Model:
-    """Mesh, static stress and matrices of one structure; ValueError if its load is no dead one."""
-    if structure.load != "dead":
-        raise ValueError(
-            f"structure {structure.name}: expected load: dead, as in the tables, "
-            f"got {structure.load}"
-        )
+    """Mesh, static stress and matrices of one structure."""
     mesh = build_mesh(structure, with_pad=pad)
     stressed = prestress(structure, mesh)
     return Model(structure, mesh, stressed, full_joint(structure, mesh, stressed))
