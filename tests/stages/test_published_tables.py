@@ -10,7 +10,7 @@ import yaml
 from bladeroot.contact.published import published_stiffness
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.reproduction.calibration import Problem, predict
+from bladeroot.reproduction.calibration import Calibration, predict
 from bladeroot.reproduction.parameters import parameters_of, values_in
 from bladeroot.reproduction.targets import targets_of
 from bladeroot.reproduction.thesis_search import table_deltas
@@ -71,7 +71,7 @@ def test_dovetail_tables_meets_the_tables_it_was_fitted_to():
     )
     tables = {path.stem: pd.read_csv(path) for path in (RESOURCES / "thesis").glob("table_*.csv")}
     parameters = parameters_of(asked["parameters"], start)
-    problem = Problem(start, parameters, targets_of(tables, asked["targets"]))
+    problem = Calibration(start, parameters, targets_of(tables, asked["targets"]))
     z = (predict(problem, values_in(start, parameters)) - problem.reference) / problem.tolerance
     assert np.abs(z).max() < 2.2
     assert np.sort(np.abs(z))[-2] < 1.8
