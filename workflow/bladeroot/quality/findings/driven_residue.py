@@ -49,7 +49,7 @@ def find(sight: Sight) -> Finding | None:
 def _steepest(
     level: Float[ndarray, " frame"], std: Float[ndarray, " frame"], first: int, count: int
 ) -> float:
-    """Slope of ln A over some frames, less three of its standard errors."""
+    """Slope of ln A over some frames, less six standard errors of independent frames."""
     part = slice(first, first + count)
     x = np.arange(count, dtype=float)
     x -= x.mean()
