@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bladeroot.inference.gaussian import Prior, Problem, State, fit
-from bladeroot.inference.sampling import sample
+from bladeroot.inference.sampling import _Mixture, sample
 
 NOISE = np.array([0.1, 0.1, 0.3])
 
@@ -87,3 +87,13 @@ def test_both_peaks_are_drawn_where_the_fit_stands_on_one():
     draws = sample(fit(problem, np.array([1.1])), (0,), 2000).parameters[:, 0]
     assert (draws > 0.0).mean() == pytest.approx(0.5, abs=0.06)
     assert abs(draws).std() == pytest.approx(0.05, rel=0.1)
+
+
+def test_a_part_of_the_proposal_that_no_draw_belongs_to_stays_where_it_is():
+    """As where one draw has all the weight: the next proposal must be one."""
+    places = np.array([[0.0], [1e9], [2e9]])
+    mixture = _Mixture(np.full(3, 1.0 / 3.0), places, np.full((3, 1, 1), 1e-12))
+    learnt = mixture.learnt(np.array([[0.0], [1e-7]]), np.array([1.0, 0.0]))
+    assert np.isfinite(learnt.mean).all()
+    assert np.isfinite(learnt.scale).all()
+    assert learnt.mean[:, 0] == pytest.approx(places[:, 0], abs=1e-6)

@@ -25,6 +25,7 @@ _LEARNT_FROM = 60
 _PARTS = 3  # of the proposal, once it has learnt
 _OF_PRIOR = 0.25  # of the first proposal: Laplace's knows one peak, the prior all that can be
 _STEPS = 2  # of Gauss and Newton, to the rest
+_HELD = 1e-9  # weight of a part's own place: one that no draw belongs to stays there
 _FREEDOM = 5.0  # of each part (multivariate t): heavier tails than the posterior's
 _WIDER = 1.3  # std of the first proposal over Laplace's
 
@@ -232,7 +233,8 @@ class _Mixture:
             member = weight * np.exp(log - logsumexp(log, axis=0))
             share = np.maximum(member.sum(axis=1), 0.02)
             tail = member * (_FREEDOM + n) / (_FREEDOM + square)
-            mean = (tail @ points) / tail.sum(axis=1)[:, None]
+            held = tail.sum(axis=1)[:, None] + _HELD
+            mean = (tail @ points + _HELD * mixture.mean) / held
             away = points[None] - mean[:, None]
             scale = np.einsum("kp,kpi,kpj->kij", tail, away, away) / share[:, None, None]
             scale += 0.05 * mixture.scale  # a part that few draws hold does not shrink to a line
