@@ -34,7 +34,8 @@ TARGETS = {
 
 def seconds(folder: Path, *command: str) -> tuple[float, float]:
     """Wall and CPU seconds of a command in a clone, its processes included."""
-    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
+    # one thread of the libraries a process, as the workflow sets it
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache"), "OMP_NUM_THREADS": "1"}
     for variable in ("PYTHONPATH", "NUMBA_CACHE_DIR"):  # of another checkout
         environment.pop(variable, None)
     start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)

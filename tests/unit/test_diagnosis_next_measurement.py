@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bladeroot.diagnosis import next_measurement
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
     _of_one,
@@ -12,6 +13,7 @@ from bladeroot.diagnosis.next_measurement import (
     next_measurements,
 )
 from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.report.next_measurement import next_sentence
 from diagnosis_bench import campaign, programme
 from stiffness_beam import _model
 
@@ -107,3 +109,14 @@ def test_costs_of_the_campaign_change_the_order(made):
     assert first
     for one in following(next_measurements(changed)):
         assert one["load"] is None or one["hours"] >= 50.0
+
+
+def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
+    """As where one cause is named and nothing rivals it: its size is what is left to measure."""
+    monkeypatch.setattr(next_measurement, "_asked", lambda made: set())
+    found = next_measurements(made)
+    assert np.isnan(found["decided"].values).all()
+    assert following(found) == []
+    (said,) = next_sentence(found)
+    assert "decide" not in said
+    assert "known" in said

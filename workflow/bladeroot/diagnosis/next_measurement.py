@@ -124,7 +124,9 @@ def _asked(made: Diagnosis) -> set[str]:
 
 
 def _open_nats(made: Diagnosis, asked: set[str]) -> float:
-    """Entropy of what is in question; a cause that is barred is as open as can be."""
+    """Entropy of what is in question (nothing: 0); what is barred is as open as can be."""
+    if not asked:
+        return 0.0
     sets: Sets = {}
     for key, value in probabilities(made).items():
         sets[key & asked] = sets.get(key & asked, 0.0) + value
