@@ -26,6 +26,7 @@ from pathlib import Path
 
 import snakemake.cli
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "lib"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "campaigns"))
 from house import House, copy_house
 
