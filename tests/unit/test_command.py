@@ -154,6 +154,11 @@ def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
     assert lines[-1] == "In full: none is like it"
     assert any(line.startswith("Measure next: another force") for line in lines)
     assert called("explain", "other").exit_code == 1
+    artifacts.save_json({**said, "reason": "of another run"}, place / "linear.json")
+    done = called("explain", "c")
+    assert done.exit_code == 1
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "Traceback" not in done.output
 
 
 def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():

@@ -17,7 +17,9 @@ def command(campaign: str) -> None:
     if not main.is_file():
         raise ValueError(f"the campaign has no verdict ({main})")
     said = load_json(main)  # a copy of that on one of the structures
-    path = next(p for p in folder.glob("*.json") if p != main and load_json(p) == said)
-    one = load(path.with_suffix(".nc"))
+    same = [p for p in sorted(folder.glob("*.json")) if p != main and load_json(p) == said]
+    if not same:
+        raise ValueError(f"the verdict is of none of the diagnoses beside it; run again ({main})")
+    one = load(same[0].with_suffix(".nc"))
     box = told(one, with_open(said), bool(one.attrs["simulated"])).box
     click.echo("\n".join([box.head, *box.lines, f"In full: {said['reason']}"]))
