@@ -76,7 +76,11 @@ def _append(path, text):
 
 
 def new(path, text):
-    return lambda folder: (folder / path).write_text(text)
+    def change(folder):
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_text(text)
+
+    return change
 
 
 def touched(pattern, seconds=None):
@@ -191,7 +195,7 @@ HARMLESS = {
         "a setting of a stage on demand: harmonics": put(CONFIG, "[0, 1, 2, 3]", "[0, 1, 2, 3, 4]"),
     }),
     "times of now": (NOTHING, {
-        "contents forgotten": gone(".snakemake/bladeroot_contents.json"),
+        "contents forgotten": new(".snakemake/bladeroot_contents.json", "{}"),
         **{f"touched, {path}": touched(path) for path in (
             TINY, BENCH, SHEET, CAMPAIGN, CONFIG, LIBRARY + "**/*.py", "workflow/scripts/*.py", "workflow/rules/*.smk",
             "resources/thesis/*", "results/structures/tiny/mesh.nc", "results/structures/tiny/modes.svg",
@@ -482,7 +486,7 @@ OWN_HARMLESS = ("diagnosis", {
     "model, comment": remark("own.model.yaml"),
     "model touched": touched("own.model.yaml"),
 })  # fmt: skip
-COUNTED = (100, 66)  # changes of a run each, changes made together
+COUNTED = (106, 69)  # changes of a run each, changes made together
 
 
 @pytest.fixture(scope="module")

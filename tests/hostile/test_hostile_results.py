@@ -398,7 +398,7 @@ def test_a_machine_that_lacks_something(case, folder, tiny):
     status, said = tiny.run(folder, before=before)
     assert expected is None or bool(status) == bool(expected), said
     # Snakemake's cache of sources is written before it reads the workflow: `bladeroot run` tells it
-    assert "Traceback" not in said or "sourcecache" in said and system_fault(said)
+    assert "Traceback" not in said or ("sourcecache" in said and system_fault(said))
     status, said = tiny.run(folder)
     assert status == 0, said
     assert tiny.right(folder), said

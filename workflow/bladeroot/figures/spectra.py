@@ -51,7 +51,8 @@ def spectra(found: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
         axis.set_ylabel("amplitude / mm/s")
         span = ", {from_s:.2f} to {to_s:.2f} s".format_map(record.attrs)
         title_of_record(axis, record.attrs, span)
-    axes[0, 0].legend(loc="upper right", ncols=3)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside lower center", ncols=3)
     axes[-1, 0].set_xlabel(
         f"frequency / Hz (arrows: other modes, followed and taken off)\n{not_shown}".strip()
     )

@@ -22,13 +22,12 @@ from bladeroot.figures import (
 )
 from bladeroot.figures.slider import slider
 from bladeroot.report.diagnosis import diagnosis_section
-from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
 from bladeroot.report.front import front_sections
 from bladeroot.report.groups import groups_section
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.joint import joint_parts
-from bladeroot.report.ledger import ledger_section
+from bladeroot.report.ledger import errata_section, ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.nonlinear import SLIP, nonlinear_section
 from bladeroot.report.page import Picture, Place, Section, pictures, render
@@ -37,7 +36,7 @@ from bladeroot.report.stiffness import MAPS, stiffness_section
 from bladeroot.report.structure import MODES, SIDE, structure_section
 from bladeroot.report.table_5_2 import table_5_2_remarks
 from bladeroot.report.theory import COMPARED, NORMAL, TRACTIONS, theory_section
-from bladeroot.report.thesis_search import OVER_FORCE, SETS, thesis_search_parts
+from bladeroot.report.thesis_search import SETS, thesis_search_parts
 from bladeroot.report.words import CUTS, SPECTRA
 
 FRONT, INDEX = "report.html", "index.html"
@@ -262,7 +261,6 @@ def _thesis_search(given: Material) -> list:
             thesis_search.solution_sets(found[0], table_5_2),
             SETS.format(found[0].attrs["structure"]),
         ),
-        pictures(thesis_search.over_force(found, table_5_2), OVER_FORCE),
     )
 
 

@@ -205,7 +205,8 @@ def _of_stick(stick: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
         where = f", {_range(words.factor * level['force'].values, 3)} {words.unit}" * bool(
             words.load
         )
-        groups = f", {level.sizes['level']} groups" if several_groups(stick) else ""
+        count = level.sizes["level"]
+        groups = f", {count} group{'s' * (count != 1)}" if several_groups(stick) else ""
         rows.append(
             (Link(f"stick frequency, {mode}", "stick"),
              f"{_hertz(level)} Hz{where}{groups}",

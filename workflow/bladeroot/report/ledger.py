@@ -150,3 +150,19 @@ def _values(ledger: xr.Dataset, index: int) -> list[tuple[str, ...]]:
             )
         )
     return lines
+
+
+def errata_section(errata: Sequence[Mapping]) -> Section:
+    """Each erratum with the arithmetic that shows it."""
+    rows = [
+        (entry["where"], entry["printed"], entry["probably"], entry["arithmetic"].strip())
+        for entry in errata
+    ]
+    return Section(
+        "Errata of the source",
+        [
+            "The thesis's tables are used as printed. Where they or an equation contradict "
+            "themselves, the arithmetic says so here; nothing is corrected silently.",
+            Table("Errata", ("where", "printed", "probably", "arithmetic"), rows),
+        ],
+    )

@@ -63,7 +63,6 @@ def theory_section(
             _HEADER,
             rows,
         ),
-        *_own_ratios(theory, stiffness),
         "Equation (6.5) is used with 2PR, which alone tends to Hertz's line contact; the printed "
         f"4PR would change kn by {_printed_effect(theory)}.",
     ]
@@ -104,25 +103,6 @@ def _sensitivity_table(theory: xr.Dataset) -> Table:
     return Table(
         "Sensitivity of the theoretical stiffness at the lowest force, T = 0", header, rows
     )
-
-
-def _own_ratios(theory: xr.Dataset, stiffness: xr.Dataset) -> list[str]:
-    sentences = []
-    for structure in stiffness["structure"].values:
-        here = stiffness.sel(structure=structure)
-        ratios = [
-            float((here[name] / theory[f"{name}_theory"].sel(friction_state="T = 0")).median())
-            for name in ("kn", "kt")
-        ]
-        if np.isfinite(ratios).all():
-            texts = [
-                f"{n} {significant(r, 2)} times" for n, r in zip(("kn", "kt"), ratios, strict=True)
-            ]
-            sentences.append(
-                f"With {structure} the identified stiffness is {listed(texts)} the theoretical one "
-                "at T = 0 (median over the forces that have a root)."
-            )
-    return sentences
 
 
 def _printed_effect(theory: xr.Dataset) -> str:
