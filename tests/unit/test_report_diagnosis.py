@@ -29,7 +29,6 @@ def drawn(diagnoses, simulated=False):
         "curves": figures.curves(diagnoses, simulated),
         "residuals": residual_maps.records(diagnoses, simulated),
         "residual_maps": residual_maps.curves(diagnoses, simulated),
-        "law": figures.law(diagnoses, simulated),
     }
 
 
@@ -158,7 +157,7 @@ def test_structures_that_disagree_are_in_the_box():
 def test_simulated_is_said_in_box_and_figures(simulated):
     _, section = page(found(), verdict(causes=[cause()]), simulated)
     assert section.parts[0].head.startswith("Simulated") == simulated
-    assert SIMULATED_NOTE not in svg(still(drawn([found()])["law"]))
+    assert SIMULATED_NOTE not in svg(still(drawn([found()])["frequencies"]))
     for name, one in drawn([found()], simulated).items():
         figure = still(one) if isinstance(one, Chart) else one
         note = figure._suptitle.get_text() if figure._suptitle else ""
@@ -178,7 +177,6 @@ def test_figures_and_page_bear_what_a_campaign_lacks(one):
     said = verdict(causes=[cause()]) if one.attrs["named"] else verdict("nothing-missing")
     made = drawn([one])
     assert (made["curves"] is None) == ("curve_mode" not in one)
-    assert (made["law"] is None) == ("law_k" not in one)
     assert all(live(chart) for chart in made.values() if isinstance(chart, Chart))
     text, _ = page(one, said)
     assert "nan" not in text.lower().replace("dominan", "")

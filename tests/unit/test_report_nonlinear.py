@@ -38,7 +38,7 @@ def said(found):
     [
         ((200, 20, 1), (4, 1.9), ("80 % of the width bearing all but 1 % of the load: 1.9 µm",)),
         ((200, 20, 2.1), (4, 1), ("nearest comes contact with exponent 1: 2.1 µm",)),
-        ((NAN, NAN, 50), (NAN, NAN), ("exponent 1: 50 µm", "nor does an elliptic one")),
+        ((NAN, NAN, 50), (NAN, NAN), ("exponent 1: 50 µm",)),
         ((NAN, NAN, NAN), (NAN, NAN), ("no contact that was tried lets it fall up to 400 µm",)),
     ],
 )
@@ -105,7 +105,7 @@ def test_curves_that_were_not_used_are_named_with_the_reason():
     assert words(empty) == "S: no curves were used: none falls."
 
 
-@pytest.mark.parametrize("draw", [figures.curves, figures.stiffness, figures.slip])
+@pytest.mark.parametrize("draw", [figures.curves, figures.slip])
 def test_figures_of_a_fit_that_did_not_converge_say_so(draw):
     for one, text in ((inference(), ""), (inference(converged=0), "S: the fit did NOT converge")):
         made = draw(one, True)

@@ -135,33 +135,3 @@ def _is_seen(here: xr.Dataset) -> bool:
         (here[f"{name}_std"] < np.ptp(here[name].values)).any()
         for name in ("curve_frequency", "curve_loss")
     )
-
-
-def law(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
-    """kn and kt over force with their standard deviations, before and after."""
-    full = [one for one in found if "law_k" in one]
-    if not full:
-        return None
-    panels, traces = [], []
-    for one in full:
-        factor, unit, called = shown(one.attrs)
-        force = one["law_force"].values * factor
-        for name in one["stiffness"].values.astype(str):
-            of_flank = " of a flank" if name in ("kn", "kt") else ""
-            panels.append(Panel(one.attrs["structure"], f"{called} / {unit}",
-                                f"{name}{of_flank} / GN/m", y_log=True))  # fmt: skip
-            panel = len(panels) - 1
-            for stage, (colour, line, kind) in _stages(one).items():
-                here = one.sel(stage=stage, stiffness=name)
-                k, spread = 1e-9 * here["law_k"].values, np.exp(here["law_ln_std"].values)
-                switches = {"shown": kind}
-                traces += [
-                    Trace(panel, force, low=k / spread, high=k * spread, colour=colour,
-                          switches=switches),
-                    Trace(panel, force, k, kind, colour, line, kind=kind, switches=switches),
-                ]  # fmt: skip
-    return Chart(
-        "Contact stiffness over the force as the simulation has it before and after, each with "
-        "one standard deviation. A band before the cause is that of what does not fit.",
-        panels, traces, simulated=simulated,
-    )  # fmt: skip

@@ -28,7 +28,7 @@ _TICKS = 7  # at most, on a logarithmic axis
 _WIDE = 2.4  # decades: more have no room for the numbers between two powers of ten
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
-_STYLE = {
+mpl.rcParams |= {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 10,
@@ -49,20 +49,10 @@ _STYLE = {
 }
 
 
-mpl.rcParams.update(_STYLE)
-
-
 def panels(rows: int, columns: int, width: float, height: float, **kwargs):
     """A figure of a size in inches with a grid of axes (2-D array), in the project's style."""
     drawn = Figure(figsize=(width, height), layout="constrained")
     return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
-
-
-def nothing(reason: str) -> Figure:
-    """A figure that says why there is nothing to draw."""
-    drawn = Figure(figsize=(7.2, 1.2))
-    drawn.text(0.5, 0.5, reason, ha="center", va="center", color="#5c6b7a")
-    return drawn
 
 
 def svg(drawn: Figure) -> str:

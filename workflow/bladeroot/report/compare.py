@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -96,20 +97,17 @@ def _verdicts(a: Side, b: Side) -> Table:
 def _levels(a: Side, b: Side) -> list:
     """Stick frequency and loss factor of the modes, loads and groups that both have."""
     words, rows = words_of(a.stick), []
-    for one in (a.stick.isel(level=k) for k in range(a.stick.sizes["level"])):
-        for other in (b.stick.isel(level=k) for k in range(b.stick.sizes["level"])):
-            if not _alike(one, other):
-                continue
-            pair = [(float(s["frequency"]), float(s["frequency_std"])) for s in (one, other)]
-            change = pair[1][0] - pair[0][0]
-            z = change / np.hypot(pair[0][1], pair[1][1]) if change else 0.0
-            rows.append(
-                (str(one["mode"].item()), words.value(float(one["force"])),
-                 str(one["group"].item() or NONE) if "group" in one else NONE,
-                 *(with_std(value, std, 2) for value, std in pair),
-                 f"{1e6 * change / pair[0][0]:+z.0f} ppm ({significant(abs(z), 2)} std)",
-                 *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
-            )  # fmt: skip
+    for one, other in _both(a.stick, b.stick):
+        pair = [(float(s["frequency"]), float(s["frequency_std"])) for s in (one, other)]
+        change = pair[1][0] - pair[0][0]
+        z = change / np.hypot(pair[0][1], pair[1][1]) if change else 0.0
+        rows.append(
+            (str(one["mode"].item()), words.value(float(one["force"])),
+             str(one["group"].item() or NONE) if "group" in one else NONE,
+             *(with_std(value, std, 2) for value, std in pair),
+             f"{1e6 * change / pair[0][0]:+z.0f} ppm ({significant(abs(z), 2)} std)",
+             *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
+        )  # fmt: skip
     if not rows:
         return ["No stick frequency of a mode, load and group is in both."]
     same = sum(row[5].startswith("+0 ppm (0 ") for row in rows)
@@ -125,11 +123,8 @@ def _over_amplitude(a: Side, b: Side) -> list[Table]:
     """
     if a.curves is None or b.curves is None:
         return []
-    words, rows = words_of(a.curves), []
-    for one in (a.curves.isel(level=k) for k in range(a.curves.sizes["level"])):
-        for other in (b.curves.isel(level=k) for k in range(b.curves.sizes["level"])):
-            if _alike(one, other):
-                rows += _at_amplitudes(one, other, words)
+    pairs, words = _both(a.curves, b.curves), words_of(a.curves)
+    rows = [row for pair in pairs for row in _at_amplitudes(*pair, words)]
     header = ("mode", words.header, "curve", "amplitude", f"{a.label} / Hz", f"{b.label} / Hz",
               f"loss factor, {a.label}", f"loss factor, {b.label}")  # fmt: skip
     caption = "Frequency and loss factor over amplitude, with one standard error"
@@ -161,10 +156,16 @@ def _at_amplitudes(one: xr.Dataset, other: xr.Dataset, words: Words) -> list[tup
     ]
 
 
-def _alike(one: xr.Dataset, other: xr.Dataset) -> bool:
+def _both(one: xr.Dataset, other: xr.Dataset) -> list[tuple[xr.Dataset, xr.Dataset]]:
+    """Levels of the same mode, load, group and sensor."""
+    levels = [[of.isel(level=k) for k in range(of.sizes["level"])] for of in (one, other)]
     names = [k for k in ("mode", "group", "sensor") if k in one and k in other]
-    same = all(str(one[k].item()) == str(other[k].item()) for k in names)
-    return same and bool(np.isclose(float(one["force"]), float(other["force"]), rtol=_SAME_LOAD))
+    return [
+        (a, b)
+        for a, b in product(*levels)
+        if all(a[k].item() == b[k].item() for k in names)
+        and np.isclose(a["force"], b["force"], rtol=_SAME_LOAD)
+    ]
 
 
 def _stiffness(a: Side, b: Side) -> list[Table]:
@@ -191,8 +192,8 @@ def _records(a: Side, b: Side) -> list:
         return ["Neither has records."]
     both = [name for name in said[0] if name in said[1]]
     parts: list = [
-        f"{len(both)} records are in both; {len(said[0]) - len(both)} in {a.label} alone, "
-        f"{len(said[1]) - len(both)} in {b.label} alone."
+        f"{len(both)} records are in both; {len(said[0]) - len(both)} only in {a.label}, "
+        f"{len(said[1]) - len(both)} only in {b.label}."
     ]
     rows = []
     for name in both:

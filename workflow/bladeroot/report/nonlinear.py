@@ -12,7 +12,7 @@ SLIP = (
     "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the part of each "
     "node pair that slips on one flank."
 )
-_NARROWER = ("structure", "force / kN", "ln kn alone", "ln kn", "ln kt alone", "ln kt",
+_NARROWER = ("structure", "force / kN", "ln kn before", "ln kn", "ln kt before", "ln kt",
              "kn narrower by", "kt narrower by", "area smaller by", "correlation")  # fmt: skip
 _FRICTION = ("structure", "parameter", "value", "factor", "prior", "its factor", "prior's origin")
 
@@ -46,7 +46,7 @@ def nonlinear_section(
             ],
             Table(
                 "Standard deviations of ln kn and ln kt under the same law of the force, from the "
-                "frequencies alone and with the curves, and how much smaller they become; area: of "
+                "frequencies only and with the curves, and how much smaller they become; area: of "
                 "the ellipse of both",
                 _NARROWER,
                 [_row(one, f) for one in full for f in range(one.sizes["force"])],
@@ -134,7 +134,7 @@ def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     onset, partial = table["onset"], table["partial_onset"]
     words = (
         f"What slips first, in {joint}. With uniform pressure nothing slips below "
-        f"{_um(table['first_slip'][0])}; {_elliptic(table)}."
+        f"{_um(table['first_slip'][0])}."
     )
     if of_the_thesis:
         seen = _um(table.attrs["seen_m"])
@@ -166,14 +166,6 @@ def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
 
 def _um(metres: xr.DataArray | float) -> str:
     return significant(1e6 * float(metres), 2, "µm")
-
-
-def _elliptic(table: xr.Dataset) -> str:
-    onset = float(table["onset"].sel(exponent=0.5))
-    if np.isfinite(onset):
-        return f"an elliptic one (exponent 0.5) lets the frequency fall at {_um(onset)}"
-    highest = _um(table["highest"])
-    return f"nor does an elliptic one (exponent 0.5) let the frequency fall up to {highest}"
 
 
 def _nearest(table: xr.Dataset) -> str:

@@ -60,7 +60,7 @@ def stiffness_section(
     if roots:
         parts.append(Table(
                 "Roots. Standard deviations are of the logarithm: 0.2 is about 20 %, 2.7 a factor "
-                "of 15 either way; measured part: from the frequencies alone. Draws with a root: "
+                "of 15 either way; measured part: from the measurement. Draws with a root: "
                 "share of draws of all errors for which any (kn, kt) exists.",
                            _HEADER, roots))  # fmt: skip
     if misses:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import xarray as xr
 
 from bladeroot.report.numbers import fixed, listed, significant
@@ -16,10 +15,6 @@ TRACTIONS = (
     "Pressure and shear across the flank at {:g} kN axial force for several ratios of tangential "
     "to limiting force (figs 6.4, 6.5); grey: the flat part."
 )
-NORMAL = (
-    "Tangential and normal stiffness of a flank against the normal force on it at T = 0 (figs 6.7, "
-    "6.8)."
-)
 COMPARED = (
     "Stiffness of one flank against axial force: theory without tangential load (T = 0) and at the "
     "limit of friction (T = µN), Table 5.2 times 33 (6.16), and ours with one standard deviation "
@@ -32,7 +27,7 @@ def theory_section(
 ) -> Section:
     """Traction profiles, stiffness against force in both limits of friction, ratios.
 
-    drawn: tractions, against_normal_force and compared.
+    drawn: tractions and compared.
     """
     rows = []
     for force in theory["force"].values:
@@ -55,16 +50,12 @@ def theory_section(
         "normal one.",
         *drawn["tractions"],
         _boundary_sentence(theory),
-        *drawn["against_normal_force"],
-        _sensitivity_table(theory),
         *drawn["compared"],
         Table(
             "Theory of a flank; where the thesis has the force, its stiffness over theory",
             _HEADER,
             rows,
         ),
-        "Equation (6.5) is used with 2PR, which alone tends to Hertz's line contact; the printed "
-        f"4PR would change kn by {_printed_effect(theory)}.",
     ]
     return Section("Contact theory", parts)
 
@@ -80,31 +71,7 @@ def _boundary_sentence(theory: xr.Dataset) -> str:
         "Boundary elements, which share no formula with the closed forms, give the same contact "
         f"width to {100 * abs(theory.attrs['boundary_half_width_difference']):.1f} % (a cell is "
         f"{100 * theory.attrs['boundary_cell']:.1f} %) and the same pressure to "
-        f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. They also show "
-        "what the closed forms leave out: these keep the pressure constant along the flank and "
-        "take the approach at its middle, while a rigid flank of this length presses harder at "
-        f"its ends and is stiffer by {listed(stiffer)}."
+        f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. A rigid flank "
+        f"presses harder at its ends, which the closed forms leave out: it is stiffer by "
+        f"{listed(stiffer)}."
     )
-
-
-def _sensitivity_table(theory: xr.Dataset) -> Table:
-    symbols = {"flat_half_width": "flat half-width a", "edge_radius": "edge radius R",
-               "length": "length L", "youngs_modulus": "Young's modulus E",
-               "poisson_ratio": "Poisson's ratio"}  # fmt: skip
-    rows = [
-        (
-            symbols[str(name)],
-            fixed(float(theory["kn_sensitivity"].sel(parameter=name)), 3),
-            fixed(float(theory["kt_sensitivity"].sel(parameter=name)), 3),
-        )
-        for name in theory["parameter"].values
-    ]
-    header = ("one per cent more of", "changes kn by / %", "changes kt by / %")
-    return Table(
-        "Sensitivity of the theoretical stiffness at the lowest force, T = 0", header, rows
-    )
-
-
-def _printed_effect(theory: xr.Dataset) -> str:
-    change = np.abs(theory["kn_printed"] / theory["kn"] - 1).max()
-    return f"at most {100 * float(change):.1f} %"

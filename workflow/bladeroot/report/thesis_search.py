@@ -82,7 +82,7 @@ def _deltas(found: Sequence[xr.Dataset]) -> Table:
             rows.append(tuple(cells))
     header = ["structure", "force / kN"]
     for name in ("kn", "kt"):
-        header += [f"δ{name} printed", "computed", "difference", "with the model's bias alone"]
+        header += [f"δ{name} printed", "computed", "difference", "with the model's bias only"]
     return Table(
         "Standard deviations of Table 5.2, N/mm a node: as printed, computed by (5.22) at its own "
         "points from the errors of Table 5.1, and what a bias of the model's frequencies gives at "
