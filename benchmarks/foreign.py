@@ -135,7 +135,9 @@ def loop(args: argparse.Namespace) -> None:
             if asked["load"] is None:
                 known += facts(case, asked["measurement"], rng)
             else:
-                case = with_records(case, asked["measurement"], asked["load"], rng)
+                case = with_records(
+                    case, asked["measurement"], asked["load"], asked["clampings"], rng
+                )
         answer.write_text(json.dumps(steps, indent=1) + "\n")
         hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"])
         said = " -> ".join(f"{one['outcome']} [{one['asked']}]" for one in steps)

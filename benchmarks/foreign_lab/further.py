@@ -7,7 +7,7 @@ import numpy as np
 from foreign_lab.case import Case, disturb
 from foreign_lab.sheet import Sheet
 
-CLAMPINGS = 2  # at a load and direction
+LOUDER = 2.0  # times the amplitudes of the campaign
 KEPT, STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in it
 
 
@@ -31,16 +31,21 @@ def facts(case: Case, kind: str, rng: np.random.Generator) -> list[dict]:
     if "rig stiffness" in kind:
         soft = hidden.get("rig-compliance", 0.0)
         found.append(("rig stiffness", soft / (1.0 + soft), 0.01))
+    if "pressure film" in kind:
+        found.append(("pressure film", hidden.get("incomplete-contact", 0.0), 500.0))
     return [
         {"measurement": name, "value": float(value + std * rng.normal()), "std": std}
         for name, value, std in found
     ]
 
 
-def with_records(case: Case, kind: str, load: float, rng: np.random.Generator) -> Case:
+def with_records(
+    case: Case, kind: str, load: float, clampings: int, rng: np.random.Generator
+) -> Case:
     """The campaign with the further records behind its own.
 
-    kind: `another load`, `both directions`, `kept clamping` or `all again`. load: N.
+    kind: `another load`, `larger amplitude`, `both directions`, `kept clamping` or `all again`.
+    load: N.
     """
     sheet, bench = case.sheet, case.bench
     if kind == "all again":
@@ -49,18 +54,20 @@ def with_records(case: Case, kind: str, load: float, rng: np.random.Generator) -
             for k in range(len(sheet.mode))
         ]
     else:
-        signs = {"both directions": [1, -1] * CLAMPINGS, "kept clamping": [1]}.get(kind)
+        signs = [1, -1] * (clampings // 2) if kind == "both directions" else [1] * clampings
         since = np.linspace(0.0, KEPT, STEPS) if kind == "kept clamping" else [0.0]
         rows = [
             (mode, load, sign, 60.0 + s, number)
-            for number, sign in enumerate(signs or [1] * CLAMPINGS)
+            for number, sign in enumerate(signs)
             for s in since
             for mode in ("1B", "2B")
         ]
     mode, reading, direction, in_hold, hold = (np.array(part) for part in zip(*rows, strict=True))
     newtons, count = 10.0 * bench.piston_cm2, len(mode)
-    started = {m: np.median(sheet.start[sheet.mode == m]) for m in np.unique(sheet.mode)}
-    begun = sheet.time.max() + 1800.0 * (1 + np.unique(hold, return_inverse=True)[1])
+    louder = LOUDER if kind == "larger amplitude" else 1.0
+    started = {m: louder * np.median(sheet.start[sheet.mode == m]) for m in np.unique(sheet.mode)}
+    apart = 1800.0 + (KEPT if kind == "kept clamping" else 0.0)
+    begun = sheet.time.max() + apart * (1 + np.unique(hold, return_inverse=True)[1])
     reading = np.maximum(np.round(reading / newtons), 1.0) * newtons
     new = {
         "mode": mode, "reading": reading, "direction": direction, "in_hold": in_hold,

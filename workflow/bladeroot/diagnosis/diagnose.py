@@ -17,6 +17,7 @@ from bladeroot.diagnosis.channel import (
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.events import one_of_each_event
+from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.diagnosis.records import Faulty, faulty_records
@@ -172,6 +173,9 @@ def _ruled_out(settings: Settings) -> dict[str, str]:
     """Mechanisms that the campaign says are not there, and how."""
     if settings.least_force > 0.0:
         return {"incomplete-contact": "the campaign says that contact is full at the forces used"}
+    seated, std = settings.splits.get("pressure film", (np.inf, 0.0))
+    if seated < SIGMAS * std:
+        return {"incomplete-contact": "a pressure-sensitive film shows full contact at any load"}
     return {}
 
 

@@ -7,6 +7,7 @@ measurement decides: the expected fall of the entropy of the verdict's probabili
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import accumulate
 
 import numpy as np
 import xarray as xr
@@ -20,7 +21,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
 from bladeroot.diagnosis.plausibility import sizes
-from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
+from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
@@ -34,11 +35,15 @@ _GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
 
 @dataclass(frozen=True)
 class Rival:
-    """A possible set of causes of a channel: its model and its probability."""
+    """A possible set of causes of a channel: its model and its probability.
+
+    heat: by which the channel's evidence is divided.
+    """
 
     mechanisms: tuple[Mechanism, ...]
     fit: Fit
     probability: float
+    heat: float
 
 
 def kilonewtons(force: float) -> str:
@@ -61,11 +66,20 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     asked = _asked(made)
     whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
-    rows = [_row(made, asked, rivals, Option("", "as measured", np.nan), whole)]
-    options = [*of_facts(made), *of_records(made, told)]
-    others = [_row(made, asked, rivals, one, whole) for one in options]
-    rows += sorted(others, key=lambda row: -np.nan_to_num(row[1] / row[4]))
-    names, decided_, size, ln_std, hours, kinds, loads = zip(*rows, strict=True)
+
+    def row(one: Option) -> tuple:
+        return _row(made, asked, rivals, one, whole)
+
+    def rate(row: tuple) -> float:
+        return float(np.nan_to_num(row[1] / row[4]))
+
+    tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
+    together = accumulate(tests, lambda some, one: some.with_test(one, made))
+    others = {one.what: row(one) for one in (*tests, *together)}
+    rows = [row(Option("", "as measured", np.nan))]
+    rows += [*others.values(), *(max(map(row, some), key=rate) for some in of_records(made, told))]
+    rows[1:] = sorted(rows[1:], key=lambda row: -rate(row))
+    names, decided_, size, ln_std, hours, kinds, loads, counts = zip(*rows, strict=True)
 
     def var(dims, values, text: str, units: str = "1") -> tuple:
         return (dims, np.array(values), {"units": units, "long_name": text})
@@ -81,6 +95,7 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
                                    "of ln k at the laws' reference load"),
             "kind": var("option", kinds, "what kind of further records, or which other test", ""),
             "new_force": var("option", loads, "axial force of the new records", "N"),
+            "clampings": var("option", counts, "new clampings"),
         },
         coords={
             "option": list(names),
@@ -102,6 +117,7 @@ def following(found: xr.Dataset) -> list[dict]:
             "hours": round(float(one["hours"]), 3),
             "decides": round(float(one["decided"]), 4),
             "load": None if np.isnan(one["new_force"]) else float(one["new_force"]),
+            "clampings": int(one["clampings"]),
         }
         for one in (found.isel(option=k) for k in range(1, found.sizes["option"]))
         if float(one["decided"]) > 0.0
@@ -150,7 +166,9 @@ def _rivals(found: Found, asked: set[str]) -> list[Rival]:
         if key in fitted and key - here <= asked
     }
     order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
-    return [Rival(*fitted[key], sets[key]) for key in order]
+    reach = max((m.log_evidence for m in found.alone.values()), default=0.0)
+    heat = temperature(reach, found.known.replicates)
+    return [Rival(*fitted[key], sets[key], heat) for key in order]
 
 
 def _row(
@@ -172,7 +190,7 @@ def _row(
         gained += _gained(stick, problems, old, new)
         covariance = _sharper(problems[stick.index(first)], first.fit)
         if "curve" in rivals and not made.curve_lacks:
-            curves, old, new = _more_curves(made.curves, load)
+            curves, old, new = _more_curves(made.curves, load, one.louder)
             models = [curve_model.problem(curves, r.mechanisms) for r in rivals["curve"]]
             gained += _gained(rivals["curve"], models, old, new)
     ratio = np.nan
@@ -184,8 +202,9 @@ def _row(
         at = np.array([pivot])
         rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
-    part = gained / whole if whole > 0.0 else np.nan
-    return one.what, part, ratio, ln_std, one.hours, one.kind, load
+    part = min(gained / whole, 1.0) if whole > 0.0 else np.nan
+    count = 0 if one.hold is None else np.unique(one.hold).size
+    return one.what, part, ratio, ln_std, one.hours, one.kind, load, count
 
 
 def _gained(
@@ -197,7 +216,8 @@ def _gained(
     odds = np.array([one.probability for one in rivals])
     predicted = [_predicted(p, r.fit, old, new) for p, r in zip(problems, rivals, strict=True)]
     share = odds / odds.sum()
-    return float(odds.sum() * decided(predicted, share) * -(share @ np.log(share)))
+    part = decided(predicted, share, rivals[0].heat)
+    return float(odds.sum() * part * -(share @ np.log(share)))
 
 
 def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tuple[ndarray, ...]:
@@ -286,8 +306,12 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
     )
 
 
-def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, ndarray]:
-    """Curve data with the levels nearest to a force once more, there; rows of old and new data."""
+def _more_curves(
+    data: CurveData, force: float, louder: float = 1.0
+) -> tuple[CurveData, ndarray, ndarray]:
+    """Curve data with the levels nearest to a force once more, there and at amplitudes so many
+    times as large; rows of old and new data.
+    """
     points, count = data.points, data.points.mode.size
     off = np.abs(np.log(points.force / force))
     near = np.array([off[k] <= off[points.mode == points.mode[k]].min() for k in range(count)])
@@ -295,6 +319,7 @@ def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, nda
     rows = np.concatenate([np.arange(count), extra])
     there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
     there.force[count:] = force
+    there.amplitude[count:] *= louder
     both = np.concatenate([rows, rows + count])
     noise = data.noise[np.ix_(both, both)]
     new = np.tile(np.arange(rows.size) >= count, 2)
@@ -308,10 +333,14 @@ def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, nda
 
 
 def decided(
-    predicted: Sequence[tuple[ndarray, ndarray]], odds: Float[ndarray, " rival"] | None = None
+    predicted: Sequence[tuple[ndarray, ndarray]],
+    odds: Float[ndarray, " rival"] | None = None,
+    heat: float = 1.0,
 ) -> float:
     """Expected fall of the entropy between Gaussian predictions (mean, covariance) of the same
     data, over that entropy; of such odds (equal ones), by draws. NaN for one.
+
+    heat: by which the verdict will divide the evidence, as laws are not exact.
     """
     count = len(predicted)
     if count < 2:
@@ -325,7 +354,7 @@ def decided(
         log = np.stack(
             [_log_density(drawn, m, r) for (m, _), r in zip(predicted, roots, strict=True)]
         )
-        log += np.log(share)[:, None] - log.max(axis=0)
+        log = (log - log.max(axis=0)) / heat + np.log(share)[:, None]
         after = np.exp(log) / np.exp(log).sum(axis=0)
         left += -p * np.sum(after * np.log(np.maximum(after, 1e-300)), axis=0).mean()
     return float(np.clip(1.0 + left / (share @ np.log(share)), 0.0, 1.0))

@@ -21,7 +21,7 @@ from bladeroot.rom.sensitivity import Change
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
-VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
+VARIABLES = ("force", "time", "since", "sign", "temperature")  # what a law on records may be one of
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the
 # flanks' ends, which move most, give way beyond their part.
 MARGIN = 1.5
@@ -108,6 +108,7 @@ class Records:
 
     sign: +1 loading, -1 unloading, 0 unknown. time: s since the campaign began; since: s since the
     first record of its hold; both 0 where unknown. span, hold_span: s, the longest of each.
+    temperature: K off the records' mean, None where it is not known of all.
     """
 
     mode: Int[ndarray, " record"]
@@ -117,6 +118,7 @@ class Records:
     since: Float[ndarray, " record"]
     span: float
     hold_span: float
+    temperature: Float[ndarray, " record"] | None = None
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,7 @@ class Mechanism:
     sentence: what it is. splitter: the measurement that would tell it from its siblings. form: name
     of the law where there are several; forms: the others, mechanisms of the same id, of the same
     first parameter and as likely as this one. over: what a law on records is a function of (force,
-    time, since, sign); in these it is only trusted to some per cent. A `stick` law over the force
+    time, since, sign, temperature); in these it is only trusted to some per cent. A `stick` law over the force
     is given the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
