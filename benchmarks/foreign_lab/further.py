@@ -65,16 +65,17 @@ def with_records(
     mode, reading, direction, in_hold, hold = (np.array(part) for part in zip(*rows, strict=True))
     newtons, count = 10.0 * bench.piston_cm2, len(mode)
     louder = LOUDER if kind == "larger amplitude" else 1.0
-    started = {m: louder * np.median(sheet.start[sheet.mode == m]) for m in np.unique(sheet.mode)}
+    started = {m: louder * sheet.usual_start(m) for m in np.unique(sheet.mode)}
     apart = 1800.0 + (KEPT if kind == "kept clamping" else 0.0)
     begun = sheet.time.max() + apart * (1 + np.unique(hold, return_inverse=True)[1])
     reading = np.maximum(np.round(reading / newtons), 1.0) * newtons
+    loads = sheet.planned("reading")
     new = {
         "mode": mode, "reading": reading, "direction": direction, "in_hold": in_hold,
         "hold": sheet.hold.max() + 1 + np.unique(hold, return_inverse=True)[1],
         "time": begun + in_hold, "group": np.zeros(count, int),
         "start": np.array([started[m] for m in mode]),
-        "turning": np.where(direction > 0, sheet.reading.min(), sheet.reading.max()),
+        "turning": np.where(direction > 0, loads.min(), loads.max()),
         "temperature": np.full(count, sheet.temperature[-1]),
     }  # fmt: skip
     new["clamped"] = new["hold"].astype(float)
@@ -87,6 +88,7 @@ def with_records(
         }
     )
     added = _begun(case, new, rng)
+    both.first = sheet.first or len(sheet.mode)
     both.begun = {k: np.concatenate([v, added[k]]) for k, v in sheet.begun.items()}
     both.state = dict(both.begun)
     disturb(both, case.effects)

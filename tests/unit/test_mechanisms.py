@@ -29,6 +29,7 @@ RECORDS = Records(
     since=np.array([0.0, 180.0, 360.0, 540.0]),
     span=2000.0,
     hold_span=540.0,
+    temperature=np.array([-3.0, 0.0, 1.0, 2.0]),
 )
 POINTS = Points(
     mode=np.array([0, 0, 0, 1, 1, 1]),

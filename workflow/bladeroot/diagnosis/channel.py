@@ -101,7 +101,7 @@ def unspoken(
         one.id
         for one in candidates
         if one.channel == channel
-        and not all(known[name] for name in one.over if name != "force")
+        and not all(known[name] for name in one.over if name not in ("force", "temperature"))
         and not (channel == "stick" and simulated.silent(one))
     )
 
@@ -113,6 +113,9 @@ def _known(data: StickData) -> dict[str, bool]:
         "time": data.time_known and data.records.span > 0.0,
         "since": data.time_known and data.records.hold_span > 0.0,
         "sign": data.direction_known,
+        # Without a thermometer it is a drift.
+        "temperature": data.records.temperature is not None
+        and np.ptp(data.records.temperature) > 0,
     }
 
 

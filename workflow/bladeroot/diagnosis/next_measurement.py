@@ -29,6 +29,7 @@ from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
+_NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
 _GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
 
@@ -136,7 +137,18 @@ def _asked(made: Diagnosis) -> set[str]:
         if len(cause.credible) > 1
     } | {found.insufficient for found in made.found if found.insufficient}
     known = {name for found in made.found for name in found.alone}
-    return shown & known or {name for found in made.found for name in found.open} & known
+    nearest = {name for found in made.found if found.unexplained for name in _nearest(found)}
+    return (
+        shown & known
+        or {name for found in made.found for name in found.open} & known
+        or nearest & known
+    )
+
+
+def _nearest(found: Found) -> list[str]:
+    """The mechanisms that come nearest to what none explains."""
+    order = sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)
+    return order[:_NEAREST]
 
 
 def _open_nats(made: Diagnosis, asked: set[str]) -> float:

@@ -11,10 +11,10 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.mechanisms.mechanism import Records
 
-# Hours of laboratory time: of going to the rig at all, of a clamping, of a record in it, and of
-# tests beside the campaign. A campaign's own stand in its `costs`.
+# Hours of laboratory time: of going to the rig at all (half a day to find, set up, analyse), of a
+# clamping, of a record in it, and of tests beside the campaign. A campaign's own: its `costs`.
 COSTS = {
-    "visit": 1.0,
+    "visit": 4.0,
     "clamping": 0.5,
     "record": 0.1,
     "load cell": 3.0,

@@ -21,7 +21,8 @@ from bladeroot.rom.sensitivity import Change
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
-VARIABLES = ("force", "time", "since", "sign", "temperature")  # what a law on records may be one of
+# What a law on records may be one of.
+VARIABLES = ("force", "time", "since", "sign", "temperature")
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the
 # flanks' ends, which move most, give way beyond their part.
 MARGIN = 1.5
@@ -171,9 +172,9 @@ class Mechanism:
 
     sentence: what it is. splitter: the measurement that would tell it from its siblings. form: name
     of the law where there are several; forms: the others, mechanisms of the same id, of the same
-    first parameter and as likely as this one. over: what a law on records is a function of (force,
-    time, since, sign, temperature); in these it is only trusted to some per cent. A `stick` law over the force
-    is given the force that there is, as other causes change it.
+    first parameter and as likely as this one. over: what a law on records is a function of, of
+    `VARIABLES`; in these it is only trusted to some per cent. A `stick` law over the force is given
+    the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
     whether it is never named by itself without that, for its siblings explain the same data.
