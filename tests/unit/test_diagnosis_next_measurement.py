@@ -7,7 +7,7 @@ import pytest
 from bladeroot.diagnosis import next_measurement
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
-    _of_one,
+    _nats,
     decided,
     following,
     next_measurements,
@@ -95,11 +95,18 @@ def test_known_odds_leave_little_to_decide():
 
 
 def test_a_test_beside_the_campaign_tells_presence_by_its_error():
-    sharp = _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.5)
-    blunt = _of_one(gaussian(0.0, 1.0), gaussian(0.0, 1.1), 0.5)
-    assert sharp == pytest.approx(np.log(2.0), abs=0.02)
-    assert 0.0 < blunt < 0.02
-    assert _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.0) == 0.0
+    even = np.array([0.5, 0.5])
+    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], even) == pytest.approx(
+        np.log(2.0), abs=0.02
+    )
+    assert 0.0 <= _nats([gaussian(0.0, 1.0), gaussian(0.0, 1.1)], even) < 0.02
+    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], np.array([1.0, 0.0])) == 0.0
+
+
+def test_evidence_that_is_divided_decides_less():
+    pair, even = [gaussian(0, 1), gaussian(3, 1)], np.array([0.5, 0.5])
+    left = [decided(pair, even, heat) for heat in (1.0, 4.0, 16.0)]
+    assert left[0] > left[1] > left[2] > 0.0
 
 
 def test_costs_of_the_campaign_change_the_order(made):

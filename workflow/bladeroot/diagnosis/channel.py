@@ -25,8 +25,9 @@ class Channel:
     """`stick`, `damping` or `curve`.
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
-    parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
-    "hold", the number of the part that each datum belongs to. records: of stick frequencies.
+    parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
+    may be left out, the number of the part that each datum belongs to. records: of stick
+    frequencies.
     """
 
     name: str
@@ -76,7 +77,7 @@ def curve_channel(data: CurveData, candidates: Sequence[Mechanism]) -> Channel:
         0,
         tuple(one for one in candidates if one.channel == "curve"),
         lambda _: {"amplitude": curve_model.smooth_kernels(data)},
-        {"force": np.tile(force, 2)},
+        {"force": np.tile(force, 2), "amplitude": np.tile(_quarters(data.points.amplitude), 2)},
     )
 
 
@@ -181,5 +182,26 @@ def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
 
 
 def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
-    force = np.unique(data.records.force, return_inverse=True)[1]
-    return {"force": force, "hold": data.hold}
+    """Parts to leave out: forces and holds, and of what else is known and varies quarters, or
+    directions of a force, or groups.
+    """
+    records, known = data.records, _known(data)
+    force = np.unique(records.force, return_inverse=True)[1]
+    found = {"force": force, "hold": data.hold}
+    if known["time"]:
+        found["time"] = _quarters(records.time - records.since)
+    if known["since"]:
+        found["since"] = _quarters(records.since)
+    if known["sign"]:
+        found["sign"] = np.unique(3 * force + records.sign, return_inverse=True)[1]
+    if known["temperature"]:
+        found["temperature"] = _quarters(records.temperature)
+    if data.group is not None:
+        found["group"] = data.group
+    return found
+
+
+def _quarters(values: ndarray) -> Int[ndarray, " datum"]:
+    """Number of each value's quarter of all."""
+    edges = np.quantile(values, (0.25, 0.5, 0.75))
+    return np.unique(np.searchsorted(edges, values), return_inverse=True)[1]

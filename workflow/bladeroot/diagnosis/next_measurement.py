@@ -31,7 +31,18 @@ from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
-_GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
+
+
+# Units and meaning of what is said of each measurement.
+COLUMNS = {
+    "decided": ("1", "expected part of what is open that the measurement decides"),
+    "hours": ("h", "laboratory time"),
+    "size_std": ("1", "expected standard deviation of the cause's size over the present one"),
+    "expected_ln_std": ("1", "expected standard deviation of ln k at the laws' reference load"),
+    "kind": ("", "what kind of further records, or which other test"),
+    "new_force": ("N", "axial force of the new records"),
+    "clampings": ("1", "new clampings"),
+}
 
 
 @dataclass(frozen=True)
@@ -68,41 +79,31 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
 
-    def row(one: Option) -> tuple:
+    def row(one: Option) -> dict:
         return _row(made, asked, rivals, one, whole)
 
-    def rate(row: tuple) -> float:
-        return float(np.nan_to_num(row[1] / row[4]))
+    def rate(row: Mapping) -> float:
+        return float(np.nan_to_num(row["decided"] / row["hours"]))
 
     tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
     together = accumulate(tests, lambda some, one: some.with_test(one, made))
-    others = {one.what: row(one) for one in (*tests, *together)}
-    rows = [row(Option("", "as measured", np.nan))]
-    rows += [*others.values(), *(max(map(row, some), key=rate) for some in of_records(made, told))]
-    rows[1:] = sorted(rows[1:], key=lambda row: -rate(row))
-    names, decided_, size, ln_std, hours, kinds, loads, counts = zip(*rows, strict=True)
-
-    def var(dims, values, text: str, units: str = "1") -> tuple:
-        return (dims, np.array(values), {"units": units, "long_name": text})
-
+    others = [*{one.what: row(one) for one in (*tests, *together)}.values()]
+    others += [max(map(row, some), key=rate) for some in of_records(made, told)]
+    rows = [row(Option("", "as measured", np.nan)), *sorted(others, key=rate, reverse=True)]
     found = xr.Dataset(
         {
-            "decided": var("option", decided_, "expected part of what is open that the measurement "
-                           "decides"),
-            "hours": var("option", hours, "laboratory time", "h"),
-            "size_std": var("option", size, "expected standard deviation of the cause's size over "
-                            "the present one"),
-            "expected_ln_std": var(("option", "stiffness"), ln_std, "expected standard deviation "
-                                   "of ln k at the laws' reference load"),
-            "kind": var("option", kinds, "what kind of further records, or which other test", ""),
-            "new_force": var("option", loads, "axial force of the new records", "N"),
-            "clampings": var("option", counts, "new clampings"),
+            name: (
+                ("option", "stiffness") if name == "expected_ln_std" else "option",
+                np.array([one[name] for one in rows]),
+                {"units": unit, "long_name": text},
+            )
+            for name, (unit, text) in COLUMNS.items()
         },
         coords={
-            "option": list(names),
+            "option": [one["option"] for one in rows],
             "stiffness": np.array(_stiffnesses(made), dtype=str),
         },
-    )  # fmt: skip
+    )
     found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
 
@@ -137,18 +138,17 @@ def _asked(made: Diagnosis) -> set[str]:
         if len(cause.credible) > 1
     } | {found.insufficient for found in made.found if found.insufficient}
     known = {name for found in made.found for name in found.alone}
-    nearest = {name for found in made.found if found.unexplained for name in _nearest(found)}
-    return (
-        shown & known
-        or {name for found in made.found for name in found.open} & known
-        or nearest & known
+    asks = (
+        shown,
+        {name for found in made.found for name in found.open},
+        {name for found in made.found if found.unexplained for name in _nearest(found)},
     )
+    return next((some & known for some in asks if some & known), set())
 
 
 def _nearest(found: Found) -> list[str]:
     """The mechanisms that come nearest to what none explains."""
-    order = sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)
-    return order[:_NEAREST]
+    return sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)[:_NEAREST]
 
 
 def _open_nats(made: Diagnosis, asked: set[str]) -> float:
@@ -185,7 +185,7 @@ def _rivals(found: Found, asked: set[str]) -> list[Rival]:
 
 def _row(
     made: Diagnosis, asked: set[str], rivals: Mapping[str, list[Rival]], one: Option, whole: float
-) -> tuple:
+) -> dict:
     stick = rivals["stick"]
     base = next(found for found in made.found if found.channel.name == "stick").channel.base
     first = max((r for r in stick if r.mechanisms), key=lambda r: r.probability, default=stick[0])
@@ -214,9 +214,16 @@ def _row(
         at = np.array([pivot])
         rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
-    part = min(gained / whole, 1.0) if whole > 0.0 else np.nan
-    count = 0 if one.hold is None else np.unique(one.hold).size
-    return one.what, part, ratio, ln_std, one.hours, one.kind, load, count
+    return {
+        "option": one.what,
+        "decided": min(gained / whole, 1.0) if whole > 0.0 else np.nan,
+        "hours": one.hours,
+        "size_std": ratio,
+        "expected_ln_std": ln_std,
+        "kind": one.kind,
+        "new_force": load,
+        "clampings": 0 if one.hold is None else np.unique(one.hold).size,
+    }
 
 
 def _gained(
@@ -225,11 +232,16 @@ def _gained(
     """Nats that data at `new` decide between a channel's sets."""
     if len(rivals) < 2:
         return 0.0
-    odds = np.array([one.probability for one in rivals])
     predicted = [_predicted(p, r.fit, old, new) for p, r in zip(problems, rivals, strict=True)]
+    return _nats(predicted, np.array([one.probability for one in rivals]), rivals[0].heat)
+
+
+def _nats(predicted: Sequence[tuple], odds: Float[ndarray, " rival"], heat: float = 1.0) -> float:
+    """Nats that data of such predictions decide between rivals of such odds."""
     share = odds / odds.sum()
-    part = decided(predicted, share, rivals[0].heat)
-    return float(odds.sum() * part * -(share @ np.log(share)))
+    if not share.min() > 0.0:
+        return 0.0
+    return float(odds.sum() * decided(predicted, share, heat) * -(share @ np.log(share)))
 
 
 def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tuple[ndarray, ...]:
@@ -273,29 +285,13 @@ def _by_facts(
                 odds = min(odds, 0.5)
             there = (np.array([value]), np.array([[std**2 + facts[name] ** 2]]))
             absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
-            gained += _of_one(absent, there, odds)
+            gained += _nats([absent, there], np.array([1.0 - odds, odds]))
     covariance = first.fit.covariance
     name = first.mechanisms[0].id if first.mechanisms else ""
     if name in facts:
         column = covariance[:, base]
         covariance = covariance - np.outer(column, column) / (column[base] + facts[name] ** 2)
     return gained, covariance
-
-
-def _of_one(absent: tuple, there: tuple, odds: float) -> float:
-    """Mutual information (nats) of a number and of whether a cause of such odds is there."""
-    if not 0.0 < odds < 1.0:
-        return 0.0
-    places = [m[0] + np.sqrt(v[0, 0]) * _GRID for m, v in (absent, there)]
-    y = np.sort(np.concatenate(places))
-    p, q = (
-        np.exp(-0.5 * (y - m[0]) ** 2 / v[0, 0]) / np.sqrt(2.0 * np.pi * v[0, 0])
-        for m, v in (absent, there)
-    )
-    both = np.maximum((1.0 - odds) * p + odds * q, 1e-300)
-    inside = (1.0 - odds) * p * np.log(np.maximum(p, 1e-300) / both)
-    inside += odds * q * np.log(np.maximum(q, 1e-300) / both)
-    return float(np.trapezoid(inside, y))
 
 
 def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
@@ -326,22 +322,21 @@ def _more_curves(
     """
     points, count = data.points, data.points.mode.size
     off = np.abs(np.log(points.force / force))
-    near = np.array([off[k] <= off[points.mode == points.mode[k]].min() for k in range(count)])
-    extra = np.flatnonzero(near)
-    rows = np.concatenate([np.arange(count), extra])
+    least = np.array(
+        [off[points.mode == mode].min(initial=np.inf) for mode in range(len(data.modes))]
+    )
+    rows = np.concatenate([np.arange(count), np.flatnonzero(off <= least[points.mode])])
+    new = np.arange(rows.size) >= count
     there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
-    there.force[count:] = force
-    there.amplitude[count:] *= louder
-    both = np.concatenate([rows, rows + count])
-    noise = data.noise[np.ix_(both, both)]
-    new = np.tile(np.arange(rows.size) >= count, 2)
-    noise[np.ix_(new, ~new)] = noise[np.ix_(~new, new)] = 0.0
-    levels = data.level[rows] + np.where(np.arange(rows.size) >= count, data.level.max() + 1, 0)
+    there.force[new] = force
+    there.amplitude[new] *= louder
+    both, fresh = np.concatenate([rows, rows + count]), np.tile(new, 2)
+    noise = data.noise[np.ix_(both, both)] * (fresh[:, None] == fresh)
+    level = np.unique(data.level[rows] + new * (data.level.max() + 1), return_inverse=True)[1]
     made = CurveData(
-        data.modes, there, data.value[both], noise, np.unique(levels, return_inverse=True)[1],
-        data.records[rows], data.stuck[rows],
-    )  # fmt: skip
-    return made, np.flatnonzero(~new), np.flatnonzero(new)
+        data.modes, there, data.value[both], noise, level, data.records[rows], data.stuck[rows]
+    )
+    return made, np.flatnonzero(~fresh), np.flatnonzero(fresh)
 
 
 def decided(

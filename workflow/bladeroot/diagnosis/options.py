@@ -1,7 +1,7 @@
 """Measurements that may come next: tests beside the campaign, and further records."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Int
@@ -41,7 +41,7 @@ FACTS = {
         {"incomplete-contact": 500.0},
     ),
 }
-CLAMPINGS = (2, 4, 8)  # of a proposal, at each load and direction
+CLAMPINGS = (2, 4, 8)  # of a proposal, in each direction
 LOUDER = 2.0  # times the amplitudes of the campaign
 _LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
 
@@ -98,63 +98,62 @@ def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Optio
     both directions, clampings that are kept.
     """
     data, hours = made.data, _hours(made)
-    records, modes = data.records, len(data.modes)
-    options = []
+    records = data.records
 
     def option(kind: str, what: str, new: Records, hold: ndarray, louder: float = 1.0) -> Option:
         time = np.unique(hold).size * hours["clamping"] + new.mode.size * hours["record"]
         return Option(kind, what, hours["visit"] + time, new, hold, louder=louder)
 
-    def propose(kind: str, what: str, force: float, signs: Sequence[float], louder: float = 1.0):
-        options.append(
-            [
-                option(kind, what.format(n), *_clampings(data, force, [*signs] * n), louder)
-                for n in CLAMPINGS
-            ]
-        )
+    def sized(
+        kind: str, what: str, force: float, signs=(0.0,), since=(0.0,), louder: float = 1.0
+    ) -> list[Option]:
+        new = {n: _clampings(data, force, [*signs] * n, since) for n in CLAMPINGS}
+        text = what.format(told(force))
+        return [option(kind, f"{n} {text}", *new[n], louder) for n in CLAMPINGS]
 
-    holds = np.unique(data.hold, return_inverse=True)[1]
-    options.append([option("all again", "the whole campaign once more", records, holds)])
     top, bottom = float(records.force.max()), float(records.force.min())
     higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
+    loads = np.unique(records.force)
+    middle = float(loads[loads.size // 2])
     if made.simulated.kind == "structure":
         low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
         higher, lower = min(higher, high), max(lower, low)
-    if top > bottom or made.simulated.kind == "structure":
-        for force, worth in ((higher, higher > 1.05 * top), (lower, lower < 0.95 * bottom)):
-            if worth:
-                propose(
-                    "another load", f"{{}} clampings at {told(force)}, every mode", force, [0.0]
-                )
+    elif top == bottom:
+        higher = lower = top
+    holds = np.unique(data.hold, return_inverse=True)[1]
+    options = [[option("all again", "the whole campaign once more", records, holds)]]
+    if higher > 1.05 * top:
+        options.append(sized("another load", "clampings at {}, every mode", higher))
+    if lower < 0.95 * bottom:
+        options.append(sized("another load", "clampings at {}, every mode", lower))
     if made.curves is not None and not made.curve_lacks:
-        for force in {bottom, top}:
-            what = f"{{}} clampings at {told(force)} with amplitudes {LOUDER:g} times as large"
-            propose("larger amplitude", what, force, [0.0], LOUDER)
-    middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
+        what = f"clampings at {{}} with amplitudes {LOUDER:g} times as large"
+        ends = (bottom, top)[: loads.size]
+        options += [sized("larger amplitude", what, one, louder=LOUDER) for one in ends]
     if data.direction_known:
-        what = f"{{0}} clampings up and {{0}} down at {told(middle)}, every mode"
-        propose("both directions", what, middle, [1.0, -1.0])
+        what = "clampings up and as many down at {}, every mode"
+        options.append(sized("both directions", what, middle, (1.0, -1.0)))
     if data.time_known:
-        what = f"{{}} clampings at {told(middle)} kept for an hour, {_STEPS} records of every mode"
-        kept = []
-        for n in CLAMPINGS:
-            new, hold = _clampings(data, middle, [0.0] * (n * _STEPS))
-            since = np.tile(np.repeat(np.linspace(0.0, _LONG, _STEPS), modes), n)
-            time = new.time + since + (hold // _STEPS) * _LONG
-            span = max(_LONG, new.hold_span)
-            new = replace(new, since=since, time=time, hold_span=span)
-            kept.append(option("kept clamping", what.format(n), new, hold // _STEPS))
-        options.append(kept)
+        what = f"clampings at {{}} kept for an hour, {_STEPS} records of every mode"
+        options.append(sized("kept clamping", what, middle, since=np.linspace(0.0, _LONG, _STEPS)))
     return options
 
 
-def _clampings(data: StickData, force: float, signs: Sequence[float]) -> tuple[Records, ndarray]:
-    """New holds at a force, each with every mode, at the end of the campaign."""
-    modes, count = len(data.modes), len(signs)
-    n = count * modes
-    last = None if data.records.temperature is None else np.zeros(n)
+def _clampings(
+    data: StickData, force: float, signs: Sequence[float], since: Sequence[float]
+) -> tuple[Records, ndarray]:
+    """New holds at a force, one a sign, each with every mode at such times (s) in it, one after the
+    other at the end of the campaign; the last temperature stays.
+    """
+    modes, old = len(data.modes), data.records
+    hold, late, mode = (
+        part.ravel()
+        for part in np.meshgrid(np.arange(len(signs)), since, np.arange(modes), indexing="ij")
+    )
+    warm = old.temperature
     records = Records(
-        np.tile(np.arange(modes), count), np.full(n, force), np.repeat(signs, modes),
-        np.full(n, data.records.span), np.zeros(n), data.records.span, data.records.hold_span, last,
+        mode, np.full(mode.size, force), np.array(signs)[hold], old.span + hold * late.max() + late,
+        late, old.span, max(late.max(), old.hold_span),
+        None if warm is None else np.full(mode.size, warm[np.argmax(old.time)]),
     )  # fmt: skip
-    return records, np.repeat(np.arange(count), modes)
+    return records, hold

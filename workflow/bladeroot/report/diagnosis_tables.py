@@ -107,6 +107,19 @@ def sizes_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Tab
     )
 
 
+# What was left out, by the name that `verdict.json` has of the gain.
+LEFT_OUT = {
+    "forces": "a {load} left out",
+    "forces_without_bias": "a {load} left out, without the model's bias",
+    "holds": "a clamping left out",
+    "times": "a quarter of the campaign left out",
+    "times_in_a_hold": "a quarter of the times in a clamping left out",
+    "directions": "a direction at a {load} left out",
+    "temperatures": "a quarter of the temperatures left out",
+    "groups": "a group left out",
+}
+
+
 def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
     """Held-out errors before and after."""
     rows, load = [], words.short or "condition"
@@ -117,19 +130,18 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
                      percent(1.0 - after / before, 0)))  # fmt: skip
 
     for said in verdicts:
-        for key, text in (
-            ("between_forces", f"a {load} left out"),
-            ("between_forces_without_bias", f"a {load} left out, without the model's bias"),
-            ("between_holds", "a clamping left out"),
-        ):
-            if key in said["gain"]:
-                sides = said["gain"][key]
-                add(said["structure"], f"stick frequency, {text}", sides)
+        for key, sides in said["gain"].items():
+            whose, _, parts = key.rpartition("between_")
+            if parts in LEFT_OUT:
+                what = "loss factor of the stuck joint, relative" if whose else "stick frequency"
+                text = LEFT_OUT[parts].format(load=load)
+                add(said["structure"], f"{what}, {text}", sides)
                 for mode, part in sides.get("by_mode", {}).items():
-                    add(said["structure"], f"stick frequency of {mode}, {text}", part)
-        for name, sides in said["gain"].get("within_records", {}).items():
-            text = "frequency" if name == "frequency" else "loss factor (absolute)"
-            add(said["structure"], f"{text} over amplitude, a {load} left out", sides)
+                    add(said["structure"], f"{what} of {mode}, {text}", part)
+        for key, left in (("within_records", f"a {load}"), ("between_amplitudes", "amplitudes")):
+            for name, sides in said["gain"].get(key, {}).items():
+                text = "frequency" if name == "frequency" else "loss factor (absolute)"
+                add(said["structure"], f"{text} over amplitude, {left} left out", sides)
         for key, text in (("log_score", "stick frequency"), ("log_score_curves", "curves")):
             if key in said["gain"]:
                 before, after = said["gain"][key]["before"], said["gain"][key]["after"]
