@@ -245,7 +245,7 @@ def test_a_missing_folder_is_named(tmp_path):
         ("{'ln_f': v * r.force}, {'ln_f': -3.0 * r.force[:, None]}", "must be 2e.04 .*got -6e.04"),
         ("{'ln_f': v * r.force}, {'ln_f': 1.2 * r.force[:, None]}", "derivative of ln_f by p"),
         ("{'ln_f': np.where(v < 0.2, v, np.nan) * r.force}, {'ln_f': r.force[:, None]}", "finite"),
-        ("{'ln_f': r.temperature}, {}", "AttributeError"),
+        ("{'ln_f': r.humidity}, {}", "AttributeError"),
     ],
 )
 def test_a_users_bad_law_is_told_before_any_fit(tmp_path, law, message):
@@ -344,4 +344,4 @@ def test_a_mechanism_without_parameters_is_refused():
 def test_a_law_of_an_unknown_variable_is_refused():
     one = next(one for one in catalogue() if one.id == "drift")
     with pytest.raises(ValueError, match="over must be of"):
-        replace(one, over=("temperature",))
+        replace(one, over=("humidity",))
