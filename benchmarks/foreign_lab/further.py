@@ -7,7 +7,6 @@ import numpy as np
 from foreign_lab.case import Case, disturb
 from foreign_lab.sheet import Sheet
 
-LOUDER = 2.0  # times the amplitudes of the campaign
 KEPT, STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in it
 
 
@@ -44,8 +43,7 @@ def with_records(
 ) -> Case:
     """The campaign with the further records behind its own.
 
-    kind: `another load`, `larger amplitude`, `both directions`, `kept clamping` or `all again`.
-    load: N.
+    kind: `another load`, `both directions`, `kept clamping` or `all again`. load: N.
     """
     sheet, bench = case.sheet, case.bench
     if kind == "all again":
@@ -64,8 +62,7 @@ def with_records(
         ]
     mode, reading, direction, in_hold, hold = (np.array(part) for part in zip(*rows, strict=True))
     newtons, count = 10.0 * bench.piston_cm2, len(mode)
-    louder = LOUDER if kind == "larger amplitude" else 1.0
-    started = {m: louder * sheet.usual_start(m) for m in np.unique(sheet.mode)}
+    started = {m: sheet.usual_start(m) for m in np.unique(sheet.mode)}
     apart = 1800.0 + (KEPT if kind == "kept clamping" else 0.0)
     begun = sheet.time.max() + apart * (1 + np.unique(hold, return_inverse=True)[1])
     reading = np.maximum(np.round(reading / newtons), 1.0) * newtons

@@ -186,19 +186,17 @@ def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
     directions of a force, or groups.
     """
     records, known = data.records, _known(data)
-    force = np.unique(records.force, return_inverse=True)[1]
-    found = {"force": force, "hold": data.hold}
-    if known["time"]:
-        found["time"] = _quarters(records.time - records.since)
-    if known["since"]:
-        found["since"] = _quarters(records.since)
+    along = {
+        "time": records.time - records.since,
+        "since": records.since,
+        "temperature": records.temperature,
+    }
+    found = {name: _quarters(values) for name, values in along.items() if known[name]}
+    found["force"] = np.unique(records.force, return_inverse=True)[1]
+    found["hold"] = data.hold
     if known["sign"]:
-        found["sign"] = np.unique(3 * force + records.sign, return_inverse=True)[1]
-    if known["temperature"]:
-        found["temperature"] = _quarters(records.temperature)
-    if data.group is not None:
-        found["group"] = data.group
-    return found
+        found["sign"] = np.unique(3 * found["force"] + records.sign, return_inverse=True)[1]
+    return found if data.group is None else found | {"group": data.group}
 
 
 def _quarters(values: ndarray) -> Int[ndarray, " datum"]:

@@ -53,10 +53,8 @@ def gains(made: Diagnosis) -> dict:
             result[key] = _between(made, found, part, held)
             if stick and part == "force":
                 result["log_score"] = _log_score(held)
-                free = (
-                    biases(made.simulated) if isinstance(made.simulated, Parametric) else slice(0)
-                )
-                spared = _held(found, part, free)
+                structure = isinstance(made.simulated, Parametric)
+                spared = _held(found, part, biases(made.simulated) if structure else slice(0))
                 result[f"{key}_without_bias"] = _between(made, found, part, spared)
     return result
 
@@ -79,14 +77,9 @@ def _means(
     held: Iterable[HeldOut], parts: Int[ndarray, " datum"], group: Int[ndarray, " datum"]
 ) -> dict[int, list[ndarray]]:
     """By group, of both sides the mean miss of each part."""
-    rows = {
-        int(g): [(group == g) & (parts == p) for p in np.unique(parts[group == g])]
-        for g in np.unique(group)
-    }
-    return {
-        g: [np.array([side.error[here].mean() for here in own]) for side in held]
-        for g, own in rows.items()
-    }
+    pairs, where = np.unique(np.stack([group, parts]), axis=1, return_inverse=True)
+    means = [np.bincount(where, side.error) / np.bincount(where) for side in held]
+    return {int(g): [one[pairs[0] == g] for one in means] for g in np.unique(group)}
 
 
 def _rms(sides: Iterable) -> Sides:

@@ -202,7 +202,7 @@ def _row(
         gained += _gained(stick, problems, old, new)
         covariance = _sharper(problems[stick.index(first)], first.fit)
         if "curve" in rivals and not made.curve_lacks:
-            curves, old, new = _more_curves(made.curves, load, one.louder)
+            curves, old, new = _more_curves(made.curves, load)
             models = [curve_model.problem(curves, r.mechanisms) for r in rivals["curve"]]
             gained += _gained(rivals["curve"], models, old, new)
     ratio = np.nan
@@ -314,12 +314,8 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
     )
 
 
-def _more_curves(
-    data: CurveData, force: float, louder: float = 1.0
-) -> tuple[CurveData, ndarray, ndarray]:
-    """Curve data with the levels nearest to a force once more, there and at amplitudes so many
-    times as large; rows of old and new data.
-    """
+def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, ndarray]:
+    """Curve data with the levels nearest to a force once more, there; rows of old and new data."""
     points, count = data.points, data.points.mode.size
     off = np.abs(np.log(points.force / force))
     least = np.array(
@@ -329,7 +325,6 @@ def _more_curves(
     new = np.arange(rows.size) >= count
     there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
     there.force[new] = force
-    there.amplitude[new] *= louder
     both, fresh = np.concatenate([rows, rows + count]), np.tile(new, 2)
     noise = data.noise[np.ix_(both, both)] * (fresh[:, None] == fresh)
     level = np.unique(data.level[rows] + new * (data.level.max() + 1), return_inverse=True)[1]

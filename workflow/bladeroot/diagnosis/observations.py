@@ -162,11 +162,7 @@ def observations(
         attrs={
             "simulated": int(stick.attrs.get("simulated", 0)),
             "campaign": str(stick.attrs.get("campaign", "")),
-            **{
-                name: stick.attrs[name]
-                for name in ("load_name", "load_unit")
-                if name in stick.attrs
-            },
+            **{n: stick.attrs[n] for n in ("load_name", "load_unit") if n in stick.attrs},
             "gauge_full_scale_std_N": float(gauge.full_scale_std),
             "gauge_relative_std": float(gauge.relative_std),
             "gauge_resolution_N": float(gauge.resolution),
@@ -201,15 +197,11 @@ def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"
     """The rows of a table as records, and what each scatters about a smooth law (Hz)."""
     mode, force = stick["mode"].values.astype(str), stick["force"].values
     rows = [
-        {
+        dict.fromkeys(("hold", "direction", "group", "event", "sensor"), "")
+        | {
             "record": f"{mode[i]}-{force[i]:.0f}{stick.attrs.get('load_unit', 'N')}",
             "mode": mode[i],
             "force": float(force[i]),
-            "hold": "",
-            "direction": "",
-            "group": "",
-            "event": "",
-            "sensor": "",
             "stick_frequency": float(stick["frequency"].values[i]),
             "stick_frequency_std": float(stick["stated_std"].values[i]),
             "stick_loss_factor": float(stick["loss_factor"].values[i]),

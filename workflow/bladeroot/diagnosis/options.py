@@ -42,7 +42,6 @@ FACTS = {
     ),
 }
 CLAMPINGS = (2, 4, 8)  # of a proposal, in each direction
-LOUDER = 2.0  # times the amplitudes of the campaign
 _LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
 
 
@@ -50,8 +49,7 @@ _LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode
 class Option:
     """A measurement. records, hold: what it adds to the stick frequencies (hold: of the addition).
 
-    facts: what it measures beside the records, by mechanism, to which standard deviation. louder:
-    times the amplitudes of the campaign.
+    facts: what it measures beside the records, by mechanism, to which standard deviation.
     """
 
     kind: str
@@ -60,7 +58,6 @@ class Option:
     records: Records | None = None
     hold: Int[ndarray, " record"] | None = None
     facts: Mapping[str, float] = field(default_factory=dict)
-    louder: float = 1.0
 
     def with_test(self, other: "Option", made: Diagnosis) -> "Option":
         """This test and another one in one visit."""
@@ -94,27 +91,24 @@ def of_facts(made: Diagnosis) -> list[Option]:
 
 
 def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Option]]:
-    """Further records, of each kind in several sizes: all again, other loads, larger amplitudes,
-    both directions, clampings that are kept.
+    """Further records, of each kind in several sizes: all again, other loads, both directions,
+    clampings that are kept.
     """
     data, hours = made.data, _hours(made)
     records = data.records
 
-    def option(kind: str, what: str, new: Records, hold: ndarray, louder: float = 1.0) -> Option:
+    def option(kind: str, what: str, new: Records, hold: ndarray) -> Option:
         time = np.unique(hold).size * hours["clamping"] + new.mode.size * hours["record"]
-        return Option(kind, what, hours["visit"] + time, new, hold, louder=louder)
+        return Option(kind, what, hours["visit"] + time, new, hold)
 
-    def sized(
-        kind: str, what: str, force: float, signs=(0.0,), since=(0.0,), louder: float = 1.0
-    ) -> list[Option]:
+    def sized(kind: str, what: str, force: float, signs=(0.0,), since=(0.0,)) -> list[Option]:
         new = {n: _clampings(data, force, [*signs] * n, since) for n in CLAMPINGS}
         text = what.format(told(force))
-        return [option(kind, f"{n} {text}", *new[n], louder) for n in CLAMPINGS]
+        return [option(kind, f"{n} {text}", *new[n]) for n in CLAMPINGS]
 
     top, bottom = float(records.force.max()), float(records.force.min())
     higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
-    loads = np.unique(records.force)
-    middle = float(loads[loads.size // 2])
+    middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
     if made.simulated.kind == "structure":
         low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
         higher, lower = min(higher, high), max(lower, low)
@@ -126,10 +120,6 @@ def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Optio
         options.append(sized("another load", "clampings at {}, every mode", higher))
     if lower < 0.95 * bottom:
         options.append(sized("another load", "clampings at {}, every mode", lower))
-    if made.curves is not None and not made.curve_lacks:
-        what = f"clampings at {{}} with amplitudes {LOUDER:g} times as large"
-        ends = (bottom, top)[: loads.size]
-        options += [sized("larger amplitude", what, one, louder=LOUDER) for one in ends]
     if data.direction_known:
         what = "clampings up and as many down at {}, every mode"
         options.append(sized("both directions", what, middle, (1.0, -1.0)))

@@ -107,19 +107,6 @@ def sizes_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Tab
     )
 
 
-# What was left out, by the name that `verdict.json` has of the gain.
-LEFT_OUT = {
-    "forces": "a {load} left out",
-    "forces_without_bias": "a {load} left out, without the model's bias",
-    "holds": "a clamping left out",
-    "times": "a quarter of the campaign left out",
-    "times_in_a_hold": "a quarter of the times in a clamping left out",
-    "directions": "a direction at a {load} left out",
-    "temperatures": "a quarter of the temperatures left out",
-    "groups": "a group left out",
-}
-
-
 def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
     """Held-out errors before and after."""
     rows, load = [], words.short or "condition"
@@ -131,10 +118,12 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
 
     for said in verdicts:
         for key, sides in said["gain"].items():
-            whose, _, parts = key.rpartition("between_")
-            if parts in LEFT_OUT:
-                what = "loss factor of the stuck joint, relative" if whose else "stick frequency"
-                text = LEFT_OUT[parts].format(load=load)
+            whose, between, parts = key.partition("between_")
+            if between and parts != "amplitudes":
+                what = "loss factor of the stuck joint (relative)" if whose else "stick frequency"
+                left, _, bias = parts.replace("forces", f"{load}s").partition("_without_")
+                text = f"{left.replace('hold', 'clamping').replace('_', ' ')} left out"
+                text += ", without the model's bias" if bias else ""
                 add(said["structure"], f"{what}, {text}", sides)
                 for mode, part in sides.get("by_mode", {}).items():
                     add(said["structure"], f"{what} of {mode}, {text}", part)
