@@ -42,7 +42,8 @@ FACTS = {
     ),
 }
 CLAMPINGS = (2, 4, 8)  # of a proposal, in each direction
-_LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
+# Times (s) in a clamping that is kept, of records of each mode.
+KEPT = (0.0, 720.0, 1440.0, 2160.0, 2880.0, 3600.0)
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,8 @@ def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Optio
         what = "clampings up and as many down at {}, every mode"
         options.append(sized("both directions", what, middle, (1.0, -1.0)))
     if data.time_known:
-        what = f"clampings at {{}} kept for an hour, {_STEPS} records of every mode"
-        options.append(sized("kept clamping", what, middle, since=np.linspace(0.0, _LONG, _STEPS)))
+        what = f"clampings at {{}} kept for an hour, {len(KEPT)} records of every mode"
+        options.append(sized("kept clamping", what, middle, since=KEPT))
     return options
 
 
