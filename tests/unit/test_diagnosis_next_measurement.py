@@ -12,6 +12,7 @@ from bladeroot.diagnosis.next_measurement import (
     following,
     next_measurements,
 )
+from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.next_measurement import next_sentence
 from diagnosis_bench import campaign, programme
@@ -127,3 +128,23 @@ def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
     (said,) = next_sentence(found)
     assert "decide" not in said
     assert "known" in said
+
+
+@pytest.mark.parametrize(
+    ("effect", "size", "film", "name"),
+    [
+        ("exponent", 0.4, 300.0, "load-dependent-stiffness"),
+        ("seating", 8e3, 8.3e3, "incomplete-contact"),
+    ],
+)
+def test_a_pressure_film_tells_seating_from_a_stiffness_that_grows(effect, size, film, name):
+    rows = programme(cycles=1, records=1)
+    seen = campaign(_model(False), effect, size, rows=rows, curves=False)
+    candidates = [one for one in catalogue() if one.id in FEW]
+    settings = Settings(BIAS, splits={"pressure film": (film, 500.0)})
+    (found,) = diagnose(seen, _model(False), settings, candidates).found[:1]
+    assert [cause.credible for cause in found.causes] == [(name,)]
+    if film > 1e3:
+        ((value, std), *_) = sizes(found.causes[0].mechanism, found.final, found.channel.base)
+        assert abs(value - film) < 2.0 * 500.0
+        assert std <= 500.0
