@@ -276,7 +276,7 @@ def _by_facts(
     """
     sets, gained = probabilities(made), 0.0
     for found in made.found:
-        for name in facts.keys() & found.alone.keys() & asked:
+        for name in sorted(facts.keys() & found.alone.keys() & asked):
             (value, std), *_ = sizes(
                 found.alone[name].causes[0], found.alone[name].fit, found.channel.base
             )
@@ -287,10 +287,11 @@ def _by_facts(
             absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
             gained += _nats([absent, there], np.array([1.0 - odds, odds]))
     covariance = first.fit.covariance
-    name = first.mechanisms[0].id if first.mechanisms else ""
-    if name in facts:
-        column = covariance[:, base]
-        covariance = covariance - np.outer(column, column) / (column[base] + facts[name] ** 2)
+    if first.mechanisms and first.mechanisms[0].id in facts:
+        size, column = first.mechanisms[0].parameters[0], covariance[:, base]
+        slope = size.slope(size.value(float(first.fit.parameters[base])))
+        error = facts[first.mechanisms[0].id] / slope
+        covariance = covariance - np.outer(column, column) / (column[base] + error**2)
     return gained, covariance
 
 
