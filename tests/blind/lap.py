@@ -21,10 +21,14 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import yaml  # noqa: E402
 from bladeroot import artifacts  # noqa: E402
+from bladeroot.rom.bodies import reduce_bodies  # noqa: E402
+from bladeroot.rom.lap_joint import lap_joint_assembly  # noqa: E402
+from bladeroot.rom.whole import parametric_structure  # noqa: E402
+from bladeroot.schema import read_yaml  # noqa: E402
+from bladeroot.shipped_files import structure_file  # noqa: E402
 from cases import Case, draw_case  # noqa: E402
 from fast import save  # noqa: E402
 from lab import Laboratory  # noqa: E402
-from lap_coarse import lap_model, lap_reduced  # noqa: E402
 from runs import diagnose  # noqa: E402
 from score import Outcome, score, share  # noqa: E402
 from seal import open_seal, seal  # noqa: E402
@@ -33,6 +37,9 @@ HIDDEN = ((), ("joint-slip",), ("load-dependent-stiffness",), ("added-mass",))
 BENCH = ROOT / "resources/bench/lap-joint.yaml"
 EXPECTED = {"bend1": 165.0, "bend2": 585.0, "bend3": 1160.0}  # Hz
 LOSS = (0.002, 0.006)
+# Drive (A) of each mode, to amplitudes where its slip begins under the same friction (40, 24, 7 um):
+# a mode that is driven far below says nothing of the joint.
+DRIVES = {"bend1": 25.0, "bend2": 160.0, "bend3": 370.0}
 PRELOADS, CYCLES = (300, 500, 700, 900, 1200), 2  # ten newtons each
 FACTS = {
     "expected_Hz": EXPECTED,
@@ -66,9 +73,9 @@ def draw_sheet(seed: int) -> pd.DataFrame:
     ways = [("up", PRELOADS), ("down", PRELOADS[::-1])] * CYCLES
     rows, clock = [], 0
     for number, (way, load) in enumerate(((w, load) for w, all_ in ways for load in all_), 1):
-        for mode in EXPECTED:
+        for mode, usual in DRIVES.items():
             name = f"r{len(rows) + 1:03d}"
-            drive = round(25.0 * float(chance.uniform(0.95, 1.05)), 3)
+            drive = round(usual * float(chance.uniform(0.95, 1.05)), 3)
             rows.append({"record": name, "file": f"{name}.nc", "mode": mode, "pressure_bar": load,
                          "hold": f"h{number:02d}", "direction": way, "time_s": clock,
                          "drive_A": drive})  # fmt: skip
@@ -78,9 +85,12 @@ def draw_sheet(seed: int) -> pd.DataFrame:
 
 
 def laboratory(folder: Path) -> Laboratory:
-    """With the coarse lap joint as the specimen."""
-    artifacts.save(lap_reduced(), folder / "reduced.nc")
-    artifacts.save(lap_model(), folder / "parametric.nc")
+    """With the shipped lap joint as the specimen: the first of some dozen pairs to slip is a step."""
+    data = read_yaml(structure_file("lap-joint"), "assembly")
+    reduced = reduce_bodies(lap_joint_assembly(data, "lap-joint.yaml"))
+    artifacts.save(reduced, folder / "reduced.nc")
+    model = parametric_structure(reduced, {"force_kN": (0.0, 30.0)})
+    artifacts.save(model, folder / "parametric.nc")
     return Laboratory(folder / "reduced.nc", bench=draw_bench, sheet=draw_sheet)
 
 
