@@ -2,7 +2,7 @@
 
 python tests/blind/lap.py [--cases 24] [--seed N]
 
-The bench is that of the campaign `lap-joint` on a coarse mesh with two interfaces, drawn as the
+The bench is that of the campaign `lap-joint` with two interfaces, drawn as the
 dovetail's is (`cases.py`): stiffness constant over the preload and no slip, unless that is hidden.
 The diagnosis knows its four stiffnesses to a factor of 30 and frequencies to 0.15 %.
 """
@@ -37,8 +37,8 @@ HIDDEN = ((), ("joint-slip",), ("load-dependent-stiffness",), ("added-mass",))
 BENCH = ROOT / "resources/bench/lap-joint.yaml"
 EXPECTED = {"bend1": 165.0, "bend2": 585.0, "bend3": 1160.0}  # Hz
 LOSS = (0.002, 0.006)
-# Drive (A) of each mode, to amplitudes where its slip begins under the same friction (40, 24, 7 um):
-# a mode that is driven far below says nothing of the joint.
+# Drive (A) of each mode, to amplitudes at which slip begins under one friction (40, 24 and 7 um): a
+# mode that is driven far below says nothing of the joint.
 DRIVES = {"bend1": 25.0, "bend2": 160.0, "bend3": 370.0}
 PRELOADS, CYCLES = (300, 500, 700, 900, 1200), 2  # ten newtons each
 FACTS = {
@@ -85,7 +85,7 @@ def draw_sheet(seed: int) -> pd.DataFrame:
 
 
 def laboratory(folder: Path) -> Laboratory:
-    """With the shipped lap joint as the specimen: the first of some dozen pairs to slip is a step."""
+    """With the shipped lap joint as the specimen: the first of few pairs to slip is a step."""
     data = read_yaml(structure_file("lap-joint"), "assembly")
     reduced = reduce_bodies(lap_joint_assembly(data, "lap-joint.yaml"))
     artifacts.save(reduced, folder / "reduced.nc")

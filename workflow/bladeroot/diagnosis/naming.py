@@ -153,8 +153,8 @@ class _Search:
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
     def _rival(self, model: Model) -> float:
-        """What a set that is not surely there counts as: where it explains more than any that is, of
-        as many causes, as much as that one. Its law misses much; so does theirs, which is no name.
+        """What a set counts as that is not surely there and explains more than any that is, of as
+        many causes: as much as these. Its law misses much, and so does theirs, which is no name.
         """
         sure = [
             one.log_evidence for ids, one in self.models.items()
