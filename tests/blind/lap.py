@@ -21,14 +21,10 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import yaml  # noqa: E402
 from bladeroot import artifacts  # noqa: E402
-from bladeroot.rom.bodies import reduce_bodies  # noqa: E402
-from bladeroot.rom.lap_joint import lap_joint_assembly  # noqa: E402
-from bladeroot.rom.whole import parametric_structure  # noqa: E402
-from bladeroot.schema import read_yaml  # noqa: E402
-from bladeroot.shipped_files import structure_file  # noqa: E402
 from cases import Case, draw_case  # noqa: E402
 from fast import save  # noqa: E402
 from lab import Laboratory  # noqa: E402
+from lap_coarse import lap_shipped  # noqa: E402
 from runs import diagnose  # noqa: E402
 from score import Outcome, score, share  # noqa: E402
 from seal import open_seal, seal  # noqa: E402
@@ -86,11 +82,8 @@ def draw_sheet(seed: int) -> pd.DataFrame:
 
 def laboratory(folder: Path) -> Laboratory:
     """With the shipped lap joint as the specimen: the first of few pairs to slip is a step."""
-    data = read_yaml(structure_file("lap-joint"), "assembly")
-    reduced = reduce_bodies(lap_joint_assembly(data, "lap-joint.yaml"))
-    artifacts.save(reduced, folder / "reduced.nc")
-    model = parametric_structure(reduced, {"force_kN": (0.0, 30.0)})
-    artifacts.save(model, folder / "parametric.nc")
+    for name, made in zip(("reduced", "parametric"), lap_shipped(), strict=True):
+        artifacts.save(made, folder / f"{name}.nc")
     return Laboratory(folder / "reduced.nc", bench=draw_bench, sheet=draw_sheet)
 
 

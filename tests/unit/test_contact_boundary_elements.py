@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from bladeroot.contact.boundary_elements import _held, _strip, line_pressure, rectangle_stiffness
 from bladeroot.contact.compliance import normal_stiffness, tangential_stiffness
 from bladeroot.contact.punch import (
     Punch,
@@ -11,6 +10,7 @@ from bladeroot.contact.punch import (
     shear,
     stick_half_width,
 )
+from boundary_elements import _held, _strip, line_pressure, rectangle_stiffness
 
 STEEL = {"length": 26e-3, "youngs_modulus": 206e9, "poisson_ratio": 0.3, "friction": 0.42}
 FLANK = Punch(flat_half_width=0.8e-3, edge_radius=20e-3, **STEEL)

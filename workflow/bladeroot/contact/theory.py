@@ -9,7 +9,6 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact import compliance
-from bladeroot.contact.boundary_elements import line_pressure, rectangle_stiffness
 from bladeroot.contact.loads import FRICTION_STATES, axial_per_normal, normal_force
 from bladeroot.contact.punch import Punch, contact_half_width, pressure, punch_from, shear
 from bladeroot.contact.punch import stick_half_width as stick_width
@@ -42,7 +41,6 @@ def theory(
         _against_normal_force(punch, punch_from(parameters, "printed"), forces, per_normal),
         _against_axial_force(punch, forces, angle),
         _profiles(punch, float(forces[0]), angle),
-        _by_boundary_elements(punch, forces, angle),
         _sensitivity(punch, float(forces[0]), angle),
     ]
     whole = xr.merge(parts, compat="equals", combine_attrs="drop_conflicts")
@@ -94,16 +92,6 @@ def _against_normal_force(
                 compliance.tangential_stiffness(n, punch),
                 "tangential stiffness of a flank at T = 0, closed form",
                 "eq. 6.11 with b of eq. 6.5",
-            ),
-            "kn_quadrature": var(
-                compliance.normal_stiffness_by_quadrature(n, punch),
-                "normal stiffness of a flank of finite length, by quadrature",
-                "eqs 6.14, 6.15",
-            ),
-            "kt_quadrature": var(
-                compliance.tangential_stiffness_by_quadrature(n, punch),
-                "tangential stiffness of a flank at T = 0, by quadrature",
-                "eqs 6.10, 6.11",
             ),
             "kn_printed": var(
                 compliance.normal_stiffness(n, printed),
@@ -190,35 +178,6 @@ def _profiles(punch: Punch, axial: float, angle: float) -> xr.Dataset:
             "position": ("position", x, _attrs("m", "position across the flank from its middle")),
         },
         attrs={"profile_axial_force": axial},
-    )
-
-
-def _by_boundary_elements(punch: Punch, forces: ndarray, angle: float) -> xr.Dataset:
-    """The closed forms' independent check at T = 0: stiffness at all forces, pressure at one."""
-    n = normal_force(forces, FRICTION_STATES[0], punch.friction, angle)
-    b = contact_half_width(n / punch.length, punch)
-    variables = {}
-    for name, direction in (("kn", "normal"), ("kt", "tangential")):
-        k = [
-            rectangle_stiffness(float(half), punch.length, punch, direction, (8, 20)) for half in b
-        ]
-        text = f"{direction} stiffness of a rigid flank of finite length, boundary elements"
-        variables[f"{name}_boundary"] = ("force", np.array(k), _attrs("N/m", text))
-    x, value = line_pressure(float(n[0]) / punch.length, punch, 1.2 * float(b[0]))
-    exact = pressure(x, float(n[0]) / punch.length, punch)
-    # beside the flat's end the pressure has a logarithmic kink that no cell can follow
-    away = np.abs(np.abs(x) - punch.flat_half_width) > 4.0 * (x[1] - x[0])
-    away &= np.abs(x) < b[0] - 4.0 * (x[1] - x[0])
-    rim = np.abs(x[value > 0.0]).max() + 0.5 * (x[1] - x[0])
-    return xr.Dataset(
-        variables,
-        attrs={
-            "boundary_pressure_difference": float(
-                np.abs(value - exact)[away].max() / exact[away].mean()
-            ),
-            "boundary_half_width_difference": float(rim / b[0] - 1.0),
-            "boundary_cell": float((x[1] - x[0]) / b[0]),
-        },
     )
 
 
