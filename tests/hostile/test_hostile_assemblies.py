@@ -96,7 +96,8 @@ CASES = {
     ),
     "mass and stiffness exchanged": (described(exchanged), "body first"),
     "x and y exchanged": (
-        table("first_nodes", lambda r: [r[0], *([a[0], a[2], a[1], *a[3:]] for a in r[1:])]), "coincide within"
+        table("first_nodes", lambda r: [r[0], *([a[0], a[2], a[1], *a[3:]] for a in r[1:])]),
+        "coincide within",
     ),
     "nodes in another order": (
         table("first_nodes", lambda r: [r[0], *([a[0], *b[1:]] for a, b in
