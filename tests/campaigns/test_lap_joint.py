@@ -1,6 +1,7 @@
 """The shipped campaign of a lap joint, on a coarse mesh, from raw records to its verdict."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -31,11 +32,11 @@ def test_a_lap_joint_of_three_modes_at_four_preloads(tmp_path):
     assert np.unique(seen["force"].values).size == 4
     said = json.loads((results / "diagnosis" / "verdict.json").read_text())
     assert said["structure"] == "lap-joint"
+    # of the bench, whose stiffness goes with the root of the preload; no other is said to be there
+    assert {one["mechanism"] for one in said["causes"]} <= {"load-dependent-stiffness"}
+    assert {"load-dependent-stiffness", "incomplete-contact"} & set(said["possible"])
     pages = [results / "report.html", *(results / "report").glob("*.html")]
-    text = "\n".join(page.read_text() for page in pages)
+    text = " ".join(re.sub(r"<(script|style).*?</\1>|<[^>]+>", " ", page.read_text(), flags=re.S)
+                    for page in pages)  # fmt: skip
     assert "bolt preload" in text
-    print(said["answer"], said["reason"], said["possible"], [c["mechanism"] for c in said["causes"]])
-    for word in ("axial force", "dovetail", "flank", "slot"):
-        print(word, text.count(word))
-    assert house.planned("--config", "campaigns=lap-joint") == {}
-    assert 0
+    assert not re.search(r"\b(dovetail|flanks?|slots?|axial)\b", text)

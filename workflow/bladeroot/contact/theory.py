@@ -64,7 +64,7 @@ def _attrs(units: str, long_name: str, source: str = "") -> dict[str, str]:
 
 def _against_normal_force(
     punch: Punch, printed: Punch, forces: ndarray, per_normal: ndarray
-) -> dict[str, ndarray]:
+) -> dict[str, object]:
     """Fine curves over the normal force, up to the largest that the axial forces need."""
     n = np.linspace(0.02, 1.0, 160) * 1.25 * forces[-1] / per_normal.min()
     made = {"normal_force": n, "normal_approach": compliance.normal_approach(n, punch)}
@@ -75,7 +75,7 @@ def _against_normal_force(
     return made
 
 
-def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[str, ndarray]:
+def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[str, object]:
     """Both friction limits: on a fine axis for curves, and at the FE forces for comparison."""
     fine = np.linspace(0.25 * forces[0], 1.15 * forces[-1], 120)
     made = {"friction_state": list(FRICTION_STATES), "axial_force": fine, "force": forces}
@@ -86,7 +86,7 @@ def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[st
     return made | {"normal_force_theory": n}
 
 
-def _profiles(punch: Punch, axial: float, angle: float) -> dict[str, ndarray]:
+def _profiles(punch: Punch, axial: float, angle: float) -> dict[str, object]:
     """Pressure and shear across the contact at one axial force, for rising T/(mu N)."""
     n = axial / (2.0 * (np.sin(angle) + LOAD_RATIOS * punch.friction * np.cos(angle)))
     load = n / punch.length

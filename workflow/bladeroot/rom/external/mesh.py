@@ -31,8 +31,8 @@ def external_mesh(description: Description) -> xr.Dataset:
         "equation_node": node,
         "equation_axis": np.concatenate([body.axis for body in bodies]),
         "equation_fixed": np.concatenate([body.fixed for body in bodies]).astype(np.int8),
-        "display_node": _display(description, bodies[0]),
         **contact_pairs(description, bodies, starts),
+        "display_node": _display(description, bodies[0]),
     }
     text = " ".join(description.data["description"].split())
     return mesh_dataset(made, description.data["name"], text)
