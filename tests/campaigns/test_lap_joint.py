@@ -20,6 +20,7 @@ def test_a_lap_joint_of_three_modes_at_four_preloads(tmp_path):
     file = house.folder / LAP
     coarse = yaml.safe_load(file.read_text()) | {"mesh": COARSE, "reduction": {"modes": 8}}
     file.write_text(yaml.safe_dump(coarse, sort_keys=False))
+    house.edit("resources/bench/lap-joint.yaml", "modes: 24", "modes: 12")  # the bench moves fewer
     rows = (house.folder / SHEET).read_text().splitlines()
     up = [row for row in rows if ",up," in row]
     (house.folder / SHEET).write_text("\n".join([rows[0], *up]) + "\n")
