@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
+from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.mechanisms.probe import probe
 from scipy.integrate import quad
 from scipy.stats import norm
@@ -103,6 +104,43 @@ def test_derivatives_of_curve_effects(mechanism):
             assert given == pytest.approx(slope, rel=2e-3, abs=1e-3 * scale)
 
 
+@pytest.mark.parametrize(
+    "mechanism",
+    [one for one in of_kind("curve") + of_kind("damping") if any(p.ratio for p in one.parameters)],
+    ids=named,
+)
+def test_a_third_mode_has_ratios_of_its_own(mechanism):
+    """The second mode's law with other numbers; one and two modes keep theirs; slopes follow."""
+    whole = of_modes(mechanism, 3)
+    plain = [p.name for p in mechanism.parameters]
+    own = [p.name for p in mechanism.parameters if p.ratio]
+    assert [p.name for p in whole.parameters] == [*plain, *(f"{name}_3" for name in own)]
+    assert of_modes(mechanism, 2).parameters == mechanism.parameters
+    assert modes_of(mechanism, {p.name for p in whole.parameters}) == 3
+    values = np.concatenate([usual(mechanism), 1.7 * np.ones(len(own))])
+    third = usual(mechanism)
+    third[[plain.index(name) for name in own]] = 1.7
+    given = POINTS if mechanism.curve else RECORDS
+    wide = replace(given, mode=np.where(given.mode == 1, 2, 0))
+
+    def law(one, rows, at):
+        if one.curve is None:
+            return one.damping(rows, at)
+        effect = one.curve(rows, at)
+        return np.stack([effect.ln_f, effect.loss]), np.stack(
+            [effect.ln_f_slope, effect.loss_slope]
+        )
+
+    made, slope = law(whole, wide, values)
+    np.testing.assert_allclose(made, law(mechanism, given, third)[0], rtol=1e-12)
+    usually = law(mechanism, given, usual(mechanism))[0]
+    np.testing.assert_allclose(law(whole, given, values)[0], usually, rtol=1e-12)
+    for k in range(values.size):
+        by_difference = numerical(lambda v: law(whole, wide, v)[0], values, k)
+        scale = np.abs(made).max() / abs(values[k]) + 1e-30
+        assert slope[..., k] == pytest.approx(by_difference, rel=2e-3, abs=1e-3 * scale)
+
+
 def test_slip_begins_at_a_threshold_that_grows_with_the_force():
     slip = next(one for one in catalogue() if one.id == "joint-slip")
     values = np.array([0.02, 1.0, 1e-9, 0.5, 1.0, 1e-6])
@@ -198,6 +236,9 @@ def test_a_share_is_bounded_by_what_the_simulation_has():
     wide = slip.tied({"tangential": (0.02, 0.04)}, {"tangential": 1.0}).parameters[0]
     assert wide.high == pytest.approx(0.03 * np.exp(2.0))
     assert slip.tied({}, {}).parameters == slip.parameters
+    third = of_modes(slip, 3).tied({"tangential": (0.02, 0.04, 0.01)}, {"tangential": 0.0})
+    ratios = {p.name: p.mean for p in third.parameters if p.ratio and p.tie}
+    assert ratios == pytest.approx({"share_ratio": 2.0, "share_ratio_3": 0.5})
 
 
 def test_a_users_file_joins_and_may_replace(tmp_path):

@@ -26,6 +26,7 @@ from bladeroot.diagnosis.simulation.parametric import parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.per_mode import of_modes
 
 GAUGE_AND_LEVEL = ("force-gain", "force-offset")
 
@@ -89,6 +90,7 @@ def diagnose(
     seen = one_of_each_event(seen)
     simulated = simulation_of(seen, model, settings)
     modes = simulated.modes
+    candidates = [of_modes(one, len(modes)) for one in candidates]
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)

@@ -37,8 +37,9 @@ class Parameter:
     With `log` the prior is of the parameter's logarithm, with `bounded` of
     ln((p - low)/(high - p)):
     `mean` is then its median (in the parameter's own unit) and `std` that of this coordinate.
-    tie: one of `ENERGIES` where the parameter is a part of the first mode's stiffness, or with
-    `ratio` that of the other modes over the first: the simulation's own part then bounds it.
+    ratio: whether it is another mode's value over the first mode's; each mode from the second on
+    has its own (`per_mode`), of the mode of that number. tie: one of `ENERGIES` where it is a part
+    of a mode's stiffness, or such parts' ratio: the simulation's own part then bounds it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Parameter:
     bounded: bool = False
     tie: str = ""
     ratio: bool = False
+    number: int = 1
 
     def __post_init__(self) -> None:
         """ValueError for a prior that is none, or that its limits shut out."""
@@ -298,7 +300,7 @@ def _tied(parameter: Parameter, energy: Sequence[float], doubt: float) -> Parame
     if parameter.ratio:
         if len(energy) < 2:
             return parameter
-        mean = float(np.mean(energy[1:]) / energy[0])
+        mean = float(energy[parameter.number] / energy[0])
         return replace(parameter, mean=float(np.clip(mean, parameter.low, parameter.high)))
     span = parameter.high - parameter.low
     part = min(float(energy[0]), span)
