@@ -337,6 +337,34 @@ def test_an_added_record_redoes_its_batch_and_what_aggregates_it(untouched):
     assert untouched.planned() == Counter(AGAIN.split())
 
 
+def test_a_batch_keeps_the_records_that_are_current(untouched):
+    """A new record, one that is cut elsewhere and one whose result was altered are made; no other."""
+    sheet, results = untouched.folder / SHEET, untouched.folder / "results"
+    head, *lines = sheet.read_text().splitlines()
+    fields = [
+        head + ",end_s",
+        *(line + "," for line in lines),
+        lines[0].replace("r001", "r900") + ",",
+    ]
+    sheet.write_text("\n".join(fields).replace(",2.6,", ",2.6,0.5") + "\n")
+    folders = [results / "small" / stage for stage in ("records", "decay", "plateau")]
+    before = {
+        path: (path.stat().st_ino, path.read_bytes())
+        for one in folders
+        for path in one.glob("*.nc")
+    }
+    altered = results / "small" / "decay" / "r003.nc"
+    altered.write_bytes(b"other")
+    untouched.run("--until", "ringdown.small.b")
+    assert all((folder / "r900.nc").is_file() for folder in folders)
+    again = {path for path, (inode, _) in before.items() if path.stat().st_ino != inode}
+    assert again == {folder / f"{name}.nc" for folder in folders for name in ("r002", "r003")}
+    for path, (_, content) in before.items():
+        assert (path.read_bytes() == content) == (path.stem != "r002")
+    assert not (untouched.folder / ".snakemake" / "backup").exists()
+    assert untouched.planned()["ringdown"] == untouched.planned()["bench"] == 0
+
+
 # --- a model file with a mechanism of one's own, which imports a neighbour and reads a table
 
 OWN = """import numpy as np
