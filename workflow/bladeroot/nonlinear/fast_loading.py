@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import PchipInterpolator
 
-from bladeroot.contact.laws.sliders import Sliders, at_rest, parts
+from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.marching import load_up
 from bladeroot.nonlinear.masing import first_harmonic
 from bladeroot.nonlinear.system import System
@@ -64,18 +64,17 @@ def states(
 
     master: rising coordinates, m kg^1/2. RuntimeError if a state does not settle.
     """
-    k = system.stiffness[:, [1, 1]].copy()
-    shape = system.shape[:, 1:].reshape(k.size, -1)
+    size = 2 * system.count.size
+    shape = system.shape[:, 1:].reshape(size, -1)
     pushed = shape * np.repeat(system.count, 2)[:, None]
     others = 1.0 / (system.values[1:] - system.values[0])
-    give = system.flexibility[:, 1:][..., 1:].reshape(k.size, k.size)
+    give = system.flexibility[:, 1:][..., 1:].reshape(size, size)
     give = (give + (shape[:, 1:] * others) @ pushed[:, 1:].T).T.copy()
     at_laser = system.laser_flexibility[:, 1:].ravel()
     at_laser = at_laser + pushed[:, 1:] @ (others * system.laser[1:])
-    law = (*(np.ascontiguousarray(one, float) for one in parts(sliders)[:4]), False)
-    g, settled = load_up(
-        *law, k, system.count, give, shape[:, 0].copy(), master, _TOLERANCE, at_rest(sliders)
-    )
+    kt, limit = sliders.tangential, sliders.friction * sliders.preload
+    stuck = system.stiffness[:, 1].copy()
+    g, settled = load_up(kt, limit, stuck, give, shape[:, 0].copy(), master, _TOLERANCE)
     if settled < len(master):
         at = 1e6 * abs(system.laser[0] * master[settled])
         raise RuntimeError(
