@@ -119,7 +119,7 @@ rule report:
             else []
         ),
         ledger=lambda w: (
-            made([rules.ledger.output.ledger, rules.ledger.output.slider], **w)
+            made([rules.ledger.output.ledger, rules.slider.output.slider], **w)
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),

@@ -46,6 +46,7 @@ NEEDS = {
     "search": (300, 10, 0, 0),
     "shapes": (800, 10, 0, 0),
     "shortfall": (600, 10, 0, 0),
+    "slider": (500, 10, 0, 0),
     "stick": (300, 10, 500, 0),
     "stiffness": (300, 5, 0, 0),
     "theory": (300, 5, 0, 0),
@@ -68,6 +69,7 @@ PRIORITY = {
     "joint": 20,
     "accuracy": 10,
     "checks": 10,
+    "slider": 10,
 }
 
 

@@ -138,5 +138,6 @@ def load_up(kt, limit, stuck, give, shape, master, tolerance):
                     slipped = 1.0 - limit[c, s] / (kt[c, s] * size)
                     w[c, s, 0] += slipped * ex
                     w[c, s, 1] += slipped * ey
-        found[i] = flat_g
+        for k in range(shape.size):
+            found[i, k] = flat_g[k]
     return found, master.size
