@@ -143,7 +143,7 @@ def both(*changes):
 
 NOTHING = ""
 SHEET, CAMPAIGN, BENCH = SMALL + "records.csv", SMALL + "campaign.yaml", SMALL + "bench.yaml"
-STEMS = "mesh prestress shapes reduced checks accuracy"
+STEMS = "shapes reduced checks accuracy"
 FORGET = gone(".snakemake")
 
 QUICK = [
@@ -216,10 +216,10 @@ TABLE = [
     ("new mechanism's file", new(LIBRARY + "mechanisms/none.py", "NOTHING = 1\n"), "diagnosis", "report"),
     ("template", put(LIBRARY + "report/page.html.j2", "<", "<!-- x --><"), "report", "score"),
     ("style, older time", put_older(LIBRARY + "report/page.css", "{", " {"), "report", "score"),
-    ("mesh", code("fem/mesh.py"), "mesh", "prestress shapes reduced checks accuracy"),
+    ("mesh", code("fem/mesh.py"), "reduced", "shapes checks accuracy"),
     ("shapes", code("fem/shapes.py"), "shapes"),
     ("greedy", code("rom/greedy.py"), "parametric"),
-    ("reduction", code("rom/reduction.py"), "reduced", "mesh prestress shapes checks accuracy"),
+    ("reduction", code("rom/reduction.py"), "reduced", "shapes checks accuracy"),
     ("bench's stepping", code("bench/stepping.py"), "bench"),
     ("pff", code("decay/pff.py"), "ringdown"),
     ("spectra", code("decay/spectra.py"), "report"),
@@ -251,11 +251,11 @@ TABLE = [
     ("times of 1970", touched("**/*.*", 1.0), NOTHING),
     # artifacts and records
     *((f"{name} gone", gone(path), NOTHING, rule) for name, path, rule in (
-        ("mesh", "results/structures/tiny/mesh.nc", "mesh"), ("a decay", RESULTS + "decay/r001.nc", "ringdown"),
+        ("mesh", "results/structures/tiny/mesh.nc", "reduced"), ("a decay", RESULTS + "decay/r001.nc", "ringdown"),
         ("verdict", RESULTS + "diagnosis/verdict.json", "verdict"))),
     ("report gone", gone(RESULTS + "report.html"), "report"),
     *((f"{name} empty", new(path, ""), rule) for name, path, rule in (
-        ("mesh", "results/structures/tiny/mesh.nc", "mesh"), ("report", RESULTS + "report.html", "report"), ("batch", RESULTS + "batches/b.txt", "ringdown"),
+        ("mesh", "results/structures/tiny/mesh.nc", "reduced"), ("report", RESULTS + "report.html", "report"), ("batch", RESULTS + "batches/b.txt", "ringdown"),
         ("model", RESULTS + "diagnosis/tiny.model.yaml", "diagnosis"))),
     *((f"{name} cut off", bytes_of(path, lambda b: b[: len(b) // 2]), rule) for name, path, rule in (
         ("raw", BENCH_FILES + "r001.nc", "bench"),
@@ -265,7 +265,7 @@ TABLE = [
         ("map", "results/structures/tiny/map/12000.nc", "results/structures/tiny/map/16000.nc", "frequency_maps"))),
     ("statement gone", gone("results/provenance/stick/small.json"), "stick"),
     ("statement cut off", bytes_of("results/provenance/stick/small.json", lambda b: b[:40]), "stick"),
-    ("all statements gone", gone("results/provenance"), "mesh checks bench ringdown"),
+    ("all statements gone", gone("results/provenance"), "reduced checks bench ringdown"),
     ("contents damaged", new(".snakemake/bladeroot_contents.json", '{"a": 1'), NOTHING),
     ("lost .snakemake, code", both(FORGET, code("decay/cut.py")), "ringdown"),
     ("lost .snakemake, older structure", both(FORGET, put_older(TINY, "7592", "7593")), STEMS),

@@ -32,12 +32,10 @@ NEEDS = {
     "matrices_checks": (1100, 60, 0, 20),
     "matrices_mesh": (400, 10, 0, 10),
     "matrices_reduced": (1100, 60, 0, 20),
-    "mesh": (300, 5, 0, 0),
     "nonlinear": (600, 30, 0, 0),
     "observations": (300, 10, 500, 0),
     "parametric": (600, 20, 0, 0),
     "paraview": (1100, 10, 0, 20),
-    "prestress": (800, 10, 0, 0),
     "reduced": (1100, 10, 0, 0),
     "report": (500, 10, 300, 0),
     # a record at a time, of two bytes a sample or more
@@ -58,8 +56,6 @@ NEEDS = {
 # Which of the jobs that could run goes first: what the longest chain waits for (structure, bench, records,
 # inference with curves, and the report), then the long ones, so that none is left alone at the end.
 PRIORITY = {
-    "mesh": 50,
-    "prestress": 50,
     "reduced": 50,
     "parametric": 40,
     "bench": 30,
@@ -77,7 +73,6 @@ PRIORITY = {
 localrules:
     fe_forces,
     ledger,
-    mesh,
     stiffness,
     theory,
     thesis_search,
