@@ -30,7 +30,6 @@ import xarray as xr
 import yaml
 from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.joint import parts
-from bladeroot.bench.programme import programme
 from bladeroot.diagnosis.observations import Gauge, observations
 from bladeroot.inference.sampling import sample
 from bladeroot.plateau.record import RECORD
@@ -44,10 +43,11 @@ from bladeroot.stiffness.model import map_estimate
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
-from bench_curves import campaign_curves, few_dofs
-
 ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("blind", "lib")]
+from bench_curves import campaign_curves, few_dofs
+from programme import programme
+
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m
 GAUGE = ForceGauge(1253.0, 0.01, "full-scale")
 BIAS = {"1B": 0.005, "2B": 0.005}

@@ -22,7 +22,7 @@ from bladeroot.schema import read_yaml
 
 # Bound of a frequency's relative error in an assembly's parametric model: five hundred times below
 # the usual error of a finite-element model. Its eigenproblems are half the size of those that the
-# dovetail's bound, 1e-7, needs. As good for the thesis's own search, whose frequencies are printed to
+# dovetail's bound, 1e-7, needs. The thesis's own search has it, too: its frequencies are printed to
 # 0.1 Hz.
 TOLERANCE = 1e-5
 
