@@ -43,10 +43,12 @@ from bladeroot.stiffness.model import map_estimate
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "tests" / name) for name in ("blind", "lib")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
 from bench_curves import campaign_curves, few_dofs
 from programme import programme
+
+ROOT = Path(__file__).resolve().parents[1]
 
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m
 GAUGE = ForceGauge(1253.0, 0.01, "full-scale")

@@ -141,7 +141,6 @@ REGISTRIES = [
     ("mechanisms", "drift.py", "diagnosis", "theory"),
     ("io/readers", "wav.py", "ringdown", "theory"),
     ("quality/findings", "spike.py", "ringdown", "theory"),
-    ("bench/effects", "drift.py", "../bladeroot/bench/tuning", "diagnosis"),
     ("rom/external/readers", "calculix.py", "matrices_reduced", "theory"),
 ]
 
