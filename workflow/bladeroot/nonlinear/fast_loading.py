@@ -1,7 +1,7 @@
 """First loading and Masing's rules for many curves: what inference asks for thousands of times.
 
 The states are those of `quasi_static`, with the mode's own frequency in its inertia kept at that of
-sticking; they are found by the sweeps of the time integration, which is ten times as fast.
+sticking; they are found contact by contact (`marching`), which is ten times as fast.
 """
 
 from collections.abc import Sequence

@@ -6,6 +6,7 @@ static flexibility of all others added, so that local slip is as soft as in the 
 images of a contact move alike, so that one of each orbit is kept.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -91,13 +92,27 @@ class Place:
         self, mode: str, laser_x: float = 0.0, loss: float = 0.0, odd_force: bool = True
     ) -> System:
         """The system of a named mode, as of `system_of`."""
+        home = self._home(mode) if odd_force else None
+        if home is not None:
+            with suppress(ValueError):  # what is wrong is told of the whole joint
+                made = _system(self, mode, laser_x, loss, odd_force, home)
+                if made:
+                    return made
+        return _system(self, mode, laser_x, loss, odd_force, None)
+
+    def _home(self, mode: str) -> int | None:
+        """The sector that holds a mode, by the same name; of a joint it is the same everywhere."""
         known = self.joint.homes
         if mode not in known:
-            known[mode] = self.stuck.sector(self.stuck.modes([mode]).shapes[:, 0])
-        made = None
-        if odd_force and known[mode] is not None:
-            made = _system(self, mode, laser_x, loss, odd_force, known[mode])
-        return made or _system(self, mode, laser_x, loss, odd_force, None)
+            whole = self.stuck.modes([mode])
+            known[mode] = home = self.stuck.sector(whole.shapes[:, 0])
+            try:
+                own = self.stuck.within(home).modes([mode]).values
+            except ValueError:
+                own = np.zeros(1)
+            if not np.allclose(own, whole.values, rtol=_SAME, atol=0.0):
+                known[mode] = None
+        return known[mode]
 
 
 def _system(
