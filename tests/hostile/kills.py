@@ -50,7 +50,7 @@ WORK = {
 LIGHT = [name for name in WORK if name != "report"]
 # Moments that are waited for: a file that is there for a moment, while which work is done.
 AIMED = {
-    "records that a batch keeps, set aside": (".snakemake/backup/**/*.nc", "a record of a batch"),
+    "records that a batch keeps, set aside": (".snakemake/backups/**/*.nc", "a record of a batch"),
     "half-written record": ("results/small/*/.*.part", "a record of a batch"),
     "Snakemake's lock": (".snakemake/locks/*.lock", "score"),
     "the sign of a run": (".snakemake/bladeroot_runs/running-*", "score"),
