@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, listed, significant
+from bladeroot.report.numbers import fixed, significant
 from bladeroot.report.page import Picture, Section, Table
 
 _HEADER = ("force / kN", "state", "theory kn / N/mm", "theory kt / N/mm", "thesis kn / theory",
@@ -49,7 +49,6 @@ def theory_section(
         "predicts stiffness that hardly grows with the force, and a tangential one below the "
         "normal one.",
         *drawn["tractions"],
-        _boundary_sentence(theory),
         *drawn["compared"],
         Table(
             "Theory of a flank; where the thesis has the force, its stiffness over theory",
@@ -58,20 +57,3 @@ def theory_section(
         ),
     ]
     return Section("Contact theory", parts)
-
-
-def _boundary_sentence(theory: xr.Dataset) -> str:
-    ratio = [
-        theory[f"{k}_boundary"] / theory[f"{k}_theory"].sel(friction_state="T = 0")
-        for k in ("kn", "kt")
-    ]
-    stiffer = [f"{100 * float(r.mean() - 1):.1f} % in {k}" for r, k in zip(ratio, ("kn", "kt"),
-               strict=True)]  # fmt: skip
-    return (
-        "Boundary elements, which share no formula with the closed forms, give the same contact "
-        f"width to {100 * abs(theory.attrs['boundary_half_width_difference']):.1f} % (a cell is "
-        f"{100 * theory.attrs['boundary_cell']:.1f} %) and the same pressure to "
-        f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. A rigid flank "
-        f"presses harder at its ends, which the closed forms leave out: it is stiffer by "
-        f"{listed(stiffer)}."
-    )
