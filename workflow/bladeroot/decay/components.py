@@ -33,9 +33,9 @@ KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
 # A blow rises to this part of the record's largest step out of what is quieter than that part, and
 # within two cycles of the mode to that part of it.
 RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
-# Its contact lasts as long as the components leave over this many times what they do later; the
-# start is moved so many times at most.
-STRUCK, BLOWS = 1.7, 4
+# Something still acts where the components leave over this many times what they do next, and that
+# many times the median; looked for in so many first spacings. The start is moved so many times.
+STRUCK, BURST, EARLY, BLOWS = 1.7, 4.0, 24, 4
 # A free decay grows by no more than this factor, and so many times the noise of an interval.
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
@@ -83,18 +83,21 @@ def separated(
     modes_Hz: tuple[float, ...] = (),
     first: int = 0,
     usable: Bool[ndarray, " sample"] | None = None,
+    blows: int = BLOWS,
 ) -> Separated:
     """A record whose decay begins at a sample, without all that is not the mode, nor noise.
 
     velocity: m/s; as it is, if nothing else is found. It ends where the mode has drowned in the
     noise. modes_Hz: where other modes are expected; those close to this one are told from it.
-    first: the sample in which the decay begins, moved on where a blow's contact lasts longer.
+    first: the sample in which the decay begins, moved on (so many `blows` times at most) where
+    what is left over shows that something still acts: a blow's contact, a drive that fades, a
+    second blow.
 
     All components are followed at once (`decay.envelope_model`), first with none of their
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    x, begun = velocity[first:], first
+    whole, x = velocity, velocity[first:]
     known = None if usable is None else usable[first:]
     frequency, level = loudest(x, sampling_Hz, expected_Hz)
     for other in modes_Hz:
@@ -153,15 +156,13 @@ def separated(
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
-    for _ in range(BLOWS):
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        rest = x - found.waves()
-        struck = _struck(rest, found.spacing) or _grows(found, rest, known)
-        if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
-            break
-        first += struck
-        x, known = x[struck:], None if known is None else known[struck:]
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    rest = x - found.waves()
+    struck = _struck(rest, found.spacing) or _grows(found, rest, known)
+    if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
+        # lines that were found in what is not free are no lines
+        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
+        return separated(*again)
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
@@ -174,7 +175,7 @@ def separated(
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
     for one in near:
-        off = one.over(found.envelope(0), time - begun / sampling_Hz)
+        off = one.over(found.envelope(0), time - first / sampling_Hz)
         doubt = np.hypot(doubt, np.minimum(off, 1.0))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
@@ -213,16 +214,18 @@ def _lasting(found: Envelopes) -> int:
 
 
 def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:
-    """Samples at the start in which what is left over is far more than after: a blow's contact."""
-    length = max(spacing // blocks, 4)
-    count = min(rest.size // length, 3 * blocks)
-    if count < 3 * blocks:
+    """Samples at the start until what is left over falls at once: there something still acts.
+
+    Splines smear it over a spacing; what unknown lines leave over falls as slowly as they do.
+    """
+    length = max(spacing // blocks, 8)
+    power = np.sqrt(np.mean(rest[: rest.size // length * length].reshape(-1, length) ** 2, axis=1))
+    count = min(power.size // 4, EARLY * blocks)
+    if count < blocks:
         return 0
-    power = np.sqrt(np.mean(rest[: count * length].reshape(-1, length) ** 2, axis=1))
-    at = 0
-    while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
-        at += 1
-    return at * length
+    after = np.median(sliding_window_view(power[1:], blocks)[:count], axis=1)
+    falls = (power[:count] > STRUCK * after) & (power[:count] > BURST * np.median(power))
+    return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
 
 def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
