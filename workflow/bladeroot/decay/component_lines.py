@@ -11,7 +11,7 @@ from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
-LEAST, CLEAR = 3e-4, 8.0
+LEAST, CLEAR = 3e-3, 8.0
 # Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
 # than that part are one.
 APART, SAME = 0.17, 0.1

@@ -35,7 +35,7 @@ KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
 RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # Something still acts where the components leave over this many times what they do next, and that
 # many times the median; looked for in so many first spacings. The start is moved so many times.
-STRUCK, BURST, EARLY, BLOWS = 1.7, 4.0, 24, 4
+STRUCK, BURST, EARLY, BLOWS = 2.0, 4.0, 24, 4
 # A free decay grows by no more than this factor, and so many times the noise of an interval.
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
@@ -221,9 +221,9 @@ def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> i
     length = max(spacing // blocks, 8)
     power = np.sqrt(np.mean(rest[: rest.size // length * length].reshape(-1, length) ** 2, axis=1))
     count = min(power.size // 4, EARLY * blocks)
-    if count < blocks:
+    if count < 4 * blocks:
         return 0
-    after = np.median(sliding_window_view(power[1:], blocks)[:count], axis=1)
+    after = sliding_window_view(power[blocks:], 2 * blocks)[:count].max(axis=1)
     falls = (power[:count] > STRUCK * after) & (power[:count] > BURST * np.median(power))
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
