@@ -18,8 +18,8 @@ APART, SAME = 0.17, 0.1
 # Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
 # that is its skirt, where it is chirping.
 SKIRT, FAINT = 0.35, 0.03
-# Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
-# longer by a factor. Lines that are added at a time.
+# Cycles of the mode in the first stretch that is searched (samples, at least); each next one ends
+# that many times later, so that what is steady is seen beside what then is left of the mode. Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
 # Beside a line that is not known yet, what has less than this part of its harm may be its image.
 IMAGE = 0.1
@@ -53,14 +53,16 @@ def more_lines(
     mode, rest = found.waves([0], base=False), velocity - found.waves()
     if usable is not None:
         rest = np.where(usable, rest, 0.0)
-    count = FIRST_CYCLES * sampling_Hz / own_Hz
+    begin, count = 0.0, FIRST_CYCLES * sampling_Hz / own_Hz
     candidates: list[tuple[float, float]] = []
     while count < LONGER * rest.size:
-        size = fft.prev_fast_len(min(int(count), rest.size), real=True)
-        count *= LONGER
+        stop = min(int(count), rest.size)
+        size = fft.prev_fast_len(stop - int(begin), real=True)
+        begin, count = count, count * LONGER
         if size >= SHORTEST:
-            own = float(np.sqrt(2.0 * np.mean(mode[:size] ** 2)))
-            candidates += _peaks(rest[:size], own, found, sampling_Hz, slowest_Hz)
+            part = slice(stop - size, stop)
+            own = float(np.sqrt(2.0 * np.mean(mode[part] ** 2)))
+            candidates += _peaks(rest[part], own, found, part, sampling_Hz, slowest_Hz)
     chosen: list[float] = []
     for harm, line in sorted(candidates, reverse=True):
         if harm > IMAGE * max(candidates)[0] and all(
@@ -74,6 +76,7 @@ def _peaks(
     rest: Float[ndarray, " sample"],
     own: float,
     found: Envelopes,
+    part: slice,
     sampling_Hz: float,
     slowest_Hz: float,
 ) -> list[tuple[float, float]]:
@@ -94,9 +97,9 @@ def _peaks(
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
     peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
-    until = max(size // found.spacing, 1)
+    near = slice(part.start // found.spacing, max(part.stop // found.spacing, 1))
     others = range(1, found.lines_Hz.size)
-    loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[:until]) ** 2))) for k in others]
+    loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[near]) ** 2))) for k in others]
     made = []
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
