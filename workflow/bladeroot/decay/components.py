@@ -33,9 +33,10 @@ KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
 # A blow rises to this part of the record's largest step out of what is quieter than that part, and
 # within two cycles of the mode to that part of it.
 RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
-# Something still acts where the components leave over this many times what they do next, and that
-# many times the median; looked for in so many first spacings. The start is moved so many times.
-STRUCK, BURST, EARLY, BLOWS = 2.0, 4.0, 24, 4
+# Something still acts where the components leave over this many times what they do next, that many
+# times the median, and that part of the mode; looked for in so many first spacings. The start is
+# moved so many times.
+STRUCK, BURST, HARM, EARLY, BLOWS = float(__import__("os").environ.get("STRUCK","3")), 4.0, 0.01, 24, 4
 # A free decay grows by no more than this factor, and so many times the noise of an interval.
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
@@ -158,7 +159,7 @@ def separated(
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = x - found.waves()
-    struck = _struck(rest, found.spacing) or _grows(found, rest, known)
+    struck = _struck(found, rest) or _grows(found, rest, known)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
@@ -213,18 +214,20 @@ def _lasting(found: Envelopes) -> int:
     return min(int((1.1 * last + 4) * found.spacing), found.samples)
 
 
-def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:
+def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) -> int:
     """Samples at the start until what is left over falls at once: there something still acts.
 
     Splines smear it over a spacing; what unknown lines leave over falls as slowly as they do.
     """
-    length = max(spacing // blocks, 8)
+    length = max(found.spacing // blocks, 8)
     power = np.sqrt(np.mean(rest[: rest.size // length * length].reshape(-1, length) ** 2, axis=1))
     count = min(power.size // 4, EARLY * blocks)
     if count < 4 * blocks:
         return 0
     after = sliding_window_view(power[blocks:], 2 * blocks)[:count].max(axis=1)
-    falls = (power[:count] > STRUCK * after) & (power[:count] > BURST * np.median(power))
+    own = np.abs(found.envelope(0))[np.arange(count) * length // found.spacing]
+    least = np.maximum(BURST * np.median(power), HARM * own)
+    falls = power[:count] > np.maximum(STRUCK * after, least)
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
 
