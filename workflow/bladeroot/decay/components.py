@@ -36,15 +36,15 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # Something still acts where the components leave over this many times what they do next, that many
 # times the median, and that part of the mode; looked for in so many first spacings. The start is
 # moved so many times.
-STRUCK, BURST, HARM, EARLY, BLOWS = float(__import__("os").environ.get("STRUCK","3")), 4.0, 0.01, 24, 4
+STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
 # A free decay grows by no more than this factor, and so many times the noise of an interval.
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
 ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
-# Part of what two notions of smoothness differ by that is taken as a standard error; as on drawn
-# records of close modes.
+# Part of what two notions of smoothness differ by, and of what neither follows, that is taken as a
+# standard error; as on drawn records of close modes.
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
@@ -171,7 +171,8 @@ def separated(
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
-    doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
+    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(found, x))
+    doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
@@ -229,6 +230,18 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
     least = np.maximum(BURST * np.median(power), HARM * own)
     falls = power[:count] > np.maximum(STRUCK * after, least)
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
+
+
+def _missed(found: Envelopes, velocity: Float[ndarray, " sample"]) -> Float[ndarray, " interval"]:
+    """Rms of what all components leave over in each interval, beyond what noise does.
+
+    That is the median interval's, and three standard errors of an interval's mean square more.
+    """
+    rest = np.zeros(len(found.turn) * found.spacing)
+    rest[: velocity.size] = velocity - found.waves()
+    power = np.mean(rest.reshape(-1, found.spacing) ** 2, axis=1)
+    noise = np.median(power) * (1.0 + 3.0 * np.sqrt(2.0 / found.spacing))
+    return np.sqrt(np.maximum(power - noise, 0.0))
 
 
 def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
