@@ -235,12 +235,12 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
 def _missed(found: Envelopes, velocity: Float[ndarray, " sample"]) -> Float[ndarray, " interval"]:
     """Rms of what all components leave over in each interval, beyond what noise does.
 
-    That is the median interval's, and three standard errors of an interval's mean square more.
+    That is the median interval's, and a standard error of an interval's mean square more.
     """
     rest = np.zeros(len(found.turn) * found.spacing)
     rest[: velocity.size] = velocity - found.waves()
     power = np.mean(rest.reshape(-1, found.spacing) ** 2, axis=1)
-    noise = np.median(power) * (1.0 + 3.0 * np.sqrt(2.0 / found.spacing))
+    noise = np.median(power) * (1.0 + 1.0 * np.sqrt(2.0 / found.spacing))
     return np.sqrt(np.maximum(power - noise, 0.0))
 
 
