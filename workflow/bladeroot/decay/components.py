@@ -12,7 +12,6 @@ from bladeroot.decay.component_lines import (
     APART,
     LEAST,
     beating_line,
-    elsewhere_first,
     meant,
     more_lines,
     moved,
@@ -108,8 +107,7 @@ def separated(
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
-    far = abs(own_Hz / expected_Hz - 1.0) > APART
-    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
+    if abs(own_Hz / expected_Hz - 1.0) > APART:
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
     near: list[Harmonic] = []
@@ -158,7 +156,7 @@ def separated(
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    rest = x - found.waves()
+    rest = _rest(x, found, known)
     struck = _struck(found, rest) or _grows(found, rest, known)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
@@ -171,7 +169,7 @@ def separated(
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
-    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(found, x))
+    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(_rest(x, found, known), spacing))
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
@@ -232,15 +230,21 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
 
-def _missed(found: Envelopes, velocity: Float[ndarray, " sample"]) -> Float[ndarray, " interval"]:
-    """Rms of what all components leave over in each interval, beyond what noise does.
+def _rest(
+    velocity: Float[ndarray, " sample"], found: Envelopes, usable: Bool[ndarray, " sample"] | None
+) -> Float[ndarray, " sample"]:
+    """What all components leave over; nothing of samples that cannot be used."""
+    rest = velocity - found.waves()
+    return rest if usable is None else np.where(usable, rest, 0.0)
+
+
+def _missed(rest: Float[ndarray, " sample"], spacing: int) -> Float[ndarray, " interval"]:
+    """Rms of what is left over in each interval, beyond what noise leaves.
 
     That is the median interval's, and a standard error of an interval's mean square more.
     """
-    rest = np.zeros(len(found.turn) * found.spacing)
-    rest[: velocity.size] = velocity - found.waves()
-    power = np.mean(rest.reshape(-1, found.spacing) ** 2, axis=1)
-    noise = np.median(power) * (1.0 + 1.0 * np.sqrt(2.0 / found.spacing))
+    power = np.mean(np.pad(rest, (0, -rest.size % spacing)).reshape(-1, spacing) ** 2, axis=1)
+    noise = np.median(power) * (1.0 + np.sqrt(2.0 / spacing))
     return np.sqrt(np.maximum(power - noise, 0.0))
 
 
@@ -259,8 +263,6 @@ def _grows(
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
     half = found.samples // found.spacing // 2
     size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
-    if usable is not None:
-        rest = rest[usable]
     if not size.size:
         return 0
     top = int(np.argmax(size))
