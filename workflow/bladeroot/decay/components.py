@@ -169,7 +169,10 @@ def separated(
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
-    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(_rest(x, found, known), spacing))
+    few = max(int(0.25 * sampling_Hz / own_Hz), 1)
+    doubt = np.hypot(
+        np.abs(found.envelope(0) - before), _missed(_rest(x, found, known), spacing, few)
+    )
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
@@ -238,13 +241,16 @@ def _rest(
     return rest if usable is None else np.where(usable, rest, 0.0)
 
 
-def _missed(rest: Float[ndarray, " sample"], spacing: int) -> Float[ndarray, " interval"]:
+def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[ndarray, " interval"]:
     """Rms of what is left over in each interval, beyond what noise leaves.
 
-    That is the median interval's, and a standard error of an interval's mean square more.
+    That is the median interval's, and a standard error of an interval's mean square more. Of means
+    over a few samples, a part of the mode's cycle: what is faster harms it less.
     """
-    power = np.mean(np.pad(rest, (0, -rest.size % spacing)).reshape(-1, spacing) ** 2, axis=1)
-    noise = np.median(power) * (1.0 + np.sqrt(2.0 / spacing))
+    means = np.pad(rest, (0, -rest.size % spacing)).reshape(-1, spacing)
+    means = means[:, : spacing // few * few].reshape(len(means), -1, few).mean(axis=2)
+    power = np.mean(means**2, axis=1)
+    noise = np.median(power) * (1.0 + np.sqrt(2.0 / means.shape[1]))
     return np.sqrt(np.maximum(power - noise, 0.0))
 
 
