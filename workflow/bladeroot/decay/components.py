@@ -244,13 +244,15 @@ def _rest(
 def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[ndarray, " interval"]:
     """Rms of what is left over in each interval, beyond what noise leaves.
 
-    That is the median interval's, and a standard error of an interval's mean square more. Of means
-    over a few samples, a part of the mode's cycle: what is faster harms it less.
+    That is the median's, and a standard error of the mean square more, over neighbouring intervals.
+    Of means over a few samples, a part of the mode's cycle: what is faster harms it less.
     """
     means = np.pad(rest, (0, -rest.size % spacing)).reshape(-1, spacing)
     means = means[:, : spacing // few * few].reshape(len(means), -1, few).mean(axis=2)
-    power = np.mean(means**2, axis=1)
-    noise = np.median(power) * (1.0 + np.sqrt(2.0 / means.shape[1]))
+    wide = 2 * ALIKE + 1
+    power = np.pad(np.mean(means**2, axis=1), ALIKE, mode="edge")
+    power = np.convolve(power, np.full(wide, 1.0 / wide), mode="valid")
+    noise = np.median(power) * (1.0 + np.sqrt(2.0 / (wide * means.shape[1])))
     return np.sqrt(np.maximum(power - noise, 0.0))
 
 
