@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bladeroot.io.campaign import CampaignError, load_campaign
+from bladeroot.io.facts import observation_facts
 from bladeroot.io.load import Load
 from bladeroot.io.table import read_table
 from bladeroot.loads import shown, value_of
@@ -110,6 +111,17 @@ def test_loads_of_any_name_and_unit(folder, load, column, cell, value):
     assert campaign.records[0]["load"] == pytest.approx(value)
 
 
+@pytest.mark.parametrize(
+    ("load", "told"),
+    [("speed, unit: rpm", {"r1": 21.5}), ("temperature, unit: C", {})],
+)
+def test_a_records_temperature_is_told_unless_it_is_the_load(folder, load, told):
+    sheet = "record,file,mode,load,temperature_C\nr1,a.csv,first,20,21.5\nr2,a.csv,first,20,\n"
+    facts = observation_facts(loaded(folder, sheet, f"load: {{name: {load}}}\n"))
+    assert facts["temperature"] == told
+    assert facts["time"] == {}
+
+
 def test_errors_of_a_reading():
     assert Load("torque", "Nm", "", 1.0, 50.0, 0.04, "full-scale").same_everywhere == 2.0
     assert Load("torque", "Nm", "", 1.0, 50.0, 0.04, "reading").of_reading == 0.04
@@ -132,6 +144,7 @@ load: {name: bolt torque, unit: Nm, gauge: torque wrench, full_scale: 50, accura
         ("mode,torque_Nm", "first,60", TORQUE, "torque_Nm 60 lies outside the gauge's range"),
         ("mode,group", "first,a", TORQUE, "expected load or torque_Nm, got neither"),
         ("mode,start_s,end_s", "first,3,2", "", "end_s must lie after start_s, got 2 and 3"),
+        ("mode,from_s,to_s", "first,3,3", "", "to_s must lie after from_s, got 3 and 3"),
         ("mode,band_Hz", "first,wide", "", "band_Hz must be two frequencies such as 60-100"),
         ("mode,keep", "first,perhaps", "", "keep must be yes or no, got 'perhaps'"),
     ],
