@@ -161,3 +161,12 @@ def test_a_louder_modes_harmonic_beside_the_mode_is_taken_off(order, part):
     assert np.median(np.abs(loss / 0.004 - 1.0)) < 0.03
     z = (frequency - own_Hz) / found["frequency_std"].values[above]
     assert np.sqrt(np.mean(z**2)) < 3.0
+
+
+def test_a_decay_begins_after_a_second_blow():
+    struck_s, again_s, known = 0.02, 0.05, (RATE, 297.0, (80.0, 846.0), int(0.02 * RATE))
+    once = blow(MODES[:3], before_s=struck_s)
+    parts = separated(once + 0.4 * blow(MODES[:3], before_s=again_s, seed=1), *known)
+    assert again_s <= parts.first / RATE < again_s + 0.06  # some knots further, 10 ms apart
+    assert len(parts.lines_Hz) == 2  # what a blow leaves over makes no lines
+    assert separated(once, *known).first < (struck_s + 0.01) * RATE

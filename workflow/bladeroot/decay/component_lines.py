@@ -6,25 +6,24 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import TOLERANCE, magnitudes, one_sided, peaks
+from bladeroot.signal.lines import magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
-LEAST, CLEAR = 3e-4, 8.0
+LEAST, CLEAR = 3e-3, 8.0
 # Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
 # than that part are one.
 APART, SAME = 0.17, 0.1
 # Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
 # that is its skirt, where it is chirping.
 SKIRT, FAINT = 0.35, 0.03
-# Cycles of the mode in the shortest stretch that is searched (samples, at least); each next one is
-# longer by a factor. Lines that are added at a time.
+# Cycles of the mode in the first stretch that is searched (samples, at least); each next one ends
+# that many times later, so that what is steady is seen beside what then is left of the mode.
+# Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
 # Beside a line that is not known yet, what has less than this part of its harm may be its image.
 IMAGE = 0.1
-# In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
-AUDIBLE = 0.08
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest on, in so many of their beats.
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
@@ -51,16 +50,17 @@ def more_lines(
     """
     own_Hz = float(found.lines_Hz[0])
     mode, rest = found.waves([0], base=False), velocity - found.waves()
-    if usable is not None:
-        rest = np.where(usable, rest, 0.0)
-    count = FIRST_CYCLES * sampling_Hz / own_Hz
+    rest = rest if usable is None else np.where(usable, rest, 0.0)
+    begin, count = 0.0, FIRST_CYCLES * sampling_Hz / own_Hz
     candidates: list[tuple[float, float]] = []
     while count < LONGER * rest.size:
-        size = fft.prev_fast_len(min(int(count), rest.size), real=True)
-        count *= LONGER
+        stop = min(int(count), rest.size)
+        size = fft.prev_fast_len(stop - int(begin), real=True)
+        begin, count = count, count * LONGER
         if size >= SHORTEST:
-            own = float(np.sqrt(2.0 * np.mean(mode[:size] ** 2)))
-            candidates += _peaks(rest[:size], own, found, sampling_Hz, slowest_Hz)
+            part = slice(stop - size, stop)
+            own = float(np.sqrt(2.0 * np.mean(mode[part] ** 2)))
+            candidates += _peaks(rest[part], own, found, part, sampling_Hz, slowest_Hz)
     chosen: list[float] = []
     for harm, line in sorted(candidates, reverse=True):
         if harm > IMAGE * max(candidates)[0] and all(
@@ -74,6 +74,7 @@ def _peaks(
     rest: Float[ndarray, " sample"],
     own: float,
     found: Envelopes,
+    part: slice,
     sampling_Hz: float,
     slowest_Hz: float,
 ) -> list[tuple[float, float]]:
@@ -94,9 +95,9 @@ def _peaks(
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
     peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
-    until = max(size // found.spacing, 1)
+    near = slice(part.start // found.spacing, max(part.stop // found.spacing, 1))
     others = range(1, found.lines_Hz.size)
-    loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[:until]) ** 2))) for k in others]
+    loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[near]) ** 2))) for k in others]
     made = []
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
@@ -180,22 +181,6 @@ def meant(
         lines = lines.copy()
         lines[[0, close]] = lines[[close, 0]]
     return lines
-
-
-def elsewhere_first(
-    x: Float[ndarray, " sample"], sampling_Hz: float, own_Hz: float, modes_Hz: tuple[float, ...]
-) -> bool:
-    """Whether the mode rang elsewhere while it was loud: its line is not there in the first cycles.
-
-    A line near by, no known mode's, has nearly all of the motion then.
-    """
-    frequency, level = magnitudes(x[: int(FIRST_CYCLES * sampling_Hz / own_Hz)], sampling_Hz)
-    off = np.abs(frequency / own_Hz - 1.0)
-    other = (off >= APART) & (off < TOLERANCE)
-    for mode in modes_Hz:
-        other &= np.abs(frequency / mode - 1.0) > ABOUT
-    own = level.max(where=off < 0.5 * APART, initial=0.0)
-    return bool(own < AUDIBLE * level.max(where=other, initial=0.0))
 
 
 def moved(found: Envelopes, line: int, sampling_Hz: float) -> float:

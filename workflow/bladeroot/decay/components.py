@@ -12,7 +12,6 @@ from bladeroot.decay.component_lines import (
     APART,
     LEAST,
     beating_line,
-    elsewhere_first,
     meant,
     more_lines,
     moved,
@@ -33,17 +32,18 @@ KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
 # A blow rises to this part of the record's largest step out of what is quieter than that part, and
 # within two cycles of the mode to that part of it.
 RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
-# Its contact lasts as long as the components leave over this many times what they do later; the
-# start is moved so many times at most.
-STRUCK, BLOWS = 1.7, 4
+# Something still acts where the components leave over this many times what they do next, that many
+# times the median, and that part of the mode; looked for in so many first spacings. The start is
+# moved so many times.
+STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
 # A free decay grows by no more than this factor, and so many times the noise of an interval.
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
 ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
-# Part of what two notions of smoothness differ by that is taken as a standard error; as on drawn
-# records of close modes.
+# Part of what two notions of smoothness differ by, and of what neither follows, that is taken as a
+# standard error; as on drawn records of close modes.
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
@@ -83,18 +83,21 @@ def separated(
     modes_Hz: tuple[float, ...] = (),
     first: int = 0,
     usable: Bool[ndarray, " sample"] | None = None,
+    blows: int = BLOWS,
 ) -> Separated:
     """A record whose decay begins at a sample, without all that is not the mode, nor noise.
 
     velocity: m/s; as it is, if nothing else is found. It ends where the mode has drowned in the
     noise. modes_Hz: where other modes are expected; those close to this one are told from it.
-    first: the sample in which the decay begins, moved on where a blow's contact lasts longer.
+    first: the sample in which the decay begins, moved on (so many `blows` times at most) where
+    what is left over shows that something still acts: a blow's contact, a drive that fades, a
+    second blow.
 
     All components are followed at once (`decay.envelope_model`), first with none of their
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    x, begun = velocity[first:], first
+    whole, x = velocity, velocity[first:]
     known = None if usable is None else usable[first:]
     frequency, level = loudest(x, sampling_Hz, expected_Hz)
     for other in modes_Hz:
@@ -104,8 +107,7 @@ def separated(
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
-    far = abs(own_Hz / expected_Hz - 1.0) > APART
-    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
+    if abs(own_Hz / expected_Hz - 1.0) > APART:
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = beaten = False
     near: list[Harmonic] = []
@@ -153,15 +155,13 @@ def separated(
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
     if lines.size == 1 and not base_Hz and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((3, 0)))
-    for _ in range(BLOWS):
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        rest = x - found.waves()
-        struck = _struck(rest, found.spacing) or _grows(found, rest, known)
-        if not struck or x.size - struck < LIFE_CYCLES * sampling_Hz / own_Hz:
-            break
-        first += struck
-        x, known = x[struck:], None if known is None else known[struck:]
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    rest = _rest(x, found, known)
+    struck = _struck(found, rest) or _grows(found, rest, known)
+    if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
+        # lines that were found in what is not free are no lines
+        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
+        return separated(*again)
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
@@ -169,12 +169,16 @@ def separated(
     single = demodulated(*beside)
     widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
-    doubt = np.abs(found.envelope(0) - before) / np.maximum(np.abs(found.envelope(0)), 1e-300)
+    few = max(int(0.25 * sampling_Hz / own_Hz), 1)
+    doubt = np.hypot(
+        np.abs(found.envelope(0) - before), _missed(_rest(x, found, known), spacing, few)
+    )
+    doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
     for one in near:
-        off = one.over(found.envelope(0), time - begun / sampling_Hz)
+        off = one.over(found.envelope(0), time - first / sampling_Hz)
         doubt = np.hypot(doubt, np.minimum(off, 1.0))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
@@ -212,17 +216,44 @@ def _lasting(found: Envelopes) -> int:
     return min(int((1.1 * last + 4) * found.spacing), found.samples)
 
 
-def _struck(rest: Float[ndarray, " sample"], spacing: int, blocks: int = 4) -> int:
-    """Samples at the start in which what is left over is far more than after: a blow's contact."""
-    length = max(spacing // blocks, 4)
-    count = min(rest.size // length, 3 * blocks)
-    if count < 3 * blocks:
+def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) -> int:
+    """Samples at the start until what is left over falls at once: there something still acts.
+
+    Splines smear it over a spacing; what unknown lines leave over falls as slowly as they do.
+    """
+    length = max(found.spacing // blocks, 8)
+    power = np.sqrt(np.mean(rest[: rest.size // length * length].reshape(-1, length) ** 2, axis=1))
+    count = min(power.size // 4, EARLY * blocks)
+    if count < 4 * blocks:
         return 0
-    power = np.sqrt(np.mean(rest[: count * length].reshape(-1, length) ** 2, axis=1))
-    at = 0
-    while at < blocks and power[at] > STRUCK * np.median(power[at + 1 : at + 1 + blocks]):
-        at += 1
-    return at * length
+    after = sliding_window_view(power[blocks:], 2 * blocks)[:count].max(axis=1)
+    own = np.abs(found.envelope(0))[np.arange(count) * length // found.spacing]
+    least = np.maximum(BURST * np.median(power), HARM * own)
+    falls = power[:count] > np.maximum(STRUCK * after, least)
+    return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
+
+
+def _rest(
+    velocity: Float[ndarray, " sample"], found: Envelopes, usable: Bool[ndarray, " sample"] | None
+) -> Float[ndarray, " sample"]:
+    """What all components leave over; nothing of samples that cannot be used."""
+    rest = velocity - found.waves()
+    return rest if usable is None else np.where(usable, rest, 0.0)
+
+
+def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[ndarray, " interval"]:
+    """Rms of what is left over in each interval, beyond what noise leaves.
+
+    That is the median's, and a standard error of the mean square more, over neighbouring intervals.
+    Of means over a few samples, a part of the mode's cycle: what is faster harms it less.
+    """
+    means = np.pad(rest, (0, -rest.size % spacing)).reshape(-1, spacing)
+    means = means[:, : spacing // few * few].reshape(len(means), -1, few).mean(axis=2)
+    wide = 2 * ALIKE + 1
+    power = np.pad(np.mean(means**2, axis=1), ALIKE, mode="edge")
+    power = np.convolve(power, np.full(wide, 1.0 / wide), mode="valid")
+    noise = np.median(power) * (1.0 + np.sqrt(2.0 / (wide * means.shape[1])))
+    return np.sqrt(np.maximum(power - noise, 0.0))
 
 
 def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
@@ -240,8 +271,6 @@ def _grows(
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
     half = found.samples // found.spacing // 2
     size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
-    if usable is not None:
-        rest = rest[usable]
     if not size.size:
         return 0
     top = int(np.argmax(size))

@@ -19,8 +19,6 @@ SEVERAL = (
     "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
     "make a record of each"
 )
-# A hammer hits so many times at most, and again within this part of what is then seen of the decay.
-HITS, EARLY = 2, 0.25
 
 
 def free_decay(
@@ -49,24 +47,19 @@ def free_decay(
     how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
         how = "hammer"
-    for _ in range(HITS):
-        parts = separated(clear, rate, expected_Hz, modes_Hz, first)
-        if not parts.lines_Hz and parts.velocity is clear:
-            whole = judge(decay, motion, *asked, None, several)
-            return _with_widening(whole, parts)
-        release = Release(parts.first / rate, 0.0, how)
-        # what is louder than the digitiser's steps blurs them
-        blurred = np.std((clear[: parts.velocity.size] - parts.velocity)[parts.first :]) > steps
-        least = 0.0 if blurred else steps
-        alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=least)
-        if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
-            alone.attrs["end_reason"] = "the noise"
-        alone = windowed(alone, parts.velocity, *window)
-        judged = judge(alone, motion, *asked, parts.velocity, several + parts.told)
-        again = _struck_again(judged) if struck else 0
-        if not again:
-            break
-        first = parts.first + again
+    parts = separated(clear, rate, expected_Hz, modes_Hz, first)
+    if not parts.lines_Hz and parts.velocity is clear:
+        whole = judge(decay, motion, *asked, None, several)
+        return _with_widening(whole, parts)
+    release = Release(parts.first / rate, 0.0, how)
+    # what is louder than the digitiser's steps blurs them
+    blurred = np.std((clear[: parts.velocity.size] - parts.velocity)[parts.first :]) > steps
+    least = 0.0 if blurred else steps
+    alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=least)
+    if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
+        alone.attrs["end_reason"] = "the noise"
+    alone = windowed(alone, parts.velocity, *window)
+    judged = judge(alone, motion, *asked, parts.velocity, several + parts.told)
     return _with_widening(judged, parts)
 
 
@@ -74,17 +67,6 @@ def _several(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
     """A finding that warns where a record holds more than one decay."""
     count = decay.attrs["decays"]
     return (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
-
-
-def _struck_again(decay: xr.Dataset) -> int:
-    """Samples until a decay is free where the mode's course steps early in it: a second blow."""
-    ids = decay["finding_id"].values.tolist()
-    if "shaker-recontact" not in ids:
-        return 0
-    k = ids.index("shaker-recontact")
-    begin, stop = decay["finding_from_s"].values[k], decay["finding_to_s"].values[k]
-    early = begin == 0.0 and stop < EARLY * decay.sizes["time"] / decay.attrs["sampling_Hz"]
-    return int(stop * decay.attrs["sampling_Hz"]) + 1 if early else 0
 
 
 def _let_go(

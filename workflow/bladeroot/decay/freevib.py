@@ -105,10 +105,9 @@ def freevib(
         velocity, usable = (None if x is None else x[first:stop] for x in (velocity, usable))
         taken = taken[0] - first / sampling_Hz, *taken[1:]
         begin_s += first / sampling_Hz
-    first, last = _trusted(blocks.std)
-    count = min(points, last - first + 1)
     own = np.arange(blocks.time.size)
-    centre = np.interp(np.linspace(first, last, count), own, blocks.time)
+    count = min(points, own.size)
+    centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), _std(fit, centre)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
@@ -232,16 +231,6 @@ def _std(fit: Spline, time: Float[ndarray, " point"], most: int = 120) -> ndarra
     left = np.minimum(place.astype(int), most - 2)
     share = place - left
     return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
-
-
-def _trusted(std: Float[ndarray, " block"], reach: int = 9, limit: float = 5.0) -> tuple[int, int]:
-    """First and last block that is not doubted far more than those beside it."""
-    first, last = 0, std.size - 1
-    while first < std.size // 4 and std[first] > limit * np.median(std[first + 1 : first + reach]):
-        first += 1
-    while last > 3 * std.size // 4 and std[last] > limit * np.median(std[last - reach + 1 : last]):
-        last -= 1
-    return first, last
 
 
 def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:

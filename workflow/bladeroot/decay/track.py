@@ -11,8 +11,6 @@ from bladeroot.signal.smooth import Spline, coarse, fine
 
 # Of what was taken off before: times (s), factor of a phasor's standard error, and one to add.
 Taken = tuple[Float[ndarray, " knot"], Float[ndarray, " knot"], Float[ndarray, " knot"]]
-# A first block belongs to the blow where ln A + i phase bends so many times more than after it.
-STRUCK = 8.0
 
 
 def follow(
@@ -129,22 +127,8 @@ def _gathered(
     # a clock and a digitiser are never better than a millionth of a radian
     std = np.hypot(std, 1e-6)
     doubted = without_knocks(off, std)
-    free = slice(_struck(blocks.log), _shaped(doubted > std))
+    free = slice(_shaped(doubted > std))
     return Phasors(blocks.time[free], blocks.log[free], doubted[free])
-
-
-def _struck(log: Complex[ndarray, " block"], most: int = 8, reach: int = 6) -> int:
-    """Number of first blocks in which what set the mode going still acts; a spline would follow.
-
-    There the log-phasor bends far more than anywhere in the blocks after the next.
-    """
-    bend = np.abs(np.diff(log[: most + reach + 3], n=2))
-    last = [
-        first
-        for first in range(bend.size - reach - 1)
-        if bend[first] > STRUCK * bend[first + 2 : first + 2 + reach].max()
-    ]
-    return last[-1] + 2 if last else 0
 
 
 def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
