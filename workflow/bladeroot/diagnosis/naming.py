@@ -222,12 +222,25 @@ def _found(made: _Search) -> Found:
     first = made.steps[frozenset()]
     rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
     unexplained = max(rest, key=rest.get, default="")
+    leading = max(barred, key=lambda name: (inclusion(sets, name), name), default="")
+    if not barred and set(first.mechanisms) <= set(made.known.barred):
+        leading = _leading(sets)
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
         {n: made.models[frozenset({n})] for n in first.mechanisms},
-        barred[0] if barred else "",
+        leading,
     )  # fmt: skip
+
+
+def _leading(sets: Sets) -> str:
+    """The most probable mechanism of those that the data raise, where none and none of the
+    catalogue are less probable; or "".
+    """
+    shown = as_shown(sets)
+    share = {name: inclusion(shown, name) for name in frozenset().union(*shown)}
+    first = max(share, key=lambda name: (share[name], name), default=UNKNOWN)
+    return first if first != UNKNOWN and share[first] > shown.get(frozenset(), 0.0) else ""
 
 
 def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
