@@ -152,8 +152,20 @@ class _Search:
         rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
+    def _impossible(self, model: Model) -> list[float]:
+        """What sets with one cause more explain besides, at sizes that no such cause can have."""
+        return [
+            more.log_evidence - model.log_evidence
+            for ids, more in self.models.items()
+            if ids > model.ids and len(ids) == len(model.ids) + 1 and ids not in self.unsure
+            and not self.allowed[ids] and not ids & set(self.known.ruled_out)
+        ]  # fmt: skip
+
     def weighed(self) -> Sets:
-        """Probabilities of all sets that may be."""
+        """Probabilities of all sets that may be.
+
+        What only a cause of impossible size explains is of no catalogue, as what is smooth.
+        """
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids] or self._idle(model):
@@ -161,10 +173,10 @@ class _Search:
                     rows.append(Weighed(ids, self.unsure[ids]))
                 continue
             step = self.steps.get(ids)
-            gains = np.array(list(step.smooth.values())) if step else np.zeros(0)
+            gains = np.array([*step.smooth.values(), *self._impossible(model)] if step else [])
             other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
             rows.append(Weighed(ids, model.log_evidence, float(other)))
-        return probabilities(rows, self.known.replicates)
+        return probabilities(rows, self.known.replicates, self.channel.trust)
 
     def best(self) -> frozenset:
         """The most probable set of causes, whatever is unexplained beside it."""
