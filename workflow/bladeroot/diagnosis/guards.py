@@ -19,7 +19,8 @@ UNSURE = 3.0
 # Part of all that is explained (nats), times the laws' own error (TRUST), that is no evidence
 # between laws: no law is exact. The part of what the best single cause explains that each further
 # cause must explain besides is that error itself: a law that is not quite right invents small ones.
-MODEL_ERROR = 0.2
+# It fades where a further one explains such parts of it.
+MODEL_ERROR, FURTHER_FADES = 0.2, 0.2
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own
 # misfit. An unreplicated null then needs some 8 nats to be named, not 5.
 FEW_TEMPERATURE = 1.5

@@ -50,9 +50,7 @@ def probabilities(
     log: Sets = {}
     for one in models:
         own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
-        if one.causes:  # those beside the first that a law which is not quite right would invent
-            more = max(one.log_evidence - alone, 0.0)
-            own -= min((len(one.causes) - 1) * trust * max(alone, 0.0), more) / heat
+        own -= _invented(one, alone, trust) / heat
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
         if np.isfinite(one.smooth):
             log[one.causes | {UNKNOWN}] = own + one.smooth / heat - guards.PRIOR_UNKNOWN
@@ -60,6 +58,18 @@ def probabilities(
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
     total = sum(weights.values())
     return {key: value / total for key, value in weights.items()}
+
+
+def _invented(one: Weighed, alone: float, trust: float) -> float:
+    """Nats of a set's further causes that a law which is not quite right would invent, where the
+    best single one explains so much; those that explain a good part of it are not invented.
+    """
+    count = len(one.causes) - 1
+    if count < 1 or alone <= 0.0:
+        return 0.0
+    more = max(one.log_evidence - alone, 0.0)
+    faded = float(np.exp(-more / (count * alone) / guards.FURTHER_FADES))
+    return min(trust * count * alone * faded, more)
 
 
 def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
