@@ -48,6 +48,12 @@ def test_a_small_part_of_a_large_effect_makes_no_second_cause():
     assert inclusion(beside, "a") > 0.999
 
 
+def test_cruder_laws_make_evidence_count_less():
+    rows = [Weighed(EMPTY, 0.0), Weighed(A, 300.0), Weighed(B, 290.0)]
+    fine, crude = (inclusion(probabilities(rows, trust=trust), "a") for trust in (0.05, 0.2))
+    assert 0.5 < crude < fine
+
+
 def test_few_clampings_make_evidence_count_less():
     rows = [Weighed(EMPTY, 0.0), Weighed(A, 8.0)]
     assert inclusion(probabilities(rows, replicates=False), "a") < inclusion(
