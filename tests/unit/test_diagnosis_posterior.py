@@ -90,6 +90,10 @@ def test_causes_at_their_prior_count_as_nothing_however_many():
     assert as_shown(raised) == pytest.approx({EMPTY: 0.56, A: 0.44})
 
 
+def test_a_rival_of_what_is_surely_there_does_not_count_as_nothing():
+    assert EMPTY not in as_shown({A: 0.9, B: 0.08, AB: 0.02})
+
+
 def test_what_the_data_cannot_speak_of_keeps_its_prior():
     sets = with_unspoken({EMPTY: 0.75, A: 0.25}, ["c"])
     assert sum(sets.values()) == pytest.approx(1.0)

@@ -89,15 +89,14 @@ def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
 
 
 def as_shown(sets: Sets) -> Sets:
-    """The same where causes that the data do not speak of count as nothing: those whose odds are
-    not raised beyond their prior by `guards.RAISED`, however probable together.
+    """The same where causes that the data do not speak of count as nothing: in each set those that
+    do not raise the odds of the set without them beyond their prior by `guards.RAISED`.
     """
     least = float(np.exp(guards.RAISED - guards.PRIOR))
-    share = {name: inclusion(sets, name) for name in frozenset().union(*sets)}
-    raised = {name for name, p in share.items() if p > least * (1.0 - p)}
     found: Sets = {}
     for key, value in sets.items():
-        found[key & raised] = found.get(key & raised, 0.0) + value
+        shown = frozenset(n for n in key if value > least * sets.get(key - {n}, 0.0))
+        found[shown] = found.get(shown, 0.0) + value
     return found
 
 
