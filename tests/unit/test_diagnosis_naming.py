@@ -8,6 +8,7 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
 from bladeroot.diagnosis.naming import Known, search
 from bladeroot.diagnosis.plausibility import explained_by_law
+from bladeroot.diagnosis.posterior import UNKNOWN, inclusion
 from bladeroot.inference.gaussian import Prior, Problem, State, fit
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter
 
@@ -174,3 +175,25 @@ def test_what_is_barred_and_explains_best_is_told(shapes):
     ruled_out = search(channel(20.0 * a, both), Known(ruled_out={"a": "so it says"}))
     assert ruled_out.insufficient == ""
     assert named(ruled_out) == {"near"}
+
+
+def test_where_all_are_barred_the_leading_one_holds_its_probability(shapes):
+    """And nothing leads where the data show nothing."""
+    a, b, *_ = shapes
+    both = [line("a", a), line("b", b)]
+    why = dict.fromkeys("ab", "one load")
+    found = search(channel(20.0 * a, both), Known(barred=why))
+    assert (found.insufficient, named(found)) == ("a", set())
+    assert inclusion(found.probabilities, "a") > guards.CERTAIN
+    assert inclusion(found.probabilities, UNKNOWN) < 0.1
+    assert search(channel(0.5 * a, both), Known(barred=why)).insufficient == ""
+
+
+def test_what_only_an_impossible_size_explains_is_of_no_catalogue(shapes):
+    """It does not make the next best law the cause."""
+    a, b, *_ = shapes
+    near = 0.8 * a + 0.6 * b
+    found = search(channel(60.0 * a, [line("small", a, high=30.0), line("near", near)]), Known())
+    assert inclusion(found.probabilities, UNKNOWN) > guards.CERTAIN
+    assert named(found) <= {"near"}
+    assert all(UNKNOWN in cause.credible for cause in found.causes)

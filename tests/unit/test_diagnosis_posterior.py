@@ -48,6 +48,12 @@ def test_a_small_part_of_a_large_effect_makes_no_second_cause():
     assert inclusion(beside, "a") > 0.999
 
 
+def test_cruder_laws_make_evidence_count_less():
+    rows = [Weighed(EMPTY, 0.0), Weighed(A, 300.0), Weighed(B, 290.0)]
+    fine, crude = (inclusion(probabilities(rows, trust=trust), "a") for trust in (0.05, 0.2))
+    assert 0.5 < crude < fine
+
+
 def test_few_clampings_make_evidence_count_less():
     rows = [Weighed(EMPTY, 0.0), Weighed(A, 8.0)]
     assert inclusion(probabilities(rows, replicates=False), "a") < inclusion(
@@ -82,6 +88,10 @@ def test_causes_at_their_prior_count_as_nothing_however_many():
     assert as_shown(sets) == {EMPTY: pytest.approx(1.0)}
     raised = {EMPTY: 0.5, A: 0.4, B: 0.06, AB: 0.04}
     assert as_shown(raised) == pytest.approx({EMPTY: 0.56, A: 0.44})
+
+
+def test_a_rival_of_what_is_surely_there_does_not_count_as_nothing():
+    assert EMPTY not in as_shown({A: 0.9, B: 0.08, AB: 0.02})
 
 
 def test_what_the_data_cannot_speak_of_keeps_its_prior():

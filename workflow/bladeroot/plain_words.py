@@ -21,7 +21,6 @@ _SIMULATION = (
     (r"\bthe simulation is too (low|high)\b", r"a linear mode is too \1"),
     (r"\bthe simulation without it\b", "linear modes"),
     (r"\bthe simulation explains\b", "linear modes explain"),
-    (r"\bdepart from the simulation\b", "depart from a linear mode's"),
     (r"\bthe simulation\b", "a linear mode"),
 )
 

@@ -10,6 +10,7 @@ from numpy import ndarray
 from bladeroot.diagnosis import curve_model, damping_model, stick_model
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
+from bladeroot.diagnosis.guards import TRUST, TRUST_CURVE
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.inference.gaussian import Fit, Problem
@@ -27,7 +28,7 @@ class Channel:
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
     may be left out, the number of the part that each datum belongs to. records: of stick
-    frequencies.
+    frequencies. trust: the part of its own effect to which a law is exact.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Channel:
     smooth: Callable[[Fit], dict[str, Kernels]]
     part: dict[str, Int[ndarray, " datum"]]
     records: Records | None = None
+    trust: float = TRUST
 
 
 def stick_channel(
@@ -78,6 +80,7 @@ def curve_channel(data: CurveData, candidates: Sequence[Mechanism]) -> Channel:
         tuple(one for one in candidates if one.channel == "curve"),
         lambda _: {"amplitude": curve_model.smooth_kernels(data)},
         {"force": np.tile(force, 2), "amplitude": np.tile(_quarters(data.points.amplitude), 2)},
+        trust=TRUST_CURVE,
     )
 
 

@@ -117,7 +117,7 @@ def diagnose(
         of_contact = simulated.knows_contact and not nothing
         tied = _tied(candidates, found[0] if of_contact else None, len(modes))
         channel = curve_channel(curves, tied)
-        why = f"it lacks {' and '.join(curve_lacks)}"
+        why = f"the campaign lacks {' and '.join(curve_lacks)}"
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(

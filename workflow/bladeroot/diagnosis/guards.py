@@ -16,13 +16,11 @@ UNSURE = 3.0
 # The temper of the evidence was set on some 45 tuning campaigns of a laboratory with other laws
 # than these (its seeds 1 to 199, benchmarks/foreign.py) and 36 of Masing's slip, seating and drift
 # by further formulas, so that no name above 0.9 was wrong but for reasons that were mended.
-# Part of all that is explained (nats) that is no evidence between laws: no law is exact.
-MODEL_ERROR = 0.015
-# Part of what the best single cause explains that each further cause must explain besides, which
-# fades where it explains such parts of it: a law that is not quite right invents small ones.
-FURTHER_PART, FURTHER_FADES = 0.08, 0.2
-# As MODEL_ERROR, for a smooth remainder beside causes: a law that misses a part of its own effect.
-REMAINDER = 0.07
+# Part of all that is explained (nats), times the laws' own error (TRUST), that is no evidence
+# between laws: no law is exact. The part of what the best single cause explains that each further
+# cause must explain besides is that error itself: a law that is not quite right invents small ones.
+# It fades where a further one explains such parts of it.
+MODEL_ERROR, FURTHER_FADES = 0.2, 0.2
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own
 # misfit. An unreplicated null then needs some 8 nats to be named, not 5.
 FEW_TEMPERATURE = 1.5

@@ -152,6 +152,15 @@ class _Search:
         rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
+    def _impossible(self, model: Model) -> list[float]:
+        """What sets with one cause more explain besides, at sizes that no such cause can have."""
+        return [
+            more.log_evidence - model.log_evidence
+            for ids, more in self.models.items()
+            if ids > model.ids and len(ids) == len(model.ids) + 1 and ids not in self.unsure
+            and not self.allowed[ids] and not ids & set(self.known.ruled_out)
+        ]  # fmt: skip
+
     def _rival(self, model: Model) -> float:
         """What a set counts as that is not surely there and explains more than any that is, of as
         many causes: as much as these. Its law misses much, and so does theirs, which is no name.
@@ -163,7 +172,10 @@ class _Search:
         return max(sure) if sure and max(sure) < model.log_evidence else -np.inf
 
     def weighed(self) -> Sets:
-        """Probabilities of all sets that may be."""
+        """Probabilities of all sets that may be.
+
+        What only a cause of impossible size explains is of no catalogue, as what is smooth.
+        """
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids] or self._idle(model):
@@ -171,10 +183,10 @@ class _Search:
                     rows.append(Weighed(ids, max(self.unsure[ids], self._rival(model))))
                 continue
             step = self.steps.get(ids)
-            gains = np.array(list(step.smooth.values())) if step else np.zeros(0)
+            gains = np.array([*step.smooth.values(), *self._impossible(model)] if step else [])
             other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
             rows.append(Weighed(ids, model.log_evidence, float(other)))
-        return probabilities(rows, self.known.replicates)
+        return probabilities(rows, self.known.replicates, self.channel.trust)
 
     def best(self) -> frozenset:
         """The most probable set of causes, whatever is unexplained beside it."""
@@ -232,12 +244,25 @@ def _found(made: _Search) -> Found:
     first = made.steps[frozenset()]
     rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
     unexplained = max(rest, key=rest.get, default="")
+    leading = max(barred, key=lambda name: (inclusion(sets, name), name), default="")
+    if not barred and set(first.mechanisms) <= set(made.known.barred):
+        leading = _leading(sets)
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
         unexplained, sets,
         {n: made.models[frozenset({n})] for n in first.mechanisms},
-        barred[0] if barred else "",
+        leading,
     )  # fmt: skip
+
+
+def _leading(sets: Sets) -> str:
+    """The most probable mechanism of those that the data raise, where none and none of the
+    catalogue are less probable; or "".
+    """
+    shown = as_shown(sets)
+    share = {name: inclusion(shown, name) for name in frozenset().union(*shown)}
+    first = max(share, key=lambda name: (share[name], name), default=UNKNOWN)
+    return first if first != UNKNOWN and share[first] > shown.get(frozenset(), 0.0) else ""
 
 
 def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:

@@ -29,36 +29,38 @@ class Weighed:
     smooth: float = -np.inf
 
 
-def temperature(explained: float, replicates: bool = True) -> float:
+def temperature(explained: float, replicates: bool = True, trust: float = guards.TRUST) -> float:
     """By which log evidence is divided, where so much of it (nats) is explained by the best."""
     alone = 1.0 if replicates else guards.FEW_TEMPERATURE
-    return alone * (1.0 + guards.MODEL_ERROR * max(explained, 0.0))
+    return alone * (1.0 + guards.MODEL_ERROR * trust * max(explained, 0.0))
 
 
-def probabilities(models: Iterable[Weighed], replicates: bool = True) -> Sets:
-    """Of each set of causes, `UNKNOWN` being one where the smooth competitor is part of it."""
+def probabilities(
+    models: Iterable[Weighed], replicates: bool = True, trust: float = guards.TRUST
+) -> Sets:
+    """Of each set of causes, `UNKNOWN` being one where the smooth competitor is part of it.
+
+    trust: the part of its own effect to which a law is exact.
+    """
     models = list(models)
     best = max(one.log_evidence for one in models)
     reach = max(best, *(one.log_evidence + one.smooth for one in models if not one.causes), 0.0)
-    heat = temperature(reach, replicates)
+    heat = temperature(reach, replicates, trust)
     alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
     log: Sets = {}
     for one in models:
         own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
-        own -= _invented(one, alone) / heat
+        own -= _invented(one, alone, trust) / heat
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
         if np.isfinite(one.smooth):
-            warm = heat
-            if one.causes:  # what a law misses of its own effect is no second cause
-                warm = heat + guards.REMAINDER * max(one.log_evidence, 0.0)
-            log[one.causes | {UNKNOWN}] = own + one.smooth / warm - guards.PRIOR_UNKNOWN
+            log[one.causes | {UNKNOWN}] = own + one.smooth / heat - guards.PRIOR_UNKNOWN
     top = max(log.values())
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
     total = sum(weights.values())
     return {key: value / total for key, value in weights.items()}
 
 
-def _invented(one: Weighed, alone: float) -> float:
+def _invented(one: Weighed, alone: float, trust: float) -> float:
     """Nats of a set's further causes that a law which is not quite right would invent, where the
     best single one explains so much; those that explain a good part of it are not invented.
     """
@@ -67,7 +69,7 @@ def _invented(one: Weighed, alone: float) -> float:
         return 0.0
     more = max(one.log_evidence - alone, 0.0)
     faded = float(np.exp(-more / (count * alone) / guards.FURTHER_FADES))
-    return min(guards.FURTHER_PART * count * alone * faded, more)
+    return min(trust * count * alone * faded, more)
 
 
 def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
@@ -87,15 +89,14 @@ def with_unspoken(sets: Sets, names: Iterable[str]) -> Sets:
 
 
 def as_shown(sets: Sets) -> Sets:
-    """The same where causes that the data do not speak of count as nothing: those whose odds are
-    not raised beyond their prior by `guards.RAISED`, however probable together.
+    """The same where causes that the data do not speak of count as nothing: in each set those that
+    do not raise the odds of the set without them beyond their prior by `guards.RAISED`.
     """
     least = float(np.exp(guards.RAISED - guards.PRIOR))
-    share = {name: inclusion(sets, name) for name in frozenset().union(*sets)}
-    raised = {name for name, p in share.items() if p > least * (1.0 - p)}
     found: Sets = {}
     for key, value in sets.items():
-        found[key & raised] = found.get(key & raised, 0.0) + value
+        shown = frozenset(n for n in key if value > least * sets.get(key - {n}, 0.0))
+        found[shown] = found.get(shown, 0.0) + value
     return found
 
 

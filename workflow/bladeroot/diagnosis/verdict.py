@@ -52,15 +52,14 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
 def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     """Causes of all channels, what explains most first; record faults by how many records."""
     rows = []
-    judged = [found for found in made.found if not _cannot_name(made, found)]
-    silent = all(found.quiet for found in judged)
+    silent = all(found.quiet for found in made.found)
     for found in made.found:
         first = found.channel.base
         for cause in found.causes:
             rows.append((cause.gain, _cause(found, cause, first, sets)))
             first += len(cause.mechanism.parameters)
         # What the data would not show is asked about only where they show nothing at all.
-        if found.open and found in judged and (silent or not found.quiet):
+        if found.open and (silent or not found.quiet):
             alone, cause = _as_if(found)
             rows.append((cause.gain, _cause(alone, cause, found.channel.base, sets)))
     for one in made.faulty:
@@ -124,19 +123,12 @@ def _fault(one) -> dict:
 
 
 def probabilities(made: Diagnosis) -> Sets:
-    """Of sets of causes, over all kinds of data; what cannot be named stands as `UNKNOWN`."""
-    parts = []
-    for found in made.found:
-        sets: Sets = {}
-        for key, value in found.probabilities.items():
-            bare = frozenset({UNKNOWN}) if _cannot_name(made, found) and key else key
-            sets[bare] = sets.get(bare, 0.0) + value
-        parts.append(sets)
+    """Of sets of causes, over all kinds of data; what may not be named has its share."""
     faults = [
         {frozenset(): 1.0 - one.probability, frozenset({one.mechanism.id}): one.probability}
         for one in made.faulty
     ]
-    return together([together(parts), *faults], further=0.0)
+    return together([together(one.probabilities for one in made.found), *faults], further=0.0)
 
 
 def _answer(made: Diagnosis, causes: list[dict]) -> str:
@@ -144,16 +136,13 @@ def _answer(made: Diagnosis, causes: list[dict]) -> str:
     others = [one for one in causes if one["class"] != "record"]
     if any(certain(one) for one in others):
         return "named"
-    judged = [found for found in made.found if not _cannot_name(made, found)]
-    if any(found.insufficient for found in judged):
+    if any(found.insufficient for found in made.found):
         return "insufficient-data"
     if any(NONE not in one["credible_set"] for one in others):
         return "ambiguous"
-    if any(found.unexplained for found in judged if not found.open):
+    if any(found.unexplained for found in made.found if not found.open):
         return "unexplained"
-    if any(not found.quiet for found in made.found if _cannot_name(made, found)):
-        return "insufficient-data"
-    if not all(found.quiet for found in judged):
+    if not all(found.quiet for found in made.found):
         return "ambiguous"
     if any(not one.startswith(FEW) for one in made.lacks) and len(others) == len(causes):
         return "insufficient-data"
@@ -170,19 +159,13 @@ def is_shown(cause: dict) -> bool:
     return NONE not in cause["credible_set"] or cause["probability"] > 0.5
 
 
-def _cannot_name(made: Diagnosis, found: Found) -> bool:
-    """Whether the channel's data are too few to name a cause."""
-    return bool(made.curve_lacks) and found.channel.name == "curve"
-
-
 def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
     for found in made.found:
-        shows = _cannot_name(made, found) and not found.quiet
-        if not found.causes and not found.unexplained and not shows:
+        explained = not found.unexplained and not found.insufficient
+        if explained and not found.causes:
             continue
-        explained = not found.unexplained and not shows
         if found.channel.name == "curve":
             new = of_curves(made.curves, found.baseline)
         else:
@@ -214,13 +197,19 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
 
 
 def insufficient(made: Diagnosis) -> list[str]:
-    """What explains most and may yet not be named, and why."""
-    return [
-        f"{found.insufficient} explains the {found.channel.name} data best and is not named: "
-        f"{found.known.barred[found.insufficient]}"
-        for found in made.found
-        if found.insufficient and not _cannot_name(made, found)
-    ]
+    """What explains most and may yet not be named, why, and what would decide."""
+    lines = []
+    for found in made.found:
+        if name := found.insufficient:
+            chance = 100.0 * inclusion(found.probabilities, name)
+            others = [one for one in found.open if one not in (name, NONE, UNKNOWN)]
+            instead = f"; beside it or instead: {' or '.join(others)}" if others else ""
+            lines.append(
+                f"{name} explains the {found.channel.name} data best (probability {chance:.0f} %"
+                f"{instead}) and is not named: {found.known.barred[name]}; to decide: "
+                f"{found.alone[name].causes[0].splitter}"
+            )
+    return lines
 
 
 def _out_of_line(made: Diagnosis) -> list[str]:
@@ -253,12 +242,6 @@ def _open_question(found: Found) -> str:
 
 def _reason(made: Diagnosis, answer: str) -> str:
     """Two or three sentences that an engineer can act on."""
-    departing = [
-        f"the curves depart from the simulation and name no cause: {'; '.join(made.curve_lacks)} "
-        f"would tell{f'. {_open_question(found)}' if found.open else ''}"
-        for found in made.found
-        if _cannot_name(made, found) and not found.quiet
-    ]
     faults = [
         f"{one.mechanism.id}: {int(one.records.sum())} of {one.records.size} records"
         for one in made.faulty
@@ -268,8 +251,10 @@ def _reason(made: Diagnosis, answer: str) -> str:
         lacks = [f"the campaign lacks {'; '.join(made.lacks)}"] if made.lacks else []
         judged = [made.not_judged] if made.not_judged else []
         said = insufficient(made)
-        return ". ".join([*said, *lacks, *departing, *faults, *_out_of_line(made), *judged])
-    lines = [*departing, *_out_of_line(made), *insufficient(made)]
+        open_ = [found for found in made.found if found.open and not found.quiet]
+        asked = [_open_question(found) for found in open_ if not found.insufficient]
+        return ". ".join([*said, *lacks, *asked, *faults, *_out_of_line(made), *judged])
+    lines = [*_out_of_line(made), *insufficient(made)]
     if answer == "nothing-missing":
         whole = "all records" if len(lines) == 0 else "the other records"
         lines.append(f"the simulation explains {whole} within their scatter")
@@ -287,15 +272,15 @@ def _reason(made: Diagnosis, answer: str) -> str:
                     f"{', '.join(cause.credible[1:])}"
                 )
                 lines.append(f"to decide: {cause.mechanism.splitter}")
-        if found.open and not _cannot_name(made, found):
+        if found.open and not found.insufficient:
             lines.append(_open_question(found))
-        elif not (found.quiet or found.causes or found.unexplained):
+        elif not (found.quiet or found.causes or found.unexplained or found.insufficient):
             chance = 100.0 * inclusion(found.probabilities, UNKNOWN)
             lines.append(
                 f"the {found.channel.name} data may hold ({chance:.0f} %) what no mechanism of the "
                 "catalogue explains"
             )
-        if found.unexplained and not _cannot_name(made, found):
+        if found.unexplained:
             lines.append(
                 f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
                 "no mechanism of the catalogue explains"

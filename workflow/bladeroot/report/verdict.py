@@ -244,7 +244,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
             )
     lines += _open(said)
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
-    if said["causes"] and left:
+    if said["causes"] and left and said["answer"] != "insufficient-data":
         lines.append(
             f"What remains of the {listed(sorted(left))}, no cause of the catalogue explains."
         )

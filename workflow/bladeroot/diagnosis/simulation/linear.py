@@ -71,7 +71,7 @@ def acts_on(one: Mechanism) -> set[str]:
     """Which coordinates of a record a law changes."""
     some = np.array([6e3, 12e3])
     none = np.zeros(2)
-    records = Records(np.zeros(2, int), some, np.array([1.0, -1.0]), none, none, 1.0, 1.0)
+    records = Records(np.zeros(2, int), some, np.array([1.0, -1.0]), none, none, 1.0, 1.0, none)
     return set(one.stick(records, one.values(one.start)[0]).changes)
 
 
