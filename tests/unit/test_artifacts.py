@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,6 +26,24 @@ def test_what_is_saved_is_loaded_with_its_provenance(tmp_path):
         "settings": '{"a":1}', "environment": environment(),
     }  # fmt: skip
     assert loaded["x"].attrs["units"] == "m"
+
+
+def test_what_is_written_is_what_xarray_would_write(tmp_path):
+    made = xr.Dataset(
+        {
+            "flag": ("n", [True, False]), "text": ("n", ["a", "ü"]), "word": ((), "one"),
+            "none": ("m", np.zeros(0)), "single": ("n", np.float32([1.0, np.nan])),
+        },
+        coords={"n": [1.5, 2.0], "label": ("n", ["p", "q"]), "k": 3},
+        attrs={"numbers": [1.0, 2.0], "names": ["a", "b"], "empty": []},
+    )  # fmt: skip
+    artifacts.save(made, tmp_path / "ours.nc")
+    ours = artifacts.load(tmp_path / "ours.nc")
+    made.assign_attrs(ours.attrs).to_netcdf(tmp_path / "theirs.nc")
+    with xr.open_dataset(tmp_path / "theirs.nc") as theirs:
+        xr.testing.assert_identical(ours, theirs.load())
+        for name, one in theirs.variables.items():
+            assert ours[name].dtype == one.dtype
 
 
 def test_the_same_data_make_the_same_bytes(tmp_path):

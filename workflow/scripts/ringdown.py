@@ -6,6 +6,8 @@ import traceback
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.decay.ringdown import not_analysed, ringdown
+from bladeroot.io.hdf5 import try_together
+from bladeroot.io.read import as_stated
 
 STAGES = ("records", "decay", "plateau")
 
@@ -13,8 +15,10 @@ STAGES = ("records", "decay", "plateau")
 def main(raw, facts, campaign, record_settings, decay_settings, folder, batch):
     settings = record_settings, decay_settings, decay_settings
     cutting, estimation = json.loads(record_settings), json.loads(decay_settings)
-    names = []
-    for path, known in zip(raw, json.loads(facts), strict=True):
+    every, names = json.loads(facts), []
+    asked = ((at, one["channel"], one["quantity"]) for at, one in zip(raw, every, strict=True))
+    try_together(as_stated, asked)
+    for path, known in zip(raw, every, strict=True):
         try:
             made = ringdown(path, known, cutting, estimation)
         except MemoryError:
