@@ -173,7 +173,7 @@ def test_what_the_system_refuses_is_one_line(tmp_path, monkeypatch):
     assert not list(tmp_path.glob(".*.part"))
     monkeypatch.undo()
     monkeypatch.setattr(
-        xr.Dataset, "to_netcdf", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("HDF error"))
+        netCDF4, "Dataset", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("HDF error"))
     )
     with pytest.raises(ValueError, match="hdf error; is the disk full"):
         artifacts.save(SAMPLE, tmp_path / "b.nc")
