@@ -11,7 +11,13 @@ from scipy.special import stdtrit
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.pooling.components import QUANTILE_95
-from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.pooling.level_curve import (
+    LENGTH,
+    POINTS_A_DECADE,
+    ladder_of,
+    levels_of,
+    on_ladder,
+)
 from bladeroot.variables import dataset
 
 CURVES = ("frequency", "loss_factor")
@@ -23,6 +29,8 @@ SETTLED = 0.1
 # So many of them are asked, and a record must lie outside what they predict with this probability.
 ASKED = 4
 PREDICTED = 0.999
+# A change per decade is told from a curve that reaches over this part of one.
+SHORTEST = 0.3
 # A record that differs further down than this (in ln A) is another decay, not an unsettled one.
 DEEPEST = 0.3
 
@@ -43,8 +51,9 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
     Returns:
         dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
         with their standard errors, with and without that of the levels (`_std`, `_change_std`), and
-        the scatter between records, levels included (NaN for one record alone); `records`,
-        how many reach the amplitude, and `unsettled`, how many more do but are left out there.
+        the scatter between records, levels included (NaN for one record alone); `_per_decade`, the
+        mean change in a decade of amplitude; `quantity`, what was measured; `records`, how many
+        reach the amplitude, and `unsettled`, how many more do but are left out there.
     """
     facts = load_facts_of(decays)
     decays = [
@@ -85,12 +94,17 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
         unknown += [] if repeated else [kind[0]]
+    for name in CURVES:
+        both = zip(values[name], values[f"{name}_change_std"], strict=True)
+        slopes = np.array([_slope(ladder, y, std) for y, std in both]).reshape(-1, 2)
+        values |= {f"{name}_per_decade": slopes[:, 0], f"{name}_per_decade_std": slopes[:, 1]}
     made = values | {
         "amplitude": ladder,
         "mode": _strings(levels, 0),
         "force": [own[1] for own in levels],
         "group": _strings(levels, 2),
         "sensor": _strings(levels, 3),
+        "quantity": _quantities(decays, level_of, levels),
         "records": count,
         "unsettled": left_out,
     }
@@ -116,6 +130,32 @@ def _kind(level: tuple[str, float, str, str]) -> tuple[str, str, str]:
 
 def _strings(levels: Sequence[tuple], k: int) -> ndarray:
     return np.array([own[k] for own in levels], dtype=str)
+
+
+def _quantities(decays: Sequence[xr.Dataset], level_of: list, levels: list) -> ndarray:
+    """What was measured of each level, by its first record; velocity where none says."""
+    first = [decays[level_of.index(own)].attrs for own in levels]
+    return np.array([str(attrs.get("quantity", "velocity")) for attrs in first], dtype=str)
+
+
+def _slope(
+    ladder: Float[ndarray, " amplitude"],
+    y: Float[ndarray, " amplitude"],
+    std: Float[ndarray, " amplitude"],
+) -> tuple[float, float]:
+    """Mean change of a curve in a decade, by weighted least squares, and its standard error.
+
+    Errors of neighbouring amplitudes are one over `LENGTH` in ln A.
+    """
+    known = np.isfinite(y) & np.isfinite(std)
+    decades = np.log10(ladder[known])
+    if not decades.size or np.ptp(decades) < SHORTEST:
+        return np.nan, np.nan
+    weight = std[known] ** -2.0
+    apart = decades - np.average(decades, weights=weight)
+    total = weight @ apart**2
+    shared = POINTS_A_DECADE * LENGTH / np.log(10.0)
+    return (weight * apart) @ y[known] / total, np.sqrt(shared / total)
 
 
 def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
