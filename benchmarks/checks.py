@@ -131,7 +131,7 @@ def table(made: dict) -> list[str]:
         cells += [str(one[what] or "") for what in ("pays", "harms")]
         cells += [f"{one['warn']} ({one['false warning']})" if one["warn"] else ""]
         cells += ["" if one["lift"] is None else f"{one['lift']:.1f}"]
-        out.append(f"| `{name}` | {' | '.join(cells)} |")
+        out.append(f"| {name} | {' | '.join(cells)} |")
     return out
 
 

@@ -13,8 +13,8 @@ class Finding:
     """A candidate fault of a decay: it counts where `statistic` exceeds `threshold`.
 
     `spans` are the samples concerned, as pairs of first and one past the last; with consequence
-    "mask" they lose their weight. `excess` is what consequence "subtract" takes off the velocity;
-    `noise` (m/s, rms) is what to reckon with from here on, if not the record's white noise.
+    "mask" they lose their weight. `excess` is what consequence "subtract" takes off the velocity.
+    `name` is the finding's id, if not that of its check.
     """
 
     statistic: float
@@ -23,7 +23,7 @@ class Finding:
     text: str
     spans: tuple[tuple[int, int], ...] = ()
     excess: Float[ndarray, " sample"] | None = None
-    noise: float | None = None
+    name: str = ""
 
     @property
     def counts(self) -> bool:

@@ -26,7 +26,7 @@ FEWEST_CYCLES = 8
 # structures without a shaker reach 1.8 to 4.0 times it; touches of 10 % of the velocity beside
 # other modes, 3.2 to 3.6, are not told from them, those of 22 % reach 6.9.
 LEFTOVER, CLEARLY = "leftover", 4.0
-OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
 HARD = ("mask", "drop")
 
 
@@ -54,9 +54,8 @@ def judge(
 
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
-    hum and a wandering baseline are taken off `velocity`, and `noise_velocity` becomes what
-    coloured noise amounts to around the mode. A record is rejected where a finding drops it or
-    masks leave fewer than eight cycles.
+    hum is taken off `velocity`. A record is rejected where a finding drops it or masks leave fewer
+    than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -72,7 +71,6 @@ def judge(
     found += [(name, _fact(text, "warn")) for name, text in told]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
-    noise = decay.attrs["noise_velocity"]
     if decay.attrs["findings"]:
         kind = "cut" if whole.size else "unreadable"
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
@@ -104,12 +102,11 @@ def judge(
                     usable[first:last] = 0
             if finding.excess is not None:
                 velocity = velocity - finding.excess
-            noise = finding.noise or noise
         cycles = usable.sum() / seen.sampling_Hz * seen.own_Hz
         if cycles < FEWEST_CYCLES:
             text = f"what is masked leaves {cycles:.3g} cycles, at least {FEWEST_CYCLES} are needed"
             found.append(("masked", _fact(text, "drop")))
-    return _dataset(decay, velocity, usable, found).assign_attrs(noise_velocity=noise)
+    return _dataset(decay, velocity, usable, found)
 
 
 def bridged(
@@ -170,7 +167,7 @@ def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]
             seen = alone if alone.mixed is None else mended(seen, spans)
         finding = module.find(seen if hasattr(module, "MIXED") else alone)
         if finding is not None:
-            found.append((name, finding))
+            found.append((finding.name or name, finding))
     return found
 
 
