@@ -6,8 +6,8 @@ Each campaign has three groups of three to six events that three sensors see. ln
 loss factor of an event have a curve that all share, a level of its group, a scatter of its own, and
 at each sensor an error that is stated. Scatter between events is 1 to 30 times the stated error,
 groups differ by 0, 1 or 5 times that scatter. Scored are the mean of each group, as stick
-frequency and as a curve, its level against the mean of the groups, the difference between the outermost groups where
-they are said to differ, and how often they are.
+frequency and as a curve, its level against the mean of the groups, the difference between the
+outermost groups where they are said to differ, and how often they are.
 """
 
 import sys

@@ -90,11 +90,10 @@ def judge(
                 continue
             if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
                 # what separation leaves of other modes looks alike; the errors know of it
-                text = (
-                    finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
-                )
-                clear = finding.statistic > CLEARLY * finding.threshold
-                name = name if clear else LEFTOVER
+                what = finding.text.partition(";")[0]
+                text = f"{what}; or what other modes leave: nothing masked"
+                if finding.statistic <= CLEARLY * finding.threshold:
+                    name = LEFTOVER
                 finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
