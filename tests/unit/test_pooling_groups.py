@@ -82,6 +82,26 @@ def test_stick_frequencies_of_groups_stand_apart_and_events_count_once():
     assert np.isnan(stick["onset_amplitude"]).all()  # an amplitude belongs to a sensor
 
 
+def test_the_mean_of_each_group_covers_its_truth():
+    """Three groups of events that two sensors see: what repeats is the event."""
+    z = []
+    for seed in range(25):
+        rng = np.random.default_rng([430100, seed])
+        levels = 10.0 + 0.5 * rng.standard_normal(3)
+        found = []
+        for name, level in zip("abc", levels, strict=True):
+            for k in range(rng.integers(3, 6)):
+                moved = level + 0.03 * rng.standard_normal()
+                found += [
+                    plateau(name, f"{name}{k}", s, moved + 1e-3 * rng.standard_normal())
+                    for s in "xy"
+                ]
+        stick = stick_from_records(found)
+        z += list((stick["frequency"].values - levels) / stick["frequency_std"].values)
+    # three standard deviations of a share of 75
+    assert np.mean(np.abs(z) < 1.96) == pytest.approx(0.95, abs=0.076)
+
+
 def test_sensors_that_disagree_widen_the_error():
     alike = stick_from_records([plateau("", "e", s, 10.0) for s in "xy"])
     apart = stick_from_records([plateau("", "e", s, v) for s, v in (("x", 10.0), ("y", 10.1))])
