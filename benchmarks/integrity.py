@@ -126,8 +126,6 @@ def faulty(rng, name, size, velocity, rate, made):
     if name == "driven-residue":
         phase = 2 * np.pi * f * x + rng.uniform(0.0, 2.0 * np.pi)
         velocity = velocity + size * start * np.cos(phase)
-    if name == "baseline":
-        velocity = velocity + size * start * np.sin(2 * np.pi * (2.0 * x * rate / n + rng.random()))
     return velocity
 
 
@@ -210,7 +208,6 @@ POWER = {
     "mode-beating": (0.02, 0.05, 0.1),
     "mains-hum": (1e-4, 2e-4, 1e-3),
     "driven-residue": (0.003, 0.01, 0.03),
-    "baseline": (0.03, 0.1),
 }
 # What the power is stated for: a laboratory's record.
 USUAL = {

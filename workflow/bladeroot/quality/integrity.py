@@ -54,8 +54,8 @@ def judge(
 
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
-    hum is taken off `velocity`. A record is rejected where a finding drops it or masks leave fewer
-    than eight cycles.
+    hum is taken off `velocity`, and `noise_velocity` is what noise amounts to around the mode. A
+    record is rejected where a finding drops it or masks leave fewer than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -83,6 +83,7 @@ def judge(
         seen = sight(decay, whole, expected_Hz, modes_Hz)
         own = seen if alone is None else sight(decay, alone, expected_Hz, modes_Hz)
         examined = examine(seen, own)
+        decay = decay.assign_attrs(noise_velocity=own.noise_around)
         if recording is not None and recording.quantity != "velocity":
             examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:
