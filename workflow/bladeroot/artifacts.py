@@ -107,7 +107,6 @@ def _write(dataset: xr.Dataset, path: Path) -> None:
     variables, attrs = xr.conventions.encode_dataset_coordinates(dataset)
     variables, attrs = xr.conventions.cf_encoder(variables, attrs)
     with netCDF4.Dataset(path, "w") as file:
-        file.set_auto_maskandscale(False)
         file.setncatts(attrs)
         for name, size in dataset.sizes.items():
             file.createDimension(name, size)
@@ -115,6 +114,7 @@ def _write(dataset: xr.Dataset, path: Path) -> None:
             fill = one.attrs.pop("_FillValue", None)
             kind = str if one.dtype.kind in "UO" else one.dtype
             file.createVariable(name, kind, one.dims, fill_value=fill).setncatts(one.attrs)
+        file.set_auto_maskandscale(False)  # packed by `cf_encoder` where that is asked for
         for name, one in variables.items():
             text = one.dtype.kind in "UO"
             file[name][...] = one.values.astype(object) if text else one.values

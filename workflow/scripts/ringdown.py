@@ -2,23 +2,34 @@
 
 import json
 import traceback
+from pathlib import Path
 
 from _cli import run
-from bladeroot import artifacts
-from bladeroot.decay.ringdown import not_analysed, ringdown
-from bladeroot.io.hdf5 import try_together
-from bladeroot.io.read import as_stated
+from bladeroot import artifacts, statement
 
 STAGES = ("records", "decay", "plateau")
 
 
-def main(raw, facts, campaign, record_settings, decay_settings, folder, batch):
+def main(raw, facts, campaign, record_settings, decay_settings, code, folder, batch):
     settings = record_settings, decay_settings, decay_settings
     cutting, estimation = json.loads(record_settings), json.loads(decay_settings)
-    every, names = json.loads(facts), []
-    asked = ((at, one["channel"], one["quantity"]) for at, one in zip(raw, every, strict=True))
-    try_together(as_stated, asked)
-    for path, known in zip(raw, every, strict=True):
+    parts = [
+        statement.Part(
+            known, [path], [f"{folder}/{stage}/{known['record']}.nc" for stage in STAGES]
+        )
+        for path, known in zip(raw, json.loads(facts), strict=True)
+    ]
+    stated = statement.statements(Path(folder).parent, f"ringdown/{campaign}")
+    shared = [campaign, record_settings, decay_settings, code]
+    current = statement.still_current(stated, shared, [], parts)
+    _try_together([part for part in parts if part.facts["record"] not in current])
+    for part in parts:
+        known, (path,) = part.facts, part.inputs
+        if known["record"] in current:
+            statement.renew(part)
+            continue
+        from bladeroot.decay.ringdown import not_analysed, ringdown
+
         try:
             made = ringdown(path, known, cutting, estimation)
         except MemoryError:
@@ -28,11 +39,21 @@ def main(raw, facts, campaign, record_settings, decay_settings, folder, batch):
             traceback.print_exc()
             reason = f"its analysis broke off: {type(error).__name__}: {error}"
             made = not_analysed(known, reason, estimation)
-        for stage, part, said in zip(STAGES, made, settings, strict=True):
-            place = f"{folder}/{stage}/{known['record']}.nc"
-            artifacts.save(part.assign_attrs(campaign=campaign), place, settings=said)
-        names.append(known["record"])
+        for place, one, said in zip(part.outputs, made, settings, strict=True):
+            artifacts.save(one.assign_attrs(campaign=campaign), place, settings=said)
+    names = [part.facts["record"] for part in parts]
     artifacts.save_text("\n".join(names) + "\n", batch)
+
+
+def _try_together(parts):
+    """Damaged files catch a child process, one for all that are read."""
+    if not parts:
+        return
+    from bladeroot.io.hdf5 import try_together
+    from bladeroot.io.read import as_stated
+
+    said = ("channel", "quantity")
+    try_together(as_stated, ((one.inputs[0], *(one.facts[n] for n in said)) for one in parts))
 
 
 if __name__ == "__main__":
@@ -43,6 +64,7 @@ if __name__ == "__main__":
         campaign="the campaign's name",
         record_settings="section `record` of the configuration (JSON)",
         decay_settings="section `decay` of the configuration (JSON)",
+        code="hash of the code; a record that this code has made of the same is kept",
         folder=f"where the folders {', '.join(STAGES)} go",
         batch="list of the batch's records to write, a name a line",
     )
