@@ -37,7 +37,7 @@ def test_what_is_written_is_what_xarray_would_write(tmp_path):
         coords={"n": [1.5, 2.0], "label": ("n", ["p", "q"]), "k": 3},
         attrs={"numbers": [1.0, 2.0], "names": ["a", "b"], "empty": []},
     )  # fmt: skip
-    packed = {"dtype": "int16", "scale_factor": 0.5, "add_offset": 7.0}
+    packed = {"dtype": "int16", "scale_factor": 0.5, "add_offset": 7.0, "_FillValue": -9}
     made["packed"] = xr.Variable("n", [7.5, 9.0], encoding=packed)
     artifacts.save(made, tmp_path / "ours.nc")
     ours = artifacts.load(tmp_path / "ours.nc")
