@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,6 +26,26 @@ def test_what_is_saved_is_loaded_with_its_provenance(tmp_path):
         "settings": '{"a":1}', "environment": environment(),
     }  # fmt: skip
     assert loaded["x"].attrs["units"] == "m"
+
+
+def test_what_is_written_is_what_xarray_would_write(tmp_path):
+    made = xr.Dataset(
+        {
+            "flag": ("n", [True, False]), "text": ("n", ["a", "ü"]), "word": ((), "one"),
+            "none": ("m", np.zeros(0)), "single": ("n", np.float32([1.0, np.nan])),
+        },
+        coords={"n": [1.5, 2.0], "label": ("n", ["p", "q"]), "k": 3},
+        attrs={"numbers": [1.0, 2.0], "names": ["a", "b"], "empty": []},
+    )  # fmt: skip
+    packed = {"dtype": "int16", "scale_factor": 0.5, "add_offset": 7.0, "_FillValue": -9}
+    made["packed"] = xr.Variable("n", [7.5, 9.0], encoding=packed)
+    artifacts.save(made, tmp_path / "ours.nc")
+    ours = artifacts.load(tmp_path / "ours.nc")
+    made.assign_attrs(ours.attrs).to_netcdf(tmp_path / "theirs.nc")
+    with xr.open_dataset(tmp_path / "theirs.nc") as theirs:
+        xr.testing.assert_identical(ours, theirs.load())
+        for name, one in theirs.variables.items():
+            assert ours[name].dtype == one.dtype
 
 
 def test_the_same_data_make_the_same_bytes(tmp_path):
@@ -154,7 +175,7 @@ def test_what_the_system_refuses_is_one_line(tmp_path, monkeypatch):
     assert not list(tmp_path.glob(".*.part"))
     monkeypatch.undo()
     monkeypatch.setattr(
-        xr.Dataset, "to_netcdf", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("HDF error"))
+        netCDF4, "Dataset", lambda *_, **__: (_ for _ in ()).throw(RuntimeError("HDF error"))
     )
     with pytest.raises(ValueError, match="hdf error; is the disk full"):
         artifacts.save(SAMPLE, tmp_path / "b.nc")

@@ -12,6 +12,7 @@ import tracemalloc
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 from bladeroot.io import hdf5
 from bladeroot.io.read import read
 from record_files import FORMATS, write_matlab_73, write_tdms, write_universal, write_wav
@@ -235,3 +236,27 @@ def test_a_library_that_does_not_come_back(tmp_path, monkeypatch, work, told):
     monkeypatch.setattr(hdf5, "PATIENCE_S", 0.05)
     with pytest.raises(ValueError, match=told):
         hdf5.try_first(work, str(tmp_path / "a.nc"))
+
+
+@pytest.mark.parametrize("caught", [False, True])
+def test_files_are_tried_together_or_else_one_by_one(tmp_path, monkeypatch, caught):
+    """One child reads all; where a file catches it, each is tried by itself again."""
+    monkeypatch.setattr(hdf5, "PATIENCE_S", 0.05)
+    monkeypatch.setattr(hdf5, "_TRIED", set())
+    paths = [str(tmp_path / f"{name}.nc") for name in "ab"]
+    for path in paths:
+        xr.Dataset({"v": ("t", np.arange(9.0))}).to_netcdf(path)
+    (tmp_path / "c.csv").write_text("1")
+
+    def work(path):
+        if path.endswith("a.nc"):
+            raise ValueError("met again")
+        time.sleep(60 if caught else 0)
+
+    asked = [*paths, str(tmp_path / "c.csv"), str(tmp_path / "none.nc")]
+    hdf5.try_together(work, [(path,) for path in asked])
+    alone = []
+    for path in paths:
+        hdf5.try_first(lambda: (tmp_path / "alone").touch(), path)
+        alone.append((tmp_path / "alone").exists())
+    assert alone == [caught, caught]

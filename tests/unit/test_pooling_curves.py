@@ -30,6 +30,9 @@ def test_the_mean_of_records_that_agree_is_theirs_with_a_smaller_error():
     assert np.abs(here["frequency"] - expected).max() < 1e-6
     assert float(here["frequency_std"].mean()) == pytest.approx(1e-3 / 2.0, rel=0.01)
     assert float(here["frequency_scatter"].max()) == 0.0
+    assert float(here["frequency_per_decade"]) == pytest.approx(-2.0, rel=1e-3)
+    assert float(here["loss_factor_per_decade"]) == pytest.approx(-2e-3, rel=1e-3)
+    assert 0.0 < float(here["frequency_per_decade_std"]) < 1e-3
 
 
 def test_scatter_between_records_is_found_and_widens_the_error():

@@ -7,6 +7,7 @@ from bladeroot.pooling.curves import mean_curves
 from bladeroot.pooling.groups import group_differences, told
 from bladeroot.pooling.stick import stick_from_records
 from pooling_bench import curve, drawn
+from scipy.stats import t
 
 GOOD = xr.Dataset({"verdict": "plateau"})
 
@@ -80,6 +81,26 @@ def test_stick_frequencies_of_groups_stand_apart_and_events_count_once():
     assert float(stick["between_std"][0]) > 0.01
     assert np.all(stick["frequency_std"].values > 0.02)  # of four motions, not of eight records
     assert np.isnan(stick["onset_amplitude"]).all()  # an amplitude belongs to a sensor
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_interval_of_a_group_is_students_of_its_events(seed):
+    """Three groups of events that two sensors see: what repeats is the event, in its group."""
+    rng = np.random.default_rng(seed)
+    found, events = [], []
+    for name, level in zip("abc", 10.0 + 0.5 * rng.standard_normal(3), strict=True):
+        events.append(level + 0.03 * rng.standard_normal(rng.integers(3, 6)))
+        found += [
+            plateau(name, f"{name}{k}", sensor, own, 1e-5)
+            for k, own in enumerate(events[-1])
+            for sensor in "xy"
+        ]
+    stick = stick_from_records(found)
+    count = np.array([own.size for own in events])
+    scatter = np.array([own.std(ddof=1) for own in events])
+    half = t.ppf(0.975, count - 1) * scatter / np.sqrt(count)
+    assert stick["frequency"].values == pytest.approx([own.mean() for own in events], abs=1e-5)
+    assert 1.96 * stick["frequency_std"].values == pytest.approx(half, rel=0.02)
 
 
 def test_sensors_that_disagree_widen_the_error():

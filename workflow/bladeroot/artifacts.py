@@ -90,10 +90,34 @@ def save(
     )
     with whole_file(path) as part:
         try:
-            stamped.to_netcdf(part, engine="netcdf4")
+            _write(stamped, part)
         except RuntimeError as error:  # HDF5 does not say that the disk is full
             raise OSError(None, f"the NetCDF library says {error}; is the disk full?") from error
         checksum.seal(part)
+
+
+def _write(dataset: xr.Dataset, path: Path) -> None:
+    """A Dataset as `to_netcdf` writes it, in less than half of its time.
+
+    xarray writes each variable as soon as it is declared, and the library then goes through all
+    metadata once a variable: here all are declared before the first is written.
+    """
+    import netCDF4
+
+    variables, attrs = xr.conventions.encode_dataset_coordinates(dataset)
+    variables, attrs = xr.conventions.cf_encoder(variables, attrs)
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(attrs)
+        for name, size in dataset.sizes.items():
+            file.createDimension(name, size)
+        for name, one in variables.items():
+            fill = one.attrs.pop("_FillValue", None)
+            kind = str if one.dtype.kind in "UO" else one.dtype
+            file.createVariable(name, kind, one.dims, fill_value=fill).setncatts(one.attrs)
+        file.set_auto_maskandscale(False)  # packed by `cf_encoder` where that is asked for
+        for name, one in variables.items():
+            text = one.dtype.kind in "UO"
+            file[name][...] = one.values.astype(object) if text else one.values
 
 
 def save_json(document: dict, path: str | Path) -> None:

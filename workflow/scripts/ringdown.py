@@ -22,6 +22,7 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
     stated = statement.statements(Path(folder).parent, f"ringdown/{campaign}")
     shared = [campaign, record_settings, decay_settings, code]
     current = statement.still_current(stated, shared, [], parts)
+    _try_together([part for part in parts if part.facts["record"] not in current])
     for part in parts:
         known, (path,) = part.facts, part.inputs
         if known["record"] in current:
@@ -42,6 +43,17 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
             artifacts.save(one.assign_attrs(campaign=campaign), place, settings=said)
     names = [part.facts["record"] for part in parts]
     artifacts.save_text("\n".join(names) + "\n", batch)
+
+
+def _try_together(parts):
+    """Damaged files catch a child process, one for all that are read."""
+    if not parts:
+        return
+    from bladeroot.io.hdf5 import try_together
+    from bladeroot.io.read import as_stated
+
+    said = ("channel", "quantity")
+    try_together(as_stated, ((one.inputs[0], *(one.facts[n] for n in said)) for one in parts))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The components of a decay: the mode asked for by itself, all others found and taken off."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
@@ -62,18 +63,26 @@ class Separated:
     """A record with one mode only from sample `first` on: what is left, and what was taken off.
 
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
-    start) and `widening`: by how much the standard error of the mode's phasor is larger than if it
-    were alone; `doubt` is by how much (relative) it depends on how smooth the others are taken to
-    be, as an error of independent cycles. `told`: findings, by id.
+    start) and `doubt`: by how much (relative) the mode's phasor depends on how smooth the others
+    are taken to be, as an error of independent cycles. `told`: findings, by id. `models`: of all
+    components, and of the mode alone.
     """
 
     velocity: Float[ndarray, " sample"]
     first: int
     lines_Hz: list[float]
     time: Float[ndarray, " knot"]
-    widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
     told: tuple[tuple[str, str], ...] = ()
+    models: tuple[Envelopes, ...] = ()
+
+    @cached_property
+    def widening(self) -> Float[ndarray, " knot"]:
+        """By how much the standard error of the mode's phasor is larger than if it were alone."""
+        if not self.models:
+            return np.zeros(0)
+        together, alone = (one.variance(0) for one in self.models)
+        return np.sqrt(np.maximum(together / alone, 1.0))
 
 
 def separated(
@@ -108,7 +117,7 @@ def separated(
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
     if abs(own_Hz / expected_Hz - 1.0) > APART:
-        return Separated(velocity, first, [], *np.zeros((3, 0)))
+        return Separated(velocity, first, [], *np.zeros((2, 0)))
     trimmed = beaten = False
     near: list[Harmonic] = []
     close: list[float] = []
@@ -151,10 +160,8 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
-    if lines.size > found.lines_Hz.size:
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
     if lines.size == 1 and not base_Hz and not _sways(found):
-        return Separated(velocity, first, [], *np.zeros((3, 0)))
+        return Separated(velocity, first, [], *np.zeros((2, 0)))
     found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = _rest(x, found, known)
     struck = _struck(found, rest) or _grows(found, rest, known)
@@ -165,9 +172,9 @@ def separated(
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
-    beside = x, sampling_Hz, lines[:1], spacing, known, 0.0, course[:1], lines[1:]
-    single = demodulated(*beside)
-    widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
+    single = demodulated(
+        x, sampling_Hz, lines[:1], spacing, known, course=course[:1], beside=lines[1:]
+    )
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     few = max(int(0.25 * sampling_Hz / own_Hz), 1)
     doubt = np.hypot(
@@ -176,7 +183,7 @@ def separated(
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
-    time = (first + (np.arange(widening.size) + 0.5) * spacing) / sampling_Hz
+    time = (first + (np.arange(doubt.size) + 0.5) * spacing) / sampling_Hz
     for one in near:
         off = one.over(found.envelope(0), time - first / sampling_Hz)
         doubt = np.hypot(doubt, np.minimum(off, 1.0))
@@ -188,7 +195,7 @@ def separated(
     told = [("harmonic", one.told) for one in near]
     if close:
         told.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
-    return Separated(left, first, taken_Hz, time, widening, doubt, tuple(told))
+    return Separated(left, first, taken_Hz, time, doubt, tuple(told), (found, single))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

@@ -14,9 +14,10 @@ from typing import no_type_check
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
+from scipy.linalg import lapack
 
 from bladeroot.compiled import njit
-from bladeroot.signal.banded import factored, inverse_band, solved
+from bladeroot.signal.banded import inverse_band
 
 # The envelope of a component varies no faster than this part of its distance to the next one.
 SHARE = 0.35
@@ -25,6 +26,8 @@ ALIVE = 4
 _MIDDLE = np.array([1.0, 23.0, 23.0, 1.0]) / 48.0
 # Penalty (over an interval's own weight) that carries the splines over samples without weight.
 LEAST = 1e-6
+# What is added to the diagonal (relative) against rounding.
+RIDGE = 1e-13
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Envelopes:
     """Coefficients of the baseline (column 0) and of each line's envelope (real, imaginary part).
 
     `design` is an interval's samples by its columns, `turn` each line's phase factor in the
-    intervals' middles; `scale` and `factor` are of the normal matrix.
+    intervals' middles; `factor` is the normal matrix's Cholesky factor, in its band.
     """
 
     lines_Hz: Float[ndarray, " line"]
@@ -41,7 +44,6 @@ class Envelopes:
     coefficient: Float[ndarray, "knot column"]
     design: Float[ndarray, "sample alive_column"]
     turn: Complex[ndarray, "interval line"]
-    scale: Float[ndarray, " unknown"]
     factor: Float[ndarray, "unknown width"]
 
     def waves(self, lines: list[int] | None = None, base: bool = True) -> Float[ndarray, " sample"]:
@@ -64,7 +66,10 @@ class Envelopes:
 
     def variance(self, line: int) -> Float[ndarray, " interval"]:
         """Variance of either part of `envelope` (the larger), for noise of unit variance."""
-        inverse = inverse_band(self.scale, self.factor)
+        pivot = self.factor[:, 0]
+        unit = self.factor / pivot[:, None]  # L D L'
+        unit[:, 0] = pivot**2
+        inverse = inverse_band(np.ones(pivot.size), unit)
         count, columns = len(self.turn), self.coefficient.shape[1]
         parts = np.zeros((2, count))
         for part in (0, 1):
@@ -128,13 +133,12 @@ def demodulated(
     if course is not None:
         ratio[1::2] = ratio[2::2] = np.exp(-course)
     _penalise(band, ratio, stiffness)
-    scale, factor, good = factored(band)
-    if not good:
+    band[:, 0] *= 1.0 + RIDGE
+    factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
+    if failed:
         raise ValueError("the equations of the components are singular: no usable samples?")
-    coefficient = solved(scale, factor, right.ravel()).reshape(-1, columns)
-    return Envelopes(
-        lines_Hz, spacing, velocity.size, coefficient, design, turn, scale, factor
-    )  # fmt: skip
+    coefficient = lapack.dpbtrs(factor, right.ravel(), lower=1)[0].reshape(-1, columns)
+    return Envelopes(lines_Hz, spacing, velocity.size, coefficient, design, turn, factor.T)
 
 
 def _splines(count: int) -> Float[ndarray, "sample alive"]:

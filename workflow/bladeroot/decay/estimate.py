@@ -69,9 +69,10 @@ def estimate(
             peaks = _later(peak_fit(*record, **options), begin_s)
         except ValueError as error:
             facts |= {"verdict": "rejected", "reason": str(error)}
-    whole = curves.assign(peaks.variables).assign(compare(curves, peaks).variables)
-    noise = facts["noise_velocity"]
-    whole = whole.assign(_published_bounds(curves, noise).variables)
+    bounds = _published_bounds(curves, facts["noise_velocity"])
+    whole = curves.assign(
+        {**peaks.variables, **compare(curves, peaks).variables, **bounds.variables}
+    )
     return whole.assign_attrs({**facts, "estimator": estimator, "damping": damping})
 
 

@@ -37,13 +37,14 @@ def free_decay(
     rate = recording.sampling_Hz
     clear = bridged(motion, rate, expected_Hz)
     steps = _steps(recording, expected_Hz)
-    decay = windowed(cut(clear, rate, expected_Hz, end, least=steps), clear, *window)
+    seen = cut(clear, rate, expected_Hz, end, least=steps)
+    decay = windowed(seen, clear, *window)
     struck = onset(clear, rate / expected_Hz)
     asked = expected_Hz, modes_Hz, recording.notes, recording
     several = _several(decay)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, *asked)
-    first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, decay)
+    first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
     how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
         how = "hammer"
@@ -83,7 +84,7 @@ def _let_go(
     loudest = _of_the_loudest(velocity, sampling_Hz, expected_Hz)
     if decay.attrs["excitation"] == "shaker" and loudest is None:
         alone = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
-        loudest = cut(alone, sampling_Hz, expected_Hz)
+        loudest = decay if alone is velocity else cut(alone, sampling_Hz, expected_Hz)
     if loudest is None or loudest.attrs["excitation"] != "shaker":
         return 0
     return round(loudest.attrs["start_s"] * sampling_Hz)

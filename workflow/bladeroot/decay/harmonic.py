@@ -162,10 +162,10 @@ def _regression(
     weight = 1.0 / np.maximum(np.abs(y[before]), 1e-300)
     design = np.stack([y[before], h[before]], axis=1) * weight[:, None]
     wanted = y[after] * weight
-    gram = design.conj().T @ design
-    rho, kappa = np.linalg.lstsq(design, wanted, rcond=None)[0]
-    left = wanted - design @ np.array([rho, kappa])
-    variance = float(np.linalg.pinv(gram)[1, 1].real) * np.mean(np.abs(left) ** 2) * lag
+    inverse = np.linalg.pinv(design.conj().T @ design)
+    rho, kappa = found = inverse @ (design.conj().T @ wanted)
+    left = wanted - design @ found
+    variance = float(inverse[1, 1].real) * np.mean(np.abs(left) ** 2) * lag
     g = kappa / (falls - rho)
     mode = np.median(np.abs(y - g * h) / h)
     std = np.sqrt(variance) / abs(falls - rho)

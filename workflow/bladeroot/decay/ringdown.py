@@ -53,7 +53,7 @@ def analyse(
     window = known.get("start_s"), known.get("end_s")
     decay = free_decay(recording, float(known["expected_Hz"]), others, **cutting, window=window)
     decay = kept(decay) if known.get("keep") else decay
-    return _with_curves(decay, known, estimation)
+    return _with_curves(decay.assign_attrs(quantity=recording.quantity), known, estimation)
 
 
 def not_analysed(

@@ -5,26 +5,27 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.special import stdtrit
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.pooling.components import QUANTILE_95
-from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.pooling.level_curve import (
+    LENGTH,
+    POINTS_A_DECADE,
+    ladder_of,
+    levels_of,
+    on_ladder,
+)
 from bladeroot.variables import dataset
 
 CURVES = ("frequency", "loss_factor")
 # The mean, its standard error with and without that of the records' levels, the scatter of records.
 KINDS = ("", "_std", "_change_std", "_scatter")
 
-# Records that pass an amplitude at least this far below their start (in ln A) are settled there.
-SETTLED = 0.1
-# So many of them are asked, and a record must lie outside what they predict with this probability.
-ASKED = 4
-PREDICTED = 0.999
-# A record that differs further down than this (in ln A) is another decay, not an unsettled one.
-DEEPEST = 0.3
+# A change per decade is told from a curve that reaches over this part of one.
+SHORTEST = 0.3
 
 
 def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -37,14 +38,14 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
     of a clamping are averaged, then the clampings, each weighted by its own variance and the
     scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
     standard error a normal 95 % interval is right for few repeats, too (Student). Where no clamping
-    repeats it is a lower bound, and says so. First cycles that decay unlike all records which pass
-    them later (`unsettled`) are left out.
+    repeats it is a lower bound, and says so.
 
     Returns:
         dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
         with their standard errors, with and without that of the levels (`_std`, `_change_std`), and
-        the scatter between records, levels included (NaN for one record alone); `records`,
-        how many reach the amplitude, and `unsettled`, how many more do but are left out there.
+        the scatter between records, levels included (NaN for one record alone); `_per_decade`, the
+        mean change in a decade of amplitude; `quantity`, what was measured; and `records`, how
+        many reach the amplitude.
     """
     facts = load_facts_of(decays)
     decays = [
@@ -53,46 +54,40 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
         if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
     ]
     level_of = [_level_of(decay.attrs) for decay in decays]
-    levels = sorted(set(level_of))
+    measured = {_level_of(d.attrs): str(d.attrs.get("quantity", "velocity")) for d in decays}
+    levels = sorted(measured)
     ladder = ladder_of(decays)
     values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
-    count, left_out = (np.zeros((len(levels), ladder.size), dtype=int) for _ in range(2))
+    count = np.zeros((len(levels), ladder.size), dtype=int)
     unknown = []
     for kind in dict.fromkeys(_kind(own) for own in levels):
         rows = [k for k, own in enumerate(levels) if _kind(own) == kind]
         here = [d for d, own in zip(decays, level_of, strict=True) if _kind(own) == kind]
         level = np.unique([value_of(decay.attrs) for decay in here], return_inverse=True)[1]
-        start = np.array([float(decay["amplitude"].max()) for decay in here])
         read = {
             name: np.array([on_ladder(decay, name, ladder) for decay in here])
             for name in (*CURVES, *(f"{name}_std" for name in CURVES))
         }
         for k, row in enumerate(rows):
-            own = level == k
-            doubted = np.logical_or.reduce(
-                [
-                    unsettled(ladder, start[own], read[name][own], read[f"{name}_std"][own])
-                    for name in CURVES
-                ]
-            )
-            left_out[row] = doubted.sum(axis=0)
-            for name in CURVES:
-                read[name][own] = np.where(doubted, np.nan, read[name][own])
-            count[row] = np.isfinite(read["loss_factor"][own]).sum(axis=0)
+            count[row] = np.isfinite(read["loss_factor"][level == k]).sum(axis=0)
         for name in CURVES:
             clamping = _clampings(here, level)
             *found, repeated = _means(read[name], read[f"{name}_std"], clamping, level)
             for part, made in zip(KINDS, found, strict=True):
                 values[f"{name}{part}"][rows] = made
         unknown += [] if repeated else [kind[0]]
+    for name in CURVES:
+        both = zip(values[name], values[f"{name}_change_std"], strict=True)
+        slopes = np.array([_slope(ladder, y, std) for y, std in both]).reshape(-1, 2)
+        values |= {f"{name}_per_decade": slopes[:, 0], f"{name}_per_decade_std": slopes[:, 1]}
     made = values | {
         "amplitude": ladder,
         "mode": _strings(levels, 0),
         "force": [own[1] for own in levels],
         "group": _strings(levels, 2),
         "sensor": _strings(levels, 3),
+        "quantity": np.array([measured[own] for own in levels], dtype=str),
         "records": count,
-        "unsettled": left_out,
     }
     curves = dataset("pooling/curves", made).set_coords(["mode", "force", "group", "sensor"])
     curves["force"].attrs = load_attrs(facts)
@@ -116,6 +111,26 @@ def _kind(level: tuple[str, float, str, str]) -> tuple[str, str, str]:
 
 def _strings(levels: Sequence[tuple], k: int) -> ndarray:
     return np.array([own[k] for own in levels], dtype=str)
+
+
+def _slope(
+    ladder: Float[ndarray, " amplitude"],
+    y: Float[ndarray, " amplitude"],
+    std: Float[ndarray, " amplitude"],
+) -> tuple[float, float]:
+    """Mean change of a curve in a decade, by weighted least squares, and its standard error.
+
+    Errors of neighbouring amplitudes are one over `LENGTH` in ln A.
+    """
+    known = np.isfinite(y) & np.isfinite(std)
+    decades = np.log10(ladder[known])
+    if not decades.size or np.ptp(decades) < SHORTEST:
+        return np.nan, np.nan
+    weight = std[known] ** -2.0
+    apart = decades - np.average(decades, weights=weight)
+    total = weight @ apart**2
+    shared = POINTS_A_DECADE * LENGTH / np.log(10.0)
+    return (weight * apart) @ y[known] / total, np.sqrt(shared / total)
 
 
 def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
@@ -227,44 +242,3 @@ def _grouped(
 
 def _member(group: Int[ndarray, " row"]) -> Float[ndarray, "group row"]:
     return (np.arange(group.max() + 1)[:, None] == group).astype(float)
-
-
-def unsettled(
-    ladder: Float[ndarray, " amplitude"],
-    start: Float[ndarray, " record"],
-    value: Float[ndarray, "record amplitude"],
-    std: Float[ndarray, "record amplitude"],
-) -> Bool[ndarray, "record amplitude"]:
-    """Points of a record, from its start down, outside the prediction interval of settled records.
-
-    A release may leave something behind that dies within some cycles. One record by itself cannot
-    tell that from slip which just begins; records that pass the same amplitude later can.
-
-    ladder: amplitudes (m), rising. start: amplitude at which each record begins. value, std: a
-    quantity with its standard error, NaN where not reached. The interval is that of one more draw
-    from the settled records' distribution (Student), widened by the record's own error. Where
-    fewer than ASKED settled records pass, or the difference goes on for more than DEEPEST, nothing
-    is doubted.
-    """
-    depth = np.log(start)[:, None] - np.log(ladder)
-    asked = np.isfinite(value) & (depth >= SETTLED)
-    out = np.zeros(value.shape, dtype=bool)
-    for record in range(len(start)):
-        first = None
-        for k in np.flatnonzero(np.isfinite(value[record]))[::-1]:
-            others = asked[:, k].copy()
-            others[record] = False
-            count = int(others.sum())
-            if count < ASKED:
-                continue
-            first = depth[record, k] if first is None else first
-            settled = value[others, k]
-            spread = settled.std(ddof=1) * np.sqrt(1.0 + 1.0 / count)
-            reach = stdtrit(count - 1, 0.5 + 0.5 * PREDICTED) * np.hypot(spread, std[record, k])
-            if abs(value[record, k] - settled.mean()) <= reach:
-                break
-            if depth[record, k] > max(DEEPEST, first):
-                out[record] = False
-                break
-            out[record, k] = True
-    return out

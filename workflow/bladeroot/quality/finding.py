@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from jaxtyping import Float
 from numpy import ndarray
 
-CONSEQUENCES = ("warn", "subtract", "mask", "drop")
-
 
 @dataclass(frozen=True)
 class Finding:
     """A candidate fault of a decay: it counts where `statistic` exceeds `threshold`.
 
-    `spans` are the samples concerned, as pairs of first and one past the last; with consequence
-    "mask" they lose their weight. `excess` is what consequence "subtract" takes off the velocity;
-    `noise` (m/s, rms) is what to reckon with from here on, if not the record's white noise.
+    `consequence` is warn, subtract, mask or drop. `spans` are the samples concerned, as pairs of
+    first and one past the last, which lose their weight where it masks; `excess` is what it
+    subtracts from the velocity. `name` is the finding's id, if not that of its check.
     """
 
     statistic: float
@@ -23,7 +21,7 @@ class Finding:
     text: str
     spans: tuple[tuple[int, int], ...] = ()
     excess: Float[ndarray, " sample"] | None = None
-    noise: float | None = None
+    name: str = ""
 
     @property
     def counts(self) -> bool:

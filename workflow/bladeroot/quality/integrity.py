@@ -26,7 +26,7 @@ FEWEST_CYCLES = 8
 # structures without a shaker reach 1.8 to 4.0 times it; touches of 10 % of the velocity beside
 # other modes, 3.2 to 3.6, are not told from them, those of 22 % reach 6.9.
 LEFTOVER, CLEARLY = "leftover", 4.0
-OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating", "louder-mode")
+OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
 HARD = ("mask", "drop")
 
 
@@ -54,9 +54,8 @@ def judge(
 
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
-    hum and a wandering baseline are taken off `velocity`, and `noise_velocity` becomes what
-    coloured noise amounts to around the mode. A record is rejected where a finding drops it or
-    masks leave fewer than eight cycles.
+    hum is taken off `velocity`, and `noise_velocity` is what noise amounts to around the mode. A
+    record is rejected where a finding drops it or masks leave fewer than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -72,7 +71,6 @@ def judge(
     found += [(name, _fact(text, "warn")) for name, text in told]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
-    noise = decay.attrs["noise_velocity"]
     if decay.attrs["findings"]:
         kind = "cut" if whole.size else "unreadable"
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
@@ -85,6 +83,7 @@ def judge(
         seen = sight(decay, whole, expected_Hz, modes_Hz)
         own = seen if alone is None else sight(decay, alone, expected_Hz, modes_Hz)
         examined = examine(seen, own)
+        decay = decay.assign_attrs(noise_velocity=own.noise_around)
         if recording is not None and recording.quantity != "velocity":
             examined.append(("clipping", clipping.find_in(recording, seen)))
         for name, finding in examined:
@@ -92,11 +91,10 @@ def judge(
                 continue
             if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
                 # what separation leaves of other modes looks alike; the errors know of it
-                text = (
-                    finding.text.partition(";")[0] + "; or what other modes leave: nothing masked"
-                )
-                clear = finding.statistic > CLEARLY * finding.threshold
-                name = name if clear else LEFTOVER
+                what = finding.text.partition(";")[0]
+                text = f"{what}; or what other modes leave: nothing masked"
+                if finding.statistic <= CLEARLY * finding.threshold:
+                    name = LEFTOVER
                 finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
             if finding.consequence == "mask":
@@ -104,12 +102,11 @@ def judge(
                     usable[first:last] = 0
             if finding.excess is not None:
                 velocity = velocity - finding.excess
-            noise = finding.noise or noise
         cycles = usable.sum() / seen.sampling_Hz * seen.own_Hz
         if cycles < FEWEST_CYCLES:
             text = f"what is masked leaves {cycles:.3g} cycles, at least {FEWEST_CYCLES} are needed"
             found.append(("masked", _fact(text, "drop")))
-    return _dataset(decay, velocity, usable, found).assign_attrs(noise_velocity=noise)
+    return _dataset(decay, velocity, usable, found)
 
 
 def bridged(
@@ -170,7 +167,7 @@ def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]
             seen = alone if alone.mixed is None else mended(seen, spans)
         finding = module.find(seen if hasattr(module, "MIXED") else alone)
         if finding is not None:
-            found.append((name, finding))
+            found.append((finding.name or name, finding))
     return found
 
 

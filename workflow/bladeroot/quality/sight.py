@@ -19,8 +19,8 @@ SMALL = 1e-5
 MISSED_BEND = 0.15
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
-# Cycles over which the baseline is averaged, twice: slow modes below the mode are none of it.
-BASELINE_CYCLES = 16
+# Noise around the mode counts as coloured from so many standard errors and twice the power on.
+COLOURED = 6.0
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
 BAND, BAND_HZ = 16.0, 4000.0
 
@@ -30,7 +30,7 @@ class Frames:
     """Log-phasor of the mode in frames of `FRAME_CYCLES` cycles, a cycle apart.
 
     `centre` is in samples; `log` is ln(velocity amplitude) + i (phase against `frequency_Hz`),
-    `std` its standard error from white noise, `baseline` the local mean. `row` makes a frame's
+    `std` its standard error from white noise. `row` makes a frame's
     phasor from its samples; frames that reach into blind samples are not `whole`.
     """
 
@@ -39,7 +39,6 @@ class Frames:
     centre: Float[ndarray, " frame"]
     log: Complex[ndarray, " frame"]
     std: Float[ndarray, " frame"]
-    baseline: Float[ndarray, " frame"]
     row: Complex[ndarray, " width"]
     whole: Bool[ndarray, " frame"]
 
@@ -125,7 +124,7 @@ class Sight:
                 columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
         root = np.sqrt(np.hanning(width + 2)[1:-1])
         solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
-        parts = in_frames(x, solver[:3].T, hop)
+        parts = in_frames(x, solver[:2].T, hop)
         phasor = parts[:, 0] - 1j * parts[:, 1]
         centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
         carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi
@@ -137,21 +136,9 @@ class Sight:
             centre=centre,
             log=np.log(size) + 1j * np.unwrap(np.angle(phasor) - carrier),
             std=self.floor * np.linalg.norm(solver[0]) / size,
-            baseline=parts[:, 2],
             row=row,
             whole=self.seen(centre - 0.5 * width, centre + 0.5 * width),
         )
-
-    @cached_property
-    def baseline(self) -> tuple[Float[ndarray, " mean"], Float[ndarray, " mean"]] | None:
-        """Local mean over some thirty cycles and its sample; None for fewer than 48 cycles."""
-        centre, mean, reach = self.frames.centre, self.frames.baseline, BASELINE_CYCLES
-        if mean.size < 3 * reach:
-            return None
-        for _ in range(2):
-            total = np.concatenate([[0.0], np.cumsum(mean)])
-            mean = (total[reach:] - total[:-reach]) / reach
-        return centre[reach - 1 : reach - 1 + mean.size], mean
 
     def seen(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
         """Whether stretches of samples are free of long blind spans."""
@@ -239,6 +226,25 @@ class Sight:
         padded = fft.next_fast_len(count, real=True)
         spectra = 2.0 / taper.sum() * fft.rfft(means.reshape(2, count) * taper, padded, axis=1)
         return fft.rfftfreq(padded, self.few / self.sampling_Hz), spectra, count
+
+    @cached_property
+    def noise_around(self) -> float:
+        """Rms of the white noise that has the power around the mode, where that is the larger.
+
+        The median from 0.3 to 0.8 and 1.3 to 1.8 of the mode's frequency in the later half, where
+        modes have died down most: what remains of them cannot raise it.
+        """
+        frequency, spectra, count = self.halves
+        relative = frequency / self.own_Hz
+        around = ((relative > 0.3) & (relative < 0.8)) | ((relative > 1.3) & (relative < 1.8))
+        around &= frequency < 0.9 * frequency[-1]
+        if around.sum() < 24:
+            return self.noise
+        # of white noise through a Blackman-Harris taper (2.004 lines wide), median of chi2_2
+        white = 4.0 * np.log(2.0) * 2.0044 * self.floor**2 / (count * self.few)
+        excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
+        sure = max(COLOURED * 1.2 / np.sqrt(around.sum() / 2.0), np.log(2.0))
+        return float(self.floor * np.exp(0.5 * excess)) if excess > sure else self.noise
 
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""

@@ -165,7 +165,8 @@ def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
             *pictures(spectra.spectra(given.spectra), SPECTRA),
         ]
     groups = groups_section(given.stages["curves"]) if "curves" in given.stages else None
-    measured = measurement_section(given.facts, given.stages["stick"], drawn)
+    found = given.stages.get("curves")
+    measured = measurement_section(given.facts, given.stages["stick"], drawn, found)
     return [measured, *([groups] if groups else [])]
 
 

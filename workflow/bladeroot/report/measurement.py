@@ -10,6 +10,7 @@ import xarray as xr
 from bladeroot.loads import AXIAL_FORCE
 from bladeroot.report.bad_records import rejected
 from bladeroot.report.numbers import NONE, fixed, listed, significant, with_std
+from bladeroot.report.over_amplitude import over_amplitude, stuck
 from bladeroot.report.page import Picture, Section, Table
 from bladeroot.report.words import gauge_sentence, words_of
 
@@ -24,7 +25,10 @@ VERDICTS = {
 
 
 def measurement_section(
-    facts: Mapping, stick: xr.Dataset, drawn: Sequence[Picture] = ()
+    facts: Mapping,
+    stick: xr.Dataset,
+    drawn: Sequence[Picture] = (),
+    curves: xr.Dataset | None = None,
 ) -> Section:
     """The specimen's campaign: gauge, modes, records, what was left out and why."""
     description = facts["description"]
@@ -53,6 +57,7 @@ def measurement_section(
             )
     if (stick["verdict"].values == "plateau not reached").any():
         parts.append(_bounds(stick))
+        parts += over_amplitude(curves, stick) if curves is not None else []
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
     return Section("What was measured", [*parts, *drawn])
@@ -193,10 +198,6 @@ def _printed_errors(stick: xr.Dataset) -> Table:
     )
 
 
-def _interval(low: float, high: float) -> str:
-    return f"{fixed(low, 2)} to {fixed(high, 2)}" if np.isfinite([low, high]).all() else NONE
-
-
 def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
     """Table 5.1 beside ours, with the force error read in both ways."""
     rows = []
@@ -257,16 +258,15 @@ def _bounds(stick: xr.Dataset) -> Table:
                 str(record),
                 str(here["record_mode"].item()),
                 words.value(float(here["record_force"])),
-                fixed(float(here["frequency_bound"]), 2),
-                _interval(float(here["limit_low"]), float(here["limit_high"])),
+                stuck(here),
             )
         )
     return Table(
-        "Plateau not reached: the frequency at the smallest usable amplitude, where the record "
-        "still changes; the stick frequency lies beyond it. Limit: where those powers of the "
-        "amplitude, from the square root upwards, that describe the record would have it end; "
+        "Plateau not reached: the record still changes at the smallest usable amplitude, and the "
+        "stuck frequency lies beyond the frequency there. The interval is where those powers of "
+        "the amplitude, from the square root upwards, that describe the record would have it end; "
         "slip that saturates at large amplitudes can end outside",
-        ("record", "mode", words.header, "frequency / Hz", "limit at zero amplitude / Hz"),
+        ("record", "mode", words.header, "stuck frequency / Hz"),
         rows,
     )
 

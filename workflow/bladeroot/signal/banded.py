@@ -72,14 +72,21 @@ def inverse_band(
     """The inverse within the band, from the last element to the first (Takahashi's equations)."""
     n, width = factor.shape
     inverse = np.zeros((n, width))
+    column = np.empty(width)
     for j in range(n - 1, -1, -1):
         last = min(width, n - j)
-        for k in range(last - 1, -1, -1):
-            total = 1.0 / factor[j, 0] if k == 0 else 0.0
-            for m in range(1, last):
-                low, high = (m, k) if m < k else (k, m)
-                total -= factor[j, m] * inverse[j + low, high - low]
-            inverse[j, k] = total
+        column[:] = 0.0
+        for m in range(1, last):  # along rows, which lie side by side in memory
+            share, rest, row = factor[j, m], factor[j, m:], inverse[j + m]
+            total = share * row[0]
+            for k in range(1, last - m):
+                column[m + k] += share * row[k]
+                total += rest[k] * row[k]
+            column[m] += total
+        inverse[j, 0] = 1.0 / factor[j, 0]
+        for m in range(1, last):
+            inverse[j, m] = -column[m]
+            inverse[j, 0] += factor[j, m] * column[m]
     for j in range(n):
         for k in range(min(width, n - j)):
             inverse[j, k] *= scale[j] * scale[j + k]

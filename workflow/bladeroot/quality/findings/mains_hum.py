@@ -1,6 +1,5 @@
 """Hum of the mains: steady lines at multiples of 50 or 60 Hz."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -72,17 +71,6 @@ def steady_lines(sight: Sight) -> Finding | None:
         excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
     told = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
     return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {told}; taken off", (), excess)
-
-
-def beside_hum(check: Callable[[Sight], Finding | None], sight: Sight) -> Finding | None:
-    """What a check finds; where that counts, what it finds without the hum it may have seen."""
-    found = check(sight)
-    if found is None or not found.counts:
-        return found
-    hum = steady_lines(sight)
-    if hum is None or not hum.counts:
-        return found
-    return check(replace(sight, velocity=sight.velocity - hum.excess))
 
 
 def _steady(

@@ -1,4 +1,7 @@
-"""The shaker's tip touches again: amplitude and phase make a step within the decay."""
+"""The shaker's tip touches again, or samples are missing: the decay makes a step.
+
+Missing or repeated samples, the gap closed up, step in phase alone: that is told as `gap`.
+"""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -8,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.quality.finding import Finding
-from bladeroot.quality.findings import louder_mode, wrong_mode
+from bladeroot.quality.findings import wrong_mode
 from bladeroot.quality.sight import JUMP_APART, JUMP_REACH, Sight
 from bladeroot.signal.runs import joined, runs
 
@@ -29,13 +32,15 @@ LONGEST = 4096
 class Step:
     """A step of ln A + i phase: its frame and size, and the missing samples that would make it.
 
-    `lost` is negative for repeated samples, zero where no whole number makes such a step.
+    `lost` is negative for repeated samples, zero where no whole number makes such a step; `cycle`
+    is the number of samples in a cycle.
     """
 
     at: int
     size: complex
     statistic: float
     lost: int
+    cycle: float
 
     @property
     def gap(self) -> bool:
@@ -47,6 +52,12 @@ class Step:
     @property
     def told(self) -> str:
         """The step in words."""
+        if self.gap:
+            lost = self.size.imag / (2.0 * np.pi) % 1.0 * self.cycle
+            return (
+                f"samples are missing ({lost:.3g}) or repeated ({self.cycle - lost:.3g}), or whole "
+                "cycles more: the phase steps"
+            )
         what = "missing" if self.lost > 0 else "repeated"
         lost = f", or samples are {what} ({abs(self.lost)} would fit)" if self.lost else ""
         return (
@@ -55,32 +66,29 @@ class Step:
         )
 
 
-def find(sight: Sight) -> Finding | None:
+def find(sight: Sight) -> Finding:
     """The largest step; the decay is used on that side of the steps where it falls furthest."""
     step = largest(sight)
-    if step is not None and step.statistic > THRESHOLD and not step.gap:
-        return step_finding(sight, step, step.told)
+    if step is not None and step.statistic > THRESHOLD:
+        return step_finding(sight, step)
     beside = at_ends(sight)
-    if beside is not None and not beside[0].gap:
+    if beside is not None:
         step, moment, span = beside
         text = f"{step.told} at {moment:.4g} s, where the decay was cut"
-        return Finding(step.statistic, THRESHOLD, "mask", text, (span,))
-    if step is not None and step.gap:
-        return Finding(0.0, THRESHOLD, "mask", "")
+        return _finding(step, text, (span,))
     return _slight(sight)
 
 
-def _slight(sight: Sight) -> Finding:
-    """Steps too small to give up what lies beyond them: the cycles beside them are masked.
+def _finding(step: Step, text: str, spans: tuple[tuple[int, int], ...]) -> Finding:
+    name = "gap" if step.gap else ""
+    return Finding(step.statistic, THRESHOLD, "mask", text, spans, name=name)
 
-    Not beside a louder mode: as that one slips, this one's damping and frequency step as much.
-    """
+
+def _slight(sight: Sight) -> Finding:
+    """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
     step = largest(sight, SLIGHT)
-    louder = louder_mode.find(sight)
-    if step is None or (louder is not None and louder.counts):
-        return Finding(0.0, THRESHOLD, "mask", "")
-    if step.statistic <= THRESHOLD:
-        return Finding(step.statistic, THRESHOLD, "mask", "")
+    if step is None or step.statistic <= THRESHOLD:
+        return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
     frames, reach = sight.frames, BESIDE * sight.frames.hop
     places = joined(runs(_ratio(sight, SLIGHT) > THRESHOLD), 10)
     spans = tuple(
@@ -92,7 +100,7 @@ def _slight(sight: Sight) -> Finding:
     )
     moments = ", ".join(f"{sight.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
     text = f"{step.told} at {moments} s; {BESIDE} cycles on either side are masked"
-    return Finding(step.statistic, THRESHOLD, "mask", text, spans)
+    return _finding(step, text, spans)
 
 
 def _ratio(sight: Sight, least: float = LEAST) -> Float[ndarray, " frame"]:
@@ -149,7 +157,7 @@ def _beside(sight: Sight, low: int, high: int) -> tuple[Step, float] | None:
     if not free:
         return None
     moment = sight.seconds(low - sight.first + frames.centre[at])
-    return Step(at, size, float(ratio[at]), _lost(near, at, size)), moment
+    return _step(near, at, size, float(ratio[at])), moment
 
 
 def _lost(sight: Sight, at: int, size: complex) -> int:
@@ -185,10 +193,15 @@ def largest(sight: Sight, least: float = LEAST) -> Step | None:
     if len(like) > MOST:
         return None
     size = complex(step[at])
-    return Step(at, size, float(ratio.max()), _lost(sight, at, size))
+    return _step(sight, at, size, float(ratio.max()))
 
 
-def step_finding(sight: Sight, found: Step, what: str) -> Finding:
+def _step(sight: Sight, at: int, size: complex, statistic: float) -> Step:
+    cycle = sight.sampling_Hz / sight.own_Hz
+    return Step(at, size, statistic, _lost(sight, at, size), cycle)
+
+
+def step_finding(sight: Sight, found: Step) -> Finding:
     """A step: the lesser side of it is masked, with three cycles around it."""
     frames = sight.frames
     over = np.flatnonzero(_ratio(sight) > THRESHOLD)
@@ -208,5 +221,5 @@ def step_finding(sight: Sight, found: Step, what: str) -> Finding:
     spans = tuple(s for s in ((0, first), (last, sight.velocity.size)) if s[1] > s[0])
     moment = sight.seconds(frames.centre[found.at])
     kept = f"from {sight.seconds(first):.4g} to {sight.seconds(last):.4g} s"
-    text = f"{what} at {moment:.4g} s; only the decay {kept} is used"
-    return Finding(found.statistic, THRESHOLD, "mask", text, spans)
+    text = f"{found.told} at {moment:.4g} s; only the decay {kept} is used"
+    return _finding(found, text, spans)
