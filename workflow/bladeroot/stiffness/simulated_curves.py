@@ -17,7 +17,10 @@ from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
 
-_STEP = 0.02  # of ln k and of the friction parameters, for slopes by differences
+_STEP = 0.02  # of ln k and of a pair's ln pressure, for slopes by differences
+# Of the friction's parameters: across the slips of several friction points. A step as short as one
+# slip takes its kink for what the curves know of friction.
+_FRICTION_STEP = 0.1
 
 
 @dataclass(frozen=True)
@@ -101,8 +104,8 @@ def by_friction(
     slope: Float[ndarray, " number"],
 ) -> Float[ndarray, "number parameter"]:
     """Slopes by the parameters in the order of `FRICTION`; value and slope: from `along`."""
-    steps = _STEP * np.eye(len(friction))[1:]
-    changed = [(along(joint, at, friction + step)[0] - value) / _STEP for step in steps]
+    steps = _FRICTION_STEP * np.eye(len(friction))[1:]
+    changed = [(along(joint, at, friction + step)[0] - value) / _FRICTION_STEP for step in steps]
     return np.stack([-slope, *changed], axis=1)
 
 
