@@ -104,9 +104,7 @@ def fit_curves(
         value, along_curve = along(joint, at, friction)
         by_law = by_friction(joint, at, friction, value, along_curve)
         slopes = np.zeros((len(measured), len(levels), 3))
-        slopes[row, np.tile(softening.level, 2)] = by_level(
-            joint, at, friction, value, along_curve
-        )
+        slopes[row, np.tile(softening.level, 2)] = by_level(joint, at, friction, value, along_curve)
         rest = measured - value - by_law @ (prior.mean - friction)
         whole = errors + (by_law * prior.std**2) @ by_law.T
         term = curve_term(z, rest, slopes.reshape(len(measured), -1), whole)
