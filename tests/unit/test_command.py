@@ -8,8 +8,10 @@ import scipy.io
 import yaml
 from bladeroot import artifacts
 from bladeroot.command.main import COMMANDS, main
+from bladeroot.command.new import description
 from bladeroot.command.run import followed
-from bladeroot.io.read import channels
+from bladeroot.io.campaign import load_campaign
+from bladeroot.io.read import channels, read
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 from click.testing import CliRunner
 from report_bench import cause, found, verdict
@@ -65,6 +67,45 @@ def test_a_new_campaign_says_what_files_say_and_marks_what_they_do_not(folder):
     header, *rows = (folder / "records.csv").read_text().splitlines()
     assert header == "record,file,mode,channel,unit,group,note"
     assert rows == [f"blow_{k},blow {k}.csv,all,top;base,FILL_IN,," for k in (1, 2)]
+
+
+def test_several_blows_in_a_file_are_a_row_each_and_the_hammer_is_no_motion(tmp_path):
+    blows = np.concatenate([ringing(k)[1] for k in (1, 2, 3)])
+    time, force = np.arange(blows.size) / RATE, np.random.default_rng(0).standard_normal(blows.size)
+    table = np.column_stack([time, force, blows])
+    header = "time_s,hammer (N),tip (m/s)"
+    np.savetxt(tmp_path / "three.csv", table, delimiter=",", header=header, comments="")
+    assert "several decays in a file are a row each" in called("new", tmp_path).output
+    header, *rows = (tmp_path / "records.csv").read_text().splitlines()
+    assert header == "record,file,mode,channel,from_s,to_s,group,note"
+    cells = [row.split(",") for row in rows]
+    assert [row[0] for row in cells] == ["three", "three_2", "three_3"]
+    assert {row[3] for row in cells} == {"tip (m/s)"}
+    edges = [float(row[4]) for row in cells[1:]]
+    assert edges == [float(row[5]) for row in cells[:-1]]
+    np.testing.assert_allclose(edges, [2.0, 4.0], atol=0.1)
+    load_campaign(tmp_path)
+    looked = called("look", tmp_path / "three.csv").output
+    assert "looking at channel 3: tip (m/s)" in looked
+    assert "3 decays, from " in looked
+
+
+def test_harmonics_of_a_line_are_shown_and_are_no_modes():
+    text = description("t", [80.47, 160.94, 241.2, 297.7])
+    modes = yaml.safe_load(text)["modes"]
+    assert [m["expected_Hz"] for m in modes.values()] == [80.47, 297.7]
+    assert "# 160.9 Hz is 2 times 80.47 Hz" in text
+
+
+def test_a_unit_that_is_none_is_to_be_filled_in_and_of_a_list_the_motions_is_taken(tmp_path):
+    t, v = ringing(1)
+    for name, unit in (("one", "s, m/s^2"), ("two", "furlong")):
+        scipy.io.savemat(tmp_path / f"{name}.mat", {"d": {"acc": v, "time": t, "units": unit}})
+    assert called("new", tmp_path).exit_code == 0
+    header, *rows = (tmp_path / "records.csv").read_text().splitlines()
+    found = [dict(zip(header.split(","), row.split(","), strict=True)) for row in rows]
+    assert "FILL_IN" in found[1]["unit"]
+    assert read(tmp_path / "one.mat").quantity == "acceleration"
 
 
 def test_nothing_is_written_over_a_campaign(folder):

@@ -5,7 +5,7 @@ import pytest
 from bladeroot.decay.band import in_band
 from bladeroot.decay.ringdown import analyse
 from bladeroot.io.overrides import overruled
-from bladeroot.io.recording import Recording
+from bladeroot.io.recording import Recording, part
 
 RATE, F, DECAY = 2000.0, 50.0, 3.0
 KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction": "", "load": 0.0,
@@ -72,3 +72,20 @@ def test_nothing_overruled_says_nothing():
     assert overruled({"start_s": None, "keep": False}) == ""
     assert overruled({"band_Hz": [5, 9]}) == "band_Hz 5-9 of records.csv: no note says why"
     assert "override" not in made()[0]["finding_id"].values
+
+
+def test_each_of_several_decays_in_a_file_can_be_a_record():
+    ones = [ring(seed=k).samples * gain for k, gain in enumerate((1.0, 0.6))]
+    both = Recording(np.concatenate(ones), RATE, "velocity", start_s=2.0)
+    decay = made(both)[0]
+    assert decay.attrs["decays"] == 2
+    assert "several-decays" in decay["finding_id"].values
+    second = part(both, 4.0, None, "f.csv")
+    assert second.start_s == 6.0
+    decay, curves, _ = made(second)
+    assert decay.attrs["decays"] == 1
+    assert "several-decays" not in decay["finding_id"].values
+    alone = made(Recording(ones[1], RATE, "velocity"))[1]
+    np.testing.assert_array_equal(curves["frequency"], alone["frequency"])
+    with pytest.raises(ValueError, match=r"between from_s and to_s, got 0 of the file's 8 s \(f"):
+        part(both, 8.5, None, "f.csv")

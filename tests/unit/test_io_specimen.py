@@ -132,6 +132,7 @@ load: {name: bolt torque, unit: Nm, gauge: torque wrench, full_scale: 50, accura
         ("mode,torque_Nm", "first,60", TORQUE, "torque_Nm 60 lies outside the gauge's range"),
         ("mode,group", "first,a", TORQUE, "expected load or torque_Nm, got neither"),
         ("mode,start_s,end_s", "first,3,2", "", "end_s must lie after start_s, got 2 and 3"),
+        ("mode,from_s,to_s", "first,3,3", "", "to_s must lie after from_s, got 3 and 3"),
         ("mode,band_Hz", "first,wide", "", "band_Hz must be two frequencies such as 60-100"),
         ("mode,keep", "first,perhaps", "", "keep must be yes or no, got 'perhaps'"),
     ],

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from bladeroot.io.channel import moving
 from bladeroot.io.read import as_stated, channels, read, stated_unit
 from bladeroot.io.recording import Recording
 from bladeroot.io.units import RAW, normal_unit
@@ -21,7 +22,9 @@ SHOWN_LINES = 8
     type=float,
     help="About where the mode lies, Hz; by default the strongest line.",
 )
-@click.option("--channel", help="Name or number of a channel; by default the first.")
+@click.option(
+    "--channel", help="Name or number of a channel; by default the first that shows motion."
+)
 @click.option(
     "--sampling",
     "sampling_Hz",
@@ -42,9 +45,10 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     click.echo(f"{file}")
     for entry in found:
         click.echo(f"  channel {entry}")
-    named = channel or (str(found[0].number) if found else None)
+    shown = next(iter(moving(found)), None)
+    named = channel or (str(shown.number) if shown else None)
     if len(found) > 1 and not channel:
-        click.echo(f"  looking at channel {found[0]}; --channel names another")
+        click.echo(f"  looking at channel {shown}; --channel names another")
     given = {"unit": unit, "quantity": quantity, "sensitivity": sensitivity}
     given |= _assumed(file, named, given)
     record = read(file, channel=named, sampling_Hz=sampling_Hz, **given)
@@ -60,9 +64,14 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
         raise ValueError(
             f"no line stands out of the spectrum; --mode can say where to look ({file})"
         )
-    from bladeroot.public.decay import of_recording
+    from bladeroot.public.decay import of_recording, starts
 
-    decay = of_recording(record, mode_Hz or lines[0][0], file.stem)
+    mode_Hz = mode_Hz or lines[0][0]
+    begin = starts(record, mode_Hz)
+    if len(begin) > 1:
+        told = ", ".join(f"{start:.3g}" for start in begin)
+        click.echo(f"  {len(begin)} decays, from {told} s on; the deepest is shown")
+    decay = of_recording(record, mode_Hz, file.stem)
     click.echo(repr(decay))
     place = picture or file.with_name(f"{file.name}.look.png")
     _draw(record, frequency, level, decay).savefig(place, dpi=110)

@@ -4,19 +4,24 @@ import csv
 import io
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import click
 
-from bladeroot.io.channel import Entry
+from bladeroot.io.channel import Entry, moving
 from bladeroot.io.read import as_stated, channels, formats, stated_unit
 from bladeroot.io.recording import recording
-from bladeroot.io.units import RAW, SI, normal_unit, quantity_of
+from bladeroot.io.units import RAW, normal_unit, quantity_of
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
+# Lines that are so nearly such a multiple of another (relative) are its harmonics, or look alike.
+MULTIPLES, AT_A_MULTIPLE = (2, 3, 4, 5), 0.002
+# What of the time between two decays goes to the second: it must begin at rest.
+BEFORE = 0.02
 # The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
 _CELL = re.compile(r".*\{\d+")
 # Numbers are checked, and their lines found, whatever the sheet has to give.
@@ -32,7 +37,8 @@ LACKING = {
 @dataclass(frozen=True)
 class Found:
     """One raw file: its channels of motion, the columns of the sheet that must give what it does
-    not say, and the lines in each channel whose frequencies it does.
+    not say, the lines in each channel whose frequencies it does, and when decays begin (s) in those
+    that hold several, by the channel's number.
     """
 
     path: Path
@@ -40,6 +46,7 @@ class Found:
     alone: bool
     lacks: frozenset[str]
     lines: tuple[tuple[tuple[float, float], ...], ...]
+    starts: Mapping[int, Sequence[float]]
 
 
 @click.command()
@@ -75,24 +82,27 @@ def command(folder: Path) -> None:
 def looked_at(path: Path) -> Found:
     """What a file says of itself. ValueError, one line, if it cannot be read."""
     every = channels(path)
-    moving = [e for e in every if (e.quantity or quantity_of(e.name, e.unit)) in SI]
-    chosen = tuple(moving or every)
+    chosen = moving(every)
     lacks: set[str] = set()
-    lines = []
+    from bladeroot.public.decay import starts
+
+    lines, begins = [], {}
     for entry in chosen:
         found = as_stated(path, channel=str(entry.number))
         where = f"{path}, channel {found.name!r}"
         unit = stated_unit(found, where)
-        if unit is None:
-            lacks.add("unit")
-        elif normal_unit(unit) in RAW:
+        signal = unit is not None and normal_unit(unit) in RAW
+        if signal:
             lacks.add("sensitivity")
+        elif unit is None or quantity_of("", unit) is None:
+            unit = None
+            lacks.add("unit")
         timed = found.sampling_Hz is not None or found.time is not None
         if not timed:
             lacks.add("sampling_Hz")
         record = recording(
             found.samples,
-            unit if unit and normal_unit(unit) not in RAW else _ANY_UNIT,
+            _ANY_UNIT if signal or unit is None else unit,
             where,
             found.time,
             found.sampling_Hz if timed else _ANY_RATE,
@@ -101,12 +111,18 @@ def looked_at(path: Path) -> Found:
         )
         if timed:
             lines.append(tuple(peaks(*spectrum(record.samples, record.sampling_Hz))))
-    return Found(path, chosen, len(every) == 1, frozenset(lacks), tuple(lines))
+            begins[entry.number] = starts(record, lines[-1][0][0]) if lines[-1] else ()
+    several = {number: begin for number, begin in begins.items() if len(begin) > 1}
+    return Found(path, chosen, len(every) == 1, frozenset(lacks), tuple(lines), several)
 
 
 def description(title: str, modes: Sequence[float]) -> str:
     """The text of campaign.yaml."""
-    listed = "\n".join(f"  m{k}: {{expected_Hz: {f:.4g}}}" for k, f in enumerate(modes, 1))
+    overtones = harmonics(modes)
+    named = [f for f in modes if f not in overtones]
+    lines = [f"  m{k}: {{expected_Hz: {f:.4g}}}" for k, f in enumerate(named, 1)]
+    lines += [f"  # {f:.4g} Hz is {n} times {base:.4g} Hz" for f, (n, base) in overtones.items()]
+    listed = "\n".join(lines)
     return f"""title: {json.dumps(title)}
 # The modes that are measured, by any name. These are the lines that stand out of most spectra:
 # strike out what is no mode of the structure (suspension, mains), and name the others.
@@ -119,11 +135,23 @@ modes:
 """
 
 
+def harmonics(modes: Sequence[float]) -> dict[float, tuple[int, float]]:
+    """The frequencies that are a whole multiple of a lower one's, with both."""
+    return {
+        f: (n, base)
+        for f in modes
+        for base in modes
+        for n in MULTIPLES
+        if abs(f / (n * base) - 1.0) < AT_A_MULTIPLE
+    }
+
+
 def sheet(found: Sequence[Found]) -> str:
-    """The text of records.csv: a row a file or cell of one, all modes, every channel of motion."""
+    """The text of records.csv: a row a decay of a file or cell, all modes, channels of motion."""
     columns = ["record", "file", "mode"]
     columns += ["channel"] if any(not one.alone for one in found) else []
     columns += [name for name in LACKING if any(name in one.lacks for one in found)]
+    columns += ["from_s", "to_s"] if any(one.starts for one in found) else []
     columns += ["group", "note"]
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -132,14 +160,21 @@ def sheet(found: Sequence[Found]) -> str:
     for one in found:
         for together in at_once(one.channels):
             row = {
-                "record": _identifier(one.path.stem, taken),
                 "file": one.path.name,
                 "mode": "all",
                 "channel": "" if one.alone else ";".join(entry.name for entry in together),
                 **dict.fromkeys(one.lacks, FILL),
             }
-            writer.writerow({name: row.get(name, "") for name in columns})
+            for from_s, to_s in parts(one.starts.get(together[0].number, ())):
+                row |= {"record": _identifier(one.path.stem, taken), "from_s": from_s, "to_s": to_s}
+                writer.writerow({name: row.get(name, "") for name in columns})
     return text.getvalue()
+
+
+def parts(starts: Sequence[float]) -> list[tuple[str, str]]:
+    """Columns `from_s` and `to_s` that give each decay a record, a little before it begins."""
+    edges = [f"{b - BEFORE * (b - a):.6g}" for a, b in pairwise(starts)]
+    return list(pairwise(["", *edges, ""]))
 
 
 def at_once(channels: Sequence[Entry]) -> list[tuple[Entry, ...]]:
@@ -168,15 +203,19 @@ def _counted(count: int, name: str) -> str:
 def told(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[str]:
     """What was written and what is left to do."""
     count = sum(len(one.channels) for one in found)
-    rows = sum(len(at_once(one.channels)) for one in found)
+    together = [(one, cell) for one in found for cell in at_once(one.channels)]
+    rows = sum(len(parts(one.starts.get(cell[0].number, ()))) for one, cell in together)
     lines = [
         f"{_counted(len(found), 'file')}, {_counted(count, 'channel')} of motion, "
         f"{_counted(rows, 'row')}: {folder / 'records.csv'}"
     ]
-    if rows < count:
+    if any(len(cell) > 1 for _, cell in together):
         lines.append("the channels of a row are taken for sensors of one motion")
+    if rows > len(together):
+        lines.append("several decays in a file are a row each, from_s to to_s")
     if modes:
-        lines.append(f"modes suggested: {', '.join(f'{f:.4g} Hz' for f in modes)}")
+        suggested = [f"{f:.4g} Hz" for f in modes if f not in harmonics(modes)]
+        lines.append(f"modes suggested: {', '.join(suggested)}")
     missing = [
         f"the {meaning} in column {column} ({FILL})"
         for column, meaning in LACKING.items()

@@ -95,6 +95,19 @@ def cut(
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
 
 
+def decay_starts(
+    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
+) -> list[float]:
+    """When the decays in a record begin that `cut` chooses from, to some frames, s."""
+    noise = max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
+    own_Hz = _own_frequency(velocity, sampling_Hz, expected_Hz)
+    seen = envelope(velocity, sampling_Hz, own_Hz)
+    fall, level, found = _falls(seen, seen.noise(noise, sampling_Hz), strikes(seen, noise))
+    if fall < np.log(LEAST_FALL):
+        return []
+    return sorted(float(seen.time[p]) for p, _ in _deep(fall, level, found))
+
+
 def coarse(samples: Float[ndarray, " sample"]) -> float:
     """Amplitude below which a digitiser's steps show, zero where noise blurs them."""
     white, step = white_noise(samples), quantum(samples)
@@ -155,7 +168,7 @@ def _span(
     attrs |= {
         "release_s": release.time_s, "release_std_s": release.std_s,
         "excitation": release.excitation,
-        "decays": sum(level[p] - level[t] > 0.5 * fall for p, t in found),
+        "decays": len(_deep(fall, level, found)),
         "start_s": first / sampling_Hz, "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
     }  # fmt: skip
     if not velocity[first:stop].any():
@@ -226,6 +239,11 @@ def _falls(
         if fall > np.log(4.0) or 16 * frames > level.size:
             break
     return best
+
+
+def _deep(fall: float, level: ndarray, found: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The falls of ln A that are at least half of the largest."""
+    return [(p, t) for p, t in found if level[p] - level[t] > 0.5 * fall]
 
 
 def _dataset(

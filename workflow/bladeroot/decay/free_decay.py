@@ -15,6 +15,10 @@ from bladeroot.signal.lines import TOLERANCE, magnitudes
 
 # Of a line so many times as loud as the mode, the release is taken where the mode shows none.
 LOUDER = 3.0
+SEVERAL = (
+    "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
+    "make a record of each"
+)
 # A hammer hits so many times at most, and again within this part of what is then seen of the decay.
 HITS, EARLY = 2, 0.25
 
@@ -37,8 +41,10 @@ def free_decay(
     steps = _steps(recording, expected_Hz)
     decay = windowed(cut(clear, rate, expected_Hz, end, least=steps), clear, *window)
     struck = onset(clear, rate / expected_Hz)
+    asked = expected_Hz, modes_Hz, recording.notes, recording
+    several = _several(decay)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
-        return judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+        return judge(decay, motion, *asked)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, decay)
     how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
@@ -46,7 +52,7 @@ def free_decay(
     for _ in range(HITS):
         parts = separated(clear, rate, expected_Hz, modes_Hz, first)
         if not parts.lines_Hz and parts.velocity is clear:
-            whole = judge(decay, motion, expected_Hz, modes_Hz, recording.notes, recording)
+            whole = judge(decay, motion, *asked, None, several)
             return _with_widening(whole, parts)
         release = Release(parts.first / rate, 0.0, how)
         # what is louder than the digitiser's steps blurs them
@@ -56,13 +62,18 @@ def free_decay(
         if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
             alone.attrs["end_reason"] = "the noise"
         alone = windowed(alone, parts.velocity, *window)
-        known = expected_Hz, modes_Hz, recording.notes, recording, parts.velocity, parts.told
-        judged = judge(alone, motion, *known)
+        judged = judge(alone, motion, *asked, parts.velocity, several + parts.told)
         again = _struck_again(judged) if struck else 0
         if not again:
             break
         first = parts.first + again
     return _with_widening(judged, parts)
+
+
+def _several(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
+    """A finding that warns where a record holds more than one decay."""
+    count = decay.attrs["decays"]
+    return (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
 
 
 def _struck_again(decay: xr.Dataset) -> int:

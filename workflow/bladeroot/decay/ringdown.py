@@ -11,7 +11,7 @@ from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.io.overrides import kept, overruled, with_override
 from bladeroot.io.read import read
-from bladeroot.io.recording import Recording
+from bladeroot.io.recording import Recording, part
 from bladeroot.plateau.record import record_plateau
 from bladeroot.quality.integrity import judge
 
@@ -39,6 +39,7 @@ def ringdown(
     """
     try:
         recording = read(raw, **{name: known[name] for name in SAID})
+        recording = part(recording, known.get("from_s"), known.get("to_s"), str(raw))
     except ValueError as error:
         return not_analysed(known, str(error), estimation)
     return analyse(recording, known, cutting, estimation)

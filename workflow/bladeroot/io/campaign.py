@@ -18,7 +18,8 @@ from bladeroot.io.stick_rows import stick_table as stick_table
 from bladeroot.schema import read_yaml
 
 NUMBERS = (
-    *COLUMNS, "time_s", "drive_A", "sampling_Hz", "sensitivity", "start_s", "end_s", *VALUES
+    *COLUMNS, "time_s", "drive_A", "sampling_Hz", "sensitivity", "from_s", "to_s", "start_s",
+    "end_s", *VALUES,
 )  # fmt: skip
 # The modes that a structure's stages know.
 STRUCTURE_MODES = ("1B", "2B")

@@ -56,6 +56,12 @@ class Entry:
         return f"{self.number}: {self.name}{unit}"
 
 
+def moving(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The channels whose unit or name is one of motion; all, where none is."""
+    shown = tuple(e for e in entries if (e.quantity or quantity_of(e.name, e.unit)) in SI)
+    return shown or tuple(entries)
+
+
 class ChannelError(ValueError):
     """No channel, or none alone, is meant: a line, and the file's channels (`entries`)."""
 

@@ -108,12 +108,14 @@ def as_stated(path: str | Path, channel: str | None = None, quantity: str | None
 
 
 def stated_unit(found: Channel, where: str) -> str | None:
-    """The unit that a file gives a channel, None if none.
+    """The unit that a file gives a channel, None if none; of a list, as `s, m/s^2`, the motion's.
 
     Raises:
         ValueError: the channel's name contradicts it.
     """
     own = found.unit if found.unit and found.unit.strip().lower() not in NO_UNIT else None
+    listed = [text.strip() for text in re.split("[,;]", own or "") if quantity_of("", text)]
+    own = listed[0] if len(listed) == 1 else own
     return one_unit({"of the channel": own, "in its name": _unit_in(found.name)}, where)
 
 

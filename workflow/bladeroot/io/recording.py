@@ -1,6 +1,6 @@
 """A recording in SI units, its checks, and its conversion to velocity."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -96,6 +96,24 @@ def recording(
             f"({where})"
         )
     return Recording(raw.astype(float) * factor, float(sampling_Hz), found, float(start_s), notes)
+
+
+def part(record: Recording, from_s: float | None, to_s: float | None, where: str) -> Recording:
+    """The samples from one time to another, s after the first; to the ends where None.
+
+    Raises:
+        ValueError: too few samples lie between.
+    """
+    times = (from_s or 0.0, np.inf if to_s is None else to_s)
+    first, stop = np.clip(np.ceil(np.array(times) * record.sampling_Hz), 0, record.samples.size)
+    samples = record.samples[int(first) : int(stop)]
+    if samples.size < SHORTEST:
+        raise ValueError(
+            f"expected at least {SHORTEST} samples between from_s and to_s, got {samples.size} of "
+            f"the file's {record.samples.size / record.sampling_Hz:g} s ({where})"
+        )
+    start_s = record.start_s + first / record.sampling_Hz
+    return replace(record, samples=samples, start_s=float(start_s))
 
 
 def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:

@@ -15,8 +15,8 @@ from bladeroot.io.units import SI, USUAL, motion, sensitivity_of
 
 RECORD_COLUMNS = (
     "record", "file", "mode", *COLUMNS, "clamping", "hold", "event", "group", "direction", "time_s",
-    "drive_A", "quantity", "unit", "sensitivity", "sampling_Hz", "channel", "sensor", "start_s",
-    "end_s", "band_Hz", "keep", "exclude",
+    "drive_A", "quantity", "unit", "sensitivity", "sampling_Hz", "channel", "sensor", "from_s",
+    "to_s", "start_s", "end_s", "band_Hz", "keep", "exclude",
 )  # fmt: skip
 # Signs of a channel's name in a record's: file systems allow 255 bytes.
 LONGEST_CHANNEL = 60
@@ -171,10 +171,8 @@ class RecordRows(Cells):
         return named
 
     def _window(self, row: int, values: dict) -> dict:
-        """Start, end and band that a person gives, or None."""
-        start, end = (self.optional_number(row, values, name) for name in ("start_s", "end_s"))
-        if start is not None and end is not None and end <= start:
-            self.fault(f"end_s must lie after start_s, got {end:g} and {start:g}", row)
+        """Part of the file, start, end and band that a person gives, or None."""
+        start, end = self._times(row, values, "start_s", "end_s")
         text, band = values.get("band_Hz", ""), None
         if text:
             parts = re.fullmatch(r"\s*([\d.eE+]+)\s*(?:-|to|\s|;|:)\s*([\d.eE+]+)\s*", text)
@@ -184,7 +182,15 @@ class RecordRows(Cells):
                 band = None
             if band is None or not 0.0 < band[0] < band[1]:
                 self.fault(f"band_Hz must be two frequencies such as 60-100, got {text!r}", row)
-        return {"start_s": start, "end_s": end, "band_Hz": band}
+        first, last = self._times(row, values, "from_s", "to_s")
+        return {"from_s": first, "to_s": last, "start_s": start, "end_s": end, "band_Hz": band}
+
+    def _times(self, row: int, values: dict, begin: str, end: str) -> list[float | None]:
+        """Two optional times, the second after the first."""
+        first, last = found = [self.optional_number(row, values, name) for name in (begin, end)]
+        if first is not None and last is not None and last <= first:
+            self.fault(f"{end} must lie after {begin}, got {last:g} and {first:g}", row)
+        return found
 
     def _raw_file(self, row: int, record: str, name: str) -> str:
         if not name:
@@ -229,7 +235,8 @@ class RecordRows(Cells):
         """Warn of a raw file that stands for two records of one mode."""
         first_row: dict[tuple, int] = {}
         for row, values in rows:
-            place = (values["file"], values.get("channel", ""), values["mode"])
+            part = values.get("from_s", ""), values.get("to_s", "")
+            place = (values["file"], values.get("channel", ""), values["mode"], *part)
             if values["file"] and place in first_row:
                 self.warn(f"file {values['file']} stands in row {first_row[place]} already", row)
             first_row.setdefault(place, row)

@@ -9,9 +9,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.cut import decay_starts
 from bladeroot.decay.ringdown import analyse
 from bladeroot.io.read import read
-from bladeroot.io.recording import Recording, recording
+from bladeroot.io.recording import Recording, recording, velocity
 from bladeroot.io.units import SI
 
 Source = str | Path | xr.DataArray | Float[ndarray, " sample"]
@@ -141,6 +142,11 @@ def of_recording(
         "simulated": False,
     }
     return Ringdown(*analyse(taken, known, {}, {"damping": damping, "estimator": estimator}))
+
+
+def starts(taken: Recording, mode_Hz: float) -> list[float]:
+    """When each decay of a mode in a recording begins, s after its first sample."""
+    return decay_starts(velocity(taken, mode_Hz), taken.sampling_Hz, mode_Hz)
 
 
 def _recording(
