@@ -148,12 +148,11 @@ def test_slopes_of_simulated_curves():
     one = made_up(levels)
     at = levels_at(joint, one, levels, LASERS, z)
     found = by_friction(joint, at, friction, *along(joint, at, friction))
-    for k in range(4):
+    for k, apart in enumerate((0.05, 0.3, 0.3, 0.3)):  # one-sided but for the first
         step = 0.1 * np.eye(4)[k]
         up, down = (along(joint, at, friction + side * step)[0] for side in (1.0, -1.0))
         numeric = (up - down) / 0.2
-        scale = np.abs(numeric).max()
-        np.testing.assert_allclose(found[:, k], numeric, atol=0.2 * scale)
+        np.testing.assert_allclose(found[:, k], numeric, atol=apart * np.abs(numeric).max())
 
 
 def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():

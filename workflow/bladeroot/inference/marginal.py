@@ -1,8 +1,8 @@
 """Mean and covariance of a posterior that is far from normal along one parameter.
 
-Where data leave a ridge, its top says little: a fit may stop anywhere on it, and the curvature there
-is not the ridge's width. So the one parameter stands in turn at places of a lattice, which hang on
-its prior alone; the rest is fitted there and integrated out by Laplace's formula.
+Where data leave a ridge, its top says little: a fit may stop anywhere on it, and the curvature
+there is not the ridge's width. So the one parameter stands in turn at places of a lattice, which
+hang on its prior alone; the rest is fitted there and integrated out by Laplace's formula.
 """
 
 from dataclasses import replace

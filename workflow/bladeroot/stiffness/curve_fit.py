@@ -52,8 +52,8 @@ FRICTION_PRIOR = Prior(*np.array([entry[:2] for entry in FRICTION.values()]).T)
 class CurveFit:
     """Where the rounds ended.
 
-    friction: mean of the parameters' posterior in the order of `FRICTION`, with their covariance, at
-    the stiffness found.
+    friction: mean of the parameters' posterior in the order of `FRICTION`, with their covariance,
+    at the stiffness found.
     value: simulated falls and rises; std: standard deviation of measured less simulated, the
     model's error included. converged: whether the last round changed nothing that matters and the
     simulated curves meet the measured ones.
