@@ -17,10 +17,10 @@ from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
 
-_STEP = 0.02  # of ln k and of a pair's ln pressure, for slopes by differences
-# Of the friction's parameters: across the slips of several friction points. A step as short as one
-# slip takes its kink for what the curves know of friction.
-_FRICTION_STEP = 0.1
+# Of ln k and the friction's parameters, for slopes by differences: across the slips of several
+# friction points. A step as short as one slip takes its kink for what the curves know.
+_STEP = 0.1
+_PRESSED = 0.02  # of one pair's ln pressure: few of its parts slip
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,8 @@ def by_friction(
     slope: Float[ndarray, " number"],
 ) -> Float[ndarray, "number parameter"]:
     """Slopes by the parameters in the order of `FRICTION`; value and slope: from `along`."""
-    steps = _FRICTION_STEP * np.eye(len(friction))[1:]
-    changed = [(along(joint, at, friction + step)[0] - value) / _FRICTION_STEP for step in steps]
+    steps = _STEP * np.eye(len(friction))[1:]
+    changed = [(along(joint, at, friction + step)[0] - value) / _STEP for step in steps]
     return np.stack([-slope, *changed], axis=1)
 
 
@@ -140,9 +140,9 @@ def by_unevenness(
         slope = np.empty((*value.shape, system.pair.size))
         for contact in range(system.pair.size):
             preload = sliders.preload.copy()
-            preload[contact] *= np.exp(_STEP)
+            preload[contact] *= np.exp(_PRESSED)
             changed = softening_curve(system, replace(sliders, preload=preload), one.amplitude)[0]
-            slope[..., contact] = (changed - value) / _STEP
+            slope[..., contact] = (changed - value) / _PRESSED
         share = system.count * sliders.preload.sum(axis=1)
         slope -= slope.sum(axis=2, keepdims=True) * share / share.sum()
         part = np.zeros((*value.shape, system.image.size))
