@@ -30,7 +30,6 @@ import xarray as xr
 import yaml
 from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.joint import parts
-from bladeroot.bench.programme import programme
 from bladeroot.diagnosis.observations import Gauge, observations
 from bladeroot.inference.sampling import sample
 from bladeroot.plateau.record import RECORD
@@ -45,9 +44,12 @@ from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "blind"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
 from bench_curves import campaign_curves, few_dofs
+from programme import programme
 
 ROOT = Path(__file__).resolve().parents[1]
+
 LADDER = np.geomspace(1e-7, 2e-4, 67)  # m
 GAUGE = ForceGauge(1253.0, 0.01, "full-scale")
 BIAS = {"1B": 0.005, "2B": 0.005}

@@ -102,7 +102,7 @@ def curves(args: argparse.Namespace) -> None:
             continue
         seal(case, args.out / f"truth-{seed}.json")
         with xr.open_dataset(told(args, case)) as model:
-            verdict = judge(observations(case), model.load())
+            verdict = judge(observations(case, args.thermometer), model.load())
         answer.write_text(json.dumps(verdict, indent=1) + "\n")
         _tell(opened(args.out / f"truth-{seed}.json"), verdict, verdict["seconds"]["diagnosis"])
 
@@ -135,7 +135,9 @@ def loop(args: argparse.Namespace) -> None:
             if asked["load"] is None:
                 known += facts(case, asked["measurement"], rng)
             else:
-                case = with_records(case, asked["measurement"], asked["load"], rng)
+                case = with_records(
+                    case, asked["measurement"], asked["load"], asked["clampings"], rng
+                )
         answer.write_text(json.dumps(steps, indent=1) + "\n")
         hidden = ", ".join(f"{one['id']} ({one['form']})" for one in truth["effects"])
         said = " -> ".join(f"{one['outcome']} [{one['asked']}]" for one in steps)
@@ -234,6 +236,7 @@ def main() -> None:
     parser.add_argument("--analysed", type=Path, help="folder that keeps the analysed records")
     parser.add_argument("--kind", default="", choices=["", "null", "single", "pair", "outside"])
     parser.add_argument("--effect", default="", help="the id of the one effect to hide")
+    parser.add_argument("--thermometer", action="store_true", help="curves: with temperatures")
     parser.add_argument("--rows", type=Path, help="score: file that keeps what tables are made of")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--keep", action="store_true")

@@ -25,7 +25,6 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import xarray as xr  # noqa: E402
 import yaml  # noqa: E402
-from bladeroot.bench.tuning import effect  # noqa: E402
 from bladeroot.diagnosis.judged import judge  # noqa: E402
 from bladeroot.mechanisms.catalogue import catalogue  # noqa: E402
 from bladeroot.rom.parametric import ln_frequencies, surface_of  # noqa: E402
@@ -34,6 +33,7 @@ from cases import catalogue as effects  # noqa: E402
 from cases import draw_case, draw_sheet  # noqa: E402
 from lab import Laboratory  # noqa: E402
 from runs import SEARCH  # noqa: E402
+from tuning import effect  # noqa: E402
 
 CLASSES = ("force-law", "time", "direction", "amplitude")
 FORCES = np.linspace(1.5e3, 28.5e3, 10)  # N, of the table

@@ -57,7 +57,7 @@ def draw_case(seed: int, cache: Path, shipped: Path, kind: str = "", effect: str
     """The campaign of a seed. `kind` and `effect` (an id) may be set, for tuning."""
     made = specimen(seed, cache, shipped)
     rng = np.random.default_rng([seed, 3])
-    laws = pool()
+    laws = pool(spare=bool(effect))
     drawn = str(rng.choice(list(KINDS), p=list(KINDS.values())))
     kind = kind or (drawn if not effect else "outside" if _outside(laws[effect]) else "single")
     bench = draw_bench(rng, made)

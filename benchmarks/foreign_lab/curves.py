@@ -17,6 +17,7 @@ AT_ENDS, END = 4.0, 0.35  # errors grow by so much within so much of ln A
 ACTUAL = 1.3  # true errors over stated ones
 FLOOR = 2.0  # noise's rms at which a record ends
 FLAT = (2e-5, 0.02)  # relative changes of frequency and loss factor that leave a plateau
+READING = 0.1  # K, of a thermometer
 FEWEST = 3  # points of a curve, and of a plateau
 QUANTITIES = ("frequency", "loss_factor")
 
@@ -26,8 +27,8 @@ def shows(case: Case) -> bool:
     return not any(hasattr(one.law, "signal") for one in case.effects)
 
 
-def observations(case: Case) -> xr.Dataset:
-    """What the diagnosis reads of a campaign (`observations.nc`)."""
+def observations(case: Case, thermometer: bool = False) -> xr.Dataset:
+    """What the diagnosis reads of a campaign (`observations.nc`), with the sheet's temperatures."""
     sheet, bench = case.sheet, case.bench
     count, rng = len(sheet.mode), np.random.default_rng([case.seed, 99])
     points = {
@@ -70,7 +71,15 @@ def observations(case: Case) -> xr.Dataset:
                 numbers[f"stick_{q}_std"][k] = error
             if (seen & ~flat).any():
                 numbers["onset_amplitude"][k] = LADDER[flat].max()
-    return _dataset(case, points, numbers | {"plateau_reached": reached}, rng)
+    seen = _dataset(case, points, numbers | {"plateau_reached": reached}, rng)
+    if thermometer:
+        read = (
+            21.0
+            + sheet.temperature
+            + READING * np.random.default_rng([case.seed, 98]).normal(size=count)
+        )
+        seen["temperature"] = ("record", np.round(read, 1))
+    return seen
 
 
 def _towards_the_ends(seen: np.ndarray) -> np.ndarray:

@@ -62,10 +62,12 @@ class Effect:
         return abs(self.size) >= self.law.SIZES[1]
 
 
-def pool() -> dict[str, ModuleType]:
-    """All law files by id, in the order of the ids."""
-    names = [info.name for info in pkgutil.iter_modules(laws.__path__) if info.name[0] != "_"]
+def pool(spare: bool = False) -> dict[str, ModuleType]:
+    """All law files by id, in the order of the ids; with those of `_` that are drawn on demand."""
+    names = [info.name for info in pkgutil.iter_modules(laws.__path__)]
+    names = [name for name in names if name[0] != "_" or spare]
     found = [importlib.import_module(f"foreign_lab.laws.{name}") for name in names]
+    found = [law for law in found if hasattr(law, "ID")]
     return {law.ID: law for law in sorted(found, key=lambda law: law.ID)}
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from foreign_lab.case import Case, disturb
 from foreign_lab.sheet import Sheet
 
-CLAMPINGS = 2  # at a load and direction
 KEPT, STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in it
 
 
@@ -31,13 +30,17 @@ def facts(case: Case, kind: str, rng: np.random.Generator) -> list[dict]:
     if "rig stiffness" in kind:
         soft = hidden.get("rig-compliance", 0.0)
         found.append(("rig stiffness", soft / (1.0 + soft), 0.01))
+    if "pressure film" in kind:
+        found.append(("pressure film", hidden.get("incomplete-contact", 0.0), 500.0))
     return [
         {"measurement": name, "value": float(value + std * rng.normal()), "std": std}
         for name, value, std in found
     ]
 
 
-def with_records(case: Case, kind: str, load: float, rng: np.random.Generator) -> Case:
+def with_records(
+    case: Case, kind: str, load: float, clampings: int, rng: np.random.Generator
+) -> Case:
     """The campaign with the further records behind its own.
 
     kind: `another load`, `both directions`, `kept clamping` or `all again`. load: N.
@@ -49,25 +52,27 @@ def with_records(case: Case, kind: str, load: float, rng: np.random.Generator) -
             for k in range(len(sheet.mode))
         ]
     else:
-        signs = {"both directions": [1, -1] * CLAMPINGS, "kept clamping": [1]}.get(kind)
+        signs = [1, -1] * (clampings // 2) if kind == "both directions" else [1] * clampings
         since = np.linspace(0.0, KEPT, STEPS) if kind == "kept clamping" else [0.0]
         rows = [
             (mode, load, sign, 60.0 + s, number)
-            for number, sign in enumerate(signs or [1] * CLAMPINGS)
+            for number, sign in enumerate(signs)
             for s in since
             for mode in ("1B", "2B")
         ]
     mode, reading, direction, in_hold, hold = (np.array(part) for part in zip(*rows, strict=True))
     newtons, count = 10.0 * bench.piston_cm2, len(mode)
-    started = {m: np.median(sheet.start[sheet.mode == m]) for m in np.unique(sheet.mode)}
-    begun = sheet.time.max() + 1800.0 * (1 + np.unique(hold, return_inverse=True)[1])
+    started = {m: sheet.usual_start(m) for m in np.unique(sheet.mode)}
+    apart = 1800.0 + (KEPT if kind == "kept clamping" else 0.0)
+    begun = sheet.time.max() + apart * (1 + np.unique(hold, return_inverse=True)[1])
     reading = np.maximum(np.round(reading / newtons), 1.0) * newtons
+    loads = sheet.planned("reading")
     new = {
         "mode": mode, "reading": reading, "direction": direction, "in_hold": in_hold,
         "hold": sheet.hold.max() + 1 + np.unique(hold, return_inverse=True)[1],
         "time": begun + in_hold, "group": np.zeros(count, int),
         "start": np.array([started[m] for m in mode]),
-        "turning": np.where(direction > 0, sheet.reading.min(), sheet.reading.max()),
+        "turning": np.where(direction > 0, loads.min(), loads.max()),
         "temperature": np.full(count, sheet.temperature[-1]),
     }  # fmt: skip
     new["clamped"] = new["hold"].astype(float)
@@ -80,6 +85,7 @@ def with_records(case: Case, kind: str, load: float, rng: np.random.Generator) -
         }
     )
     added = _begun(case, new, rng)
+    both.first = sheet.first or len(sheet.mode)
     both.begun = {k: np.concatenate([v, added[k]]) for k, v in sheet.begun.items()}
     both.state = dict(both.begun)
     disturb(both, case.effects)

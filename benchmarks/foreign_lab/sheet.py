@@ -15,6 +15,7 @@ class Sheet:
     1 loading, -1 unloading. time, in_hold: s since the campaign's and the clamping's begin. group:
     operator, 0 or 1. start: amplitude at the laser at release, m. turning: force at which the
     loading turned, N. clamped: how many clampings before. temperature: K off the mean.
+    first: how many records the campaign had before any further ones were asked for.
     ln_kn, ln_kt, force, ln_f, ln_eta: the state, which effects change; `begun` is it before them.
     """
 
@@ -33,6 +34,15 @@ class Sheet:
     reference: float  # N, middle of the loads
     state: dict[str, np.ndarray] = field(default_factory=dict)
     begun: dict[str, np.ndarray] = field(default_factory=dict)
+    first: int | None = None
+
+    def planned(self, name: str) -> np.ndarray:
+        """A column of the campaign as it was first made: what laws take their scales from."""
+        return getattr(self, name)[: self.first]
+
+    def usual_start(self, mode: str) -> float:
+        """Median amplitude (m) of a mode's records at release."""
+        return float(np.median(self.planned("start")[self.planned("mode") == mode]))
 
     def surface(self, record: int):
         """Frequencies of the record's mode."""

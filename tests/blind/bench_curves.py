@@ -9,9 +9,9 @@ import xarray as xr
 from bladeroot.bench.bench import course_of, sine_force
 from bladeroot.bench.clamping import Clamping, clamp
 from bladeroot.bench.conditions import Conditions, baseline
-from bladeroot.bench.cycle import cycle_curves, loss_factor
 from bladeroot.bench.forces import no_forces
 from bladeroot.bench.joint import Parts, project, specimen, stuck_stiffness
+from cycle import cycle_curves, loss_factor
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import eigh, svd

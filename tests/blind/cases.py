@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import yaml
-from bladeroot.bench.tuning import effect, ids
+from tuning import effect, ids
 
 BENCH = Path(__file__).parent / "bench.yaml"
 PRESSURES = (10, 20, 30, 43, 67, 100, 134)

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from bladeroot.bench.conditions import Conditions, Moment, baseline, moments
-from bladeroot.bench.tuning import effect
 from cases import draw_bench, draw_sheet
 from rawrecords import write_campaign
 from runs import make
+from tuning import effect
 
 FAULTS = {
     "clipping": "clipped",

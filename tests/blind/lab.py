@@ -10,11 +10,11 @@ import pandas as pd
 import xarray as xr
 from bench_curves import campaign_curves, few_dofs
 from bladeroot.bench.joint import Parts
-from bladeroot.bench.tuning import cause_of, conditions_of, effect
 from cases import Case, draw_bench, draw_sheet
 from fast import LADDER, observations
 from findings import seen_in
 from rawrecords import load_parts, write_campaign
+from tuning import cause_of, conditions_of, effect
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ from tempfile import gettempdir
 import numpy as np
 import pandas as pd
 import xarray as xr
-from bladeroot.bench.tuning import effect
 from cases import Case, catalogue, draw_bench, draw_case, outsiders
 from fast import save
 from findings import build_library
@@ -31,6 +30,7 @@ from score import left_over, score
 from seal import open_seal, seal
 from seeds import draw_scoring_seed, tuning_seed
 from tables import matrix_page
+from tuning import effect
 
 # Of a matrix's cases: nulls, effects of no catalogue, pairs; the others hide one effect.
 NULLS, OUTSIDE, PAIRS = 0.2, 0.15, 0.1

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from bladeroot.bench.tuning import effect
 from scipy.stats import beta
+from tuning import effect
 
 # Effects whose size is defined as the diagnosis' parameter is (docs/blind.md), and how close a
 # value must come: relative, or in its own standard deviations.

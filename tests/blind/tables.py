@@ -1,9 +1,9 @@
 """The blind matrix as a page: confusion, what must be shown with its bounds, power curves."""
 
 import pandas as pd
-from bladeroot.bench.tuning import effect
 from cases import catalogue, outsiders
 from score import share
+from tuning import effect
 
 # At least so often named, or the class given (single effects within their sizes).
 WANTED = {name: 0.95 for name in catalogue()} | {

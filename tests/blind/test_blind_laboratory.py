@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 import xarray as xr
 from bladeroot.bench.joint import parts
-from bladeroot.bench.tuning import conditions_of, effect
 from cases import catalogue, draw_bench, draw_case, draw_sheet, outsiders
 from fast import LADDER
 from findings import seen_in
@@ -17,6 +16,7 @@ from rig_toy import toy_reduced
 from score import left_over, score, share
 from seal import open_seal, seal
 from tables import matrix_page
+from tuning import conditions_of, effect
 
 GAIN = {
     "gain": {

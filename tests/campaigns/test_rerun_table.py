@@ -143,7 +143,7 @@ def both(*changes):
 
 NOTHING = ""
 SHEET, CAMPAIGN, BENCH = SMALL + "records.csv", SMALL + "campaign.yaml", SMALL + "bench.yaml"
-STEMS = "mesh prestress shapes reduced checks accuracy"
+STEMS = "shapes reduced checks accuracy"
 FORGET = gone(".snakemake")
 
 QUICK = [
@@ -216,10 +216,10 @@ TABLE = [
     ("new mechanism's file", new(LIBRARY + "mechanisms/none.py", "NOTHING = 1\n"), "diagnosis", "report"),
     ("template", put(LIBRARY + "report/page.html.j2", "<", "<!-- x --><"), "report", "score"),
     ("style, older time", put_older(LIBRARY + "report/page.css", "{", " {"), "report", "score"),
-    ("mesh", code("fem/mesh.py"), "mesh", "prestress shapes reduced checks accuracy"),
+    ("mesh", code("fem/mesh.py"), "reduced", "shapes checks accuracy"),
     ("shapes", code("fem/shapes.py"), "shapes"),
     ("greedy", code("rom/greedy.py"), "parametric"),
-    ("reduction", code("rom/reduction.py"), "reduced", "mesh prestress shapes checks accuracy"),
+    ("reduction", code("rom/reduction.py"), "reduced", "shapes checks accuracy"),
     ("bench's stepping", code("bench/stepping.py"), "bench"),
     ("pff", code("decay/pff.py"), "ringdown"),
     ("spectra", code("decay/spectra.py"), "report"),
@@ -251,11 +251,11 @@ TABLE = [
     ("times of 1970", touched("**/*.*", 1.0), NOTHING),
     # artifacts and records
     *((f"{name} gone", gone(path), NOTHING, rule) for name, path, rule in (
-        ("mesh", "results/structures/tiny/mesh.nc", "mesh"), ("a decay", RESULTS + "decay/r001.nc", "ringdown"),
+        ("mesh", "results/structures/tiny/mesh.nc", "reduced"), ("a decay", RESULTS + "decay/r001.nc", "ringdown"),
         ("verdict", RESULTS + "diagnosis/verdict.json", "verdict"))),
     ("report gone", gone(RESULTS + "report.html"), "report"),
     *((f"{name} empty", new(path, ""), rule) for name, path, rule in (
-        ("mesh", "results/structures/tiny/mesh.nc", "mesh"), ("report", RESULTS + "report.html", "report"), ("batch", RESULTS + "batches/b.txt", "ringdown"),
+        ("mesh", "results/structures/tiny/mesh.nc", "reduced"), ("report", RESULTS + "report.html", "report"), ("batch", RESULTS + "batches/b.txt", "ringdown"),
         ("model", RESULTS + "diagnosis/tiny.model.yaml", "diagnosis"))),
     *((f"{name} cut off", bytes_of(path, lambda b: b[: len(b) // 2]), rule) for name, path, rule in (
         ("raw", BENCH_FILES + "r001.nc", "bench"),
@@ -265,7 +265,7 @@ TABLE = [
         ("map", "results/structures/tiny/map/12000.nc", "results/structures/tiny/map/16000.nc", "frequency_maps"))),
     ("statement gone", gone("results/provenance/stick/small.json"), "stick"),
     ("statement cut off", bytes_of("results/provenance/stick/small.json", lambda b: b[:40]), "stick"),
-    ("all statements gone", gone("results/provenance"), "mesh checks bench ringdown"),
+    ("all statements gone", gone("results/provenance"), "reduced checks bench ringdown"),
     ("contents damaged", new(".snakemake/bladeroot_contents.json", '{"a": 1'), NOTHING),
     ("lost .snakemake, code", both(FORGET, code("decay/cut.py")), "ringdown"),
     ("lost .snakemake, older structure", both(FORGET, put_older(TINY, "7592", "7593")), STEMS),
@@ -335,6 +335,34 @@ def test_an_added_record_redoes_its_batch_and_what_aggregates_it(untouched):
     added = ["r900", "r900.nc", *lines[1].split(",")[2:]]
     sheet.write_text("\n".join([*lines[:2], ",".join(added), *lines[2:]]) + "\n")
     assert untouched.planned() == Counter(AGAIN.split())
+
+
+def test_a_batch_keeps_the_records_that_are_current(untouched):
+    """A new record, one that is cut elsewhere and one whose result was altered are made; no other."""
+    sheet, results = untouched.folder / SHEET, untouched.folder / "results"
+    head, *lines = sheet.read_text().splitlines()
+    fields = [
+        head + ",end_s",
+        *(line + "," for line in lines),
+        lines[0].replace("r001", "r900") + ",",
+    ]
+    sheet.write_text("\n".join(fields).replace(",2.6,", ",2.6,0.5") + "\n")
+    folders = [results / "small" / stage for stage in ("records", "decay", "plateau")]
+    before = {
+        path: (path.stat().st_ino, path.read_bytes())
+        for one in folders
+        for path in one.glob("*.nc")
+    }
+    altered = results / "small" / "decay" / "r003.nc"
+    altered.write_bytes(b"other")
+    untouched.run("--until", "ringdown.small.b")
+    assert all((folder / "r900.nc").is_file() for folder in folders)
+    again = {path for path, (inode, _) in before.items() if path.stat().st_ino != inode}
+    assert again == {folder / f"{name}.nc" for folder in folders for name in ("r002", "r003")}
+    for path, (_, content) in before.items():
+        assert (path.read_bytes() == content) == (path.stem != "r002")
+    assert not list((untouched.folder / ".snakemake" / "backups").rglob("*.nc"))
+    assert untouched.planned()["ringdown"] == untouched.planned()["bench"] == 0
 
 
 # --- a model file with a mechanism of one's own, which imports a neighbour and reads a table

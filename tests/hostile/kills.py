@@ -35,6 +35,7 @@ KILLS = 10  # of a chain
 # What a chain deletes and asks for: stages that take a second or two.
 SMALL, TINY = "results/small", "results/structures/tiny"
 WORK = {
+    "a record of a batch": f"{SMALL}/decay/r001.nc",
     "stick": f"{SMALL}/stick.nc",
     "theory": f"{SMALL}/theory.nc",
     "score": f"{SMALL}/score.nc",
@@ -49,6 +50,8 @@ WORK = {
 LIGHT = [name for name in WORK if name != "report"]
 # Moments that are waited for: a file that is there for a moment, while which work is done.
 AIMED = {
+    "records that a batch keeps, set aside": (".snakemake/backups/**/*.nc", "a record of a batch"),
+    "half-written record": ("results/small/*/.*.part", "a record of a batch"),
     "Snakemake's lock": (".snakemake/locks/*.lock", "score"),
     "the sign of a run": (".snakemake/bladeroot_runs/running-*", "score"),
     "a job that began": (".snakemake/incomplete/*", "theory"),

@@ -1,4 +1,4 @@
-"""The shipped lap joint on a coarse mesh, for tests."""
+"""The shipped lap joint, on a coarse mesh and as it is, for tests."""
 
 from functools import cache
 
@@ -35,3 +35,10 @@ def lap_reduced() -> xr.Dataset:
 def lap_model() -> xr.Dataset:
     """`parametric.nc`."""
     return parametric_structure(lap_reduced(), {"force_kN": (0.0, 30.0)})
+
+
+def lap_shipped() -> tuple[xr.Dataset, xr.Dataset]:
+    """`reduced.nc` and `parametric.nc` of the shipped mesh, some seconds' work."""
+    data = read_yaml(structure_file("lap-joint"), "assembly")
+    reduced = reduce_bodies(lap_joint_assembly(data, "lap-joint.yaml"))
+    return reduced, parametric_structure(reduced, {"force_kN": (0.0, 30.0)})

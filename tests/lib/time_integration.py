@@ -11,11 +11,11 @@ from typing import no_type_check
 import numpy as np
 from bladeroot.compiled import njit
 from bladeroot.contact.laws.sliders import Sliders, at_rest, parts, stuck_stiffness
-from bladeroot.nonlinear.marching import SWEEPS, contact_force, correct, settle
 from bladeroot.nonlinear.system import System
 from jaxtyping import Float
 from numpy import ndarray
 from one_step import OneStep
+from sweeps import SWEEPS, contact_force, correct, settle
 
 ENERGY_TOLERANCE = 2e-3  # of the energy at the start
 _TOLERANCE = 1e-9  # of a step's contact motion, of the largest at the start

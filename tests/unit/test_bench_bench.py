@@ -12,11 +12,11 @@ from bladeroot.bench.chance import generator
 from bladeroot.bench.clamping import clamp
 from bladeroot.bench.conditions import true_force
 from bladeroot.bench.joint import parts
-from bladeroot.bench.programme import programme
 from bladeroot.bench.sensor import read_velocity
 from bladeroot.bench.stepping import Drive
 from bladeroot.bench.tip import Course, tip_force
 from bladeroot.schema import check
+from programme import programme
 from rig_toy import ROW, toy_bench, toy_reduced
 
 RESOURCES = Path(__file__).parents[2] / "resources"

@@ -9,9 +9,9 @@ from bench_curves import campaign_curves, few_dofs
 from bladeroot.bench.bench import move
 from bladeroot.bench.clamping import clamp
 from bladeroot.bench.conditions import baseline
-from bladeroot.bench.cycle import cycle_curves, loss_factor, slip_cycle
 from bladeroot.bench.joint import parts
 from bladeroot.bench.modes import StuckModes
+from cycle import cycle_curves, loss_factor, slip_cycle
 from rig_toy import ROW, toy_bench, toy_reduced
 from scipy.signal import hilbert
 

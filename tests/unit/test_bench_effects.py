@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from bladeroot.bench.conditions import baseline, moments
 from bladeroot.bench.joint import parts
-from bladeroot.bench.tuning import cause_of, conditions_of, effect, ids
 from rig_toy import toy_bench, toy_reduced
+from tuning import cause_of, conditions_of, effect, ids
 
 # The classes that the diagnosis answers with; `outside` is in no catalogue.
 CLASSES = {

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from bladeroot.contact.boundary_elements import _held, _strip, line_pressure, rectangle_stiffness
 from bladeroot.contact.compliance import normal_stiffness, tangential_stiffness
 from bladeroot.contact.punch import (
     Punch,
@@ -11,6 +10,7 @@ from bladeroot.contact.punch import (
     shear,
     stick_half_width,
 )
+from boundary_elements import _held, _strip, line_pressure, rectangle_stiffness
 
 STEEL = {"length": 26e-3, "youngs_modulus": 206e9, "poisson_ratio": 0.3, "friction": 0.42}
 FLANK = Punch(flat_half_width=0.8e-3, edge_radius=20e-3, **STEEL)
@@ -117,3 +117,19 @@ def test_a_long_contact_tends_to_the_closed_form(closed, direction):
 def test_a_strip_that_is_too_narrow_is_refused():
     with pytest.raises(ValueError, match="wider than the strip"):
         line_pressure(6e5, FLANK, 0.7e-3)
+
+
+def test_a_rigid_flank_of_the_thesis_is_a_tenth_stiffer_at_every_force():
+    """It presses harder at its ends; the closed forms keep the pressure constant along it."""
+    punch = Punch(flat_half_width=1.28325e-3, **STEEL | {"edge_radius": 2.5e-3})
+    for axial in (4e3, 22e3):
+        normal = np.array([axial / np.sqrt(2.0)])
+        half = float(contact_half_width(normal / punch.length, punch)[0])
+        for direction, closed in (
+            ("normal", normal_stiffness),
+            ("tangential", tangential_stiffness),
+        ):
+            ratio = rectangle_stiffness(half, punch.length, punch, direction, (8, 20)) / closed(
+                normal, punch
+            )
+            assert ratio == pytest.approx(1.105, abs=0.01)

@@ -72,6 +72,16 @@ def test_no_cause_is_named_where_there_is_none(null):
     assert model is None
 
 
+def test_what_an_assembly_does_not_have_is_not_judged(null):
+    """It has no slots; a mass may sit on it."""
+    by_id = {one.id: one for one in catalogue()}
+    simulated = of_assembly(lap_model(), {}, {}, 0.005)
+    assert "nothing that it would change" in simulated.silent(by_id["rig-compliance"])
+    assert simulated.silent(by_id["added-mass"]) == simulated.silent(by_id["drift"]) == ""
+    assert "rig-compliance" not in null[1]["possible"]
+    assert "rig-compliance not judged" in null[1]["reason"]
+
+
 def test_true_stiffnesses_lie_in_their_intervals(null):
     low, *_, high = null[0]["interface_k"].values.T
     assert list(null[0]["stiffness"].values) == ["kn outer", "kt outer", "kn middle", "kt middle"]

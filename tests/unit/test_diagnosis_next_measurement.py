@@ -7,11 +7,12 @@ import pytest
 from bladeroot.diagnosis import next_measurement
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
-    _of_one,
+    _nats,
     decided,
     following,
     next_measurements,
 )
+from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.next_measurement import next_sentence
 from diagnosis_bench import campaign, programme
@@ -95,11 +96,18 @@ def test_known_odds_leave_little_to_decide():
 
 
 def test_a_test_beside_the_campaign_tells_presence_by_its_error():
-    sharp = _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.5)
-    blunt = _of_one(gaussian(0.0, 1.0), gaussian(0.0, 1.1), 0.5)
-    assert sharp == pytest.approx(np.log(2.0), abs=0.02)
-    assert 0.0 < blunt < 0.02
-    assert _of_one(gaussian(0.0, 1e-3), gaussian(0.0, 1.0), 0.0) == 0.0
+    even = np.array([0.5, 0.5])
+    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], even) == pytest.approx(
+        np.log(2.0), abs=0.02
+    )
+    assert 0.0 <= _nats([gaussian(0.0, 1.0), gaussian(0.0, 1.1)], even) < 0.02
+    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], np.array([1.0, 0.0])) == 0.0
+
+
+def test_evidence_that_is_divided_decides_less():
+    pair, even = [gaussian(0, 1), gaussian(3, 1)], np.array([0.5, 0.5])
+    left = [decided(pair, even, heat) for heat in (1.0, 4.0, 16.0)]
+    assert left[0] > left[1] > left[2] > 0.0
 
 
 def test_costs_of_the_campaign_change_the_order(made):
@@ -120,3 +128,23 @@ def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
     (said,) = next_sentence(found)
     assert "decide" not in said
     assert "known" in said
+
+
+@pytest.mark.parametrize(
+    ("effect", "size", "film", "name"),
+    [
+        ("exponent", 0.4, 300.0, "load-dependent-stiffness"),
+        ("seating", 8e3, 8.3e3, "incomplete-contact"),
+    ],
+)
+def test_a_pressure_film_tells_seating_from_a_stiffness_that_grows(effect, size, film, name):
+    rows = programme(cycles=1, records=1)
+    seen = campaign(_model(False), effect, size, rows=rows, curves=False)
+    candidates = [one for one in catalogue() if one.id in FEW]
+    settings = Settings(BIAS, splits={"pressure film": (film, 500.0)})
+    (found,) = diagnose(seen, _model(False), settings, candidates).found[:1]
+    assert [cause.credible for cause in found.causes] == [(name,)]
+    if film > 1e3:
+        ((value, std), *_) = sizes(found.causes[0].mechanism, found.final, found.channel.base)
+        assert abs(value - film) < 2.0 * 500.0
+        assert std <= 500.0

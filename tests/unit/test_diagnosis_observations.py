@@ -48,7 +48,9 @@ def campaign():
         {"finding_id": ("finding", ["spike", "clipping"]),
          "finding_record": ("finding", ["b", "b"])}
     )  # fmt: skip
-    return decays, observations(stick, decays, integrity, GAUGE, {"1B": 0.01}, {"a": 60.0})
+    return decays, observations(
+        stick, decays, integrity, GAUGE, {"1B": 0.01}, {"time": {"a": 60.0}}
+    )
 
 
 def test_curves_stand_on_a_ladder_and_are_not_extrapolated(campaign):

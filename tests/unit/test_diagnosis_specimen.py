@@ -10,7 +10,7 @@ import xarray as xr
 from bladeroot.diagnosis import judged
 from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.events import one_of_each_event
-from bladeroot.diagnosis.possible import impossible
+from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.linear import Linear
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
 from bladeroot.diagnosis.simulation.table import along, table_of
@@ -124,6 +124,36 @@ def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected):
     of_structure = judged.with_structure(seen, model, SETTINGS, CATALOGUE, expected)[1]
     assert names(of_table) == names(of_structure)
     assert of_table["structure"] == "sim.csv"
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (
+            lambda rows: rows.assign(frequency_Hz=2.0 * np.pi * rows["frequency_Hz"]),
+            r"\(6\.\d+ times it\)",
+        ),
+        (lambda rows: rows.assign(frequency_Hz=rows["load"], load=rows["frequency_Hz"]), "Hz for"),
+        (lambda rows: rows.assign(mode=rows["mode"].map({"1B": "2B", "2B": "1B"})), "Hz for"),
+        (lambda rows: rows.assign(frequency_Hz=1.2 * rows["frequency_Hz"]), r"\(\+(19|20)"),
+    ],
+)
+def test_a_table_that_cannot_be_the_specimens_is_refused(model, expected, change, told):
+    seen = campaign(model, rows=programme(cycles=1), curves=False)
+    seen.attrs |= {"load_name": "axial force", "load_unit": "N"}
+    rows = [(mode, force, float(np.exp(_places(model, force)[0][0, m])))
+            for m, mode in enumerate(MODES) for force in (2e3, 2.5e4)]  # fmt: skip
+    frame = pd.DataFrame(rows, columns=["mode", "load", "frequency_Hz"])
+    changed = change(frame)
+    changed.attrs["name"] = "sim.csv"
+    _, said, _ = judged.judge(seen, changed, {"expected_Hz": expected}, CATALOGUE)
+    assert (said["answer"], said["causes"]) == ("insufficient-data", [])
+    assert said["reason"].startswith("sim.csv cannot be of this specimen")
+    assert re.search(told, said["reason"])
+    assert ". " not in said["reason"]
+    right = table_of(frame, "sim.csv", {"": 5e-3}, {})
+    moved = table_of(changed.assign(by_modulus=10.0), "sim.csv", {"": 5e-3}, {})
+    assert impossible_table(right, expected) == impossible_table(moved, expected) == ""
 
 
 def test_a_table_runs_straight_between_its_loads():

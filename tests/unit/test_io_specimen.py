@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bladeroot.io.campaign import CampaignError, load_campaign
+from bladeroot.io.facts import observation_facts
 from bladeroot.io.load import Load
 from bladeroot.io.table import read_table
 from bladeroot.loads import shown, value_of
@@ -108,6 +109,17 @@ def test_loads_of_any_name_and_unit(folder, load, column, cell, value):
     sheet = f"record,file,mode,{column}\nr1,a.csv,first,{cell}\n"
     campaign = loaded(folder, sheet, f"load: {load}\n")
     assert campaign.records[0]["load"] == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("load", "told"),
+    [("speed, unit: rpm", {"r1": 21.5}), ("temperature, unit: C", {})],
+)
+def test_a_records_temperature_is_told_unless_it_is_the_load(folder, load, told):
+    sheet = "record,file,mode,load,temperature_C\nr1,a.csv,first,20,21.5\nr2,a.csv,first,20,\n"
+    facts = observation_facts(loaded(folder, sheet, f"load: {{name: {load}}}\n"))
+    assert facts["temperature"] == told
+    assert facts["time"] == {}
 
 
 def test_errors_of_a_reading():

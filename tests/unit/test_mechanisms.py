@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
+from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.mechanisms.probe import probe
 from scipy.integrate import quad
 from scipy.stats import norm
@@ -29,6 +30,7 @@ RECORDS = Records(
     since=np.array([0.0, 180.0, 360.0, 540.0]),
     span=2000.0,
     hold_span=540.0,
+    temperature=np.array([-3.0, 0.0, 1.0, 2.0]),
 )
 POINTS = Points(
     mode=np.array([0, 0, 0, 1, 1, 1]),
@@ -100,6 +102,43 @@ def test_derivatives_of_curve_effects(mechanism):
             given = getattr(effect, f"{name}_slope")[:, k]
             scale = np.abs(getattr(effect, name)).max() / abs(values[k]) + 1e-30
             assert given == pytest.approx(slope, rel=2e-3, abs=1e-3 * scale)
+
+
+@pytest.mark.parametrize(
+    "mechanism",
+    [one for one in of_kind("curve") + of_kind("damping") if any(p.ratio for p in one.parameters)],
+    ids=named,
+)
+def test_a_third_mode_has_ratios_of_its_own(mechanism):
+    """The second mode's law with other numbers; one and two modes keep theirs; slopes follow."""
+    whole = of_modes(mechanism, 3)
+    plain = [p.name for p in mechanism.parameters]
+    own = [p.name for p in mechanism.parameters if p.ratio]
+    assert [p.name for p in whole.parameters] == [*plain, *(f"{name}_3" for name in own)]
+    assert of_modes(mechanism, 2).parameters == mechanism.parameters
+    assert modes_of(mechanism, {p.name for p in whole.parameters}) == 3
+    values = np.concatenate([usual(mechanism), 1.7 * np.ones(len(own))])
+    third = usual(mechanism)
+    third[[plain.index(name) for name in own]] = 1.7
+    given = POINTS if mechanism.curve else RECORDS
+    wide = replace(given, mode=np.where(given.mode == 1, 2, 0))
+
+    def law(one, rows, at):
+        if one.curve is None:
+            return one.damping(rows, at)
+        effect = one.curve(rows, at)
+        return np.stack([effect.ln_f, effect.loss]), np.stack(
+            [effect.ln_f_slope, effect.loss_slope]
+        )
+
+    made, slope = law(whole, wide, values)
+    np.testing.assert_allclose(made, law(mechanism, given, third)[0], rtol=1e-12)
+    usually = law(mechanism, given, usual(mechanism))[0]
+    np.testing.assert_allclose(law(whole, given, values)[0], usually, rtol=1e-12)
+    for k in range(values.size):
+        by_difference = numerical(lambda v: law(whole, wide, v)[0], values, k)
+        scale = np.abs(made).max() / abs(values[k]) + 1e-30
+        assert slope[..., k] == pytest.approx(by_difference, rel=2e-3, abs=1e-3 * scale)
 
 
 def test_slip_begins_at_a_threshold_that_grows_with_the_force():
@@ -197,6 +236,9 @@ def test_a_share_is_bounded_by_what_the_simulation_has():
     wide = slip.tied({"tangential": (0.02, 0.04)}, {"tangential": 1.0}).parameters[0]
     assert wide.high == pytest.approx(0.03 * np.exp(2.0))
     assert slip.tied({}, {}).parameters == slip.parameters
+    third = of_modes(slip, 3).tied({"tangential": (0.02, 0.04, 0.01)}, {"tangential": 0.0})
+    ratios = {p.name: p.mean for p in third.parameters if p.ratio and p.tie}
+    assert ratios == pytest.approx({"share_ratio": 2.0, "share_ratio_3": 0.5})
 
 
 def test_a_users_file_joins_and_may_replace(tmp_path):
@@ -244,7 +286,7 @@ def test_a_missing_folder_is_named(tmp_path):
         ("{'ln_f': v * r.force}, {'ln_f': -3.0 * r.force[:, None]}", "must be 2e.04 .*got -6e.04"),
         ("{'ln_f': v * r.force}, {'ln_f': 1.2 * r.force[:, None]}", "derivative of ln_f by p"),
         ("{'ln_f': np.where(v < 0.2, v, np.nan) * r.force}, {'ln_f': r.force[:, None]}", "finite"),
-        ("{'ln_f': r.temperature}, {}", "AttributeError"),
+        ("{'ln_f': r.humidity}, {}", "AttributeError"),
     ],
 )
 def test_a_users_bad_law_is_told_before_any_fit(tmp_path, law, message):
@@ -343,4 +385,4 @@ def test_a_mechanism_without_parameters_is_refused():
 def test_a_law_of_an_unknown_variable_is_refused():
     one = next(one for one in catalogue() if one.id == "drift")
     with pytest.raises(ValueError, match="over must be of"):
-        replace(one, over=("temperature",))
+        replace(one, over=("humidity",))

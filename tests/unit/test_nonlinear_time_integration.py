@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from bladeroot.contact.laws.coulomb import coulomb
 from bladeroot.contact.laws.sliders import Sliders
-from bladeroot.reproduction.one_dof import Slider
 from bladeroot.reproduction.one_dof import free_decay as between_events
+from bladeroot.reproduction.slider import Slider
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, X_CR, sliding_mass
 from one_step import exact, hysteretic, newmark
 from time_integration import free_decay

@@ -9,7 +9,7 @@ from bladeroot.contact.laws.coulomb import coulomb
 from bladeroot.contact.laws.jenkins import jenkins
 from bladeroot.decay.freevib import freevib
 from bladeroot.nonlinear.curves import mode_curve
-from bladeroot.nonlinear.fast_loading import softening_curve
+from bladeroot.nonlinear.fast_loading import softening_curve, softening_curves
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_contact
@@ -76,6 +76,24 @@ def test_fast_curve_is_the_quasi_static_one(coarse):
     np.testing.assert_allclose(fall, curve.frequency / stick - 1.0, atol=2e-3 * np.abs(fall).max())
     friction = curve.loss_factor - 0.004 * (stick / curve.frequency) ** 2
     np.testing.assert_allclose(rise, friction, atol=2e-2 * rise.max())
+
+
+def test_a_system_in_its_own_sector_is_that_of_the_whole_joint(coarse):
+    joint, system = replace(coarse[0]), coarse[1]
+    joint.homes["1B"] = None
+    whole, amplitudes = system_of(joint, POINT, "1B", 0.0, 0.004), np.geomspace(3e-6, 1e-4, 8)
+    assert coarse[0].homes["1B"] is not None
+    assert system.values[0] == pytest.approx(whole.values[0], rel=1e-9)
+    np.testing.assert_array_equal(system.count, whole.count)
+    many = [uneven_sliders(joint, system, force, LAW) for force in (4e3, 6e3)]
+    (one, other), _ = softening_curves(system, many, amplitudes)
+    np.testing.assert_allclose(
+        one, softening_curve(whole, many[0], amplitudes)[0], atol=1e-3 * np.abs(one).max()
+    )
+    np.testing.assert_allclose(
+        one, softening_curve(system, many[0], amplitudes)[0], rtol=1e-9, atol=1e-12
+    )
+    assert np.abs(other).max() < np.abs(one).max()
 
 
 def test_curve_depends_on_amplitude_over_friction_times_force(coarse):

@@ -141,7 +141,6 @@ REGISTRIES = [
     ("mechanisms", "drift.py", "diagnosis", "theory"),
     ("io/readers", "wav.py", "ringdown", "theory"),
     ("quality/findings", "spike.py", "ringdown", "theory"),
-    ("bench/effects", "drift.py", "../bladeroot/bench/tuning", "diagnosis"),
     ("rom/external/readers", "calculix.py", "matrices_reduced", "theory"),
 ]
 
@@ -177,7 +176,7 @@ def test_a_registry_counts_by_its_files_content_and_names(whole, folder, file, s
         ("bladeroot/report/page.css", "report", "theory"),
         ("bladeroot/report/page.html.j2", "report", "theory"),
         ("bladeroot/report/page.js", "report", "theory"),
-        ("bladeroot/schemas/structure.schema.yaml", "mesh", "theory"),
+        ("bladeroot/schemas/structure.schema.yaml", "reduced", "theory"),
         ("bladeroot/schemas/bench.schema.yaml", "bench", "theory"),
     ],
 )

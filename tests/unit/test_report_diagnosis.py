@@ -123,7 +123,7 @@ def test_a_level_is_worth_what_the_model_s_bias_would_hide():
     said["gain"]["between_forces_without_bias"] = {"before": 9e-3, "after": 2e-3}
     assert "counted, falls, from 0.90 % to 0.20 %" in told(found(), said, False).gain[0]
     rows = [row[1] for row in gain_table([said], words_of(found())).rows]
-    assert "stick frequency, a force left out, without the model's bias" in rows
+    assert "stick frequency, forces left out, without the model's bias" in rows
 
 
 def test_a_rival_that_was_not_judged_is_not_hidden():

@@ -11,8 +11,9 @@ import yaml
 from bladeroot.report.ledger import ledger_section
 from bladeroot.reproduction.build import ledger, missing_rows
 from bladeroot.reproduction.entry import Entry, Evidence
-from bladeroot.reproduction.one_dof import Slider, free_decay, slider_curves
+from bladeroot.reproduction.one_dof import free_decay, slider_curves
 from bladeroot.reproduction.quantities import QUANTITIES
+from bladeroot.reproduction.slider import Slider
 
 THESIS = Path(__file__).resolve().parents[2] / "resources" / "thesis"
 KINDS = {"result", "input", "method", "sketch", "photo"}

@@ -108,6 +108,7 @@ def test_what_is_left_goes_files_and_folders(tmp_path):
         results / "a" / ".b.1.part",
         results / ".c.part" / "inner",
         snakemake / "locks" / "0.input.lock",
+        snakemake / "backups" / "results" / "whole.nc",
     ):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch()

@@ -1,6 +1,7 @@
 """What is current is decided by content: old times hide nothing, and new ones redo nothing."""
 
 import os
+from pathlib import Path
 
 import pytest
 from bladeroot import statement
@@ -118,3 +119,65 @@ def test_yaml_is_what_it_says(tmp_path):
         place.write_text(text)
         seen.add(statement.Contents().of(place))
     assert len(seen) == 3
+
+
+@pytest.fixture
+def batch(tmp_path, monkeypatch):
+    """Two parts of a batch, stated, with an input of both."""
+    monkeypatch.chdir(tmp_path)
+    parts = [
+        statement.Part({"record": name, "end_s": 1}, [f"{name}.wav"], [f"results/{name}.nc"])
+        for name in "ab"
+    ]
+    (tmp_path / "results").mkdir()
+    files = ["both", *(path for part in parts for path in (*part.inputs, *part.outputs))]
+    for path in files:
+        (tmp_path / path).write_text(path)
+    contents = statement.Contents()
+    made = {path: contents.of(path) for path in files}
+    outputs = {path: made.pop(path) for path in files if path.startswith("results")}
+    settings = [statement.canonical_json([part.facts for part in parts]), "set", "code"]
+    statement.state(Path("results/provenance/b.json"), "rule", made, outputs, settings, {})
+    return parts
+
+
+def kept(parts, shared=("set", "code"), inputs=("both",)):
+    return statement.still_current(statement.statements(Path("results")), shared, inputs, parts)
+
+
+def altered(path):
+    return lambda: replace(path, "other", os.path.getmtime(path))
+
+
+def as_link(path):
+    os.rename(path, "elsewhere")
+    os.symlink("elsewhere", path)
+
+
+@pytest.mark.parametrize(
+    ("change", "left"),
+    [
+        (lambda: None, "ab"),
+        (altered("a.wav"), "b"),
+        (altered("results/b.nc"), "a"),
+        (altered("both"), ""),
+        (lambda: os.remove("results/a.nc"), "b"),
+        (lambda: os.remove("b.wav"), "a"),
+        (lambda: as_link("results/a.nc"), "b"),
+        (altered("results/provenance/b.json"), ""),
+    ],
+)
+def test_parts_of_a_batch_are_kept_by_content(batch, change, left):
+    change()
+    assert kept(batch) == set(left)
+
+
+def test_parts_of_a_batch_are_made_again_for_other_settings(batch):
+    assert kept(batch, ("set", "other code")) == kept(batch, ("code", "set")) == set()
+    other = replace_facts(batch[0], {"record": "a", "end_s": 2})
+    new = replace_facts(batch[0], {"record": "c", "end_s": 1})
+    assert kept([other, new, batch[1]]) == {"b"}
+
+
+def replace_facts(part, facts):
+    return statement.Part(facts, part.inputs, part.outputs)

@@ -125,6 +125,8 @@ def remove_what_is_left(
     """Remove the locks and the half-written files and folders of runs that are dead."""
     left = [*(Path(snakemake) / "locks").glob("*.lock"), *Path(results).rglob(".*.part")]
     left += Path(snakemake, _FOLDER).glob("running-*")
+    # Snakemake's copies of what jobs were about to update
+    left += Path(snakemake).glob("backups")
     for one in left:
         if one.is_dir() and not one.is_symlink():
             shutil.rmtree(one, ignore_errors=True)

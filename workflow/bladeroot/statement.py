@@ -9,8 +9,9 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from bladeroot import artifacts
@@ -180,6 +181,51 @@ def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
             else:
                 why[output] = f"{changed[0]} has changed since" if changed else ""
     return why
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a batch that one job works through: what it is made of, and where it goes.
+
+    facts: what is asked of it alone, its name under `record`; inputs and outputs: its own files.
+    """
+
+    facts: Mapping
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+
+
+def still_current(
+    stated: Iterable[dict], shared: Sequence[str], inputs: Sequence[str], parts: Iterable[Part]
+) -> set[str]:
+    """Names of the parts that need not be made again: an earlier batch's statement holds for them.
+
+    shared, inputs: settings and input files of all parts. A job's first setting is the list of its
+    parts' facts, and its others are the shared ones; a part is current if a statement has the same
+    of both, and the content that its inputs and outputs have now.
+    """
+    contents, wanted, found = Contents(), {one.facts["record"]: one for one in parts}, set()
+    for one in stated:
+        first, *others = one.get("settings") or [""]
+        if others != list(shared):
+            continue
+        files = one["inputs"] | one["outputs"]
+        with suppress(ValueError, TypeError, KeyError):
+            for facts in json.loads(first):
+                part = wanted.get(facts["record"])
+                if part is None or part.facts != facts:
+                    continue
+                paths = (*inputs, *part.inputs, *part.outputs)
+                same = all(contents.of(path) == files.get(path, UNSURE) for path in paths)
+                if same and not any(map(os.path.islink, part.outputs)):
+                    found.add(facts["record"])
+    return found
+
+
+def renew(part: Part) -> None:
+    """Give a part's files the present time, as if its job had made them again."""
+    for path in part.outputs:
+        os.utime(path)
 
 
 def other_environment(stated: dict) -> str:

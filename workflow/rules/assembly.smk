@@ -1,5 +1,5 @@
 # Structures that are no dovetail: matrices of any bodies and interfaces, and the built-in lap joint.
-# One rule takes the place of mesh, prestress and reduced; the parametric model is as of a dovetail.
+# One rule takes the place of reduced; the parametric model is as of a dovetail.
 from bladeroot.io.simulation import OF_ASSEMBLIES
 from bladeroot.rom.file import ASSEMBLY, kind_of
 

@@ -30,13 +30,13 @@ for campaign in CAMPAIGNS.values():
                 bench=given(bench_of(campaign)),
                 reduced=f"results/structures/{bench_structure(campaign)}/reduced.nc",
             output:
-                raw=[
+                raw=kept(
                     f"results/bench/{campaign.name}/{row['record']}.nc" for row in rows
-                ],
-                truth=[
+                ),
+                truth=kept(
                     f"results/bench/{campaign.name}/truth/{row['record']}.nc"
                     for row in rows
-                ],
+                ),
             log:
                 f"results/logs/bench/{campaign.name}/{batch}.log",
             benchmark:
@@ -53,4 +53,4 @@ for campaign in CAMPAIGNS.values():
                 f"virtual bench: {len(rows)} records of {campaign.name} (simulated)"
             shell:
                 "{PYTHON:q} {SCRIPTS:q}/bench.py --bench {input.bench:q} --reduced {input.reduced:q}"
-                " --rows {params.rows:q} --folder {params.folder:q} > {log} 2>&1"
+                " --rows {params.rows:q} --code {params.code:q} --folder {params.folder:q} > {log} 2>&1"

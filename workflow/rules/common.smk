@@ -199,6 +199,11 @@ def batches_of(campaign, most):
     return batches([row["record"] for row in campaign.records], most)
 
 
+def kept(files):
+    """Outputs of a batch that its job finds as they are: those that are still current it leaves."""
+    return [update(file) for file in files]
+
+
 def of_records(stage):
     """Input function: the artifacts of all records of a campaign after a stage."""
     return lambda w: [

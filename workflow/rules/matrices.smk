@@ -1,5 +1,5 @@
-# Bring your own model: structures of kind `matrices` take these rules instead of mesh, prestress and
-# reduced; from reduced.nc on all structures are alike. And the own matrices, for other programs.
+# Bring your own model: structures of kind `matrices` take these rules instead of reduced;
+# from reduced.nc on all structures are alike. And the own matrices, for other programs.
 from bladeroot.rom.file import is_matrices
 
 MATRICES = sorted(name for name, path in STRUCTURES.items() if is_matrices(path))
@@ -21,7 +21,7 @@ def described_by(files):
     )
 
 
-ruleorder: matrices_mesh > mesh
+ruleorder: matrices_mesh > reduced
 ruleorder: matrices_reduced > reduced
 ruleorder: matrices_checks > checks
 ruleorder: matrices_accuracy > accuracy
@@ -133,8 +133,8 @@ rule matrices_accuracy:
 rule export:
     input:
         structure=structure_file,
-        mesh=rules.mesh.output.mesh,
-        prestress=rules.prestress.output.prestress,
+        mesh=rules.reduced.output.mesh,
+        prestress=rules.reduced.output.prestress,
     output:
         folder=directory("results/structures/{structure}/matrices-{form}"),
     log:
@@ -166,9 +166,11 @@ def middle_of_the_box():
 rule paraview:
     input:
         structure=structure_file,
-        mesh=rules.mesh.output.mesh,
+        mesh=rules.reduced.output.mesh,
         prestress=lambda w: (
-            [] if w.structure in MATRICES else made(rules.prestress.output, **w)
+            []
+            if w.structure in MATRICES
+            else made(rules.reduced.output.prestress, **w)
         ),
         matrices=lambda w: (
             described_by("matrix_files_of")(w) if w.structure in MATRICES else []

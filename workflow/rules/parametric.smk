@@ -57,8 +57,8 @@ def forces_used(wildcards):
 rule accuracy:
     input:
         structure=structure_file,
-        mesh=rules.mesh.output.mesh,
-        prestress=rules.prestress.output.prestress,
+        mesh=rules.reduced.output.mesh,
+        prestress=rules.reduced.output.prestress,
         parametric=rules.parametric.output.parametric,
     output:
         accuracy="results/structures/{structure}/accuracy.nc",

@@ -97,7 +97,7 @@ rule report:
         shortfalls=of_structures(rules.shortfall.output.shortfall),
         checks=of_structures(rules.checks.output.checks),
         accuracies=of_structures(rules.accuracy.output.accuracy),
-        meshes=of_structures(rules.mesh.output.mesh),
+        meshes=of_structures(rules.reduced.output.mesh),
         calibrations=calibrations_made,
         modes=lambda w: made(
             rules.shapes.output.modes,
@@ -119,7 +119,7 @@ rule report:
             else []
         ),
         ledger=lambda w: (
-            made([rules.ledger.output.ledger, rules.ledger.output.slider], **w)
+            made([rules.ledger.output.ledger, rules.slider.output.slider], **w)
             if of_the_thesis(CAMPAIGNS[w.campaign])
             else []
         ),

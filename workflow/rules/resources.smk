@@ -32,12 +32,10 @@ NEEDS = {
     "matrices_checks": (1100, 60, 0, 20),
     "matrices_mesh": (400, 10, 0, 10),
     "matrices_reduced": (1100, 60, 0, 20),
-    "mesh": (300, 5, 0, 0),
     "nonlinear": (600, 30, 0, 0),
     "observations": (300, 10, 500, 0),
     "parametric": (600, 20, 0, 0),
     "paraview": (1100, 10, 0, 20),
-    "prestress": (800, 10, 0, 0),
     "reduced": (1100, 10, 0, 0),
     "report": (500, 10, 300, 0),
     # a record at a time, of two bytes a sample or more
@@ -46,6 +44,7 @@ NEEDS = {
     "search": (300, 10, 0, 0),
     "shapes": (800, 10, 0, 0),
     "shortfall": (600, 10, 0, 0),
+    "slider": (500, 10, 0, 0),
     "stick": (300, 10, 500, 0),
     "stiffness": (300, 5, 0, 0),
     "theory": (300, 5, 0, 0),
@@ -57,8 +56,6 @@ NEEDS = {
 # Which of the jobs that could run goes first: what the longest chain waits for (structure, bench, records,
 # inference with curves, and the report), then the long ones, so that none is left alone at the end.
 PRIORITY = {
-    "mesh": 50,
-    "prestress": 50,
     "reduced": 50,
     "parametric": 40,
     "bench": 30,
@@ -68,6 +65,7 @@ PRIORITY = {
     "joint": 20,
     "accuracy": 10,
     "checks": 10,
+    "slider": 10,
 }
 
 
@@ -75,7 +73,6 @@ PRIORITY = {
 localrules:
     fe_forces,
     ledger,
-    mesh,
     stiffness,
     theory,
     thesis_search,

@@ -4,7 +4,7 @@
 from bladeroot.io.facts import record_facts
 
 # Records of a batch: with its start, and loading the compiled code, as much as some fifteen records cost, a
-# batch of this size is four fifths arithmetic, and a record that changes redoes 64 at most.
+# batch of this size is four fifths arithmetic. When a record is added or changed its job keeps the others.
 RINGDOWN_BATCH = 64
 
 
@@ -29,11 +29,15 @@ for campaign in CAMPAIGNS.values():
             input:
                 raw=[raw_file(campaign, rows[name]) for name in names],
             output:
-                records=[f"results/{campaign.name}/records/{name}.nc" for name in names],
-                decays=[f"results/{campaign.name}/decay/{name}.nc" for name in names],
-                plateaus=[
+                records=kept(
+                    f"results/{campaign.name}/records/{name}.nc" for name in names
+                ),
+                decays=kept(
+                    f"results/{campaign.name}/decay/{name}.nc" for name in names
+                ),
+                plateaus=kept(
                     f"results/{campaign.name}/plateau/{name}.nc" for name in names
-                ],
+                ),
                 batch=f"results/{campaign.name}/batches/{batch}.txt",
             log:
                 f"results/logs/ringdown/{campaign.name}/{batch}.log",
@@ -59,5 +63,5 @@ for campaign in CAMPAIGNS.values():
             shell:
                 "{PYTHON:q} {SCRIPTS:q}/ringdown.py --raw {input.raw:q} --facts {params.facts:q}"
                 " --campaign {params.campaign} --record_settings {params.record:q}"
-                " --decay_settings {params.decay:q} --folder {params.folder:q}"
+                " --decay_settings {params.decay:q} --code {params.code:q} --folder {params.folder:q}"
                 " --batch {output.batch:q} > {log} 2>&1"

@@ -1,56 +1,34 @@
 # The finite-element structure, once for all forces and campaigns: mesh, prestress, reduction, checks.
 
 
-rule mesh:
+rule reduced:
     input:
         structure=structure_file,
     output:
         mesh="results/structures/{structure}/mesh.nc",
-    log:
-        "results/logs/mesh/{structure}.log",
-    benchmark:
-        "results/benchmarks/mesh/{structure}.tsv"
-    priority: PRIORITY["mesh"]
-    threads: 1
-    resources:
-        **needs("mesh"),
-    params:
-        code=code("mesh"),
-    message:
-        "mesh of {wildcards.structure}"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/mesh.py --structure {input.structure:q} --output {output.mesh}"
-        " > {log} 2>&1"
-
-
-rule prestress:
-    input:
-        structure=structure_file,
-        mesh=rules.mesh.output.mesh,
-    output:
         prestress="results/structures/{structure}/prestress.nc",
+        reduced="results/structures/{structure}/reduced.nc",
     log:
-        "results/logs/prestress/{structure}.log",
+        "results/logs/reduced/{structure}.log",
     benchmark:
-        "results/benchmarks/prestress/{structure}.tsv"
-    priority: PRIORITY["prestress"]
+        "results/benchmarks/reduced/{structure}.tsv"
+    priority: PRIORITY["reduced"]
     threads: 1
     resources:
-        **needs("prestress"),
+        **needs("reduced"),
     params:
-        code=code("prestress"),
+        code=code("reduced"),
     message:
-        "static stress of {wildcards.structure} under axial force (4.2)"
+        "mesh, static stress (4.2) and Craig-Bampton reduction (4.3-4.12) of {wildcards.structure}"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/prestress.py --structure {input.structure:q} --mesh {input.mesh:q}"
-        " --output {output.prestress}"
-        " > {log} 2>&1"
+        "{PYTHON:q} {SCRIPTS:q}/reduced.py --structure {input.structure:q} --mesh {output.mesh}"
+        " --prestress {output.prestress} --output {output.reduced} > {log} 2>&1"
 
 
 rule shapes:
     input:
         structure=structure_file,
-        mesh=rules.mesh.output.mesh,
+        mesh=rules.reduced.output.mesh,
     output:
         shapes="results/structures/{structure}/shapes.nc",
         modes="results/structures/{structure}/modes.svg",
@@ -69,30 +47,6 @@ rule shapes:
         "{PYTHON:q} {SCRIPTS:q}/shapes.py --structure {input.structure:q} --mesh {input.mesh:q}"
         " --output {output.shapes} --drawing {output.modes}"
         " > {log} 2>&1"
-
-
-rule reduced:
-    input:
-        structure=structure_file,
-        mesh=rules.mesh.output.mesh,
-        prestress=rules.prestress.output.prestress,
-    output:
-        reduced="results/structures/{structure}/reduced.nc",
-    log:
-        "results/logs/reduced/{structure}.log",
-    benchmark:
-        "results/benchmarks/reduced/{structure}.tsv"
-    priority: PRIORITY["reduced"]
-    threads: 1
-    resources:
-        **needs("reduced"),
-    params:
-        code=code("reduced"),
-    message:
-        "Craig-Bampton reduction of {wildcards.structure} (4.3-4.12)"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/reduced.py --structure {input.structure:q} --mesh {input.mesh:q}"
-        " --prestress {input.prestress:q} --output {output.reduced} > {log} 2>&1"
 
 
 rule checks:

@@ -8,10 +8,9 @@ from _cli import run
 from bladeroot import artifacts
 from bladeroot.reproduction.build import ledger
 from bladeroot.reproduction.entry import Evidence
-from bladeroot.reproduction.one_dof import slider_curves
 
 
-def main(stages, checks, reduced, maps, thesis, output, slider):
+def main(stages, checks, reduced, maps, thesis, output):
     folder = Path(thesis)
     loaded = {Path(path).stem: artifacts.load(path) for path in stages}
     tables = {
@@ -32,7 +31,6 @@ def main(stages, checks, reduced, maps, thesis, output, slider):
         for name in ("ledger", "errata", "contents")
     ]
     artifacts.save(ledger(*listed, evidence), output, origin=loaded["stiffness"])
-    artifacts.save(slider_curves(), slider, origin=loaded["stiffness"])
 
 
 def _by_structure(paths):
@@ -51,11 +49,10 @@ def _maps(paths):
 if __name__ == "__main__":
     run(
         main,
-        stages="many: stick.nc, fe_forces.nc, stiffness.nc, theory.nc",
+        stages="many: stick.nc, fe_forces.nc, stiffness.nc, theory.nc, slider.nc",
         checks="many: checks.nc of the structures",
         reduced="many: reduced.nc of the structures",
         maps="many: frequency maps of the structures",
         thesis="folder with ledger.yaml, errata.yaml, contents.yaml and the printed tables",
         output="ledger.nc",
-        slider="slider.nc: the model of one degree of freedom that the ledger checks",
     )

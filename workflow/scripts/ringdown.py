@@ -2,19 +2,33 @@
 
 import json
 import traceback
+from pathlib import Path
 
 from _cli import run
-from bladeroot import artifacts
-from bladeroot.decay.ringdown import not_analysed, ringdown
+from bladeroot import artifacts, statement
 
 STAGES = ("records", "decay", "plateau")
 
 
-def main(raw, facts, campaign, record_settings, decay_settings, folder, batch):
+def main(raw, facts, campaign, record_settings, decay_settings, code, folder, batch):
     settings = record_settings, decay_settings, decay_settings
     cutting, estimation = json.loads(record_settings), json.loads(decay_settings)
-    names = []
-    for path, known in zip(raw, json.loads(facts), strict=True):
+    parts = [
+        statement.Part(
+            known, [path], [f"{folder}/{stage}/{known['record']}.nc" for stage in STAGES]
+        )
+        for path, known in zip(raw, json.loads(facts), strict=True)
+    ]
+    stated = statement.statements(Path(folder).parent, f"ringdown/{campaign}")
+    shared = [campaign, record_settings, decay_settings, code]
+    current = statement.still_current(stated, shared, [], parts)
+    for part in parts:
+        known, (path,) = part.facts, part.inputs
+        if known["record"] in current:
+            statement.renew(part)
+            continue
+        from bladeroot.decay.ringdown import not_analysed, ringdown
+
         try:
             made = ringdown(path, known, cutting, estimation)
         except MemoryError:
@@ -24,10 +38,9 @@ def main(raw, facts, campaign, record_settings, decay_settings, folder, batch):
             traceback.print_exc()
             reason = f"its analysis broke off: {type(error).__name__}: {error}"
             made = not_analysed(known, reason, estimation)
-        for stage, part, said in zip(STAGES, made, settings, strict=True):
-            place = f"{folder}/{stage}/{known['record']}.nc"
-            artifacts.save(part.assign_attrs(campaign=campaign), place, settings=said)
-        names.append(known["record"])
+        for place, one, said in zip(part.outputs, made, settings, strict=True):
+            artifacts.save(one.assign_attrs(campaign=campaign), place, settings=said)
+    names = [part.facts["record"] for part in parts]
     artifacts.save_text("\n".join(names) + "\n", batch)
 
 
@@ -39,6 +52,7 @@ if __name__ == "__main__":
         campaign="the campaign's name",
         record_settings="section `record` of the configuration (JSON)",
         decay_settings="section `decay` of the configuration (JSON)",
+        code="hash of the code; a record that this code has made of the same is kept",
         folder=f"where the folders {', '.join(STAGES)} go",
         batch="list of the batch's records to write, a name a line",
     )

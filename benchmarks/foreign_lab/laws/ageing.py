@@ -14,7 +14,7 @@ FORMS = {
 
 def stick(effect, sheet):
     """By the number of clampings, not by time."""
-    u = sheet.clamped / max(sheet.clamped.max(), 1)
+    u = sheet.clamped / max(sheet.planned("clamped").max(), 1)
     course = np.log1p(20 * u) / np.log(21) if effect.form == "logarithmic" else u
     change = effect.size * course
     return {"ln_kn": change, "ln_kt": change} if effect.form == "both" else {"ln_kt": change}

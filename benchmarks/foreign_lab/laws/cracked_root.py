@@ -19,7 +19,7 @@ def stick(effect, sheet):
     if effect.form == "opens":
         return {"ln_f": -sizes / (1 + np.exp((effect.shape["at"] - load) / effect.shape["wide"]))}
     if effect.form == "grows":
-        return {"ln_f": -sizes * (sheet.clamped / max(sheet.clamped.max(), 1)) ** 2}
+        return {"ln_f": -sizes * (sheet.clamped / max(sheet.planned("clamped").max(), 1)) ** 2}
     return {"ln_f": np.zeros(len(load))}
 
 

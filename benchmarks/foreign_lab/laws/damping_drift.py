@@ -10,9 +10,9 @@ FORMS = {"linear": lambda r: {}, "step": lambda r: {}, "temperature": lambda r: 
 
 def stick(effect, sheet):
     """Damping alone."""
-    u = sheet.time / max(sheet.time.max(), 1.0)
+    u = sheet.time / max(sheet.planned("time").max(), 1.0)
     if effect.form == "step":
         u = (u > 0.5).astype(float)
     if effect.form == "temperature":
-        u = sheet.temperature / max(np.ptp(sheet.temperature), 1e-9)
+        u = sheet.temperature / max(np.ptp(sheet.planned("temperature")), 1e-9)
     return {"ln_eta": effect.size * u}

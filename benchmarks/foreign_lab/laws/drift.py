@@ -18,7 +18,7 @@ FORMS = {
 
 def course(effect, sheet) -> np.ndarray:
     """Between 0 and 1, or about so."""
-    u = sheet.time / max(sheet.time.max(), 1.0)
+    u = sheet.time / max(sheet.planned("time").max(), 1.0)
     if effect.form == "saturating":
         rate = effect.shape["rate"]
         return np.expm1(-rate * u) / np.expm1(-rate)
@@ -27,7 +27,7 @@ def course(effect, sheet) -> np.ndarray:
     if effect.form == "periodic":
         return 0.5 * np.sin(2 * np.pi * effect.shape["cycles"] * u + effect.shape["phase"])
     if effect.form == "temperature":
-        return sheet.temperature / max(np.ptp(sheet.temperature), 1e-9)
+        return sheet.temperature / max(np.ptp(sheet.planned("temperature")), 1e-9)
     return u
 
 

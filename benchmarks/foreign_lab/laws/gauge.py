@@ -16,7 +16,7 @@ FORMS = {
 
 def stick(effect, sheet):
     """One gain, one that grows with the load, or another in the gauge's low range."""
-    part = sheet.reading / sheet.reading.max()
+    part = sheet.reading / sheet.planned("reading").max()
     gain = np.full(len(part), effect.size)
     if effect.form == "curved":
         gain = effect.size * (1 + effect.shape["bend"] * (part - 1))

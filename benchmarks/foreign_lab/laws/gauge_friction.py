@@ -16,6 +16,6 @@ def stick(effect, sheet):
             "force": np.maximum(side * effect.size * sheet.reference, 300 - sheet.state["force"])
         }
     if effect.form == "turning-point":
-        way = np.abs(sheet.turning - sheet.reading) / max(np.ptp(sheet.reading), 1.0)
+        way = np.abs(sheet.turning - sheet.reading) / max(np.ptp(sheet.planned("reading")), 1.0)
         side = np.where(sheet.direction < 0, 1 - 2 * np.exp(-way / 0.15), -1.0)
     return {"force": side * effect.size * sheet.state["force"]}

@@ -15,7 +15,9 @@ def stick(effect, sheet):
     """Constant, or with a part that fades over the first third of the campaign."""
     offset = np.full(len(sheet.reading), effect.size)
     if effect.form == "warming-up":
-        offset = offset * (1 - effect.shape["part"] * np.exp(-3 * sheet.time / sheet.time.max()))
+        offset = offset * (
+            1 - effect.shape["part"] * np.exp(-3 * sheet.time / sheet.planned("time").max())
+        )
     size = np.abs(offset) if effect.form == "dead-weight" else offset
     return {"force": np.maximum(size, 300.0 - sheet.state["force"])}
 

@@ -14,7 +14,7 @@ FORMS = {
 def curve(effect, record, x):
     """Cubic in the force; levelling off at large amplitude; or from where a clearance closes."""
     sheet = record.sheet
-    start = float(np.median(sheet.start[sheet.mode == "1B"]))
+    start = sheet.usual_start("1B")
     first = sheet.specimen.surfaces["1B"]
     point = (sheet.specimen.ln_kn, sheet.specimen.ln_kt, sheet.reference)
 

@@ -51,7 +51,7 @@ def _scale(effect, sheet) -> float:
     surface = sheet.specimen.surfaces["1B"]
     point = (sheet.specimen.ln_kn, sheet.specimen.ln_kt, sheet.reference)
     share = 2.0 * float(surface.slope(1, *point))
-    start = float(np.median(sheet.start[sheet.mode == "1B"]))
+    start = sheet.usual_start("1B")
     u = np.geomspace(1e-3, 30, 400)
     rise = share * _sliders.respond(effect.form, _shape(effect), u)[1] / np.pi
     wanted = min(effect.size, 0.8 * rise.max())

@@ -14,7 +14,8 @@ FORMS = {
 
 def stick(effect, sheet):
     """Half of it to each side."""
-    top, bottom = sheet.reading.max(), sheet.reading.min()
+    loads = sheet.planned("reading")
+    top, bottom = loads.max(), loads.min()
     way = (sheet.turning - sheet.reading) / max(top - bottom, 1.0)
     half = -0.5 * effect.size * sheet.direction * np.ones(len(way))
     if effect.form in ("turning-point", "kt-alone"):

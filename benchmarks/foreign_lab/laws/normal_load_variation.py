@@ -45,7 +45,7 @@ def _gap(effect, record) -> float:
     share = 2.0 * float(
         surface.slope(0, sheet.specimen.ln_kn, sheet.specimen.ln_kt, sheet.reference)
     )
-    start = float(np.median(sheet.start[sheet.mode == "1B"]))
+    start = sheet.usual_start("1B")
     u = np.geomspace(1e-2, 100, 600)
     fall = share / 2.0 * (1.0 - left(effect.form, u))
     wanted = min(effect.size, 0.6 * fall[-1])

@@ -14,7 +14,7 @@ FORMS = {
 def curve(effect, record, x):
     """A power of the amplitude, from a threshold on where vortices shed."""
     sheet = record.sheet
-    start = float(np.median(sheet.start[sheet.mode == "1B"]))
+    start = sheet.usual_start("1B")
     first = sheet.specimen.surfaces["1B"].modal_mass
     onset = effect.shape.get("onset", 0.0)
     u = np.maximum(x / start - onset, 0.0) / (1 - onset)

@@ -1,10 +1,10 @@
 """Approach of two bodies and incremental stiffness of the punch (sections 6.3 and 6.4).
 
 Forces here are those of a whole flank, newton; the line loads of `punch` are force / length.
-Each stiffness comes twice: by quadrature of the pressure and a numerical derivative, as in the
-thesis, and in closed form. The closed form follows from one observation: a small step of load adds
-the pressure of a flat punch as wide as the contact is at that moment, dP / (pi sqrt(b^2 - x^2)),
-whatever the profile, so only b enters.
+The approach comes by quadrature of the pressure, as in the thesis; its derivative, the stiffness,
+in closed form. That follows from one observation: a small step of load adds the pressure of a flat
+punch as wide as the contact is at that moment, dP / (pi sqrt(b^2 - x^2)), whatever the profile, so
+only b enters.
 """
 
 from typing import Literal
@@ -77,34 +77,6 @@ def tangential_displacement(
         raise ValueError("the tangential force exceeds friction times the normal force")
     moved = _pressed_compliance(force, punch) - _pressed_compliance(np.maximum(stick, 0), punch)
     return np.sign(shear) * punch.friction * moved
-
-
-def _derivative(function, at: Float[ndarray, " force"]) -> Float[ndarray, " force"]:
-    """Central derivative of sixth order with a relative step that balances rounding."""
-    step = 0.01 * at
-    pairs = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
-    total = sum(c * (function(at + k * step) - function(at - k * step)) for k, c in pairs)
-    return total / step
-
-
-def normal_stiffness_by_quadrature(
-    normal_force: Float[ndarray, " force"], punch: Punch, kernel: Kernel = "finite"
-) -> Float[ndarray, " force"]:
-    """kn = dN/d delta_z, N/m, from the quadrature of the approach (eq. 6.15)."""
-    force = np.asarray(normal_force, float)
-    return 1.0 / _derivative(lambda n: normal_approach(n, punch, kernel), force)
-
-
-def tangential_stiffness_by_quadrature(
-    normal_force: Float[ndarray, " force"], punch: Punch
-) -> Float[ndarray, " force"]:
-    """kt = dT/d delta_x at T = 0, N/m, from the quadrature of the displacement (eq. 6.11).
-
-    A small T removes the pressure of N - T/mu from that of N, so the derivative at T = 0 is
-    that of the pressed compliance by N; friction drops out.
-    """
-    force = np.asarray(normal_force, float)
-    return 1.0 / _derivative(lambda n: _pressed_compliance(n, punch), force)
 
 
 def normal_stiffness(

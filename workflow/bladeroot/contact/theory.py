@@ -9,10 +9,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact import compliance
-from bladeroot.contact.boundary_elements import line_pressure, rectangle_stiffness
 from bladeroot.contact.loads import FRICTION_STATES, axial_per_normal, normal_force
 from bladeroot.contact.punch import Punch, contact_half_width, pressure, punch_from, shear
 from bladeroot.contact.punch import stick_half_width as stick_width
+from bladeroot.variables import dataset
 
 LOAD_RATIOS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0])
 
@@ -38,14 +38,13 @@ def theory(
     punch = punch_from(parameters)
     angle = float(parameters["flank_angle"])
     per_normal = np.array([axial_per_normal(s, punch.friction, angle) for s in FRICTION_STATES])
-    parts = [
-        _against_normal_force(punch, punch_from(parameters, "printed"), forces, per_normal),
-        _against_axial_force(punch, forces, angle),
-        _profiles(punch, float(forces[0]), angle),
-        _by_boundary_elements(punch, forces, angle),
-        _sensitivity(punch, float(forces[0]), angle),
-    ]
-    whole = xr.merge(parts, compat="equals", combine_attrs="drop_conflicts")
+    whole = dataset(
+        "contact/theory",
+        _against_normal_force(punch, punch_from(parameters, "printed"), forces, per_normal)
+        | _against_axial_force(punch, forces, angle)
+        | _profiles(punch, float(forces[0]), angle)
+        | _sensitivity(punch, float(forces[0]), angle),
+    )
     if stiffness is not None:
         whole = _compared(whole, stiffness, "identified", "")
     if published is not None:
@@ -53,6 +52,7 @@ def theory(
     return whole.assign_attrs(
         description="contact theory of a flat punch with rounded edges",
         contact_modulus=punch.contact_modulus,
+        profile_axial_force=float(forces[0]),
         **{name: float(parameters[name]) for name in sorted(parameters)},
     )
 
@@ -64,94 +64,29 @@ def _attrs(units: str, long_name: str, source: str = "") -> dict[str, str]:
 
 def _against_normal_force(
     punch: Punch, printed: Punch, forces: ndarray, per_normal: ndarray
-) -> xr.Dataset:
+) -> dict[str, object]:
     """Fine curves over the normal force, up to the largest that the axial forces need."""
     n = np.linspace(0.02, 1.0, 160) * 1.25 * forces[-1] / per_normal.min()
-
-    def var(values: ndarray, long_name: str, source: str, units: str = "N/m") -> tuple:
-        return ("normal_force", values, _attrs(units, long_name, source))
-
-    return xr.Dataset(
-        {
-            "contact_half_width": var(
-                contact_half_width(n / punch.length, punch), "contact half-width b", "eq. 6.5", "m"
-            ),
-            "contact_half_width_printed": var(
-                contact_half_width(n / punch.length, printed),
-                "contact half-width b with the printed 4PR",
-                "eq. 6.5 as printed",
-                "m",
-            ),
-            "normal_approach": var(
-                compliance.normal_approach(n, punch), "normal approach", "eq. 6.14", "m"
-            ),
-            "kn": var(
-                compliance.normal_stiffness(n, punch),
-                "normal stiffness of a flank, closed form",
-                "eq. 6.15 with b of eq. 6.5",
-            ),
-            "kt": var(
-                compliance.tangential_stiffness(n, punch),
-                "tangential stiffness of a flank at T = 0, closed form",
-                "eq. 6.11 with b of eq. 6.5",
-            ),
-            "kn_quadrature": var(
-                compliance.normal_stiffness_by_quadrature(n, punch),
-                "normal stiffness of a flank of finite length, by quadrature",
-                "eqs 6.14, 6.15",
-            ),
-            "kt_quadrature": var(
-                compliance.tangential_stiffness_by_quadrature(n, punch),
-                "tangential stiffness of a flank at T = 0, by quadrature",
-                "eqs 6.10, 6.11",
-            ),
-            "kn_printed": var(
-                compliance.normal_stiffness(n, printed),
-                "normal stiffness of a flank with the printed 4PR",
-                "eq. 6.15 with b of eq. 6.5 as printed",
-            ),
-            "kt_printed": var(
-                compliance.tangential_stiffness(n, printed),
-                "tangential stiffness of a flank with the printed 4PR",
-                "eq. 6.11 with b of eq. 6.5 as printed",
-            ),
-        },
-        coords={"normal_force": ("normal_force", n, _attrs("N", "normal force on a flank"))},
-    )
+    made = {"normal_force": n, "normal_approach": compliance.normal_approach(n, punch)}
+    for suffix, one in (("", punch), ("_printed", printed)):
+        made[f"contact_half_width{suffix}"] = contact_half_width(n / punch.length, one)
+        made[f"kn{suffix}"] = compliance.normal_stiffness(n, one)
+        made[f"kt{suffix}"] = compliance.tangential_stiffness(n, one)
+    return made
 
 
-def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> xr.Dataset:
+def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[str, object]:
     """Both friction limits: on a fine axis for curves, and at the FE forces for comparison."""
     fine = np.linspace(0.25 * forces[0], 1.15 * forces[-1], 120)
-    variables = {}
-    for axis, values in (("axial_force", fine), ("force", forces)):
+    made = {"friction_state": list(FRICTION_STATES), "axial_force": fine, "force": forces}
+    for suffix, values in (("_of_axial_force", fine), ("_theory", forces)):
         n = np.stack([normal_force(values, s, punch.friction, angle) for s in FRICTION_STATES])
-        suffix = "_of_axial_force" if axis == "axial_force" else "_theory"
-        dims = ("friction_state", axis)
-        for name, function, text in (
-            ("kn", compliance.normal_stiffness, "normal"),
-            ("kt", compliance.tangential_stiffness, "tangential"),
-        ):
-            k = function(n.ravel(), punch).reshape(n.shape)
-            attrs = _attrs("N/m", f"{text} stiffness of a flank by theory", "eqs 6.11, 6.15")
-            variables[name + suffix] = (dims, k, attrs)
-        if axis == "force":
-            variables["normal_force_theory"] = (
-                dims,
-                n,
-                _attrs("N", "normal force on a flank", "section 6.5"),
-            )
-    return xr.Dataset(
-        variables,
-        coords={
-            "friction_state": list(FRICTION_STATES),
-            "axial_force": ("axial_force", fine, _attrs("N", "axial force")),
-            "force": ("force", forces, _attrs("N", "axial force of the FE models")),
-        },
-    )
+        made[f"kn{suffix}"] = compliance.normal_stiffness(n.ravel(), punch).reshape(n.shape)
+        made[f"kt{suffix}"] = compliance.tangential_stiffness(n.ravel(), punch).reshape(n.shape)
+    return made | {"normal_force_theory": n}
 
 
-def _profiles(punch: Punch, axial: float, angle: float) -> xr.Dataset:
+def _profiles(punch: Punch, axial: float, angle: float) -> dict[str, object]:
     """Pressure and shear across the contact at one axial force, for rising T/(mu N)."""
     n = axial / (2.0 * (np.sin(angle) + LOAD_RATIOS * punch.friction * np.cos(angle)))
     load = n / punch.length
@@ -159,70 +94,18 @@ def _profiles(punch: Punch, axial: float, angle: float) -> xr.Dataset:
     b, c = contact_half_width(load, punch), stick_width(load, tangential, punch)
     x = np.sin(np.linspace(-0.5, 0.5, 401) * np.pi) * b.max()  # dense at the rims
     line, across = load[:, None], tangential[:, None]
-    profile = ("load_ratio", "position")
-    per_ratio = "load_ratio"
-    return xr.Dataset(
-        {
-            "pressure": (
-                profile,
-                pressure(x[None, :], line, punch),
-                _attrs("Pa", "contact pressure across the flank", "eq. 6.4"),
-            ),
-            "shear": (
-                profile,
-                shear(x[None, :], line, across, punch),
-                _attrs("Pa", "shear traction across the flank", "eqs 6.7-6.9"),
-            ),
-            "profile_normal_force": (per_ratio, n, _attrs("N", "normal force on the flank")),
-            "profile_contact_half_width": (
-                per_ratio,
-                b,
-                _attrs("m", "contact half-width b", "eq. 6.5"),
-            ),
-            "profile_stick_half_width": (
-                per_ratio,
-                c,
-                _attrs("m", "half-width c of the sticking part", "eq. 6.8"),
-            ),
-        },
-        coords={
-            "load_ratio": (per_ratio, LOAD_RATIOS, _attrs("1", "T/(mu N), tangential over limit")),
-            "position": ("position", x, _attrs("m", "position across the flank from its middle")),
-        },
-        attrs={"profile_axial_force": axial},
-    )
+    return {
+        "load_ratio": LOAD_RATIOS,
+        "position": x,
+        "pressure": pressure(x[None, :], line, punch),
+        "shear": shear(x[None, :], line, across, punch),
+        "profile_normal_force": n,
+        "profile_contact_half_width": b,
+        "profile_stick_half_width": c,
+    }
 
 
-def _by_boundary_elements(punch: Punch, forces: ndarray, angle: float) -> xr.Dataset:
-    """The closed forms' independent check at T = 0: stiffness at all forces, pressure at one."""
-    n = normal_force(forces, FRICTION_STATES[0], punch.friction, angle)
-    b = contact_half_width(n / punch.length, punch)
-    variables = {}
-    for name, direction in (("kn", "normal"), ("kt", "tangential")):
-        k = [
-            rectangle_stiffness(float(half), punch.length, punch, direction, (8, 20)) for half in b
-        ]
-        text = f"{direction} stiffness of a rigid flank of finite length, boundary elements"
-        variables[f"{name}_boundary"] = ("force", np.array(k), _attrs("N/m", text))
-    x, value = line_pressure(float(n[0]) / punch.length, punch, 1.2 * float(b[0]))
-    exact = pressure(x, float(n[0]) / punch.length, punch)
-    # beside the flat's end the pressure has a logarithmic kink that no cell can follow
-    away = np.abs(np.abs(x) - punch.flat_half_width) > 4.0 * (x[1] - x[0])
-    away &= np.abs(x) < b[0] - 4.0 * (x[1] - x[0])
-    rim = np.abs(x[value > 0.0]).max() + 0.5 * (x[1] - x[0])
-    return xr.Dataset(
-        variables,
-        attrs={
-            "boundary_pressure_difference": float(
-                np.abs(value - exact)[away].max() / exact[away].mean()
-            ),
-            "boundary_half_width_difference": float(rim / b[0] - 1.0),
-            "boundary_cell": float((x[1] - x[0]) / b[0]),
-        },
-    )
-
-
-def _sensitivity(punch: Punch, axial: float, angle: float) -> xr.Dataset:
+def _sensitivity(punch: Punch, axial: float, angle: float) -> dict[str, object]:
     """Per cent change of the stiffness for one per cent of each parameter, at one axial force."""
     names = ("flat_half_width", "edge_radius", "length", "youngs_modulus", "poisson_ratio")
     step, slopes = 1e-4, {"kn": [], "kt": []}
@@ -238,15 +121,7 @@ def _sensitivity(punch: Punch, axial: float, angle: float) -> xr.Dataset:
         ):
             up, down = (float(function(n, other)[0]) for other in moved)
             slopes[k].append(np.log(up / down) / np.log((1.0 + step) / (1.0 - step)))
-    return xr.Dataset(
-        {
-            f"{k}_sensitivity": (
-                "parameter", np.array(values), _attrs("1", f"d ln {k} / d ln parameter at T = 0")
-            )
-            for k, values in slopes.items()
-        },
-        coords={"parameter": list(names)},
-    )  # fmt: skip
+    return {"parameter": list(names)} | {f"{k}_sensitivity": np.array(v) for k, v in slopes.items()}
 
 
 def _compared(whole: xr.Dataset, other: xr.Dataset, label: str, suffix: str) -> xr.Dataset:

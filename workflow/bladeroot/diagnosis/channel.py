@@ -25,8 +25,9 @@ class Channel:
     """`stick`, `damping` or `curve`.
 
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
-    parameters. smooth: competitors by what they are smooth in, about a fit. part: by "force" and
-    "hold", the number of the part that each datum belongs to. records: of stick frequencies.
+    parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
+    may be left out, the number of the part that each datum belongs to. records: of stick
+    frequencies.
     """
 
     name: str
@@ -76,7 +77,7 @@ def curve_channel(data: CurveData, candidates: Sequence[Mechanism]) -> Channel:
         0,
         tuple(one for one in candidates if one.channel == "curve"),
         lambda _: {"amplitude": curve_model.smooth_kernels(data)},
-        {"force": np.tile(force, 2)},
+        {"force": np.tile(force, 2), "amplitude": np.tile(_quarters(data.points.amplitude), 2)},
     )
 
 
@@ -101,7 +102,7 @@ def unspoken(
         one.id
         for one in candidates
         if one.channel == channel
-        and not all(known[name] for name in one.over if name != "force")
+        and not all(known[name] for name in one.over if name not in ("force", "temperature"))
         and not (channel == "stick" and simulated.silent(one))
     )
 
@@ -113,6 +114,9 @@ def _known(data: StickData) -> dict[str, bool]:
         "time": data.time_known and data.records.span > 0.0,
         "since": data.time_known and data.records.hold_span > 0.0,
         "sign": data.direction_known,
+        # Without a thermometer it is a drift.
+        "temperature": data.records.temperature is not None
+        and np.ptp(data.records.temperature) > 0,
     }
 
 
@@ -178,5 +182,24 @@ def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
 
 
 def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
-    force = np.unique(data.records.force, return_inverse=True)[1]
-    return {"force": force, "hold": data.hold}
+    """Parts to leave out: forces and holds, and of what else is known and varies quarters, or
+    directions of a force, or groups.
+    """
+    records, known = data.records, _known(data)
+    along = {
+        "time": records.time - records.since,
+        "since": records.since,
+        "temperature": records.temperature,
+    }
+    found = {name: _quarters(values) for name, values in along.items() if known[name]}
+    found["force"] = np.unique(records.force, return_inverse=True)[1]
+    found["hold"] = data.hold
+    if known["sign"]:
+        found["sign"] = np.unique(3 * found["force"] + records.sign, return_inverse=True)[1]
+    return found if data.group is None else found | {"group": data.group}
+
+
+def _quarters(values: ndarray) -> Int[ndarray, " datum"]:
+    """Number of each value's quarter of all."""
+    edges = np.quantile(values, (0.25, 0.5, 0.75))
+    return np.unique(np.searchsorted(edges, values), return_inverse=True)[1]

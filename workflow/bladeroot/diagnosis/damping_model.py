@@ -35,7 +35,7 @@ def damping_data(seen: xr.Dataset, stick: StickData) -> DampingData | None:
     if not kept.size:
         return None
     r = stick.records
-    parts = {k: getattr(r, k)[kept] for k in ("mode", "force", "sign", "time", "since")}
+    parts = {k: v[kept] for k, v in vars(r).items() if isinstance(v, ndarray)}
     here = replace(
         stick,
         records=replace(r, **parts),

@@ -17,6 +17,7 @@ from bladeroot.diagnosis.channel import (
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.events import one_of_each_event
+from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.diagnosis.records import Faulty, faulty_records
@@ -25,6 +26,7 @@ from bladeroot.diagnosis.simulation.parametric import parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.per_mode import of_modes
 
 GAUGE_AND_LEVEL = ("force-gain", "force-offset")
 
@@ -88,6 +90,7 @@ def diagnose(
     seen = one_of_each_event(seen)
     simulated = simulation_of(seen, model, settings)
     modes = simulated.modes
+    candidates = [of_modes(one, len(modes)) for one in candidates]
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)
@@ -172,6 +175,9 @@ def _ruled_out(settings: Settings) -> dict[str, str]:
     """Mechanisms that the campaign says are not there, and how."""
     if settings.least_force > 0.0:
         return {"incomplete-contact": "the campaign says that contact is full at the forces used"}
+    seated, std = settings.splits.get("pressure film", (np.inf, 0.0))
+    if seated < SIGMAS * std:
+        return {"incomplete-contact": "a pressure-sensitive film shows full contact at any load"}
     return {}
 
 

@@ -13,6 +13,7 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points
+from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.rom.changed import changed_model
 from bladeroot.rom.parametric import ritz_of
 from bladeroot.rom.sensitivity import Change
@@ -82,6 +83,7 @@ def read(document: Mapping, catalogue: Sequence[Mechanism]) -> Extension:
             )
         one = by_id[entry["mechanism"]]
         one = one.of_form(entry.get("form", one.form))
+        one = of_modes(one, modes_of(one, set(entry["parameters"])))
         if lacks := [p.name for p in one.parameters if p.name not in entry["parameters"]]:
             raise ValueError(f"the extension's {one.id} lacks {', '.join(lacks)}")
         values = [entry["parameters"][p.name]["value"] for p in one.parameters]

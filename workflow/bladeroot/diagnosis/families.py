@@ -60,12 +60,15 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
         return mechanism, 0.0
     value, std = known.splits[mechanism.measured_by]
     first = mechanism.parameters[0]
-    weight = 1.0 / (1.0 / first.std**2 + 1.0 / std**2)
-    mean = weight * (first.mean / first.std**2 + value / std**2)
+    shown = max(value, std) if first.log else value
+    at, scale = first.coordinate(shown), first.slope(shown)
+    error = std / scale
+    weight = 1.0 / (1.0 / first.std**2 + 1.0 / error**2)
+    mean = first.value(weight * (first.start / first.std**2 + at / error**2))
     inside = float(np.clip(mean, first.low, first.high))
     parameter = replace(first, mean=inside, std=float(np.sqrt(weight)))
-    wide = np.hypot(first.std, std)
-    gain = -0.5 * ((value - first.mean) / wide) ** 2 - np.log(wide)
+    wide = np.hypot(first.std, error)
+    gain = -0.5 * ((at - first.start) / wide) ** 2 - np.log(wide * scale)
     gain += 0.5 * (value / std) ** 2 + np.log(std)
     changed = replace(mechanism, parameters=(parameter, *mechanism.parameters[1:]))
     return changed, float(gain)

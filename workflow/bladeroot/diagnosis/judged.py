@@ -12,7 +12,7 @@ from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import following, next_measurements
-from bladeroot.diagnosis.possible import impossible
+from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.linear import JOINT, Linear
 from bladeroot.diagnosis.simulation.own_range import (
@@ -75,6 +75,9 @@ def judge(
     if isinstance(simulation, pd.DataFrame):
         usual_bias = {"": BIAS_PERCENT / 100} | bias
         table = table_of(simulation, simulation.attrs["name"], usual_bias, offset)
+        reason = impossible_table(table, frequencies(seen, expected))
+        if reason:
+            return refused(seen, table.structure, reason)
         return with_table(seen, table, settings, candidates)
     if simulation.attrs.get("kind") == "assembly":
         return with_assembly(seen, simulation, settings, candidates, expected)

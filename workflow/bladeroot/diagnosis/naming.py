@@ -152,13 +152,23 @@ class _Search:
         rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
         return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
 
+    def _rival(self, model: Model) -> float:
+        """What a set counts as that is not surely there and explains more than any that is, of as
+        many causes: as much as these. Its law misses much, and so does theirs, which is no name.
+        """
+        sure = [
+            one.log_evidence for ids, one in self.models.items()
+            if self.allowed[ids] and len(ids) == len(model.ids) and not self._idle(one)
+        ]  # fmt: skip
+        return max(sure) if sure and max(sure) < model.log_evidence else -np.inf
+
     def weighed(self) -> Sets:
         """Probabilities of all sets that may be."""
         rows = []
         for ids, model in self.models.items():
             if not self.allowed[ids] or self._idle(model):
                 if ids in self.unsure:
-                    rows.append(Weighed(ids, self.unsure[ids]))
+                    rows.append(Weighed(ids, max(self.unsure[ids], self._rival(model))))
                 continue
             step = self.steps.get(ids)
             gains = np.array(list(step.smooth.values())) if step else np.zeros(0)

@@ -7,6 +7,7 @@ measurement decides: the expected fall of the entropy of the verdict's probabili
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import accumulate
 
 import numpy as np
 import xarray as xr
@@ -20,7 +21,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
 from bladeroot.diagnosis.plausibility import sizes
-from bladeroot.diagnosis.posterior import Sets, entropy, inclusion
+from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
@@ -28,17 +29,33 @@ from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
+_NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
-_GRID = np.linspace(-8.0, 8.0, 801)  # standard deviations
+
+
+# Units and meaning of what is said of each measurement.
+COLUMNS = {
+    "decided": ("1", "expected part of what is open that the measurement decides"),
+    "hours": ("h", "laboratory time"),
+    "size_std": ("1", "expected standard deviation of the cause's size over the present one"),
+    "expected_ln_std": ("1", "expected standard deviation of ln k at the laws' reference load"),
+    "kind": ("", "what kind of further records, or which other test"),
+    "new_force": ("N", "axial force of the new records"),
+    "clampings": ("1", "new clampings"),
+}
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A possible set of causes of a channel: its model and its probability."""
+    """A possible set of causes of a channel: its model and its probability.
+
+    heat: by which the channel's evidence is divided.
+    """
 
     mechanisms: tuple[Mechanism, ...]
     fit: Fit
     probability: float
+    heat: float
 
 
 def kilonewtons(force: float) -> str:
@@ -61,32 +78,32 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     asked = _asked(made)
     whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
-    rows = [_row(made, asked, rivals, Option("", "as measured", np.nan), whole)]
-    options = [*of_facts(made), *of_records(made, told)]
-    others = [_row(made, asked, rivals, one, whole) for one in options]
-    rows += sorted(others, key=lambda row: -np.nan_to_num(row[1] / row[4]))
-    names, decided_, size, ln_std, hours, kinds, loads = zip(*rows, strict=True)
 
-    def var(dims, values, text: str, units: str = "1") -> tuple:
-        return (dims, np.array(values), {"units": units, "long_name": text})
+    def row(one: Option) -> dict:
+        return _row(made, asked, rivals, one, whole)
 
+    def rate(row: Mapping) -> float:
+        return float(np.nan_to_num(row["decided"] / row["hours"]))
+
+    tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
+    together = accumulate(tests, lambda some, one: some.with_test(one, made))
+    others = [*{one.what: row(one) for one in (*tests, *together)}.values()]
+    others += [max(map(row, some), key=rate) for some in of_records(made, told)]
+    rows = [row(Option("", "as measured", np.nan)), *sorted(others, key=rate, reverse=True)]
     found = xr.Dataset(
         {
-            "decided": var("option", decided_, "expected part of what is open that the measurement "
-                           "decides"),
-            "hours": var("option", hours, "laboratory time", "h"),
-            "size_std": var("option", size, "expected standard deviation of the cause's size over "
-                            "the present one"),
-            "expected_ln_std": var(("option", "stiffness"), ln_std, "expected standard deviation "
-                                   "of ln k at the laws' reference load"),
-            "kind": var("option", kinds, "what kind of further records, or which other test", ""),
-            "new_force": var("option", loads, "axial force of the new records", "N"),
+            name: (
+                ("option", "stiffness") if name == "expected_ln_std" else "option",
+                np.array([one[name] for one in rows]),
+                {"units": unit, "long_name": text},
+            )
+            for name, (unit, text) in COLUMNS.items()
         },
         coords={
-            "option": list(names),
+            "option": [one["option"] for one in rows],
             "stiffness": np.array(_stiffnesses(made), dtype=str),
         },
-    )  # fmt: skip
+    )
     found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
 
@@ -102,6 +119,7 @@ def following(found: xr.Dataset) -> list[dict]:
             "hours": round(float(one["hours"]), 3),
             "decides": round(float(one["decided"]), 4),
             "load": None if np.isnan(one["new_force"]) else float(one["new_force"]),
+            "clampings": int(one["clampings"]),
         }
         for one in (found.isel(option=k) for k in range(1, found.sizes["option"]))
         if float(one["decided"]) > 0.0
@@ -120,7 +138,17 @@ def _asked(made: Diagnosis) -> set[str]:
         if len(cause.credible) > 1
     } | {found.insufficient for found in made.found if found.insufficient}
     known = {name for found in made.found for name in found.alone}
-    return shown & known or {name for found in made.found for name in found.open} & known
+    asks = (
+        shown,
+        {name for found in made.found for name in found.open},
+        {name for found in made.found if found.unexplained for name in _nearest(found)},
+    )
+    return next((some & known for some in asks if some & known), set())
+
+
+def _nearest(found: Found) -> list[str]:
+    """The mechanisms that come nearest to what none explains."""
+    return sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)[:_NEAREST]
 
 
 def _open_nats(made: Diagnosis, asked: set[str]) -> float:
@@ -150,12 +178,14 @@ def _rivals(found: Found, asked: set[str]) -> list[Rival]:
         if key in fitted and key - here <= asked
     }
     order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
-    return [Rival(*fitted[key], sets[key]) for key in order]
+    reach = max((m.log_evidence for m in found.alone.values()), default=0.0)
+    heat = temperature(reach, found.known.replicates)
+    return [Rival(*fitted[key], sets[key], heat) for key in order]
 
 
 def _row(
     made: Diagnosis, asked: set[str], rivals: Mapping[str, list[Rival]], one: Option, whole: float
-) -> tuple:
+) -> dict:
     stick = rivals["stick"]
     base = next(found for found in made.found if found.channel.name == "stick").channel.base
     first = max((r for r in stick if r.mechanisms), key=lambda r: r.probability, default=stick[0])
@@ -184,8 +214,16 @@ def _row(
         at = np.array([pivot])
         rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
-    part = gained / whole if whole > 0.0 else np.nan
-    return one.what, part, ratio, ln_std, one.hours, one.kind, load
+    return {
+        "option": one.what,
+        "decided": min(gained / whole, 1.0) if whole > 0.0 else np.nan,
+        "hours": one.hours,
+        "size_std": ratio,
+        "expected_ln_std": ln_std,
+        "kind": one.kind,
+        "new_force": load,
+        "clampings": 0 if one.hold is None else np.unique(one.hold).size,
+    }
 
 
 def _gained(
@@ -194,10 +232,16 @@ def _gained(
     """Nats that data at `new` decide between a channel's sets."""
     if len(rivals) < 2:
         return 0.0
-    odds = np.array([one.probability for one in rivals])
     predicted = [_predicted(p, r.fit, old, new) for p, r in zip(problems, rivals, strict=True)]
+    return _nats(predicted, np.array([one.probability for one in rivals]), rivals[0].heat)
+
+
+def _nats(predicted: Sequence[tuple], odds: Float[ndarray, " rival"], heat: float = 1.0) -> float:
+    """Nats that data of such predictions decide between rivals of such odds."""
     share = odds / odds.sum()
-    return float(odds.sum() * decided(predicted, share) * -(share @ np.log(share)))
+    if not share.min() > 0.0:
+        return 0.0
+    return float(odds.sum() * decided(predicted, share, heat) * -(share @ np.log(share)))
 
 
 def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tuple[ndarray, ...]:
@@ -232,7 +276,7 @@ def _by_facts(
     """
     sets, gained = probabilities(made), 0.0
     for found in made.found:
-        for name in facts.keys() & found.alone.keys() & asked:
+        for name in sorted(facts.keys() & found.alone.keys() & asked):
             (value, std), *_ = sizes(
                 found.alone[name].causes[0], found.alone[name].fit, found.channel.base
             )
@@ -241,29 +285,14 @@ def _by_facts(
                 odds = min(odds, 0.5)
             there = (np.array([value]), np.array([[std**2 + facts[name] ** 2]]))
             absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
-            gained += _of_one(absent, there, odds)
+            gained += _nats([absent, there], np.array([1.0 - odds, odds]))
     covariance = first.fit.covariance
-    name = first.mechanisms[0].id if first.mechanisms else ""
-    if name in facts:
-        column = covariance[:, base]
-        covariance = covariance - np.outer(column, column) / (column[base] + facts[name] ** 2)
+    if first.mechanisms and first.mechanisms[0].id in facts:
+        size, column = first.mechanisms[0].parameters[0], covariance[:, base]
+        slope = size.slope(size.value(float(first.fit.parameters[base])))
+        error = facts[first.mechanisms[0].id] / slope
+        covariance = covariance - np.outer(column, column) / (column[base] + error**2)
     return gained, covariance
-
-
-def _of_one(absent: tuple, there: tuple, odds: float) -> float:
-    """Mutual information (nats) of a number and of whether a cause of such odds is there."""
-    if not 0.0 < odds < 1.0:
-        return 0.0
-    places = [m[0] + np.sqrt(v[0, 0]) * _GRID for m, v in (absent, there)]
-    y = np.sort(np.concatenate(places))
-    p, q = (
-        np.exp(-0.5 * (y - m[0]) ** 2 / v[0, 0]) / np.sqrt(2.0 * np.pi * v[0, 0])
-        for m, v in (absent, there)
-    )
-    both = np.maximum((1.0 - odds) * p + odds * q, 1e-300)
-    inside = (1.0 - odds) * p * np.log(np.maximum(p, 1e-300) / both)
-    inside += odds * q * np.log(np.maximum(q, 1e-300) / both)
-    return float(np.trapezoid(inside, y))
 
 
 def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
@@ -290,28 +319,31 @@ def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, nda
     """Curve data with the levels nearest to a force once more, there; rows of old and new data."""
     points, count = data.points, data.points.mode.size
     off = np.abs(np.log(points.force / force))
-    near = np.array([off[k] <= off[points.mode == points.mode[k]].min() for k in range(count)])
-    extra = np.flatnonzero(near)
-    rows = np.concatenate([np.arange(count), extra])
+    least = np.array(
+        [off[points.mode == mode].min(initial=np.inf) for mode in range(len(data.modes))]
+    )
+    rows = np.concatenate([np.arange(count), np.flatnonzero(off <= least[points.mode])])
+    new = np.arange(rows.size) >= count
     there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
-    there.force[count:] = force
-    both = np.concatenate([rows, rows + count])
-    noise = data.noise[np.ix_(both, both)]
-    new = np.tile(np.arange(rows.size) >= count, 2)
-    noise[np.ix_(new, ~new)] = noise[np.ix_(~new, new)] = 0.0
-    levels = data.level[rows] + np.where(np.arange(rows.size) >= count, data.level.max() + 1, 0)
+    there.force[new] = force
+    both, fresh = np.concatenate([rows, rows + count]), np.tile(new, 2)
+    noise = data.noise[np.ix_(both, both)] * (fresh[:, None] == fresh)
+    level = np.unique(data.level[rows] + new * (data.level.max() + 1), return_inverse=True)[1]
     made = CurveData(
-        data.modes, there, data.value[both], noise, np.unique(levels, return_inverse=True)[1],
-        data.records[rows], data.stuck[rows],
-    )  # fmt: skip
-    return made, np.flatnonzero(~new), np.flatnonzero(new)
+        data.modes, there, data.value[both], noise, level, data.records[rows], data.stuck[rows]
+    )
+    return made, np.flatnonzero(~fresh), np.flatnonzero(fresh)
 
 
 def decided(
-    predicted: Sequence[tuple[ndarray, ndarray]], odds: Float[ndarray, " rival"] | None = None
+    predicted: Sequence[tuple[ndarray, ndarray]],
+    odds: Float[ndarray, " rival"] | None = None,
+    heat: float = 1.0,
 ) -> float:
     """Expected fall of the entropy between Gaussian predictions (mean, covariance) of the same
     data, over that entropy; of such odds (equal ones), by draws. NaN for one.
+
+    heat: by which the verdict will divide the evidence, as laws are not exact.
     """
     count = len(predicted)
     if count < 2:
@@ -325,7 +357,7 @@ def decided(
         log = np.stack(
             [_log_density(drawn, m, r) for (m, _), r in zip(predicted, roots, strict=True)]
         )
-        log += np.log(share)[:, None] - log.max(axis=0)
+        log = (log - log.max(axis=0)) / heat + np.log(share)[:, None]
         after = np.exp(log) / np.exp(log).sum(axis=0)
         left += -p * np.sum(after * np.log(np.maximum(after, 1e-300)), axis=0).mean()
     return float(np.clip(1.0 + left / (share @ np.log(share)), 0.0, 1.0))

@@ -28,6 +28,7 @@ RECORD = {
     "hold": ("", "clamping of the specimen, empty: unknown"),
     "direction": ("", "up (loading), down (unloading), empty: unknown"),
     "time": ("s", "start since the campaign began"),
+    "temperature": ("C", "temperature of the record"),
     "stick_frequency": ("Hz", "frequency of the stick plateau"),
     "stick_frequency_std": ("Hz", "its standard error within the record"),
     "stick_loss_factor": ("1", "loss factor of the stick plateau"),
@@ -79,12 +80,13 @@ def observed(
     """`observations` with what the campaign says of itself, and how its groups differ.
 
     facts: `same_everywhere` (load's unit), `of_reading` and `scale` of the gauge, `laser_x` (m, by
-    mode), `time` (s, by record), as of `bladeroot.io.facts.observation_facts`.
+    mode), `time` (s) and `temperature` (C) by record, as of `bladeroot.io.facts.observation_facts`.
     """
     forces = stick["record_force" if len(decays) else "force"].values
     step = reading_step(forces, facts["scale"]) if facts["scale"] else 0.0
     gauge = Gauge(facts["same_everywhere"], facts["of_reading"], step)
-    seen = observations(stick, decays, integrity, gauge, facts["laser_x"], facts["time"])
+    by_record = {name: facts.get(name, {}) for name in ("time", "temperature")}
+    seen = observations(stick, decays, integrity, gauge, facts["laser_x"], by_record)
     bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
     rejected = dict(zip(stick["record"].values.astype(str), bad.tolist(), strict=True))
     differences = group_differences(decays, [rejected[one.attrs["record"]] for one in decays])
@@ -97,13 +99,14 @@ def observations(
     integrity: xr.Dataset | None,
     gauge: Gauge,
     laser_x: Mapping[str, float],
-    time: Mapping[str, float] | None = None,
+    by_record: Mapping[str, Mapping[str, float]] | None = None,
 ) -> xr.Dataset:
     """The records of a campaign as the diagnosis takes them.
 
     stick: from `bladeroot.pooling.stick`; decays: curves of the same records, empty where the
     campaign begins at a table, whose rows are then the records. integrity: from
-    `bladeroot.pooling.judgement`. laser_x: m, by mode. time: s since the campaign began, by record.
+    `bladeroot.pooling.judgement`. laser_x: m, by mode. by_record: `time` (s since the campaign
+    began) and `temperature` (C) of records.
 
     Returns:
         dims record and amplitude (m, `POINTS_A_DECADE` a decade, common to all, 0 long for a
@@ -116,7 +119,8 @@ def observations(
     for row in rows:
         decay = by_name.get(row["record"])
         row["findings"] = ";".join(sorted(found.get(row["record"], ())))
-        row["time"] = float((time or {}).get(row["record"], np.nan))
+        for name in ("time", "temperature"):
+            row[name] = float((by_record or {}).get(name, {}).get(row["record"], np.nan))
         # a sheet without holds names each record's own; with several sensors, each event's
         if row["hold"] == row["record"]:
             row["hold"] = ""
@@ -158,11 +162,7 @@ def observations(
         attrs={
             "simulated": int(stick.attrs.get("simulated", 0)),
             "campaign": str(stick.attrs.get("campaign", "")),
-            **{
-                name: stick.attrs[name]
-                for name in ("load_name", "load_unit")
-                if name in stick.attrs
-            },
+            **{n: stick.attrs[n] for n in ("load_name", "load_unit") if n in stick.attrs},
             "gauge_full_scale_std_N": float(gauge.full_scale_std),
             "gauge_relative_std": float(gauge.relative_std),
             "gauge_resolution_N": float(gauge.resolution),
@@ -197,15 +197,11 @@ def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"
     """The rows of a table as records, and what each scatters about a smooth law (Hz)."""
     mode, force = stick["mode"].values.astype(str), stick["force"].values
     rows = [
-        {
+        dict.fromkeys(("hold", "direction", "group", "event", "sensor"), "")
+        | {
             "record": f"{mode[i]}-{force[i]:.0f}{stick.attrs.get('load_unit', 'N')}",
             "mode": mode[i],
             "force": float(force[i]),
-            "hold": "",
-            "direction": "",
-            "group": "",
-            "event": "",
-            "sensor": "",
             "stick_frequency": float(stick["frequency"].values[i]),
             "stick_frequency_std": float(stick["stated_std"].values[i]),
             "stick_loss_factor": float(stick["loss_factor"].values[i]),

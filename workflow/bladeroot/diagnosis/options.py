@@ -1,7 +1,7 @@
 """Measurements that may come next: tests beside the campaign, and further records."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Int
@@ -11,17 +11,18 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.mechanisms.mechanism import Records
 
-# Hours of laboratory time: of a clamping, of a record in it, and of tests beside the campaign. A
-# campaign's own stand in its `costs`.
+# Hours of laboratory time: of going to the rig at all (half a day to find, set up, analyse), of a
+# clamping, of a record in it, and of tests beside the campaign. A campaign's own: its `costs`.
 COSTS = {
+    "visit": 4.0,
     "clamping": 0.5,
     "record": 0.1,
     "load cell": 3.0,
     "weighing": 1.0,
     "free-free": 2.0,
     "rig stiffness": 2.0,
+    "pressure film": 3.0,
 }
-SHARED = 0.5  # hours that two tests save which need the beam taken out once
 # Tests beside the campaign: a phrase, and by the mechanism whose first parameter each measures how
 # well.
 FACTS = {
@@ -35,10 +36,14 @@ FACTS = {
     ),
     "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
     "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
+    "pressure film": (
+        "pressure-sensitive film between the flanks (seating force to 500 N)",
+        {"incomplete-contact": 500.0},
+    ),
 }
-TOGETHER = (("load cell", "rig stiffness"), ("weighing", "free-free"))
-CLAMPINGS = 2  # of a proposal, at each load and direction
-_LONG, _STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in that time
+CLAMPINGS = (2, 4, 8)  # of a proposal, in each direction
+# Times (s) in a clamping that is kept, of records of each mode.
+KEPT = (0.0, 720.0, 1440.0, 2160.0, 2880.0, 3600.0)
 
 
 @dataclass(frozen=True)
@@ -53,80 +58,93 @@ class Option:
     hours: float
     records: Records | None = None
     hold: Int[ndarray, " record"] | None = None
-    facts: Mapping[str, float] | None = None
+    facts: Mapping[str, float] = field(default_factory=dict)
+
+    def with_test(self, other: "Option", made: Diagnosis) -> "Option":
+        """This test and another one in one visit."""
+        return Option(
+            f"{self.kind} and {other.kind}",
+            f"{self.what}, and {other.what}",
+            self.hours + other.hours - _hours(made)["visit"],
+            facts={**self.facts, **other.facts},
+        )
+
+
+def _hours(made: Diagnosis) -> dict[str, float]:
+    return COSTS | dict(made.settings.costs)
 
 
 def of_facts(made: Diagnosis) -> list[Option]:
     """Tests beside the campaign of mechanisms that are judged and not measured yet."""
-    hours = COSTS | dict(made.settings.costs)
+    hours = _hours(made)
     open_ = {
         one.id
         for found in made.found
         for one in found.channel.candidates
         if one.measured_by not in made.known.splits
     }
-    useful = {
-        kind: {name: std for name, std in facts.items() if name in open_}
-        for kind, (_, facts) in FACTS.items()
-    }
-    options = [
-        Option(kind, FACTS[kind][0], hours[kind], facts=facts)
-        for kind, facts in useful.items()
-        if facts
-    ]
-    for one, other in TOGETHER:
-        if useful[one] and useful[other]:
-            what = f"{FACTS[one][0]}, and {FACTS[other][0]}"
-            time = max(hours[one] + hours[other] - SHARED, hours[one], hours[other])
-            both = useful[one] | useful[other]
-            options.append(Option(f"{one} and {other}", what, time, facts=both))
+    options = []
+    for kind, (what, facts) in FACTS.items():
+        useful = {name: std for name, std in facts.items() if name in open_}
+        if useful:
+            options.append(Option(kind, what, hours["visit"] + hours[kind], facts=useful))
     return options
 
 
-def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[Option]:
-    """Further records: all again, other loads, both directions, a clamping that is kept."""
-    data, hours = made.data, COSTS | dict(made.settings.costs)
-    records, modes = data.records, len(data.modes)
-    options = []
+def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Option]]:
+    """Further records, of each kind in several sizes: all again, other loads, both directions,
+    clampings that are kept.
+    """
+    data, hours = made.data, _hours(made)
+    records = data.records
 
-    def propose(kind: str, what: str, new: Records, hold: ndarray) -> None:
+    def option(kind: str, what: str, new: Records, hold: ndarray) -> Option:
         time = np.unique(hold).size * hours["clamping"] + new.mode.size * hours["record"]
-        options.append(Option(kind, what, time, new, hold))
+        return Option(kind, what, hours["visit"] + time, new, hold)
 
-    holds = np.unique(data.hold, return_inverse=True)[1]
-    propose("all again", "the whole campaign once more", records, holds)
+    def sized(kind: str, what: str, force: float, signs=(0.0,), since=(0.0,)) -> list[Option]:
+        new = {n: _clampings(data, force, [*signs] * n, since) for n in CLAMPINGS}
+        text = what.format(told(force))
+        return [option(kind, f"{n} {text}", *new[n]) for n in CLAMPINGS]
+
     top, bottom = float(records.force.max()), float(records.force.min())
     higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
+    middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
     if made.simulated.kind == "structure":
         low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
         higher, lower = min(higher, high), max(lower, low)
-    if top > bottom or made.simulated.kind == "structure":
-        for force, worth in ((higher, higher > 1.05 * top), (lower, lower < 0.95 * bottom)):
-            if worth:
-                what = f"{CLAMPINGS} clampings at {told(force)}, every mode"
-                propose("another load", what, *_clampings(data, force, [0.0] * CLAMPINGS))
-    middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
+    elif top == bottom:
+        higher = lower = top
+    holds = np.unique(data.hold, return_inverse=True)[1]
+    options = [[option("all again", "the whole campaign once more", records, holds)]]
+    if higher > 1.05 * top:
+        options.append(sized("another load", "clampings at {}, every mode", higher))
+    if lower < 0.95 * bottom:
+        options.append(sized("another load", "clampings at {}, every mode", lower))
     if data.direction_known:
-        what = f"{CLAMPINGS} clampings up and {CLAMPINGS} down at {told(middle)}, every mode"
-        propose("both directions", what, *_clampings(data, middle, [1.0, -1.0] * CLAMPINGS))
+        what = "clampings up and as many down at {}, every mode"
+        options.append(sized("both directions", what, middle, (1.0, -1.0)))
     if data.time_known:
-        late = np.repeat(np.linspace(0.0, _LONG, _STEPS), modes)
-        new, hold = _clampings(data, middle, [0.0] * _STEPS)
-        new = replace(new, since=late, time=new.time + late, hold_span=max(_LONG, new.hold_span))
-        propose(
-            "kept clamping",
-            f"a clamping at {told(middle)} kept for an hour, {_STEPS} records of every mode",
-            new, np.zeros_like(hold),
-        )  # fmt: skip
+        what = f"clampings at {{}} kept for an hour, {len(KEPT)} records of every mode"
+        options.append(sized("kept clamping", what, middle, since=KEPT))
     return options
 
 
-def _clampings(data: StickData, force: float, signs: Sequence[float]) -> tuple[Records, ndarray]:
-    """New holds at a force, each with every mode, at the end of the campaign."""
-    modes, count = len(data.modes), len(signs)
-    n = count * modes
+def _clampings(
+    data: StickData, force: float, signs: Sequence[float], since: Sequence[float]
+) -> tuple[Records, ndarray]:
+    """New holds at a force, one a sign, each with every mode at such times (s) in it, one after the
+    other at the end of the campaign; the last temperature stays.
+    """
+    modes, old = len(data.modes), data.records
+    hold, late, mode = (
+        part.ravel()
+        for part in np.meshgrid(np.arange(len(signs)), since, np.arange(modes), indexing="ij")
+    )
+    warm = old.temperature
     records = Records(
-        np.tile(np.arange(modes), count), np.full(n, force), np.repeat(signs, modes),
-        np.full(n, data.records.span), np.zeros(n), data.records.span, data.records.hold_span,
+        mode, np.full(mode.size, force), np.array(signs)[hold], old.span + hold * late.max() + late,
+        late, old.span, max(late.max(), old.hold_span),
+        None if warm is None else np.full(mode.size, warm[np.argmax(old.time)]),
     )  # fmt: skip
-    return records, np.repeat(np.arange(count), modes)
+    return records, hold

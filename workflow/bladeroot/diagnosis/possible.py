@@ -8,6 +8,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.simulation.table import Table
 from bladeroot.rom import chebyshev
 from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
 
@@ -53,6 +54,32 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
         "stiffness and load of its model comes nearer to the measured frequencies than "
         f"{', '.join(pairs)}, where {FACTOR:g} times its stated error of "
         f"{100 * float(stated.max()):.2g} % would be {100 * FACTOR * float(stated.max()):.3g} %"
+    )
+
+
+def impossible_table(table: Table, measured: Mapping[str, float]) -> str:
+    """The same of a table, at any of its loads: its sensitivities move it two standard deviations.
+
+    Columns that are exchanged, or another unit of frequency, show here.
+    """
+    far = []
+    for name, ln_f, own, bias in zip(
+        table.modes, table.ln_f, table.sensitivities, table.bias, strict=True
+    ):
+        if name in measured:
+            miss = np.abs(ln_f - np.log(measured[name])) - 2.0 * np.abs(own) @ table.std
+            nearest = float(np.exp(ln_f[int(np.argmin(miss))]))
+            there = measured[name]
+            if miss.min() > FACTOR * bias:
+                text = f"{nearest:.4g} Hz for {name} at {there:.4g} Hz ({_off(nearest / there)})"
+                far.append((float(miss.min() / bias), text, float(bias)))
+    if not far:
+        return ""
+    _, text, bias = max(far)
+    return (
+        f"{table.structure or 'the table'} cannot be of this specimen: at none of its loads does "
+        f"it come nearer to the measured frequencies than {text}, where {FACTOR:g} times its "
+        f"stated error of {100 * bias:.2g} % would be {100 * FACTOR * bias:.3g} %"
     )
 
 

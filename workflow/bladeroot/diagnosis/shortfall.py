@@ -23,6 +23,7 @@ def of_records(
         "time, through the contact": records.time,
         "time in a hold": records.since,
         "direction": records.sign,
+        "temperature": records.temperature,
     }.get(smooth_in, np.log(records.force))
     entries = []
     for number, mode in enumerate(data.modes):

@@ -25,6 +25,10 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign
+KELVIN = 3.0  # of temperature
+# K by which a thermometer is off the beam, half of it for an hour (s), half of a record; K from the
+# mean below which a temperature is none.
+READING, HOUR, LEAST_KELVIN = 0.2, 3600.0, 0.01
 LEAST_LIMIT = 5e-3  # of a frequency: a limit that is known worse says less than a clamping scatters
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 # Where so many of the records have a time, the others are left out rather than all laws of time.
@@ -91,6 +95,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         since=since,
         span=float(time.max(initial=0.0)),
         hold_span=float(since.max(initial=0.0)),
+        temperature=_kelvin(seen, row),
     )
     return StickData(
         tuple(modes),
@@ -108,6 +113,12 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         every.size - row.size,
         shared[row],
     )
+
+
+def _kelvin(seen: xr.Dataset, row: ndarray) -> Float[ndarray, " record"] | None:
+    """Temperatures off their mean, K; None where one is not known."""
+    known = seen["temperature"].values[row] if "temperature" in seen else np.full(row.size, np.nan)
+    return known - known.mean() if row.size and np.isfinite(known).all() else None
 
 
 def _with_limits(seen: xr.Dataset, frequency: ndarray, std: ndarray) -> tuple[ndarray, ...]:
@@ -215,11 +226,22 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         "time": lambda: near(records.time, TIME_LENGTH * max(records.span, 1.0)),
         "since": lambda: near(records.since, max(records.hold_span, 1.0)),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
+        "temperature": lambda: _of_thermometer(records),
     }
     whole = same_mode(data).astype(float)
     for name in over:
         whole = whole * kernels[name]()
     return whole
+
+
+def _of_thermometer(records: Records) -> Float[ndarray, "record record"]:
+    """Correlation of the errors of a law of temperature, with those of the readings, which are as
+    large at the mean.
+    """
+    kelvin = records.temperature
+    kelvin = np.where(np.abs(kelvin) < LEAST_KELVIN, LEAST_KELVIN, kelvin)
+    readings = 0.5 * (READING / TRUST) ** 2 * (near(records.time, HOUR) + np.eye(kelvin.size))
+    return near(kelvin, KELVIN) + readings / np.outer(kelvin, kelvin)
 
 
 def same_mode(data: StickData) -> Bool[ndarray, "record record"]:

@@ -22,7 +22,7 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
     """Factor a symmetric, well-conditioned matrix; the result solves for one or many columns.
 
     Symmetric mode keeps pivots on the diagonal: half the fill of the general ordering. ValueError
-    if the matrix is singular, or is but for rounding.
+    if the matrix is singular, or is but for rounding, and if a random load finds it not positive.
     """
     try:
         lu = spla.splu(
@@ -35,9 +35,14 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
         raise ValueError(_singular(matrix)) from None
     scale = np.sqrt(np.abs(matrix.diagonal()))  # so that units and stiff springs do not count
     probe = np.random.default_rng(0).standard_normal(matrix.shape[0])
-    gain = np.linalg.norm(scale * lu.solve(scale * probe)) / np.linalg.norm(probe)
-    if not gain < _SINGULAR:
+    answer = scale * lu.solve(scale * probe)
+    if not np.linalg.norm(answer) < _SINGULAR * np.linalg.norm(probe):
         raise ValueError(_singular(matrix))
+    if not probe @ answer > 0.0:
+        raise ValueError(
+            f"expected a positive definite stiffness of {matrix.shape[0]} dofs, got one that moves "
+            "against a load: a sign, or mass and stiffness exchanged"
+        )
 
     def solve(right: ndarray) -> ndarray:
         if right.ndim == 1:

@@ -4,6 +4,7 @@ Plain 8-node hexahedra lock in bending; quadratic ones do not, and one element a
 five along the width puts 3 x 11 = 33 nodes on it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy import ndarray
 
 from bladeroot.fem.geometry import Structure, flank_ends, jaw_inner_face, profile_edges
 from bladeroot.fem.outline import Edge, cut
+from bladeroot.variables import dataset
 
 FLANKS = ("Xn-bottom", "Xn-top", "Xp-bottom", "Xp-top")
 SLOTS = ("Xn", "Xp")
@@ -249,72 +251,31 @@ def build_mesh(structure: Structure, with_pad: bool | None = None) -> xr.Dataset
     gap = abs(nodes[np.concatenate(pairs)] - nodes[np.concatenate(partners)]).max()
     if not gap <= 1e-8:
         raise ValueError(f"contact nodes of beam and slots must coincide, largest gap {gap:.1e} m")
-    return xr.Dataset(
-        {
-            "node_position": (
-                ("node", "axis"),
-                nodes,
-                {"units": "m", "long_name": "node position"},
-            ),
-            "element_nodes": (
-                ("element", "local_node"),
-                np.concatenate(
-                    [body.elements + s for body, s in zip(bodies, starts[:-1], strict=True)]
-                ),
-                {"units": "1", "long_name": "nodes of each 27-node hexahedron"},
-            ),
-            "element_part": (
-                "element",
-                np.concatenate([body.part for body in bodies]),
-                {"units": "1", "long_name": "0: the body's own material, 1: pad"},
-            ),
-            "element_body": (
-                "element",
-                np.repeat(np.arange(3), [len(body.elements) for body in bodies]),
-                {"units": "1", "long_name": "0: beam, 1: slot Xn, 2: slot Xp"},
-            ),
-            "node_body": (
-                "node",
-                np.repeat(np.arange(3), np.diff(starts)),
-                {"units": "1", "long_name": "0: beam, 1: slot Xn, 2: slot Xp"},
-            ),
-            "pair_node": (
-                ("pair", "pair_side"),
-                np.stack([np.concatenate(pairs), np.concatenate(partners)], axis=1),
-                {"units": "1", "long_name": "coincident nodes of beam and slot"},
-            ),
-            "pair_flank": (
-                "pair",
-                np.repeat(np.arange(4), len(pairs[0])),
-                {"units": "1", "long_name": "flank of each pair: " + ", ".join(FLANKS)},
-            ),
-            "pair_weight": (
-                "pair",
-                np.tile(flank_weights(structure), 4),
-                {"units": "m2", "long_name": "area of each contact node (Simpson)"},
-            ),
-            "flank_frame": (
-                ("flank", "local", "axis"),
-                flank_frames(structure),
-                {
-                    "units": "1",
-                    "long_name": "local axes: normal out of the beam, along Y, along the slope",
-                    "source": "eq. 5.3",
-                },
-            ),
-            "display_node": (
-                "display",
-                display_nodes(structure, beam),
-                {"units": "1", "long_name": "nodes on the middle line of the upper face"},
-            ),
-        },
-        coords={"axis": list("XYZ"), "flank": list(FLANKS), "pair_side": ["beam", "slot"]},
-        attrs={
-            "structure": structure.name,
-            "description": structure.description,
-            "with_pad": int(with_pad),
-        },
-    )
+    made = {
+        "node_position": nodes,
+        "element_nodes": np.concatenate(
+            [body.elements + s for body, s in zip(bodies, starts[:-1], strict=True)]
+        ),
+        "element_part": np.concatenate([body.part for body in bodies]),
+        "element_body": np.repeat(np.arange(3), [len(body.elements) for body in bodies]),
+        "node_body": np.repeat(np.arange(3), np.diff(starts)),
+        "pair_node": np.stack([np.concatenate(pairs), np.concatenate(partners)], axis=1),
+        "pair_flank": np.repeat(np.arange(4), len(pairs[0])),
+        "pair_weight": np.tile(flank_weights(structure), 4),
+        "flank_frame": flank_frames(structure),
+        "display_node": display_nodes(structure, beam),
+    }
+    return mesh_dataset(made, structure.name, structure.description, with_pad)
+
+
+def mesh_dataset(
+    values: Mapping[str, ndarray], structure: str, description: str, with_pad: bool = False
+) -> xr.Dataset:
+    """`mesh.nc`, whoever made the mesh."""
+    made = dataset("fem/mesh", values)
+    made = made.assign_coords(axis=list("XYZ"), flank=list(FLANKS), pair_side=["beam", "slot"])
+    about = {"structure": structure, "description": description, "with_pad": int(with_pad)}
+    return made.assign_attrs(about)
 
 
 def body_mesh(mesh: xr.Dataset, body: int) -> tuple[Mesh, int]:

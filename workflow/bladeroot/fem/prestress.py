@@ -14,6 +14,7 @@ from bladeroot.fem import elasticity
 from bladeroot.fem.geometry import Material, Structure
 from bladeroot.fem.linear import factor
 from bladeroot.fem.mesh import Mesh, body_mesh
+from bladeroot.variables import dataset
 
 
 def materials_of(structure: Structure, mesh: xr.Dataset, body: int) -> list[Material]:
@@ -97,46 +98,15 @@ def prestress(structure: Structure, mesh: xr.Dataset) -> xr.Dataset:
     # Virtual work of a uniform stretch along X: the mean axial stress times the volume.
     volume_stress = np.einsum("eqij,eq->ij", stresses, rule.volumes)
     work = loads.T @ beam.nodes
-    return xr.Dataset(
-        {
-            "load": (
-                ("beam_node", "axis"),
-                loads,
-                {
-                    "units": "N/N",
-                    "long_name": "nodal load on the beam per axial force",
-                    "source": "section 4.3",
-                },
-            ),
-            "displacement": (
-                ("beam_node", "axis"),
-                displacement,
-                {"units": "m/N", "long_name": "static displacement per axial force"},
-            ),
-            "stress": (
-                ("beam_element", "gauss_point", "axis", "axis_"),
-                stresses,
-                {"units": "Pa/N", "long_name": "stress per axial force", "source": "eq. 4.2"},
-            ),
-            "resultant": (
-                "rigid_motion",
-                rigid.T @ loads.ravel(),
-                {"units": "N/N, m", "long_name": "resultant force and moment of the loads"},
-            ),
-            "reaction": (
-                "support",
-                reactions,
-                {"units": "N/N", "long_name": "force in the six supports, zero for a free beam"},
-            ),
-            "virial_error": (
-                ("axis", "axis_"),
-                (volume_stress - (work + work.T) / 2) / np.abs(work).max(),
-                {
-                    "units": "1",
-                    "long_name": "volume integral of stress against the loads' virial, relative",
-                },
-            ),
-        },
-        coords={"axis": list("XYZ"), "rigid_motion": ["X", "Y", "Z", "Rx", "Ry", "Rz"]},
-        attrs={"structure": structure.name, "with_pad": mesh.attrs["with_pad"]},
+    made = {
+        "load": loads,
+        "displacement": displacement,
+        "stress": stresses,
+        "resultant": rigid.T @ loads.ravel(),
+        "reaction": reactions,
+        "virial_error": (volume_stress - (work + work.T) / 2) / np.abs(work).max(),
+    }
+    whole = dataset("fem/prestress", made).assign_attrs(
+        structure=structure.name, with_pad=mesh.attrs["with_pad"]
     )
+    return whole.assign_coords(axis=list("XYZ"), rigid_motion=["X", "Y", "Z", "Rx", "Ry", "Rz"])

@@ -37,24 +37,14 @@ def tractions(theory: xr.Dataset) -> Figure:
 
 
 def against_normal_force(theory: xr.Dataset) -> Figure:
-    """kt(N) and kn(N): closed form, quadrature, boundary elements, printed 4PR (figs 6.7, 6.8)."""
+    """kt(N) and kn(N): closed form, and with the printed 4PR (figs 6.7, 6.8)."""
     drawn, axes = panels(1, 2, 8.0, 3.4, sharex=True)
     force = 1e-3 * theory["normal_force"].values
-    at = theory["normal_force_theory"].sel(friction_state="T = 0").values
     for axis, name, figure in ((axes[0, 0], "kt", "6.7"), (axes[0, 1], "kn", "6.8")):
         axis.plot(force, 1e-9 * theory[name], color="black", label="closed form")
         axis.plot(
-            force, 1e-9 * theory[f"{name}_quadrature"], color=STRUCTURE_COLOURS[1], linestyle=":",
-            linewidth=2.4, label="by quadrature",
-        )  # fmt: skip
-        axis.plot(
             force, 1e-9 * theory[f"{name}_printed"], color=PUBLISHED, linestyle="--",
             label="with the printed 4PR",
-        )  # fmt: skip
-        axis.plot(
-            1e-3 * at, 1e-9 * theory[f"{name}_boundary"], "s", markersize=4,
-            markerfacecolor="white", color=STRUCTURE_COLOURS[0],
-            label="rigid flank, boundary elements",
         )  # fmt: skip
         axis.set_xlabel("normal force on a flank / kN")
         axis.set_ylabel(f"{_LABELS[name]} / GN/m")

@@ -18,17 +18,20 @@ def record_facts(campaign: Campaign, row: Mapping) -> dict:
 
 
 def observation_facts(campaign: Campaign) -> dict:
-    """The gauge, where each mode is looked at (m) and when each record began (s)."""
+    """The gauge, where each mode is looked at (m), when each record began (s) and how warm (C)."""
     load = campaign.load
     placed = {mode: campaign.laser_x(mode) for mode in campaign.description["modes"]}
+
+    def said(column: str) -> dict[str, float]:
+        return {r["record"]: r[column] for r in campaign.records if r[column] is not None}
+
     return {
         "same_everywhere": load.same_everywhere if load else 0.0,
         "of_reading": load.of_reading if load else 0.0,
         "scale": campaign.force_scale if load else 0.0,
         "laser_x": {mode: x for mode, x in placed.items() if x is not None},
-        "time": {
-            row["record"]: row["time_s"] for row in campaign.records if row["time_s"] is not None
-        },
+        "time": said("time_s"),
+        "temperature": {} if load and load.unit == "C" else said("temperature_C"),
     }
 
 

@@ -11,7 +11,15 @@ from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.mechanisms.own_files import own_files, try_apart
 from bladeroot.mechanisms.probe import probe
 
-_NO_MECHANISM = ("catalogue", "mechanism", "over_amplitude", "own_files", "probe", "slip_curve")
+_NO_MECHANISM = (
+    "catalogue",
+    "mechanism",
+    "over_amplitude",
+    "own_files",
+    "per_mode",
+    "probe",
+    "slip_curve",
+)
 
 
 def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:

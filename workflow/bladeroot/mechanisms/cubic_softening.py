@@ -25,7 +25,8 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "ratio", "1", 1.0, 1.0, 1e-3, 1e3,
-            "other modes over the first: the same spring by another shape", log=True,
+            "another mode over the first: the same spring by another shape", log=True,
+            ratio=True,
         ),
         Parameter(
             "power", "1", 2.0, 0.4, 0.5, 6.0,

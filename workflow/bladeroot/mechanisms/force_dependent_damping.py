@@ -34,7 +34,7 @@ MECHANISM = Mechanism(
             "exponent", "1", 0.0, 0.3, -1.5, 1.5,
             "of the loss factors over the force: a rubbing joint loses less the tighter it is",
         ),
-        Parameter("ratio", "1", 1.0, 0.5, -3.0, 3.0, "other modes over the first"),
+        Parameter("ratio", "1", 1.0, 0.5, -3.0, 3.0, "another mode over the first", ratio=True),
     ),
     splitter="loss factors at twice the force; another lubricant",
     damping=power,

@@ -56,7 +56,8 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "ratio", "1", 0.5, 1.0, 1e-3, 1e3,
-            "other modes over the first: the same stretch by another shape", log=True,
+            "another mode over the first: the same stretch by another shape", log=True,
+            ratio=True,
         ),
     ),
     splitter="higher harmonics of the velocity; the same amplitudes at another axial force",
@@ -70,8 +71,8 @@ MECHANISM = Mechanism(
     "stop",
     Parameter("gap", "m", 5e-6, 1.2, 1e-8, 1e-2, "to a stop on both sides", log=True),
     Parameter(
-        "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "other modes over the first, at the sensor",
-        log=True,
+        "gap_ratio", "1", 0.7, 0.6, 1e-3, 1e3, "another mode over the first, at the sensor",
+        log=True, ratio=True,
     ),
     curve=stop,
     starts=tuple(

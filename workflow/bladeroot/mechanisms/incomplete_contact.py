@@ -64,6 +64,7 @@ MECHANISM = Mechanism(
     stick=exponential,
     starts=((float(np.log(9e3)), 0.0),),
     form="exponential",
+    measured_by="pressure film",
 ).also(
     "logistic",
     Parameter(

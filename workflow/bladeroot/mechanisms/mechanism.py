@@ -21,7 +21,8 @@ from bladeroot.rom.sensitivity import Change
 CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
-VARIABLES = ("force", "time", "since", "sign")  # what a law on records may be one of
+# What a law on records may be one of.
+VARIABLES = ("force", "time", "since", "sign", "temperature")
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the
 # flanks' ends, which move most, give way beyond their part.
 MARGIN = 1.5
@@ -36,8 +37,9 @@ class Parameter:
     With `log` the prior is of the parameter's logarithm, with `bounded` of
     ln((p - low)/(high - p)):
     `mean` is then its median (in the parameter's own unit) and `std` that of this coordinate.
-    tie: one of `ENERGIES` where the parameter is a part of the first mode's stiffness, or with
-    `ratio` that of the other modes over the first: the simulation's own part then bounds it.
+    ratio: whether it is another mode's value over the first mode's; each mode from the second on
+    has its own (`per_mode`), of the mode of that number. tie: one of `ENERGIES` where it is a part
+    of a mode's stiffness, or such parts' ratio: the simulation's own part then bounds it.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Parameter:
     bounded: bool = False
     tie: str = ""
     ratio: bool = False
+    number: int = 1
 
     def __post_init__(self) -> None:
         """ValueError for a prior that is none, or that its limits shut out."""
@@ -108,6 +111,7 @@ class Records:
 
     sign: +1 loading, -1 unloading, 0 unknown. time: s since the campaign began; since: s since the
     first record of its hold; both 0 where unknown. span, hold_span: s, the longest of each.
+    temperature: K off the records' mean, None where it is not known of all.
     """
 
     mode: Int[ndarray, " record"]
@@ -117,6 +121,7 @@ class Records:
     since: Float[ndarray, " record"]
     span: float
     hold_span: float
+    temperature: Float[ndarray, " record"] | None = None
 
 
 @dataclass(frozen=True)
@@ -169,9 +174,9 @@ class Mechanism:
 
     sentence: what it is. splitter: the measurement that would tell it from its siblings. form: name
     of the law where there are several; forms: the others, mechanisms of the same id, of the same
-    first parameter and as likely as this one. over: what a law on records is a function of (force,
-    time, since, sign); in these it is only trusted to some per cent. A `stick` law over the force
-    is given the force that there is, as other causes change it.
+    first parameter and as likely as this one. over: what a law on records is a function of, of
+    `VARIABLES`; in these it is only trusted to some per cent. A `stick` law over the force is given
+    the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
     whether it is never named by itself without that, for its siblings explain the same data.
@@ -295,7 +300,7 @@ def _tied(parameter: Parameter, energy: Sequence[float], doubt: float) -> Parame
     if parameter.ratio:
         if len(energy) < 2:
             return parameter
-        mean = float(np.mean(energy[1:]) / energy[0])
+        mean = float(energy[parameter.number] / energy[0])
         return replace(parameter, mean=float(np.clip(mean, parameter.low, parameter.high)))
     span = parameter.high - parameter.low
     part = min(float(energy[0]), span)

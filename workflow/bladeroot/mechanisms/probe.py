@@ -18,6 +18,7 @@ _RECORDS = Records(
     since=np.array([0.0, 200.0, 0.0, 200.0]),
     span=2200.0,
     hold_span=200.0,
+    temperature=np.array([-2.0, -1.0, 0.5, 2.5]),
 )
 _POINTS = Points(
     mode=np.array([0, 0, 1, 1]),

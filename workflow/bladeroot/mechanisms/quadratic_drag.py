@@ -38,7 +38,7 @@ MECHANISM = Mechanism(
         ),
         Parameter(
             "ratio", "1", 1.0, 1.0, 1e-3, 1e3,
-            "other modes over the first: the same drag by another shape", log=True,
+            "another mode over the first: the same drag by another shape", log=True, ratio=True,
         ),
     ),
     splitter="the same decays in thinner air, or with the beam's broad side covered",

@@ -46,11 +46,11 @@ def parameters(
     return (
         Parameter("share", "1", 0.2, 1.2, 0.0, 1.0, share, bounded=True, tie=tie),
         Parameter(
-            "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "other modes over the first",
+            "share_ratio", "1", 1.0, 0.7, 1e-3, 1e3, "another mode over the first",
             log=True, tie=tie, ratio=True,
         ),
         Parameter("threshold", "m/N", 3e-10, 1.8, 1e-14, 1e-5, threshold, log=True),
-        Parameter("threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, ratio, log=True),
+        Parameter("threshold_ratio", "1", 0.5, 0.8, 1e-3, 1e3, ratio, log=True, ratio=True),
         Parameter("threshold_exponent", "1", 1.0, 0.2, 0.5, 1.5, exponent),
     )  # fmt: skip
 

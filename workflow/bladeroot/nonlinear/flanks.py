@@ -20,7 +20,7 @@ from bladeroot.contact.laws.linear import linear
 from bladeroot.contact.laws.profiles import power_profile, punch_profile
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.contact.punch import Punch
-from bladeroot.nonlinear.system import System, joint_weight
+from bladeroot.nonlinear.system import System
 from bladeroot.rom.joint import Joint, described, stable_factor, stiffness_at
 
 LAWS = ("linear", "jenkins", "coulomb", "iwan")
@@ -85,7 +85,7 @@ def flank_sliders(
 def even_preload(joint: Joint, force: float) -> Float[ndarray, " pair"]:
     """Normal load of each pair (N) under the axial force (N), in proportion to its area."""
     normal_x = np.abs(joint.assembly["frame"].values[:, 0, 0])
-    return joint_weight(joint) * force / (2.0 * normal_x)
+    return joint.weight * force / (2.0 * normal_x)
 
 
 def elastic_preload(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, " pair"]:
@@ -98,10 +98,10 @@ def elastic_preload(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, 
     smooth = np.array([point[0], point[0] + np.log(_FRICTIONLESS), point[2]])
     normal = joint.assembly["frame"].values[:, 0, 0]
     end = np.sign(joint.assembly["pair_position"].values[:, 0])
-    approach = -np.sqrt(joint_weight(joint)) * end * normal  # of slots moved out by one metre
+    approach = -np.sqrt(joint.weight) * end * normal  # of slots moved out by one metre
     factor = (stable_factor(stiffness_at(joint, smooth), described(smooth)), True)
     gap = approach - joint.gap @ scipy.linalg.cho_solve(factor, kn * joint.gap.T @ approach)
-    load = np.maximum(np.sqrt(joint_weight(joint)) * gap, 0.0)
+    load = np.maximum(np.sqrt(joint.weight) * gap, 0.0)
     return load * point[2] / (0.5 * (load * np.abs(normal)).sum())
 
 

@@ -1,8 +1,8 @@
-"""Friction points solved one contact after the other, by Newton's method, until none changes.
+"""Friction points under rising load, solved one contact after the other until none changes.
 
 A contact's correction is what its springs would bear beyond its law, g = k u - f(u): it is constant
-while the contact sticks. Motions have three components a contact (normal, two tangential), or the
-two tangential ones alone where the law leaves the normal spring linear.
+while the contact sticks. The normal load is constant, so that motions have the two tangential
+components alone.
 """
 
 from typing import no_type_check
@@ -10,202 +10,134 @@ from typing import no_type_check
 import numpy as np
 
 from bladeroot.compiled import njit
-from bladeroot.contact.laws.sliders import slide
 
-SWEEPS, NEWTON = 500, 40
+_SWEEPS, _NEWTON = 500, 40
+_STUCK = 1e-13  # of a contact's force: a correction as small is none
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 @no_type_check
-def contact_force(kn, kt, n0, mu, varies, u, w, force, tangent):
-    """Force and Jacobian of one contact's sliders at u; says whether one slips or is lifted off."""
-    one = u.size - 2  # place of the first tangential component
-    force[:] = 0.0
-    tangent[:] = 0.0
-    un = u[0] if one else 0.0
-    moving = False
-    for s in range(kn.size):
-        normal, slope, limit, steeper, size, e1, e2, slips = slide(
-            kn[s], kt[s], n0[s], mu[s], varies, un, u[one], u[one + 1], w[s, 0], w[s, 1]
-        )
-        if one:
-            force[0] += normal
-            tangent[0, 0] += slope
-            moving = moving or slope != kn[s]
-        if slips:
-            moving = True
-            turn = limit / size
-            force[one] += limit * e1
-            force[one + 1] += limit * e2
-            if one:
-                tangent[1, 0] += steeper * e1
-                tangent[2, 0] += steeper * e2
-            tangent[one, one] += turn * e2 * e2
-            tangent[one, one + 1] -= turn * e1 * e2
-            tangent[one + 1, one] -= turn * e1 * e2
-            tangent[one + 1, one + 1] += turn * e1 * e1
-        else:
-            force[one] += kt[s] * e1
-            force[one + 1] += kt[s] * e2
-            tangent[one, one] += kt[s]
-            tangent[one + 1, one + 1] += kt[s]
-    return moving
+def pull(kt, limit, w, x, y):
+    """Force of one contact's sliders at (x, y), its derivative (xx, xy, yy), and whether one slips.
 
-
-@njit(cache=True)
-@no_type_check
-def solve_small(lead, x):
-    """Gauss's elimination in place, without exchange of rows: near one times a stiff contact."""
-    for a in range(x.size):
-        for b in range(a + 1, x.size):
-            part = lead[b, a] / lead[a, a]
-            for c in range(a + 1, x.size):
-                lead[b, c] -= part * lead[a, c]
-            x[b] -= part * x[a]
-    for a in range(x.size - 1, -1, -1):
-        for c in range(a + 1, x.size):
-            x[a] -= lead[a, c] * x[c]
-        x[a] /= lead[a, a]
-
-
-@njit(cache=True)
-@no_type_check
-def local_solve(
-    kn, kt, n0, mu, varies, stuck, give, free, close, w, u, force, tangent, step, lead
-):  # fmt: skip
-    """Solve u = free + give (stuck u - f(u)) of one contact in place; says whether it settled.
-
-    force, tangent: at u. A step as short as `close` (m) is the last one: the next would be its
-    square.
+    limit: largest force of each slider (N); w: place of its friction point (m).
     """
-    for _ in range(NEWTON):
-        for a in range(u.size):
-            step[a] = free[a] - u[a]
-            for b in range(u.size):
-                step[a] += give[a, b] * (stuck[b] * u[b] - force[b])
-                lead[a, b] = -give[a, b] * stuck[b]
-                for c in range(u.size):
-                    lead[a, b] += give[a, c] * tangent[c, b]
-            lead[a, a] += 1.0
-        solve_small(lead, step)
-        size = 0.0
-        for a in range(u.size):
-            u[a] += step[a]
-            size += step[a] ** 2
-        contact_force(kn, kt, n0, mu, varies, u, w, force, tangent)
-        if size <= close**2:
+    fx, fy, xx, xy, yy, slips = 0.0, 0.0, 0.0, 0.0, 0.0, False
+    for s in range(kt.size):
+        ex, ey = x - w[s, 0], y - w[s, 1]
+        size = np.sqrt(ex * ex + ey * ey)
+        if kt[s] * size > limit[s]:
+            slips = True
+            ex, ey, turn = ex / size, ey / size, limit[s] / size
+            fx += limit[s] * ex
+            fy += limit[s] * ey
+            xx += turn * ey * ey
+            xy -= turn * ex * ey
+            yy += turn * ex * ex
+        else:
+            fx += kt[s] * ex
+            fy += kt[s] * ey
+            xx += kt[s]
+            yy += kt[s]
+    return fx, fy, xx, xy, yy, slips
+
+
+@njit(cache=True, error_model="numpy")
+@no_type_check
+def settled(kt, limit, stuck, give, tolerance, w, u, g):
+    """Sweep over the contacts until none changes its motion u by more than the tolerance (m).
+
+    u and g (contact, component) are changed in place; u must hold the motion for the g given. give:
+    row k is the motion of all by correction k. A contact's own u = free + give (stuck u - f(u)) is
+    solved by Newton's method, whose last step is a hundredth of the tolerance: the next would be
+    its square. Says whether it came to an end.
+    """
+    flat = u.reshape(-1)
+    for _ in range(_SWEEPS):
+        change = 0.0
+        for c in range(stuck.size):
+            k, x, y = stuck[c], u[c, 0], u[c, 1]
+            fx, fy, xx, xy, yy, slips = pull(kt[c], limit[c], w[c], x, y)
+            more_x, more_y = k * x - fx - g[c, 0], k * y - fy - g[c, 1]
+            if (
+                not slips
+                and abs(more_x) <= _STUCK * k * abs(x)
+                and abs(more_y) <= _STUCK * k * abs(y)
+            ):
+                continue
+            one, two = give[2 * c], give[2 * c + 1]
+            a11, a21, a12, a22 = one[2 * c], one[2 * c + 1], two[2 * c], two[2 * c + 1]
+            free_x = x - a11 * g[c, 0] - a12 * g[c, 1]
+            free_y = y - a21 * g[c, 0] - a22 * g[c, 1]
+            size = np.inf
+            for _step in range(_NEWTON):
+                more_x, more_y = k * x - fx, k * y - fy
+                rest_x = free_x - x + a11 * more_x + a12 * more_y
+                rest_y = free_y - y + a21 * more_x + a22 * more_y
+                l11 = 1.0 + a11 * (xx - k) + a12 * xy
+                l12 = a11 * xy + a12 * (yy - k)
+                l21 = a21 * (xx - k) + a22 * xy
+                l22 = 1.0 + a21 * xy + a22 * (yy - k)
+                whole = l11 * l22 - l12 * l21
+                step_x = (l22 * rest_x - l12 * rest_y) / whole
+                step_y = (l11 * rest_y - l21 * rest_x) / whole
+                x, y = x + step_x, y + step_y
+                fx, fy, xx, xy, yy, slips = pull(kt[c], limit[c], w[c], x, y)
+                size = step_x * step_x + step_y * step_y
+                if size <= (0.01 * tolerance) ** 2:
+                    break
+            if not size <= (0.01 * tolerance) ** 2:
+                return False
+            more_x, more_y = k * x - fx - g[c, 0], k * y - fy - g[c, 1]
+            change = max(change, (x - u[c, 0]) ** 2 + (y - u[c, 1]) ** 2)
+            g[c, 0] += more_x
+            g[c, 1] += more_y
+            for j in range(flat.size):
+                flat[j] += one[j] * more_x + two[j] * more_y
+        if change <= tolerance**2:
             return True
     return False
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 @no_type_check
-def correct(kn, kt, n0, mu, varies, stuck, give, tolerance, w, u, g):
-    """Sweep over the contacts until none changes its motion u by more than the tolerance (m).
-
-    u and g (contact, component) are changed in place; u must hold the motion for the g given. give:
-    row k is the motion of all by correction k. Returns the number of sweeps; SWEEPS if they did not
-    settle, and minus one if Newton's method did not.
-    """
-    contacts, size = u.shape
-    force, step, free, place, more = np.empty((5, size))
-    tangent, lead = np.empty((2, size, size))
-    flat = u.reshape(-1)
-    for sweep in range(1, SWEEPS + 1):
-        change = 0.0
-        for c in range(contacts):
-            moving = contact_force(kn[c], kt[c], n0[c], mu[c], varies, u[c], w[c], force, tangent)
-            for a in range(size):
-                more[a] = stuck[c, a] * u[c, a] - force[a] - g[c, a]
-                moving = moving or abs(more[a]) > 1e-13 * stuck[c, a] * abs(u[c, a])
-            if not moving:
-                continue
-            first = size * c
-            block = give[first : first + size, first : first + size].T
-            for a in range(size):
-                place[a] = u[c, a]
-                free[a] = u[c, a]
-                for b in range(size):
-                    free[a] -= block[a, b] * g[c, b]
-            if not local_solve(
-                kn[c], kt[c], n0[c], mu[c], varies, stuck[c], block, free, 0.01 * tolerance, w[c],
-                place, force, tangent, step, lead,
-            ):  # fmt: skip
-                return -1
-            moved = 0.0
-            for a in range(size):
-                more[a] = stuck[c, a] * place[a] - force[a] - g[c, a]
-                g[c, a] += more[a]
-                moved += (place[a] - u[c, a]) ** 2
-            if moved == 0.0:
-                continue
-            change = max(change, moved)
-            for a in range(size):
-                row, amount = give[first + a], more[a]
-                for k in range(flat.size):
-                    flat[k] += row[k] * amount
-        if change <= tolerance**2:
-            return sweep
-    return SWEEPS
-
-
-@njit(cache=True)
-@no_type_check
-def settle(kn, kt, n0, mu, varies, count, u, w, tension):
-    """Move the friction points to where u leaves them; the work they take by the mean tension."""
-    one = u.shape[1] - 2
-    work = 0.0
-    for c in range(u.shape[0]):
-        un = u[c, 0] if one else 0.0
-        for s in range(kn.shape[1]):
-            k = kt[c, s]
-            _, _, limit, _, _, e1, e2, slips = slide(
-                kn[c, s], k, n0[c, s], mu[c, s], varies, un, u[c, one], u[c, one + 1],
-                w[c, s, 0], w[c, s, 1],
-            )  # fmt: skip
-            pull = limit if slips else k
-            t1, t2 = pull * e1, pull * e2
-            if slips:
-                new1, new2 = u[c, one] - t1 / k, u[c, one + 1] - t2 / k
-                gain = (t1 + tension[c, s, 0]) * (new1 - w[c, s, 0])
-                gain += (t2 + tension[c, s, 1]) * (new2 - w[c, s, 1])
-                work += 0.5 * count[c] * gain
-                w[c, s, 0], w[c, s, 1] = new1, new2
-            tension[c, s, 0], tension[c, s, 1] = t1, t2
-    return work
-
-
-@njit(cache=True)
-@no_type_check
-def load_up(kn, kt, n0, mu, varies, stuck, count, give, shape, master, tolerance, w):
+def load_up(kt, limit, stuck, give, shape, master, tolerance):
     """Corrections g (state, contact and component) on first loading, and how many states settled.
 
-    master: rising coordinates (m kg^1/2), `shape` the contacts' motion by them; tolerance: of the
-    largest motion. Each state starts from the last two, continued.
+    kt, limit: of each contact's sliders; stuck: their stiffness together (N/m). master: rising
+    coordinates (m kg^1/2), `shape` the contacts' motion by them; tolerance: of the largest motion.
+    Each state starts from the last two, continued.
     """
-    g, u = np.zeros(stuck.shape), np.empty(stuck.shape)
-    flat, flat_g, tension = u.reshape(-1), g.reshape(-1), np.zeros_like(w)
-    before, found = np.zeros(flat.size), np.zeros((master.size, flat.size))
+    w = np.zeros((*kt.shape, 2))
+    g, u = np.zeros((stuck.size, 2)), np.empty((stuck.size, 2))
+    flat, flat_g, before = u.reshape(-1), g.reshape(-1), np.zeros(shape.size)
+    found = np.zeros((master.size, shape.size))
     for i in range(master.size):
         further = 0.0
         if i > 1:
             further = (master[i] - master[i - 1]) / (master[i - 1] - master[i - 2])
-        for k in range(flat.size):
+        for k in range(shape.size):
             more = flat_g[k] - before[k]
             before[k] = flat_g[k]
             flat_g[k] += further * more
             flat[k] = shape[k] * master[i]
-        for j in range(flat.size):
-            if flat_g[j] != 0.0:
-                for k in range(flat.size):
-                    flat[k] += give[j, k] * flat_g[j]
         largest = 0.0
-        for k in range(flat.size):
+        for j in range(shape.size):
+            if flat_g[j] != 0.0:
+                for k in range(shape.size):
+                    flat[k] += give[j, k] * flat_g[j]
+        for k in range(shape.size):
             largest = max(largest, abs(flat[k]))
-        sweeps = correct(kn, kt, n0, mu, varies, stuck, give, tolerance * largest, w, u, g)
-        if not 0 < sweeps < SWEEPS:
+        if not settled(kt, limit, stuck, give, tolerance * largest, w, u, g):
             return found, i
-        settle(kn, kt, n0, mu, varies, count, u, w, tension)
-        for k in range(flat.size):
+        for c in range(stuck.size):
+            for s in range(kt.shape[1]):
+                ex, ey = u[c, 0] - w[c, s, 0], u[c, 1] - w[c, s, 1]
+                size = np.sqrt(ex * ex + ey * ey)
+                if kt[c, s] * size > limit[c, s]:
+                    slipped = 1.0 - limit[c, s] / (kt[c, s] * size)
+                    w[c, s, 0] += slipped * ex
+                    w[c, s, 1] += slipped * ey
+        for k in range(shape.size):
             found[i, k] = flat_g[k]
     return found, master.size

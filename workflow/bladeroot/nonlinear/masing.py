@@ -5,12 +5,15 @@ the peak X(A) at q = A, X(q) = X(A) - 2 X_0((A - q) / 2). With q = A cos(theta) 
 harmonic is a pair of integrals over the first loading alone.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.interpolate import PchipInterpolator
 
 _POINTS = 256  # of half a cycle
+_DIGITS = 12  # of ln amplitude by which ladders of amplitudes are the same
 
 
 def first_harmonic(
@@ -24,15 +27,35 @@ def first_harmonic(
     slope: their ratio to q while all sticks, which is taken to hold below the smallest amplitude.
     """
     short = slope - loading / amplitude[:, None]  # what is missing to linear, over q
-    curve = PchipInterpolator(np.log(amplitude), short, axis=0)
-    theta = np.pi * (np.arange(_POINTS) + 0.5) / _POINTS
-    part = np.sin(0.5 * theta) ** 2
-    q = np.maximum(amplitude[:, None] * part, amplitude[0])
-    inner = part[:, None] * curve(np.log(q))  # (amplitude, theta, quantity)
+    ladder = np.round(np.log(amplitude / amplitude[0]), _DIGITS)
+    pieces = PchipInterpolator(ladder, short, axis=0).c.reshape(-1, short.shape[1])
+    mean_cosine, mean_sine = (weight @ pieces for weight in _weights(ladder.tobytes()))
     size = amplitude[:, None]
-    mean_cosine = np.einsum("atq,t->aq", inner, np.cos(theta)) * np.pi / _POINTS
-    mean_sine = np.einsum("atq,t->aq", inner, np.sin(theta)) * np.pi / _POINTS
     return (
         size * (slope + 4.0 / np.pi * mean_cosine),
         -4.0 / np.pi * size * (short - mean_sine),
     )
+
+
+@lru_cache(maxsize=128)
+def _weights(ladder: bytes) -> tuple[ndarray, ndarray]:
+    """Integrals over half a cycle, times cos and sin, of a piecewise cubic function of ln q.
+
+    ladder: its knots, ln(A / A_0), as of an array. Rows: amplitudes; columns: a piece's
+    coefficients, by falling power, then the pieces. Curves on one ladder share them.
+    """
+    knots = np.frombuffer(ladder)
+    theta = np.pi * (np.arange(_POINTS) + 0.5) / _POINTS
+    part = np.sin(0.5 * theta) ** 2
+    place = np.maximum(knots[:, None] + np.log(part), 0.0)
+    piece = np.clip(np.searchsorted(knots, place, side="right") - 1, 0, knots.size - 2)
+    power = (place - knots[piece]) ** np.array([3, 2, 1, 0])[:, None, None]
+    row = np.arange(knots.size)[:, None]
+    shape = (knots.size, 4, knots.size - 1)
+    found = []
+    for turn in (np.cos(theta), np.sin(theta)):
+        weight = np.zeros(shape)
+        for k in range(4):
+            np.add.at(weight[:, k], (row, piece), power[k] * part * turn * np.pi / _POINTS)
+        found.append(weight.reshape(knots.size, -1))
+    return found[0], found[1]

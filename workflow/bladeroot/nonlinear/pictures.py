@@ -28,7 +28,7 @@ def pictures(
     motion, force = [], []
     for amplitude in amplitudes:
         master = np.linspace(0.0, amplitude / laser, _STATES + 1)[1:]
-        load, _ = states(system, sliders, master)
+        load = states(system, sliders, master)[:, 0]
         q, f = loop(master, load)
         motion.append(q * laser)
         force.append((system.values[0] * q - f) / laser)

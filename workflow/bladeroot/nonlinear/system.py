@@ -6,6 +6,7 @@ static flexibility of all others added, so that local slip is as soft as in the 
 images of a contact move alike, so that one of each orbit is kept.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -91,14 +92,37 @@ class Place:
         self, mode: str, laser_x: float = 0.0, loss: float = 0.0, odd_force: bool = True
     ) -> System:
         """The system of a named mode, as of `system_of`."""
-        return _system(self, mode, laser_x, loss, odd_force)
+        home = self._home(mode) if odd_force else None
+        if home is not None:
+            with suppress(ValueError):  # what is wrong is told of the whole joint
+                made = _system(self, mode, laser_x, loss, odd_force, home)
+                if made:
+                    return made
+        return _system(self, mode, laser_x, loss, odd_force, None)
+
+    def _home(self, mode: str) -> int | None:
+        """The sector that holds a mode, by the same name; of a joint it is the same everywhere."""
+        known = self.joint.homes
+        if mode not in known:
+            whole = self.stuck.modes([mode])
+            known[mode] = home = self.stuck.sector(whole.shapes[:, 0])
+            try:
+                own = self.stuck.within(home).modes([mode]).values
+            except ValueError:
+                own = np.zeros(1)
+            if not np.allclose(own, whole.values, rtol=_SAME, atol=0.0):
+                known[mode] = None
+        return known[mode]
 
 
-def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: bool) -> System:
-    joint, point, stuck = place.joint, place.point, place.stuck
+def _system(
+    place: Place, mode: str, laser_x: float, loss: float, odd_force: bool, sector: int | None
+) -> System | None:
+    """The system in a sector, or in the whole joint; None if contacts load other sectors, too."""
+    joint, point, stuck = place.joint, place.point, place.stuck.within(sector)
     modes = stuck.modes([mode])
     laser = _laser_row(joint, mode, laser_x, modes.shapes[:, 0])
-    rows = contact_rows(joint)
+    rows = joint.contact
     image, sign = _images(joint, np.einsum("cad,d->ca", rows, modes.shapes[:, 0]), odd_force)
     pair = np.unique(image)
     image = np.searchsorted(pair, image)
@@ -106,7 +130,9 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
     # loads on a contact and all its images at once
     member = (image == np.arange(len(pair))[:, None]).astype(float)
     joined = (member @ (sign[:, :, None] * rows).reshape(len(rows), -1)).reshape(3 * len(pair), -1)
-    loose = place.sliding.modes([mode])
+    if sector is not None and not stuck.holds(joined.T):
+        return None
+    loose = place.sliding.within(sector).modes([mode])
     values, shapes = _kept(
         joint,
         stuck.stiffness,
@@ -118,7 +144,7 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
     pushed = stuck.solve(joined.T)
     pushed -= shapes @ ((joined @ shapes) / values).T
     kn, kt = np.exp(point[:2])
-    weight = joint_weight(joint)[pair]
+    weight = joint.weight[pair]
     return System(
         mode=mode,
         values=values,
@@ -133,20 +159,6 @@ def _system(place: Place, mode: str, laser_x: float, loss: float, odd_force: boo
         image=image,
         sign=sign,
     )
-
-
-def joint_weight(joint: Joint) -> Float[ndarray, " pair"]:
-    """Share of the flank's stiffness that each pair carries."""
-    frame = joint.assembly["frame"].values[:, 0]
-    dofs = joint.assembly["beam_dof"].values
-    return (np.take_along_axis(joint.gap, dofs, axis=1) * frame).sum(axis=1) ** 2
-
-
-def contact_rows(joint: Joint) -> Float[ndarray, "pair 3 dof"]:
-    """Rows that give the beam's motion against the slot at each pair by local axis."""
-    pairs = len(joint.gap)
-    rows = np.concatenate([joint.gap[:, None], joint.slip.reshape(pairs, 2, -1)], axis=1)
-    return rows / np.sqrt(joint_weight(joint))[:, None, None]
 
 
 def _kept(

@@ -117,19 +117,20 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
                      percent(1.0 - after / before, 0)))  # fmt: skip
 
     for said in verdicts:
-        for key, text in (
-            ("between_forces", f"a {load} left out"),
-            ("between_forces_without_bias", f"a {load} left out, without the model's bias"),
-            ("between_holds", "a clamping left out"),
-        ):
-            if key in said["gain"]:
-                sides = said["gain"][key]
-                add(said["structure"], f"stick frequency, {text}", sides)
+        for key, sides in said["gain"].items():
+            whose, between, parts = key.partition("between_")
+            if between and parts != "amplitudes":
+                what = "loss factor of the stuck joint (relative)" if whose else "stick frequency"
+                left, _, bias = parts.replace("forces", f"{load}s").partition("_without_")
+                text = f"{left.replace('hold', 'clamping').replace('_', ' ')} left out"
+                text += ", without the model's bias" if bias else ""
+                add(said["structure"], f"{what}, {text}", sides)
                 for mode, part in sides.get("by_mode", {}).items():
-                    add(said["structure"], f"stick frequency of {mode}, {text}", part)
-        for name, sides in said["gain"].get("within_records", {}).items():
-            text = "frequency" if name == "frequency" else "loss factor (absolute)"
-            add(said["structure"], f"{text} over amplitude, a {load} left out", sides)
+                    add(said["structure"], f"{what} of {mode}, {text}", part)
+        for key, left in (("within_records", f"a {load}"), ("between_amplitudes", "amplitudes")):
+            for name, sides in said["gain"].get(key, {}).items():
+                text = "frequency" if name == "frequency" else "loss factor (absolute)"
+                add(said["structure"], f"{text} over amplitude, {left} left out", sides)
         for key, text in (("log_score", "stick frequency"), ("log_score_curves", "curves")):
             if key in said["gain"]:
                 before, after = said["gain"][key]["before"], said["gain"][key]["after"]

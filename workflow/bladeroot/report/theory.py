@@ -54,7 +54,6 @@ def theory_section(
         "predicts stiffness that hardly grows with the force, and a tangential one below the "
         "normal one.",
         *drawn["tractions"],
-        _boundary_sentence(theory),
         *drawn["against_normal_force"],
         _sensitivity_table(theory),
         *drawn["compared"],
@@ -68,24 +67,6 @@ def theory_section(
         f"4PR would change kn by {_printed_effect(theory)}.",
     ]
     return Section("Contact theory", parts)
-
-
-def _boundary_sentence(theory: xr.Dataset) -> str:
-    ratio = [
-        theory[f"{k}_boundary"] / theory[f"{k}_theory"].sel(friction_state="T = 0")
-        for k in ("kn", "kt")
-    ]
-    stiffer = [f"{100 * float(r.mean() - 1):.1f} % in {k}" for r, k in zip(ratio, ("kn", "kt"),
-               strict=True)]  # fmt: skip
-    return (
-        "Boundary elements, which share no formula with the closed forms, give the same contact "
-        f"width to {100 * abs(theory.attrs['boundary_half_width_difference']):.1f} % (a cell is "
-        f"{100 * theory.attrs['boundary_cell']:.1f} %) and the same pressure to "
-        f"{100 * theory.attrs['boundary_pressure_difference']:.1f} % of its mean. They also show "
-        "what the closed forms leave out: these keep the pressure constant along the flank and "
-        "take the approach at its middle, while a rigid flank of this length presses harder at "
-        f"its ends and is stiffer by {listed(stiffer)}."
-    )
 
 
 def _sensitivity_table(theory: xr.Dataset) -> Table:

@@ -1,16 +1,10 @@
 """Quantities of chapters 2 and 3: stick frequencies, and the model of 1 degree of freedom."""
 
-from functools import cache
-
 import numpy as np
 import pandas as pd
-from jaxtyping import Float
-from numpy import ndarray
 
-from bladeroot.decay.freevib import freevib
-from bladeroot.plateau.plateau import plateau
 from bladeroot.reproduction.entry import Computed, Evidence
-from bladeroot.reproduction.one_dof import SAMPLING, START, Slider, free_decay, slider_curves
+from bladeroot.reproduction.slider import Slider
 
 ADHESION = 12e3  # N, above which the thesis takes the joint to stick
 _BAR = 1e5
@@ -109,33 +103,11 @@ def slider_critical_amplitude(evidence: Evidence) -> Computed:
     return {"": np.array([Slider().critical_amplitude * 1e6])}
 
 
-@cache
-def _freevib_on_the_slider() -> Float[ndarray, " 3"]:
-    """Frequency, loss factor and onset found, over what was put in, minus one."""
-    model, found = Slider(), plateau(slider_curves())
-    names = ("stick_frequency", "loss_factor", "onset_amplitude")
-    true = (model.stick_frequency, 2.0 * model.zeta, model.critical_amplitude)
-    return np.array([found[name] for name in names]) / np.array(true) - 1.0
-
-
 def freevib_error(evidence: Evidence, which: int) -> Computed:
     """Per cent, without sign: of the frequency (0), loss factor (1), critical amplitude (2)."""
-    return {"": 100.0 * np.abs(_freevib_on_the_slider())[[which]]}
-
-
-@cache
-def _harmonic_balance() -> float:
-    model = Slider(zeta=0.0)
-    velocity, _ = free_decay(model, START * model.critical_amplitude, SAMPLING, 0.2)
-    curve = freevib(velocity, SAMPLING, 500.0, 0.0, tolerance=0.4)
-    ratio = curve["amplitude"].values / model.critical_amplitude
-    inside = (ratio > 20.0) & (ratio < 95.0)
-    theta = np.arccos(1.0 - 2.0 / ratio[inside])
-    equivalent = model.spring + model.contact / np.pi * (theta - 0.5 * np.sin(2.0 * theta))
-    frequency = np.sqrt(equivalent / model.mass) / (2.0 * np.pi)
-    return float(np.abs(curve["frequency"].values[inside] / frequency - 1.0).max())
+    return {"": 100.0 * np.abs(evidence.stages["slider"]["found_error"].values)[[which]]}
 
 
 def harmonic_balance(evidence: Evidence) -> Computed:
     """Per cent: largest difference of FREEVIB's frequency from (3.19), 20 to 95 times X_cr."""
-    return {"": np.array([100.0 * _harmonic_balance()])}
+    return {"": np.array([100.0 * float(evidence.stages["slider"]["balance_error"])])}

@@ -4,7 +4,6 @@ Between two events, the begin and the end of slip, the motion is a damped sine a
 """
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import xarray as xr
@@ -13,32 +12,13 @@ from numpy import ndarray
 
 from bladeroot.contact.laws import closed_forms
 from bladeroot.decay.freevib import freevib
+from bladeroot.plateau.plateau import plateau
+from bladeroot.reproduction.slider import Slider
 from bladeroot.variables import dataset
 
 SAMPLING = 51200.0  # Hz
 START = 100.0  # times the critical amplitude
 _DURATION = 0.33  # s
-
-
-@dataclass(frozen=True)
-class Slider:
-    """Mass (kg), spring K and contact spring k_t (N/m), mu N0 (N), damping zeta; section 3.4."""
-
-    mass: float = 0.7
-    spring: float = 4.2e6
-    contact: float = 4.0e6
-    slip_force: float = 400.0
-    zeta: float = 2.5e-3
-
-    @property
-    def stick_frequency(self) -> float:
-        """Undamped frequency in full adhesion, Hz."""
-        return float(np.sqrt((self.spring + self.contact) / self.mass) / (2.0 * np.pi))
-
-    @property
-    def critical_amplitude(self) -> float:
-        """X_cr = mu N0 / k_t, m."""
-        return self.slip_force / self.contact
 
 
 def free_decay(
@@ -112,13 +92,12 @@ class _Motion:
         return float(high)
 
 
-@cache
 def slider_curves() -> xr.Dataset:
     """Figures 3.7 to 3.9: a decay (velocity, contact force), its frequency and loss factor.
 
     By FREEVIB on the decay, and by the first harmonic of the contact (3.19); that harmonic's
     stiffness and damping are over k_t. The noise is that of a good record: without any there is no
-    error to weigh by.
+    error to weigh by. With it what FREEVIB misses of what was put in, and of that harmonic.
     """
     model = Slider()
     velocity, force = free_decay(model, START * model.critical_amplitude, SAMPLING, _DURATION)
@@ -140,6 +119,11 @@ def slider_curves() -> xr.Dataset:
         "stiffness": stiffness / model.contact,
         "damping": damping / model.contact,
     }
+    found = plateau(curve)
+    true = (model.stick_frequency, 2.0 * model.zeta, model.critical_amplitude)
+    names = ("stick_frequency", "loss_factor", "onset_amplitude")
+    made["found_error"] = np.array([found[name] for name in names]) / np.array(true) - 1.0
+    made["balance_error"] = _balance_error()
     return curve.merge(dataset("reproduction/slider", made)).assign_attrs(
         sampling_Hz=SAMPLING,
         critical_amplitude_m=model.critical_amplitude,
@@ -147,3 +131,16 @@ def slider_curves() -> xr.Dataset:
         stick_frequency_Hz=model.stick_frequency,
         loss_factor=2.0 * model.zeta,
     )
+
+
+def _balance_error() -> float:
+    """Largest difference of FREEVIB's frequency from (3.19), 20 to 95 times X_cr, undamped."""
+    model = Slider(zeta=0.0)
+    velocity, _ = free_decay(model, START * model.critical_amplitude, SAMPLING, 0.2)
+    curve = freevib(velocity, SAMPLING, 500.0, 0.0, tolerance=0.4)
+    ratio = curve["amplitude"].values / model.critical_amplitude
+    inside = (ratio > 20.0) & (ratio < 95.0)
+    theta = np.arccos(1.0 - 2.0 / ratio[inside])
+    equivalent = model.spring + model.contact / np.pi * (theta - 0.5 * np.sin(2.0 * theta))
+    frequency = np.sqrt(equivalent / model.mass) / (2.0 * np.pi)
+    return float(np.abs(curve["frequency"].values[inside] / frequency - 1.0).max())

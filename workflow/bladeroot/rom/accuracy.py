@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladeroot.rom.full import FullJoint, full_frequencies
 from bladeroot.rom.parametric import frequencies, surface_of
+from bladeroot.variables import dataset
 
 
 def accuracy(full: FullJoint, model: xr.Dataset, forces: Sequence[float]) -> xr.Dataset:
@@ -26,34 +27,17 @@ def accuracy(full: FullJoint, model: xr.Dataset, forces: Sequence[float]) -> xr.
         points = np.column_stack([np.full((len(forces), 2), np.log(k)), forces])
         found.append(frequencies(surface, points))
         exact.append(full_frequencies(full, k, k, forces, names))
-    dims = ("contact", "force", "mode")
-    return xr.Dataset(
+    made = dataset(
+        "rom/accuracy",
         {
-            "stiffness": (
-                "contact",
-                corners,
-                {"units": "N/m", "long_name": "normal and tangential stiffness of a flank"},
-            ),
-            "full_frequency": (
-                dims,
-                np.array(exact),
-                {"units": "Hz", "long_name": "frequency of the model with all dofs"},
-            ),
-            "frequency": (
-                dims,
-                np.array(found),
-                {"units": "Hz", "long_name": "frequency of the parametric reduced model"},
-            ),
-            "residual": (
-                dims,
-                np.array(found) / np.array(exact) - 1.0,
-                {"units": "1", "long_name": "parametric over full, minus one"},
-            ),
+            "stiffness": corners,
+            "full_frequency": np.array(exact),
+            "frequency": np.array(found),
+            "residual": np.array(found) / np.array(exact) - 1.0,
         },
-        coords={
-            "contact": ["softest", "stiffest"],
-            "force": ("force", np.asarray(forces, float), {"units": "N"}),
-            "mode": names,
-        },
-        attrs={"structure": model.attrs["structure"], "full_dofs": full.mass.shape[0]},
     )
+    made = made.assign_coords(
+        contact=["softest", "stiffest"], mode=names,
+        force=("force", np.asarray(forces, float), {"units": "N"}),
+    )  # fmt: skip
+    return made.assign_attrs(structure=model.attrs["structure"], full_dofs=full.mass.shape[0])

@@ -9,6 +9,8 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from bladeroot.variables import dataset
+
 # Mass-weighted MAC above which a mode is the known one: no second one can have more.
 MATCHED = 0.5
 
@@ -34,69 +36,24 @@ def assemble(reduced: xr.Dataset, force: float) -> xr.Dataset:
     area = np.bincount(flank, reduced.pair_weight.values)
     shape = np.zeros((len(reduced.display), 3, starts[-1]))
     shape[:, :, : starts[1]] = reduced.display_shape.values
-    return xr.Dataset(
+    made = dataset(
+        "rom/assembly",
         {
-            "mass": (
-                ("dof", "dof_"),
-                scipy.linalg.block_diag(*mass),
-                {"units": "kg", "long_name": "mass of beam and slots", "source": "fig. 5.4"},
-            ),
-            "stiffness": (
-                ("dof", "dof_"),
-                scipy.linalg.block_diag(*stiffness),
-                {
-                    "units": "N/m",
-                    "long_name": "stiffness of beam (prestressed) and slots, without contact",
-                    "source": "eqs 4.1, 5.2",
-                },
-            ),
-            "beam_dof": (
-                ("pair", "axis"),
-                3 * np.arange(pairs)[:, None] + axes,
-                {
-                    "units": "1",
-                    "long_name": "dof of the beam's contact node",
-                    "source": "section 5.1.2",
-                },
-            ),
-            "slot_dof": (
-                ("pair", "axis"),
-                slot_dof,
-                {
-                    "units": "1",
-                    "long_name": "dof of the slot's contact node",
-                    "source": "section 5.1.2",
-                },
-            ),
-            "frame": (
-                ("pair", "local", "axis"),
-                reduced.flank_frame.values[flank],
-                {
-                    "units": "1",
-                    "long_name": "local axes of each pair, normal out of the beam",
-                    "source": "eq. 5.3",
-                },
-            ),
-            "weight": (
-                "pair",
-                reduced.pair_weight.values / area[flank],
-                {"units": "1", "long_name": "share of the flank's area"},
-            ),
-            "flank": ("pair", flank, {"units": "1", "long_name": "flank of each pair"}),
-            "pair_position": reduced.pair_position,
-            "display_position": reduced.display_position,
-            "display_shape": (
-                ("display", "axis", "dof"),
-                shape,
-                {"units": "1", "long_name": "displacement of display nodes per dof"},
-            ),
+            "mass": scipy.linalg.block_diag(*mass),
+            "stiffness": scipy.linalg.block_diag(*stiffness),
+            "beam_dof": 3 * np.arange(pairs)[:, None] + axes,
+            "slot_dof": slot_dof,
+            "frame": reduced.flank_frame.values[flank],
+            "weight": reduced.pair_weight.values / area[flank],
+            "flank": flank,
+            "pair_position": reduced.pair_position.values,
+            "display_position": reduced.display_position.values,
+            "display_shape": shape,
         },
-        coords={"axis": reduced.axis.values, "local": reduced.local.values},
-        attrs={
-            "axial_force": float(force),
-            "structure": reduced.attrs["structure"],
-            "with_pad": reduced.attrs["with_pad"],
-        },
+    )
+    about = {key: reduced.attrs[key] for key in ("structure", "with_pad")}
+    return made.assign_attrs(axial_force=float(force), **about).assign_coords(
+        axis=reduced.axis.values, local=reduced.local.values
     )
 
 

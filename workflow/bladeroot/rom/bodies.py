@@ -24,6 +24,9 @@ from bladeroot.rom.reduction import craig_bampton, project, project_stiffness
 LEAST_MAC = 0.7
 # Elastic modes that are searched for the named ones, beyond the highest order asked for.
 SEARCHED = 8
+# A second mode that agrees with a given shape and is nearer to the first one's MAC than this leaves
+# open which is meant: on few points two modes look alike.
+APART = 0.1
 # omega^2 below this part of the shift is a rigid motion: rounding leaves less, and an elastic mode
 # lies far above, as the shift is a thousandth of what a single dof would have.
 RIGID = 1e-5
@@ -240,7 +243,14 @@ def _place(name: str, one: Mapping, reduced: xr.Dataset, shown: ndarray, where: 
             f"no mode of the model agrees with the shape of mode {name}: largest MAC "
             f"{mac.max():.2f}, expected {LEAST_MAC:g} ({where})"
         )
-    return int(np.argmax(mac))
+    second, first = np.argsort(mac)[-2:] if count > 1 else (0, 0)
+    if count > 1 and mac[second] >= max(LEAST_MAC, mac[first] - APART):
+        raise ValueError(
+            f"the shape of mode {name} is that of two modes of the model, numbers {first + 1} and "
+            f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points would tell "
+            f"({where})"
+        )
+    return int(first)
 
 
 def _dataset(

@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bladeroot.variables import dataset
+
 
 def row(
     check: str,
@@ -40,28 +42,8 @@ def checks_dataset(rows: list[dict], structure: str, description: str) -> xr.Dat
     within = listed.residual.notna() & (
         listed.limit.isna() | (listed.residual.abs() <= listed.limit)
     )
-    text = {
-        "check": "what is compared",
-        "quantity": "which quantity",
-        "unit": "unit of reference and computed",
-        "mode": "mode, named by reflection parity",
-    }
-    variables = {
-        name: ("row", listed[name].to_numpy(dtype=str), {"units": "", "long_name": label})
-        for name, label in text.items()
-    }
-    for name, label, unit in (
-        ("force", "axial force", "N"),
-        ("reference", "published or exact value", "see unit"),
-        ("computed", "value of this model", "see unit"),
-        ("residual", "computed over reference, minus one", "1"),
-        ("limit", "largest residual allowed; NaN where none is required", "1"),
-    ):
-        variables[name] = ("row", listed[name].to_numpy(), {"units": unit, "long_name": label})
-    variables["within"] = (
-        "row",
-        within.to_numpy().astype(np.int8),
-        {"units": "1", "long_name": "1 where the residual is within its limit"},
-    )
-    attrs = {"structure": structure, "description": description}
-    return xr.Dataset(variables, attrs=attrs)
+    made = {name: column.to_numpy(None if column.dtype == float else str)
+            for name, column in listed.items()}  # fmt: skip
+    made["within"] = within.to_numpy().astype(np.int8)
+    about = {"structure": structure, "description": description}
+    return dataset("rom/checks", made).assign_attrs(about)

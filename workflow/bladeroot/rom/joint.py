@@ -7,6 +7,7 @@ rounding leaves of a small gap.
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -20,6 +21,8 @@ from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
 from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
+
+_WITHIN = 1e-9  # of a shape's size that may lie outside its sector
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,25 @@ class Joint:
     def slip(self) -> Float[ndarray, "slip dof"]:
         """Rows of the only interface's slips."""
         return self.rows[1]
+
+    @cached_property
+    def weight(self) -> Float[ndarray, " pair"]:
+        """Share of the flank's stiffness that each pair carries."""
+        frame = self.assembly["frame"].values[:, 0]
+        dofs = self.assembly["beam_dof"].values
+        return (np.take_along_axis(self.gap, dofs, axis=1) * frame).sum(axis=1) ** 2
+
+    @cached_property
+    def contact(self) -> Float[ndarray, "pair 3 dof"]:
+        """Rows that give the beam's motion against the slot at each pair by local axis."""
+        pairs = len(self.gap)
+        rows = np.concatenate([self.gap[:, None], self.slip.reshape(pairs, 2, -1)], axis=1)
+        return rows / np.sqrt(self.weight)[:, None, None]
+
+    @cached_property
+    def homes(self) -> dict[str, int | None]:
+        """The sector of each named mode, as far as it was asked for; None if it is in no one."""
+        return {}
 
     @cached_property
     def sectors(self) -> tuple[JointSector, ...]:
@@ -182,10 +204,14 @@ class Operator:
         return moved
 
     def lowest(self, count: int) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
-        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes, rigid ones too."""
+        """omega^2 (1/s^2) and shapes of unit modal mass of the lowest modes, rigid ones too.
+
+        Of a sector alone its share of so many.
+        """
         if count not in self._lowest:
             solves = [partial(_solved, factor) for factor in self._factors]
-            values, found = sector_eigenpairs(self._problems, solves, count)
+            share = len(self.joint.sectors) // len(self._parts)
+            values, found = sector_eigenpairs(self._problems, solves, -(-count // share))
             self._lowest[count] = values - self.joint.shift, whole_shapes(self._parts, found)
         return self._lowest[count]
 
@@ -193,6 +219,27 @@ class Operator:
         """The named modes. ValueError if one is not found."""
         _, shapes = _holding(self.joint, names, len(self.joint.mass), self.lowest)
         return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
+
+    def sector(self, shape: Float[ndarray, " dof"]) -> int | None:
+        """The sector in which a shape lies; None if it has parts in several."""
+        sizes = [np.linalg.norm(part.columns.T @ shape) for part in self._parts]
+        found = int(np.argmax(sizes))
+        return found if sizes[found] > (1.0 - _WITHIN) * np.linalg.norm(shape) else None
+
+    def within(self, sector: int | None) -> "Operator":
+        """The same for loads and motions of one sector alone, at a fraction of the cost."""
+        if sector is None:
+            return self
+        one = copy(self)
+        for name in ("_parts", "_problems", "_factors"):
+            setattr(one, name, getattr(self, name)[sector : sector + 1])
+        one._lowest = {}
+        return one
+
+    def holds(self, loads: Float[ndarray, "dof column"]) -> bool:
+        """Whether loads lie in the sectors of this operator alone."""
+        left = loads - sum(part.columns @ (part.columns.T @ loads) for part in self._parts)
+        return bool(np.abs(left).max() <= _WITHIN * np.abs(loads).max())
 
 
 def _solved(factor: ndarray, right: ndarray) -> ndarray:

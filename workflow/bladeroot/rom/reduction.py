@@ -28,6 +28,7 @@ from bladeroot.fem.symmetry import (
     that_keep,
     whole_shapes,
 )
+from bladeroot.variables import dataset
 
 
 @dataclass(frozen=True)
@@ -170,61 +171,27 @@ def reduced_dataset(
     each. modes: how many fixed-interface modes were kept, `beam_modes` and `slot_modes`.
     """
     pairs = mesh.pair_node.values
-    matrices, slot_matrices = ("beam_dof", "beam_dof_"), ("slot", "slot_dof", "slot_dof_")
-
-    def var(dims, values, units, text, source=""):
-        attrs = {"units": units, "long_name": text}
-        return dims, values, attrs | ({"source": source} if source else {})
-
-    return xr.Dataset(
+    made = dataset(
+        "rom/reduced",
         {
-            "pair_position": var(
-                ("pair", "axis"), mesh.node_position.values[pairs[:, 0]], "m",
-                "position of each contact pair",
-            ),
-            "pair_flank": mesh.pair_flank,
-            "pair_weight": mesh.pair_weight,
-            "flank_frame": mesh.flank_frame,
-            "beam_mass": var(matrices, beam[0], "kg", "reduced mass of the beam", "eq. 4.12"),
-            "beam_stiffness": var(
-                matrices, beam[1], "N/m", "reduced stiffness of the beam at zero force",
-                "eqs 4.5, 4.12",
-            ),
-            "beam_geometric_stiffness": var(
-                matrices, beam[2], "1/m", "reduced stiffness per newton of axial force",
-                "eqs 4.2, 4.12",
-            ),
-            "display_position": var(
-                ("display", "axis"), mesh.node_position.values[mesh.display_node.values], "m",
-                "nodes along the beam that show its modes",
-            ),
-            "display_shape": var(
-                ("display", "axis", "beam_dof"), display_shape, "1",
-                "displacement of display nodes per reduced dof",
-            ),
-            "slot_mass": var(
-                slot_matrices, np.stack([mass for mass, _ in slots]), "kg",
-                "reduced mass of each slot", "eq. 4.12",
-            ),
-            "slot_stiffness": var(
-                slot_matrices, np.stack([stiffness for _, stiffness in slots]), "N/m",
-                "reduced stiffness of each slot", "eqs 4.12, 5.2",
-            ),
-            "slot_pairs": var(
-                ("slot", "slot_pair"), np.arange(len(pairs)).reshape(2, -1), "1",
-                "pair index of each slot's contact nodes",
-            ),
+            "pair_position": mesh.node_position.values[pairs[:, 0]],
+            "pair_flank": mesh.pair_flank.values,
+            "pair_weight": mesh.pair_weight.values,
+            "flank_frame": mesh.flank_frame.values,
+            "beam_mass": beam[0],
+            "beam_stiffness": beam[1],
+            "beam_geometric_stiffness": beam[2],
+            "display_position": mesh.node_position.values[mesh.display_node.values],
+            "display_shape": display_shape,
+            "slot_mass": np.stack([mass for mass, _ in slots]),
+            "slot_stiffness": np.stack([stiffness for _, stiffness in slots]),
+            "slot_pairs": np.arange(len(pairs)).reshape(2, -1),
         },
-        coords={
-            "axis": list("XYZ"),
-            "flank": mesh.flank.values,
-            "local": ["normal", "along Y", "along slope"],
-            "slot": list(SLOTS),
-        },
-        attrs={
-            **{key: mesh.attrs[key] for key in ("structure", "description", "with_pad")},
-            **modes,
-        },
+    )
+    about = {key: mesh.attrs[key] for key in ("structure", "description", "with_pad")}
+    return made.assign_attrs(about | dict(modes)).assign_coords(
+        axis=list("XYZ"), flank=mesh.flank.values, local=["normal", "along Y", "along slope"],
+        slot=list(SLOTS),
     )  # fmt: skip
 
 

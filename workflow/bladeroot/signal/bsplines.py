@@ -21,8 +21,13 @@ def alive_splines(
     """
     value, first = np.empty((x.size, degree + 1)), np.empty(x.size, np.int64)
     for p in range(x.size):
-        cell = np.searchsorted(knots, x[p], side="right") - 1
-        cell = min(max(cell, degree), knots.size - degree - 2)
+        cell, last = degree, knots.size - degree - 2
+        while cell < last:  # by halves: the last knot that is not beyond the point
+            middle = (cell + last + 1) // 2
+            if knots[middle] <= x[p]:
+                cell = middle
+            else:
+                last = middle - 1
         first[p] = cell - degree
         value[p, 0] = 1.0
         for d in range(1, degree + 1):

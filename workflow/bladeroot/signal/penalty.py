@@ -148,7 +148,9 @@ def _at_rows(place, log_precision):
 @no_type_check
 def _step(inverse, value, rows, place, precision, nodes):
     """Fellner and Schall's step of the log-precisions, and whether it matters to the curve."""
-    freedom, roughness = np.full(nodes, 1e-12), np.zeros(nodes)
+    freedom, roughness = np.empty(nodes), np.zeros(nodes)
+    for k in range(nodes):
+        freedom[k] = 1e-12
     for j in range(rows.shape[0]):
         bend, variance = 0.0, 0.0
         for a in range(rows.shape[1]):
@@ -179,7 +181,9 @@ def _step(inverse, value, rows, place, precision, nodes):
 @no_type_check
 def _spread(log_precision):
     """Intensities averaged with a half of each neighbour's."""
-    stiffest, last = log_precision.max(), log_precision.size - 1
+    stiffest, last = log_precision[0], log_precision.size - 1
+    for k in range(1, last + 1):  # the maximum, whose own function takes long to compile
+        stiffest = max(stiffest, log_precision[k])
     intensity, mean = np.empty(last + 1), np.empty(last + 1)
     for k in range(last + 1):
         intensity[k] = np.exp(stiffest - log_precision[k])

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.nonlinear.fast_loading import softening_curve
+from bladeroot.nonlinear.fast_loading import softening_curve, softening_curves
 from bladeroot.nonlinear.system import Place, System
 from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
@@ -104,8 +104,13 @@ def by_friction(
     slope: Float[ndarray, " number"],
 ) -> Float[ndarray, "number parameter"]:
     """Slopes by the parameters in the order of `FRICTION`; value and slope: from `along`."""
-    steps = _STEP * np.eye(len(friction))[1:]
-    changed = [(along(joint, at, friction + step)[0] - value) / _STEP for step in steps]
+    steps = friction + _STEP * np.eye(len(friction))[1:]
+    parts = []
+    for one in at:
+        system = one.systems[0]
+        moved = [uneven_sliders(joint, system, one.force, friction_of(step)) for step in steps]
+        parts.append(softening_curves(system, moved, one.amplitude)[0])
+    changed = [(_stacked(list(curves)) - value) / _STEP for curves in zip(*parts, strict=True)]
     return np.stack([-slope, *changed], axis=1)
 
 
@@ -136,16 +141,13 @@ def by_unevenness(
     for one in at:
         system = one.systems[0]
         sliders = uneven_sliders(joint, system, one.force, law)
-        value = softening_curve(system, sliders, one.amplitude)[0]
-        slope = np.empty((*value.shape, system.pair.size))
-        for contact in range(system.pair.size):
-            preload = sliders.preload.copy()
-            preload[contact] *= np.exp(_PRESSED)
-            changed = softening_curve(system, replace(sliders, preload=preload), one.amplitude)[0]
-            slope[..., contact] = (changed - value) / _PRESSED
+        up = 1.0 + np.expm1(_PRESSED) * np.eye(system.pair.size)[:, :, None]
+        pressed = [replace(sliders, preload=sliders.preload * higher) for higher in up]
+        value, *changed = softening_curves(system, [sliders, *pressed], one.amplitude)[0]
+        slope = np.stack([(curve - value) / _PRESSED for curve in changed], axis=-1)
         share = system.count * sliders.preload.sum(axis=1)
         slope -= slope.sum(axis=2, keepdims=True) * share / share.sum()
-        part = np.zeros((*value.shape, system.image.size))
+        part = np.zeros((*slope.shape[:2], system.image.size))
         part[..., system.pair] = law.spread * slope / np.sqrt(system.count)
         parts.append(part)
     return _stacked(parts)

@@ -2,5 +2,5 @@
 
 A file has CLASS (of the diagnosis' answer; `outside` if no catalogue has it), UNIT, BOUND (the
 smallest size that must be found), SIGNED (whether either sign occurs) and `change`. TUNED, where
-the size is what the effect does rather than its cause: `bench.tuning` finds the cause.
+the size is what the effect does rather than its cause: `tests/blind/tuning.py` finds the cause.
 """

@@ -78,8 +78,14 @@ class Parametric:
         return float(np.exp(np.log(records.force).mean())) if records.force.size else 1.0
 
     def silent(self, one: Mechanism) -> str:
-        """It speaks of every cause."""
-        return ""
+        """Of a change of what the structure does not have: slots, of an assembly."""
+        if one.structure is None:
+            return ""
+        values, _ = one.values(one.start + one.std)
+        changes = [one.structure(ritz, values)[0] for ritz in self.ritz]
+        if any(part.any() for one in changes for part in (one.stiffness, one.mass)):
+            return ""
+        return "the structure has nothing that it would change"
 
     def curves(self) -> xr.Dataset | None:
         """It has no slip of its own."""

@@ -50,6 +50,11 @@ class Table:
         """Whether it has sensitivities to kn and kt."""
         return set(CONTACT) <= set(self.names)
 
+    @property
+    def std(self) -> Float[ndarray, " name"]:
+        """Standard deviation beforehand of each named parameter."""
+        return np.array([PRIOR_LN_K if name in CONTACT else PRIOR for name in self.names])
+
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
     ) -> "_OfRecords":
@@ -82,10 +87,9 @@ class _OfRecords(OneMode):
         wide = max(np.ptp(loads) for loads in simulated.loads) or 1.0
         self.bias_rows = np.hstack([of_mode, of_mode * ((records.force - middle) / wide)[:, None]])
         self.count = len(simulated.names)
-        std = [PRIOR_LN_K if name in CONTACT else PRIOR for name in simulated.names]
         self.prior = Prior(
             np.concatenate([np.zeros(self.count), np.log1p(simulated.offset), np.zeros(modes)]),
-            np.concatenate([std, simulated.bias, BIAS_TILT * simulated.bias]),
+            np.concatenate([simulated.std, simulated.bias, BIAS_TILT * simulated.bias]),
         )
         self.contact = [
             simulated.names.index(name) if name in simulated.names else None for name in CONTACT

@@ -28,6 +28,9 @@ from bladeroot.schema import read_yaml
 
 _SIDES = ("first", "second")
 _AXES = ("x", "y", "z")
+# kg/m3 of the box around a body's nodes: no solid is heavier, no model of a structure lighter.
+# Another unit of length or mass changes it by a thousand at least.
+DENSITY = (1e-3, 3e4)
 
 
 def read_assembly(path: str | Path) -> Description:
@@ -45,6 +48,9 @@ def read_assembly(path: str | Path) -> Description:
     for name in data["display_nodes"]:
         if name not in data["bodies"]:
             faults.append(f"display_nodes: {name} is not among bodies ({path})")
+    low, high = data.get("load_range", (0.0, 1.0))
+    if not low < high:
+        faults.append(f"load_range must be [least, largest], got [{low:g}, {high:g}] ({path})")
     if faults:
         raise ValueError("\n".join(faults))
     return description
@@ -191,6 +197,7 @@ def _body(description: Description, name: str, read: Tables) -> Body:
             f"expected {len(equations.node)} rows, as {model.get('mapping', model['nodes'])} says, "
             f"got {mass.shape[0]} ({description.folder / model['mass']})"
         )
+    _check_density(description, name, mass, equations, read.positions[name])
     free = np.flatnonzero(~fixed)
     row = np.full(len(fixed), -1)
     row[free] = np.arange(len(free))
@@ -202,6 +209,20 @@ def _body(description: Description, name: str, read: Tables) -> Body:
         return None if matrix is None else sp.csr_array(matrix[free][:, free])
 
     return Body(name, kept(mass), kept(stiffness), kept(geometric), read.positions[name], dof)
+
+
+def _check_density(
+    description: Description, name: str, mass: sp.csr_array, equations: Equations, nodes: ndarray
+) -> None:
+    """A wrong unit shows in the density, where the nodes span a volume."""
+    along = (equations.axis == 0).astype(float)
+    weight, volume = float(along @ (mass @ along)), float(np.prod(np.ptp(nodes, axis=0)))
+    if volume > 0.0 and not DENSITY[0] <= weight / volume <= DENSITY[1]:
+        raise ValueError(
+            f"body {name} weighs {weight:.3g} kg in a box of {volume:.3g} m3, "
+            f"{weight / volume:.2g} kg/m3: units are not {description.data['units']}, or "
+            f"rows not of these nodes ({description.path})"
+        )
 
 
 def _node(places: Mapping[str, dict], body: str, node: int, where: object) -> int:
@@ -241,6 +262,13 @@ def _interfaces(
                 f"interface must be one of {known}, got {str(name)!r} ({table.where(k)})"
             )
     sides = np.stack([_nodes(table, side, order, places) for side in _SIDES], axis=1)
+    pairs = [tuple(map(tuple, np.sort(pair, axis=0).tolist())) for pair in sides]
+    for k, (one, other) in enumerate(pairs):
+        if one == other:
+            raise ValueError(f"a pair must have two nodes, got one twice ({table.where(k)})")
+    if len(first := dict(zip(pairs[::-1], range(len(pairs))[::-1], strict=True))) < len(pairs):
+        again = next(k for k, pair in enumerate(pairs) if first[pair] != k)
+        raise ValueError(f"the same pair stands in the table twice ({table.where(again)})")
     area = floats(table, "area")
     normal = np.column_stack([floats(table, name) for name in ("nx", "ny", "nz")])
     wrong = np.flatnonzero(~((area > 0.0) & (np.linalg.norm(normal, axis=1) > 0.0)))
@@ -283,4 +311,6 @@ def _shape(
             raise ValueError(f"the node must be one of display_nodes ({table.where(k)})")
         for axis in axes:
             shape[at[0], _AXES.index(axis)] = moved[axis][k]
+    if np.count_nonzero(np.nan_to_num(shape)) < 2:
+        raise ValueError(f"expected a shape that moves at two places or more ({table.path})")
     return shape

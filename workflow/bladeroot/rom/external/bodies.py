@@ -66,6 +66,11 @@ def model_matrices(
     """Mass, stiffness at zero force and its change per newton, in SI units."""
     model = description.models[name]
     mass = description.mass * read_matrix(description.folder, model["mass"])
+    if (negative := np.flatnonzero(mass.diagonal() < 0.0)).size:
+        raise ValueError(
+            f"expected a mass without negative entries on the diagonal, got one in row "
+            f"{negative[0] + 1} ({description.folder / model['mass']})"
+        )
     per_length = description.force / description.length
     if "stiffness_at" in model:
         matrices = [

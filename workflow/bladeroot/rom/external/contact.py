@@ -15,11 +15,11 @@ SYMMETRY, _NORMAL = 1.0e-3, 1.0e-3
 
 def contact_pairs(
     description: Description, bodies: list[BodyNodes], starts: ndarray
-) -> dict[str, tuple]:
+) -> dict[str, ndarray]:
     """Pairs in the order of the flanks, their areas, and the four flanks' local axes.
 
-    `starts` is the first node of each body in the mesh. Variables of a Dataset. Raises ValueError,
-    one line that names file and row, for anything wrong in the table.
+    `starts` is the first node of each body in the mesh. Values by their names in it. Raises
+    ValueError, one line that names file and row, for anything wrong in the table.
     """
     path = description.folder / description.data["contact"]
     columns = ("flank", "beam_node", "slot_node", "area", "nx", "ny", "nz")
@@ -55,30 +55,10 @@ def contact_pairs(
     _check_pairs(description, table, flank, pairs, position)
     order = np.argsort(flank, kind="stable")
     return {
-        "pair_node": (
-            ("pair", "pair_side"),
-            pairs[order],
-            {"units": "1", "long_name": "coincident nodes of beam and slot"},
-        ),
-        "pair_flank": (
-            "pair",
-            flank[order],
-            {"units": "1", "long_name": "flank of each pair: " + ", ".join(FLANKS)},
-        ),
-        "pair_weight": (
-            "pair",
-            area[order],
-            {"units": "m2", "long_name": "area of each contact node"},
-        ),
-        "flank_frame": (
-            ("flank", "local", "axis"),
-            np.stack([_frame(table, k, flank, normal) for k in range(4)]),
-            {
-                "units": "1",
-                "long_name": "local axes: normal out of the beam, along Y, along the slope",
-                "source": "eq. 5.3",
-            },
-        ),
+        "pair_node": pairs[order],
+        "pair_flank": flank[order],
+        "pair_weight": area[order],
+        "flank_frame": np.stack([_frame(table, k, flank, normal) for k in range(4)]),
     }
 
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Int
+from numpy import ndarray
 
-from bladeroot.fem.mesh import FLANKS
+from bladeroot.fem.mesh import mesh_dataset
 from bladeroot.rom.external.contact import SYMMETRY, contact_pairs
 from bladeroot.rom.external.description import Description
 from bladeroot.rom.external.nodes import BodyNodes, body_nodes
@@ -20,58 +22,23 @@ def external_mesh(description: Description) -> xr.Dataset:
     starts = np.cumsum([0, *(len(body.ids) for body in bodies)])
     lengths = [len(body.row) for body in bodies]
     node = np.concatenate([body.node + s for body, s in zip(bodies, starts, strict=False)])
-    variables = {
-        "node_position": (
-            ("node", "axis"),
-            np.concatenate([body.position for body in bodies]),
-            {"units": "m", "long_name": "node position"},
-        ),
-        "node_id": (
-            "node",
-            np.concatenate([body.ids for body in bodies]),
-            {"units": "1", "long_name": "number of the node in its table"},
-        ),
-        "node_body": (
-            "node",
-            np.repeat(np.arange(3), np.diff(starts)),
-            {"units": "1", "long_name": "0: beam, 1: slot Xn, 2: slot Xp"},
-        ),
-        "equation_body": (
-            "equation",
-            np.repeat(np.arange(3), lengths),
-            {"units": "1", "long_name": "body that an equation belongs to"},
-        ),
-        "equation_row": (
-            "equation",
-            np.concatenate([body.row for body in bodies]),
-            {"units": "1", "long_name": "row of the matrices, from 0"},
-        ),
-        "equation_node": ("equation", node, {"units": "1", "long_name": "node of an equation"}),
-        "equation_axis": (
-            "equation",
-            np.concatenate([body.axis for body in bodies]),
-            {"units": "1", "long_name": "0 to 2: displacement along X, Y, Z; 3 to 5: rotation"},
-        ),
-        "equation_fixed": (
-            "equation",
-            np.concatenate([body.fixed for body in bodies]).astype(np.int8),
-            {"units": "1", "long_name": "1 where it is held at zero"},
-        ),
+    made = {
+        "node_position": np.concatenate([body.position for body in bodies]),
+        "node_id": np.concatenate([body.ids for body in bodies]),
+        "node_body": np.repeat(np.arange(3), np.diff(starts)),
+        "equation_body": np.repeat(np.arange(3), lengths),
+        "equation_row": np.concatenate([body.row for body in bodies]),
+        "equation_node": node,
+        "equation_axis": np.concatenate([body.axis for body in bodies]),
+        "equation_fixed": np.concatenate([body.fixed for body in bodies]).astype(np.int8),
         **contact_pairs(description, bodies, starts),
-        **_display(description, bodies[0]),
+        "display_node": _display(description, bodies[0]),
     }
-    return xr.Dataset(
-        variables,
-        coords={"axis": list("XYZ"), "flank": list(FLANKS), "pair_side": ["beam", "slot"]},
-        attrs={
-            "structure": description.data["name"],
-            "description": " ".join(description.data["description"].split()),
-            "with_pad": 0,
-        },
-    )
+    text = " ".join(description.data["description"].split())
+    return mesh_dataset(made, description.data["name"], text)
 
 
-def _display(description: Description, beam: BodyNodes) -> dict[str, tuple]:
+def _display(description: Description, beam: BodyNodes) -> Int[ndarray, " display"]:
     """Display nodes in order of x; they must have three free displacements and be symmetric."""
     where = f"{description.path}, display_nodes"
     place = beam.places()
@@ -91,10 +58,4 @@ def _display(description: Description, beam: BodyNodes) -> dict[str, tuple]:
             "expected nodes symmetric about mid-span, by which modes are named even or odd, got "
             f"none at x = {-1e3 * x[worst]:.4g} mm for node {beam.ids[shown[worst]]} ({where})"
         )
-    return {
-        "display_node": (
-            "display",
-            shown,
-            {"units": "1", "long_name": "nodes along the beam that show its modes"},
-        )
-    }
+    return shown

@@ -10,10 +10,9 @@ from typing import Literal
 
 import numpy as np
 import scipy.linalg
+from bladeroot.contact.punch import Punch
 from jaxtyping import Float
 from numpy import ndarray
-
-from bladeroot.contact.punch import Punch
 
 Direction = Literal["normal", "tangential"]
 

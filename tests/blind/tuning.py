@@ -7,12 +7,11 @@ from types import ModuleType
 
 import numpy as np
 import pandas as pd
-
 from bladeroot.bench import effects
 from bladeroot.bench.clamping import clamp
 from bladeroot.bench.conditions import Conditions, Moment, baseline, moments
-from bladeroot.bench.cycle import cycle_curves
 from bladeroot.bench.joint import Parts
+from cycle import cycle_curves
 
 # Searched causes: friction coefficient and part of the pressure.
 _CAUSES = np.geomspace(1e-3, 30.0, 600)

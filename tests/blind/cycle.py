@@ -7,13 +7,12 @@ in phase with the displacement changes the frequency, the area of the loop is th
 from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray
-
 from bladeroot.bench.forces import ModalForces, nonlinear_force
 from bladeroot.bench.modes import StuckModes
 from bladeroot.bench.sweep import own_give, settle
 from bladeroot.compiled import njit
+from jaxtyping import Float
+from numpy import ndarray
 
 _PHASES = 96
 _LOADS_A_DECADE = 40

@@ -1,0 +1,51 @@
+"""Frequencies that follow a thermometer, and a drift that comes and goes beside one."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.verdict import verdict
+from bladeroot.mechanisms.catalogue import catalogue
+from diagnosis_bench import campaign, programme
+from stiffness_beam import _model
+
+BIAS = {"1B": 0.005, "2B": 0.005}
+RIVALS = [one for one in catalogue() if one.id in ("drift", "temperature")]
+
+
+@cache
+def judged(follows: str, thermometer: bool = True) -> dict:
+    """A campaign whose frequencies follow the weather, or a wave of their own, by 1e-4 a kelvin."""
+    seen = campaign(_model(False), seed=3, scatter=0.01, rows=programme(2, 1), curves=False)
+    part = seen["time"].values / seen["time"].values.max()
+    weather = 3.0 * np.sin(2.0 * np.pi * 2.3 * part + 1.0) + 4.0 * part**2
+    wave = 4.0 * np.sin(2.0 * np.pi * 1.6 * part)
+    warm = weather if follows == "weather" else wave
+    seen["stick_frequency"] = seen["stick_frequency"] * np.exp(-6e-4 * warm)
+    if thermometer:
+        read = 20.0 + weather + 0.1 * np.random.default_rng(0).normal(size=part.size)
+        seen["temperature"] = ("record", read)
+    return verdict(diagnose(seen, _model(False), Settings(BIAS), RIVALS))
+
+
+@pytest.mark.parametrize(
+    ("follows", "thermometer", "name"),
+    [("weather", True, "temperature"), ("weather", False, "drift"), ("wave", True, "drift")],
+)
+def test_the_thermometer_decides_between_temperature_and_drift(follows, thermometer, name):
+    said = judged(follows, thermometer)
+    (cause,) = said["causes"]
+    assert cause["mechanism"] == name
+    if thermometer:
+        assert cause["credible_set"] == [name]
+    else:
+        assert "temperature" not in said["possible"]
+
+
+def test_slope_and_gain_are_those_of_the_temperature():
+    said = judged("weather")
+    (slope,) = said["causes"][0]["parameters"]
+    assert abs(slope["value"] + 6e-4) < 3.0 * slope["std"]
+    sides = said["gain"]["between_temperatures"]
+    assert sides["after"] < 0.5 * sides["before"]
