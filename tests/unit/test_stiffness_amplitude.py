@@ -152,7 +152,9 @@ def test_slopes_of_simulated_curves():
         step = 0.1 * np.eye(4)[k]
         up, down = (along(joint, at, friction + side * step)[0] for side in (1.0, -1.0))
         numeric = (up - down) / 0.2
-        np.testing.assert_allclose(found[:, k], numeric, atol=apart * np.abs(numeric).max())
+        # all pairs of this joint lie at the edges: two of the parameters change nothing
+        atol = 1e-12 + apart * np.abs(numeric).max()
+        np.testing.assert_allclose(found[:, k], numeric, atol=atol)
 
 
 def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():
