@@ -239,7 +239,7 @@ def test_a_table_is_a_simulation(folder):
             "r1,a.csv,first,12",
             "frequency_Hz must be a finite number",
         ),
-        (SIMULATED.replace("20,", "5,"), "r1,a.csv,first,5", "stand in row 2 already"),
+        (SIMULATED.replace("20,", "5,"), "r1,a.csv,first,5", "amplitude stands in row 2 already"),
         (
             SIMULATED.replace("first,5", "1B,5"),
             "r1,a.csv,first,12",

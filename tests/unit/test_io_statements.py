@@ -156,13 +156,15 @@ def test_the_mode_of_the_instrument_is_no_mode_of_the_blade(tmp_path):
         read(path, mode="1B")
 
 
-def test_a_matrix_of_units_is_no_unit(tmp_path):
+def test_of_a_list_of_units_the_one_of_motion_is_taken(tmp_path):
     path = matlab(tmp_path / "a.mat", v=WAVE, fs=RATE, unit=["s", "mm/s"])
-    with pytest.raises(ValueError, match=r"expected a unit .*got 's; mm/s'"):
+    np.testing.assert_allclose(read(path).samples, 1e-3 * WAVE)
+    path = matlab(tmp_path / "b.mat", v=WAVE, fs=RATE, unit=["m/s", "mm/s"])
+    with pytest.raises(ValueError, match=r"expected a unit .*got 'm/s; mm/s'"):
         read(path)
     found = read(path, unit="mm/s")
     np.testing.assert_allclose(found.samples, 1e-3 * WAVE)
-    assert "unit 's; mm/s' is not known; mm/s of records.csv is taken" in found.notes[0]
+    assert "unit 'm/s; mm/s' is not known; mm/s of records.csv is taken" in found.notes[0]
 
 
 def test_netcdf_without_a_unit_is_the_sheets_to_decide(tmp_path):

@@ -22,7 +22,7 @@ from one_step import exact, hysteretic
 from time_integration import free_decay
 
 POINT = np.array([np.log(0.6e9), np.log(0.9e9), 4e3])
-LAW = Uneven(friction=0.4, keep=0.02, exponent=0.7, spread=0.4)
+LAW = Uneven(friction=0.4, edge=0.06, exponent=0.7, spread=0.4)
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +33,9 @@ def coarse():
 
 @settings(deadline=None, max_examples=20)
 @given(st.floats(1e-3, 1.0), st.floats(0.1, 2.0))
-def test_pressure_has_the_flanks_mean_and_falls_to_the_edges(keep, exponent):
+def test_pressure_has_the_flanks_mean_and_falls_to_the_edges(edge, exponent):
     joint = coarse_joint()
-    pressure = relative_pressure(joint, Uneven(keep=keep, exponent=exponent))
+    pressure = relative_pressure(joint, Uneven(edge=edge, exponent=exponent))
     flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
     np.testing.assert_allclose(np.bincount(flank, share * pressure), 1.0)
     distance = edge_distance(joint)

@@ -144,22 +144,23 @@ def test_errors_of_the_curves_are_a_covariance():
 def test_slopes_of_simulated_curves():
     joint, levels = coarse_joint(), [("1B", 4e3)]
     z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
-    friction = np.log([0.4, 0.02, 0.7, 0.4])
+    friction = np.log([0.4, 0.06, 0.7, 0.4])
     one = made_up(levels)
     at = levels_at(joint, one, levels, LASERS, z)
     found = by_friction(joint, at, friction, *along(joint, at, friction))
-    for k in range(4):
-        step = 0.05 * np.eye(4)[k]
+    for k, apart in enumerate((0.05, 0.3, 0.3, 0.3)):  # one-sided but for the first
+        step = 0.1 * np.eye(4)[k]
         up, down = (along(joint, at, friction + side * step)[0] for side in (1.0, -1.0))
-        numeric = (up - down) / 0.1
-        scale = np.abs(numeric).max()
-        np.testing.assert_allclose(found[:, k], numeric, atol=0.15 * scale)
+        numeric = (up - down) / 0.2
+        # all pairs of this joint lie at the edges: two of the parameters change nothing
+        atol = 1e-12 + apart * np.abs(numeric).max()
+        np.testing.assert_allclose(found[:, k], numeric, atol=atol)
 
 
 def test_uneven_pressure_moves_curves_as_a_contact_pressed_harder_does():
     joint, levels = coarse_joint(), [("1B", 4e3)]
     z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
-    friction, one = np.log([0.4, 0.02, 0.7, 0.4]), made_up(levels)
+    friction, one = np.log([0.4, 0.06, 0.7, 0.4]), made_up(levels)
     at = levels_at(joint, one, levels, LASERS, z)
     found = by_unevenness(joint, at, friction)
     system, h = at[0].systems[0], 0.05
@@ -270,11 +271,11 @@ def test_friction_is_fitted_to_curves_that_it_made():
     z = np.array([[np.log(0.6e9), np.log(0.9e9), np.log(4e3)]])
     one = made_up(levels)
     at = levels_at(joint, one, levels, LASERS, z)
-    truth = np.log([0.4, 0.01, 0.6, 0.4])
+    truth = np.log([0.4, 0.06, 0.6, 0.4])
     value = along(joint, at, truth)[0]
     errors = np.diag(np.full(value.size, 1e-2 * np.abs(value).max()) ** 2)
     problem = friction_problem(joint, at, value, errors)
-    found = fit(problem, curve_fit._start(problem), least=1e-3)
+    found = fit(problem, curve_fit._start(problem), least=1e-2)
     assert found.state.mean == pytest.approx(value, abs=0.02 * np.abs(value).max())
     assert cost(problem, found.parameters) < cost(problem, truth) + 0.05
 
@@ -286,7 +287,7 @@ def test_curves_find_stiffness_and_friction_that_made_them():
     truth = predict(made, theta[None]).logarithms[0]
     levels = level_names(made)[:3]
     one = made_up(levels)
-    friction = np.log([0.3, 0.01, 0.6, 0.4])
+    friction = np.log([0.3, 0.06, 0.6, 0.4])
     at = levels_at(joint, one, levels, LASERS, truth)
     fall, rise = along(joint, at, friction)[0].reshape(2, -1)
     one = replace(one, fall=fall - 1e-5, rise=rise + 1e-5)

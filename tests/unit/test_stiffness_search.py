@@ -149,20 +149,14 @@ def test_measurement_that_is_absent_is_named(drawn):
     assert np.isnan(result["needed_bias"]).all()
 
 
-def test_chi_square_of_three_modes_tells_a_modulus_one_per_cent_wrong(three):
+def test_fits_of_three_modes_have_their_covariance_and_tell_a_modulus_one_per_cent_wrong(three):
     """In 95 % of drawn cases, with 5 % false alarms."""
-    false, told = (
-        np.mean([one.probability < 0.05 for one in fits(three, 2.2e-4, 100, modulus)])
-        for modulus in (1.0, 1.01)
-    )
+    right, wrong = fits(three, 2e-5, 100), fits(three, 2.2e-4, 100, 1.01)
+    false, shown = (np.mean([one.probability < 0.05 for one in made]) for made in (right, wrong))
     assert false < 0.05 + 3.0 * np.sqrt(0.05 * 0.95 / 100)
-    assert told >= 0.95
-
-
-def test_three_modes_are_fitted_within_their_covariance(three):
-    made = fits(three, 2e-5, 100)
-    off = np.array([one.fit.parameters for one in made]) - TRUTH
-    np.testing.assert_allclose(off.std(axis=0), made[0].fit.std, rtol=0.25)
+    assert shown >= 0.95
+    off = np.array([one.fit.parameters for one in right]) - TRUTH
+    np.testing.assert_allclose(off.std(axis=0), right[0].fit.std, rtol=0.25)
 
 
 def test_search_of_three_modes_says_how_far_each_is_off(three):

@@ -196,8 +196,8 @@ class _Mixture:
         part = rng.choice(len(self.share), count, p=self.share)
         root = np.linalg.cholesky(self.scale)[part]
         noise = rng.standard_normal((count, self.mean.shape[1], 1))
-        stretch = np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, count))
-        return self.mean[part] + stretch[:, None] * (root @ noise)[..., 0]
+        tail_factor = np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, count))
+        return self.mean[part] + tail_factor[:, None] * (root @ noise)[..., 0]
 
     def log_parts(self, points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:
         """Log density by each part with its share, and the squared distance from it."""

@@ -64,6 +64,12 @@ class Cells:
         given = values.get(name, "") != ""
         return self.number(row, values, name, positive=positive) if given else None
 
+    def once(self, row: int, place: object, first: dict, what: str) -> None:
+        """Whether a place stands in no row before; first: the row of each place, added to."""
+        if place in first:  # in this row, too: channels whose names differ by signs alone
+            self.fault(f"{what} stands in row {first[place]} already", row)
+        first.setdefault(place, row)
+
     def choice(self, row: int, values: dict, name: str, choices: tuple[str, ...], default: str):
         """One of some words."""
         value = values.get(name) or default

@@ -120,15 +120,15 @@ def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:
     """What a slip of the unit by a thousand would look like; beyond reason, an error."""
     low, high = USUAL_PEAKS[quantity]
     unit = SI[quantity]
-    told = f"the peak {quantity} is {peak:.3g} {unit}"
+    seen = f"the peak {quantity} is {peak:.3g} {unit}"
     if not peak <= high * ABSURD:
         raise ValueError(
-            f"{told}, no vibration: wrong unit, wrong byte order or spoilt samples? ({where})"
+            f"{seen}, no vibration: wrong unit, wrong byte order or spoilt samples? ({where})"
         )
     if peak > high:
-        return (f"{told}, above {high:g} {unit}: is the unit right?",)
+        return (f"{seen}, above {high:g} {unit}: is the unit right?",)
     if peak < low:
-        return (f"{told}, below {low:g} {unit}: is the unit right?",)
+        return (f"{seen}, below {low:g} {unit}: is the unit right?",)
     return ()
 
 

@@ -49,10 +49,7 @@ class RecordRows(Cells):
                 continue
             for line in self._row(row, values, naming):
                 name = line["record"].lower()  # some disks do not tell a from A
-                if name in first_row:
-                    where = f"row {first_row[name]} already"
-                    self.fault(f"record {line['record']!r} stands in {where}", row)
-                first_row.setdefault(name, row)
+                self.once(row, name, first_row, f"record {line['record']!r}")
                 checked.append(line)
                 places.append(row)
         self._one_use(rows)

@@ -57,7 +57,7 @@ def statements(
     for name, value in said:
         key, unit = _key(str(name))
         text = _text(value)
-        told = f"{name} {text}"
+        stated = f"{name} {text}"
         if key == "mode" and text:
             facts["mode"] = text
         try:
@@ -66,21 +66,21 @@ def statements(
                 if not unit and _bare(text) and 0.0 < rate < UNSURE_HZ and rate != round(rate):
                     raise ValueError("without a unit it may be in Hz or in kHz")
                 exact = _round(rate) or not isinstance(value, str)
-                errors[told] = 0.0 if exact else _open(text)
-                rates[told] = rate
+                errors[stated] = 0.0 if exact else _open(text)
+                rates[stated] = rate
             elif key in (*_STEPS, *steps):
                 rate = 1.0 / _amount(text, unit or "s", None)
                 # a step in text is a rounded one; a number is, where its frequency is an odd one
                 exact = _round(rate) and not isinstance(value, str)
-                errors[told] = 0.0 if exact else _open(text)
-                rates[told] = rate
+                errors[stated] = 0.0 if exact else _open(text)
+                rates[stated] = rate
             elif key in _FORCES:
-                forces[told] = _amount(text, unit, _NEWTON)
+                forces[stated] = _amount(text, unit, _NEWTON)
         except (ValueError, ZeroDivisionError) as error:
             notes.append(f"{name} {text[:40]!r} of the file is not taken: {error}")
-    for told, rate in rates.items():
+    for stated, rate in rates.items():
         if not 0.0 < rate < math.inf:
-            raise ValueError(f"expected a positive sampling frequency, got {told} ({path})")
+            raise ValueError(f"expected a positive sampling frequency, got {stated} ({path})")
     # the one with the most digits is taken
     rates = dict(sorted(rates.items(), key=lambda one: errors[one[0]]))
     sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path, errors)
@@ -97,11 +97,11 @@ def one_unit(units: dict[str, str | None], path: str) -> str | None:
     Raises:
         ValueError: two differ.
     """
-    told = {where: unit for where, unit in units.items() if unit and unit.strip() not in NO_UNIT}
-    first = next(iter(told.values()), None)
-    for unit in told.values():
+    stated = {where: unit for where, unit in units.items() if unit and unit.strip() not in NO_UNIT}
+    first = next(iter(stated.values()), None)
+    for unit in stated.values():
         if not _same(first, unit):
-            listed = ", ".join(f"{text!r} {where}" for where, text in told.items())
+            listed = ", ".join(f"{text!r} {where}" for where, text in stated.items())
             raise ValueError(f"unit contradicts inside the file: {listed} ({path})")
     return first
 
@@ -118,20 +118,20 @@ def one_time(times: dict[str, ndarray], path: str) -> ndarray | None:
 
 
 def _one(
-    told: dict[str, float],
+    stated: dict[str, float],
     apart: float,
     what: str,
     path: str,
     errors: dict[str, float] | None = None,
 ) -> float | None:
     """The first of several numbers that must be the same, as far as their digits tell."""
-    first = next(iter(told.values()), None)
-    errors = errors or dict.fromkeys(told, 0.0)
+    first = next(iter(stated.values()), None)
+    errors = errors or dict.fromkeys(stated, 0.0)
     room = apart + min(errors.values(), default=0.0)
     if first is not None and any(
-        abs(one - first) > (room + errors[name]) * abs(first) for name, one in told.items()
+        abs(one - first) > (room + errors[name]) * abs(first) for name, one in stated.items()
     ):
-        listed = ", ".join(f"{value:.9g} from {name}" for name, value in told.items())
+        listed = ", ".join(f"{value:.9g} from {name}" for name, value in stated.items())
         raise ValueError(f"{what} contradicts inside the file: {listed} ({path})")
     return first
 

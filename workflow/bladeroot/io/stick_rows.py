@@ -54,12 +54,9 @@ class StickRows(Cells):
                         f"({expected} Hz +- {MODE_BAND:.0%})",
                         row,
                     )
-            place = (line["mode"], line["force_N"])
-            if None not in place and place in first_row:
-                where = f"row {first_row[place]} already"
+            if mode is not None and value is not None:
                 unit = self.load.unit if self.load else ""
-                self.fault(f"mode {mode} at {line['force_N']:g} {unit} stands in {where}", row)
-            first_row.setdefault(place, row)
+                self.once(row, (mode, value), first_row, f"mode {mode} at {value:g} {unit}")
             checked.append(line)
         if not self.faults:
             self._lone_frequencies([row for row, _ in rows], checked)

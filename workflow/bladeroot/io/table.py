@@ -48,11 +48,7 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
         for name in own:
             line[name] = cells.number(row, values, name)
         place = (line["mode"], line["load"], line.get("amplitude_m"))
-        if place in first:
-            cells.fault(
-                f"the same mode, load and amplitude stand in row {first[place]} already", row
-            )
-        first.setdefault(place, row)
+        cells.once(row, place, first, "the combination of mode, load and amplitude")
         made.append(line)
     if not made:
         faults.append(f"no usable row ({path})")

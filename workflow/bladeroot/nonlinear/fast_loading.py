@@ -18,6 +18,8 @@ from bladeroot.nonlinear.system import System
 
 _A_DECADE, _BELOW = 24, 8.0
 _TOLERANCE = 1e-6
+# To each side, of ln A, for slopes: across the slips of several friction points, not one's.
+_APART = 0.1
 
 
 def softening_curve(
@@ -54,7 +56,8 @@ def softening_curves(
         if not np.all(np.diff(seen) > 0.0):
             raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
         fits.append(PchipInterpolator(seen, one, axis=1))
-    return np.stack([fit(at) for fit in fits]), np.stack([fit(at, 1) for fit in fits])
+    slopes = [(fit(at + _APART) - fit(at - _APART)) / (2.0 * _APART) for fit in fits]
+    return np.stack([fit(at) for fit in fits]), np.stack(slopes)
 
 
 def states(

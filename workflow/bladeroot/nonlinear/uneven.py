@@ -1,8 +1,8 @@
 """Friction of flanks whose pressure falls towards all their edges and is uneven in between.
 
-A family that inference can move through: how much pressure the edges keep, how fast it falls to
-them, and how unevenly it is spread at random, as by waviness and roughness. Uniform pressure is its
-limit; the punch of section 6.2 lies near an exponent of one half without any left at the edges.
+A family that inference can move through: the edges' pressure over the middle's, how fast it falls
+to them, and how unevenly it is spread at random, as by waviness and roughness. Uniform pressure is
+its limit; the punch of section 6.2 lies near an exponent of one half with none at the edges.
 """
 
 from dataclasses import dataclass, replace
@@ -24,13 +24,13 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 @dataclass(frozen=True)
 class Uneven:
-    """friction: coefficient. Pressure goes with (keep + 1 - d^2)^exponent, where d is 1 at the
-    edges and 0 in the middle. spread: standard deviation of ln pressure about that, from place to
-    place.
+    """friction: coefficient. edge: pressure at the edges over that in the middle. Between them its
+    root of order `exponent` goes with 1 - d^2, where d is 1 at the edges and 0 in the middle.
+    spread: standard deviation of ln pressure about that, from place to place.
     """
 
     friction: float = 0.42
-    keep: float = 0.05
+    edge: float = 0.2
     exponent: float = 0.5
     spread: float = 0.3
 
@@ -52,7 +52,9 @@ def edge_distance(joint: Joint) -> Float[ndarray, " pair"]:
 
 def relative_pressure(joint: Joint, law: Uneven) -> Float[ndarray, " pair"]:
     """Pressure at each pair over its flank's mean, without the spread."""
-    raw = (law.keep + np.maximum(1.0 - edge_distance(joint) ** 2, 0.0)) ** law.exponent
+    least = law.edge ** (1.0 / law.exponent)
+    inwards = np.maximum(1.0 - edge_distance(joint) ** 2, 0.0)
+    raw = (least + (1.0 - least) * inwards) ** law.exponent
     flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
     return raw * (np.bincount(flank, share) / np.bincount(flank, share * raw))[flank]
 

@@ -63,8 +63,8 @@ def _tables(results: Path) -> Iterator[tuple[str, pd.DataFrame]]:
                 yield name, _table_over(stick, dim)
     verdict = results / "diagnosis" / "verdict.json"
     if verdict.is_file():
-        told = artifacts.load_json(verdict)
-        yield "verdict", pd.DataFrame(list(_leaves(told)), columns=["entry", "value"])
+        said = artifacts.load_json(verdict)
+        yield "verdict", pd.DataFrame(list(_leaves(said)), columns=["entry", "value"])
 
 
 def curve_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:

@@ -1,9 +1,11 @@
 """The friction that the curves want, and what they then say of the stiffness.
 
-In each round friction is fitted to the curves at the present stiffness (Levenberg and Marquardt's
-method); there the curves are made linear, friction is integrated out of them, and the joint
-MAP estimate with what is left is found. Where on the flanks the pressure happens to be high is not
-known: what that does to the curves is an error that all levels, falls and rises share.
+In each round the curves are made linear at the present stiffness and friction, friction is
+integrated out of them, and the joint MAP estimate of the stiffness with what is left is found. In
+the first rounds friction is fitted to the curves before; from then on it is its posterior's mean,
+since the fit's place on a ridge of friction coefficients says nothing. Where on the flanks the
+pressure happens to be high is not known: what that does to the curves is an error that all levels,
+falls and rises share.
 """
 
 from collections.abc import Mapping
@@ -23,6 +25,7 @@ from bladeroot.inference.gaussian import (
     fit,
     with_known_errors,
 )
+from bladeroot.inference.marginal import moments
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.model import CurveTerm, LevelModel, curve_term, predict, refit
 from bladeroot.stiffness.priors import FRICTION
@@ -36,7 +39,7 @@ from bladeroot.stiffness.simulated_curves import (
 from bladeroot.stiffness.softening import Softening, covariance
 
 _ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
-_UNEVEN = 4  # rounds after which the error by unevenness stays: with friction it swings a little
+_FITTED = 2  # rounds in which friction is fitted; at the end of the last its posterior is taken
 _LONGEST = 0.4  # change of ln k in one round
 _MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
 _SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
@@ -49,7 +52,8 @@ FRICTION_PRIOR = Prior(*np.array([entry[:2] for entry in FRICTION.values()]).T)
 class CurveFit:
     """Where the rounds ended.
 
-    friction: parameters in the order of `FRICTION`, with their covariance at the stiffness found.
+    friction: mean of the parameters' posterior in the order of `FRICTION`, with their covariance,
+    at the stiffness found.
     value: simulated falls and rises; std: standard deviation of measured less simulated, the
     model's error included. converged: whether the last round changed nothing that matters and the
     simulated curves meet the measured ones.
@@ -83,21 +87,24 @@ def fit_curves(
     row = np.arange(len(measured))
     friction, at_k = prior.mean, alone
     largest, rounds = np.inf, 0
-    while largest > _CLOSE and rounds < _ROUNDS:
+    while (largest > _CLOSE or rounds <= _FITTED) and rounds < _ROUNDS:
         rounds += 1
         z = predict(model, at_k.parameters[None]).logarithms[0]
         at = levels_at(joint, softening, levels, lasers, z)
         if rounds == 1:
             friction = _start(friction_problem(joint, at, measured, smooth))
-        if rounds <= _UNEVEN:
+        if rounds <= _FITTED:
             uneven = by_unevenness(joint, at, friction)
             errors = smooth + uneven @ uneven.T
-        fitted = fit(friction_problem(joint, at, measured, errors), friction, least=_LEAST_GAIN)
-        friction, value, by_law = fitted.parameters, fitted.state.mean, fitted.state.slope
+            problem = friction_problem(joint, at, measured, errors)
+            fitted = fit(problem, friction, least=_LEAST_GAIN)
+            friction = fitted.parameters
+        if rounds == _FITTED:
+            friction, friction_covariance = moments(fitted, 0)
+        value, along_curve = along(joint, at, friction)
+        by_law = by_friction(joint, at, friction, value, along_curve)
         slopes = np.zeros((len(measured), len(levels), 3))
-        slopes[row, np.tile(softening.level, 2)] = by_level(
-            joint, at, friction, value, fitted.state.facts["along"]
-        )
+        slopes[row, np.tile(softening.level, 2)] = by_level(joint, at, friction, value, along_curve)
         rest = measured - value - by_law @ (prior.mean - friction)
         whole = errors + (by_law * prior.std**2) @ by_law.T
         term = curve_term(z, rest, slopes.reshape(len(measured), -1), whole)
@@ -115,7 +122,7 @@ def fit_curves(
     return CurveFit(
         term,
         friction,
-        fitted.covariance,
+        friction_covariance,
         value,
         std,
         rounds,

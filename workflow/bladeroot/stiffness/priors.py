@@ -27,7 +27,7 @@ BIAS_TILT = 0.05
 # ln of each parameter of friction.
 FRICTION = {
     "ln_friction": (np.log(0.3), 0.5, "dry steel on steel, 0.11 to 0.8 within two std"),
-    "ln_keep": (np.log(0.01), 1.5, "next to nothing, as a punch leaves at its edges, to a fifth"),
+    "ln_edge": (np.log(0.07), 1.6, "next to nothing, as a punch leaves at its edges, to even"),
     "ln_exponent": (np.log(0.5), 0.5, "elliptic pressure (6.4) and twice or half as steep"),
     "ln_spread": (np.log(0.3), 0.7, "waviness and roughness; even pressure to a factor of three"),
 }

@@ -17,7 +17,10 @@ from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
 
-_STEP = 0.02  # of ln k and of the friction parameters, for slopes by differences
+# Of ln k and the friction's parameters, for slopes by differences: across the slips of several
+# friction points. A step as short as one slip takes its kink for what the curves know.
+_STEP = 0.1
+_PRESSED = 0.02  # of one pair's ln pressure: few of its parts slip
 
 
 @dataclass(frozen=True)
@@ -138,10 +141,10 @@ def by_unevenness(
     for one in at:
         system = one.systems[0]
         sliders = uneven_sliders(joint, system, one.force, law)
-        up = 1.0 + np.expm1(_STEP) * np.eye(system.pair.size)[:, :, None]
+        up = 1.0 + np.expm1(_PRESSED) * np.eye(system.pair.size)[:, :, None]
         pressed = [replace(sliders, preload=sliders.preload * higher) for higher in up]
         value, *changed = softening_curves(system, [sliders, *pressed], one.amplitude)[0]
-        slope = np.stack([(curve - value) / _STEP for curve in changed], axis=-1)
+        slope = np.stack([(curve - value) / _PRESSED for curve in changed], axis=-1)
         share = system.count * sliders.preload.sum(axis=1)
         slope -= slope.sum(axis=2, keepdims=True) * share / share.sum()
         part = np.zeros((*slope.shape[:2], system.image.size))

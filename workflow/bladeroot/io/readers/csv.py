@@ -188,8 +188,8 @@ def _commented(lines: list[str], separator: str | None, count: int) -> list[str]
     """Names of columns in the comment right above the numbers, as numpy writes them, or numbers."""
     last = lines[-1] if lines and lines[-1].startswith(_COMMENTS) else ""
     names = _fields(last.lstrip("".join(_COMMENTS)), separator)
-    told = len(names) == count and any(_unit(split_name(name)[1] or "") for name in names)
-    return names if told else [_unnamed(k) for k in range(count)]
+    with_units = len(names) == count and any(_unit(split_name(name)[1] or "") for name in names)
+    return names if with_units else [_unnamed(k) for k in range(count)]
 
 
 def _fields(line: str, separator: str | None) -> list[str]:
