@@ -10,6 +10,7 @@ out. The kills are those of `kills.json`.
 
 import ast
 import json
+import re
 import sys
 from collections import Counter, defaultdict
 from pathlib import Path
@@ -46,7 +47,14 @@ def table(reports):
     for told, found in rows(reports):
         total += found
         lines.append(_line(told, found))
-    lines += [_line("all", total), "", f"Kills, {kills['date']}, seed {kills['seed']}: ", ""]
+    lines += [
+        _line("all", total),
+        "",
+        _reruns(),
+        "",
+        f"Kills, {kills['date']}, seed {kills['seed']}: ",
+        "",
+    ]
     lines += ["| killed | kills | ended before |", "|---|---|---|"]
     lines += [
         f"| {one['class']} | {one['killed']} | {one['ended before']} |" for one in kills["kills"]
@@ -57,6 +65,16 @@ def table(reports):
         f"{kills['chains']} chains; {bad} did not end in the bytes of an undisturbed run.",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _reruns():
+    """How many changes the table of reruns names."""
+    table = (ROOT / "tests/campaigns/test_rerun_table.py").read_text(encoding="utf-8")
+    alone, together = map(int, re.search(r"^COUNTED = \((\d+), (\d+)\)", table, re.M).groups())
+    return (
+        f"Reruns: {alone + together} single changes, {alone} in a run of their own and {together} "
+        "that redo nothing, made in groups."
+    )
 
 
 def _line(told, found):

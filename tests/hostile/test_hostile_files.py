@@ -1,6 +1,9 @@
 """Raw records that lead elsewhere, hold themselves, claim what is not there, or say no numbers."""
+# ruff: noqa: E501
 
 import resource
+import struct
+import zlib
 
 import h5py
 import netCDF4
@@ -113,6 +116,54 @@ def csv(old, new, count=1):
     return make
 
 
+def claimed(suffix, size):
+    """Zeros by the gigabyte in a file of some kilobytes, as its header has them."""
+
+    def make(path, folder):
+        if suffix == ".mat":  # a compressed variable of version 5: its own tag says how long it is
+            inner = zlib.compress(struct.pack("<II", 14, size) + bytes(4096))
+            tag = struct.pack("<II", 15, len(inner))
+            path.write_bytes(b"MATLAB 5.0".ljust(124) + b"\x00\x01IM" + tag + inner)
+            return
+        with h5py.File(path, "w") as file:
+            file.create_dataset("velocity", (size // 8,), "f8", chunks=(10**6,), compression="gzip")
+            file.attrs["sampling_Hz"] = RATE
+
+    return make
+
+
+def wav(**changes):
+    """A RIFF file by hand, with what its header must not say."""
+    own = {
+        "form": 1,
+        "channels": 1,
+        "rate": 5120,
+        "frame": 2,
+        "bits": 16,
+        "junk": b"",
+        "size": 1200,
+    }
+    own |= changes
+
+    def make(path, folder):
+        form = struct.pack("<HHIIHH", own["form"], own["channels"], own["rate"],
+                           own["rate"] * own["frame"] % 2**32, own["frame"], own["bits"])  # fmt: skip
+        data = (30000 * WAVE).astype("<i2").tobytes()
+        body = b"fmt " + struct.pack("<I", 16) + form + own["junk"]
+        body += b"data" + struct.pack("<I", own["size"]) + data
+        path.write_bytes(b"RIFF" + struct.pack("<I", len(body) + 4) + b"WAVE" + body)
+
+    return make
+
+
+def tdms(content):
+    return lambda path, folder: path.write_bytes(content)
+
+
+def columns(time, values, head="time_s,velocity_m/s"):
+    return lines_of("\n".join([head, *(f"{t},{v}" for t, v in zip(time, values, strict=True)), ""]))
+
+
 # suffix, how the file is made, and what is said of it ("" where it is read)
 CASES = {
     "loop of groups, matlab": (".mat", within(loop), "holds itself"),
@@ -155,8 +206,80 @@ CASES = {
     ),
     "commas alone": (".csv", lines_of("," * 99999), "bad.csv"),
     "quotes alone": (".csv", lines_of('"' * 99999 + "\n"), "bad.csv"),
+    "16 GB of nothing, matlab": (".mat", claimed(".h5", 16 * 10**9), "claims"),
+    "16 GB of nothing, netcdf": (".nc", claimed(".h5", 16 * 10**9), "claims"),
+    "4 GB of zeros, matlab 5": (".mat", claimed(".mat", 4 * 10**9), "claims"),
+    "wav of 4 GB": (".wav", wav(size=0xFFFFFFF0), "cut off"),
+    "wav without channels": (".wav", wav(channels=0, frame=0), "expected"),
+    "wav of many channels": (".wav", wav(channels=65535), "expected"),
+    "wav of 7 bits": (".wav", wav(bits=7), "7 bits"),
+    "wav of an unknown form": (".wav", wav(form=0x1234), "expected"),
+    "wav of no frame": (".wav", wav(frame=0), "expected"),
+    "wav without samples": (".wav", wav(size=0), "sensitivity"),
+    "wav, a chunk beyond the end": (".wav", wav(junk=b"junk\xff\xff\xff\xff"), "ends before"),
+    "wav, the rates differ": (".wav", wav(rate=0xFFFFFFFF), "bytes a second"),
+    "tdms of 2^63 bytes": (
+        ".tdms",
+        tdms(b"TDSm" + struct.pack("<IIQQ", 14, 4713, 2**63, 2**62)),
+        "cut off",
+    ),
+    "tdms of zeros": (".tdms", tdms(bytes(4096)), "segment"),
+    "tdms of empty segments": (
+        ".tdms",
+        tdms((b"TDSm" + struct.pack("<IIQQ", 14, 4713, 0, 0)) * 500),
+        "bad.tdms",
+    ),
+    "time that falls": (".csv", columns(TIME[::-1], WAVE), "rise"),
+    "time that stands": (".csv", columns(np.ones(600), WAVE), "rise"),
+    "time that leaps": (".csv", columns([*TIME[:-1], 1e300], WAVE), "steps"),
+    "time without end": (".csv", columns([*TIME[:-1], "inf"], WAVE), "finite"),
+    "arabic digits": (".csv", columns(TIME, ["\u0661.\u0662"] * 600), "finite"),
+    "subnormal samples": (".csv", columns(TIME, 1e-315 * WAVE), ""),
+    "zero bytes": (".csv", tdms(b"time_s,velocity_m/s\n" + bytes(5000)), "zero bytes"),
+    "gzip in disguise": (".csv", tdms(b"\x1f\x8b\x08\x00" + bytes(range(256)) * 9), "zero bytes"),
+    "fifty thousand columns": (
+        ".csv",
+        lines_of(",".join(["v"] * 50_000) + "\n" + "1,2\n" * 20),
+        "bad.csv",
+    ),
+    "a million blank lines": (
+        ".csv",
+        lines_of("time_s,velocity_m/s\n" + "\n" * 1_000_000),
+        "bad.csv",
+    ),
+    "complex samples": (
+        ".mat",
+        within(lambda f, _: (f.pop("velocity"), f.create_dataset("velocity", data=WAVE + 1j))),
+        "real numbers",
+    ),
+    "samples that are bytes": (
+        ".mat",
+        within(
+            lambda f, _: (
+                f.pop("velocity"),
+                f.create_dataset("velocity", data=np.array([b"a"] * 600)),
+            )
+        ),
+        "real numbers",
+    ),
+    "dataset of lists": (
+        ".mat",
+        within(
+            lambda f, _: (
+                f.pop("velocity"),
+                f.create_dataset("velocity", (600,), h5py.vlen_dtype("f8")),
+            )
+        ),
+        "bad.mat",
+    ),
+    "universal file of nothing": (".unv", lines_of("    -1\n    -1\n"), "bad.unv"),
+    "universal file, a count below zero": (
+        ".unv",
+        lines_of("    -1\n    58\n" + "x\n" * 6 + "         4        -5         1\n    -1\n"),
+        "bad.unv",
+    ),
 }
-SLOW = {"many objects"}
+SLOW = {"many objects", "a million blank lines", "fifty thousand columns"}
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from bladeroot.runs import system_fault
 
 A, B = "results/one/a.nc", "results/one/b.nc"
 STATED, TWICE = "results/provenance/large/one.json", "results/provenance/twice/one.json"
@@ -364,6 +365,16 @@ def no_boot_id():
     runs._BOOT = Path("/nowhere")
 
 
+def no_room():
+    """None for Snakemake's locks: the first thing that it writes by itself once it has read all."""
+    import snakemake.persistence.file as notes
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    notes.open = full
+
+
 def no_space(size):
     return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
@@ -371,6 +382,7 @@ def no_space(size):
 MACHINES = {
     "a disk without locks": (no_locks, 0),
     "a system without a boot id": (no_boot_id, 0),
+    "no room for Snakemake's locks": (no_room, 1),
     "no space at all": (no_space(0), 1),
     "space for a byte": (no_space(1), 1),
     "space for a short artifact": (no_space(20), 1),
@@ -385,6 +397,8 @@ def test_a_machine_that_lacks_something(case, folder, tiny):
     write("one.txt", "edited\n")(folder)
     status, said = tiny.run(folder, before=before)
     assert expected is None or bool(status) == bool(expected), said
+    # Snakemake's cache of sources is written before it reads the workflow: `bladeroot run` tells it
+    assert "Traceback" not in said or ("sourcecache" in said and system_fault(said))
     status, said = tiny.run(folder)
     assert status == 0, said
     assert tiny.right(folder), said

@@ -210,6 +210,17 @@ def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():
     assert "    4 of 9  report of c" in shown
 
 
+def test_where_the_system_refuses_a_run_says_what_and_not_where_in_whose_code():
+    """As of Snakemake's cache of sources, which it writes before it reads the workflow."""
+    lines = ["Traceback (most recent call last):", "", '  File "/a/sourcecache.py", line 7, in f',
+             "    file.close()", "", "OSError: [Errno 28] No space left on device", ""]  # fmt: skip
+    (told,) = followed(["1 of 9 steps (11%) done", *lines], lambda text: None)
+    assert "No space left on device" in told
+    assert "sourcecache" not in told
+    kept = ["bad input: [Errno 28] stands in a name"]
+    assert followed(kept, lambda text: None) == kept
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_subcommand_has_a_help_of_its_own(name):
     done = called(name, "--help")

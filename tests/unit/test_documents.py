@@ -108,3 +108,16 @@ def keys(schema):
         return set()
     own = schema.get("properties", {})
     return {*(own if isinstance(own, dict) else {}), *keys(list(schema.values()))}
+
+
+def test_external_addresses_are_well_formed_and_safe():
+    """Whether they answer is for `sphinx-build -b linkcheck`, which needs a network."""
+    names = subprocess.run(["git", "ls-files", "-z", "*.md", "*.cff", "*.toml", "docs"],
+                           cwd=ROOT, capture_output=True, text=True, check=False)  # fmt: skip
+    texts = [ROOT / name for name in names.stdout.split("\0") if name and "." in name]
+    texts = [path.read_text(encoding="utf-8") for path in texts if path.suffix != ".png"]
+    found = {one for text in texts for one in re.findall(r"\w+://[^\s)>\"'`,]+", text)}
+    odd = {
+        one for one in found if not re.fullmatch(r"https://[\w-]+(\.[\w-]+)+(/[\w./#%-]*)?", one)
+    }
+    assert {one for one in odd if not one.startswith(("file://", "s3://"))} == set()

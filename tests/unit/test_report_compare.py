@@ -9,7 +9,7 @@ import xarray as xr
 from bladeroot import artifacts
 from bladeroot.command.main import main
 from bladeroot.pooling.stick import stick_from_table
-from bladeroot.report.compare import Side, compared, page, text
+from bladeroot.report.compare import Side, _over_amplitude, compared, page, text
 from click.testing import CliRunner
 from report_bench import SEATING, cause, verdict
 
@@ -37,7 +37,7 @@ def said(a, b):
 def test_a_run_beside_itself_differs_in_nothing(side):
     told = said(side, replace(side, label="after"))
     assert "that both have: 2, of which 2 are the same" in told
-    assert "2 records are in both; 0 in before alone, 0 in after alone." in told
+    assert "2 records are in both; 0 only in before, 0 only in after." in told
     assert "They are read alike." in told
     assert "No settings differ." in told
     assert "No sources differ." in told
@@ -89,3 +89,26 @@ def test_the_command_compares_folders_of_results(side, tmp_path, monkeypatch):
     gone = CliRunner().invoke(main, ["compare", "old/lab", "nothing"])
     assert gone.exit_code == 1
     assert "no results here" in gone.output
+
+
+def test_curves_are_compared_where_no_plateau_is_reached(side):
+    amplitude = np.geomspace(1e-7, 1e-4, 7)
+    shape = ("level", "amplitude")
+    curves = xr.Dataset(
+        {
+            "frequency": (shape, [100.0 - 1e4 * amplitude]),
+            "frequency_std": (shape, np.full((1, 7), 1e-3)),
+            "loss_factor": (shape, [[np.nan, *np.full(6, 0.01)]]),
+            "loss_factor_std": (shape, np.full((1, 7), 1e-4)),
+        },
+        {"mode": ("level", ["m1"]), "force": ("level", [0.0]), "sensor": ("level", ["top"]),
+         "amplitude": amplitude},
+        {"load_name": "", "load_unit": ""},
+    )  # fmt: skip
+    one = replace(side, curves=curves)
+    (table,) = _over_amplitude(one, replace(one, label="after"))
+    assert [row[2] for row in table.rows] == ["0.316 µm", "10 µm", "100 µm"]
+    assert table.rows[-1][3:] == ["99.0000 ± 0.0010"] * 2 + ["1.000 ± 0.010 %"] * 2
+    assert _over_amplitude(one, side) == []
+    other = replace(one, curves=curves.assign_coords(sensor=("level", ["foot"])))
+    assert _over_amplitude(one, other) == []

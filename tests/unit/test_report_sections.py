@@ -119,7 +119,7 @@ def test_the_thesis_is_compared_only_with_its_own_campaigns(of_the_thesis):
     )  # fmt: skip
     slip["highest"] = 4e-4
     words = nonlinear_section([], [slip], [], of_the_thesis).parts[0]
-    assert ("The thesis sees the frequency fall from 2 µm on" in words) == of_the_thesis
+    assert ("The thesis sees the frequency fall from 2.0 µm on" in words) == of_the_thesis
     assert "source" not in words
 
 

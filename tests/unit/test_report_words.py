@@ -59,7 +59,7 @@ def test_groups_are_shown_with_the_size_of_their_difference():
     section = groups_section(group_differences(decays, [False] * len(decays)))
     first, levels = (part for part in section.parts if isinstance(part, Table))
     loss = next(row for row in first.rows if row[1] == "loss factor")
-    assert re.match(r"4\d.\d+ % ± ", loss[2])
+    assert re.match(r"4\d.\d+ ± [\d.]+ %", loss[2])
     assert loss[-1] == "yes"
     assert "floor 2 over floor" in loss[3]
     assert len(levels.rows) == 6

@@ -27,7 +27,16 @@ ALLOWED = {
     "reproduction": {"decay", "plateau", "fem", "rom", "contact", "inference", "stiffness"},
     "figures": set(),
     "report": {"figures"},
-    "command": {"artifacts", "statement", "__version__", "io", "signal", "public", "report"},
+    "command": {
+        "artifacts",
+        "statement",
+        "runs",
+        "io",
+        "signal",
+        "public",
+        "report",
+        "__version__",
+    },
     "public": {
         "artifacts",
         "figures",

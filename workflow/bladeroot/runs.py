@@ -8,6 +8,7 @@ none. So a run holds `starting` until Snakemake's lock is written, and its machi
 import fcntl
 import os
 import platform
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -132,3 +133,9 @@ def remove_what_is_left(
             shutil.rmtree(one, ignore_errors=True)
         else:
             one.unlink(missing_ok=True)
+
+
+def system_fault(text: str) -> str:
+    """Of a traceback the line in which the system refuses something (no space, no right), or ""."""
+    found = re.findall(r"^.*\[Errno \d+\] .+$", text, re.MULTILINE)
+    return found[-1].strip() if found and re.search(r'^ +File "', text, re.MULTILINE) else ""

@@ -9,6 +9,7 @@ from snakemake.settings.types import DAGSettings
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from bladeroot import runs, statement
+from bladeroot.runs import system_fault
 
 # Snakemake's own checksums of inputs only prevent jobs, whichever profile is used: files whose content is
 # another count as the same where a record says so. Contents are compared here.
@@ -140,6 +141,14 @@ class Stated(logging.Handler):
 STATED = Stated()
 
 
+def as_one_line(record):
+    """Of what the system refuses (no space, no right) Snakemake's log has the reason, not where in its code."""
+    fault = system_fault(record.getMessage())
+    if fault:
+        record.msg, record.args, record.exc_info = fault, (), None
+    return True
+
+
 def begin():
     """Sign in, tidy up after dead runs, and settle what is current."""
     run = runs.Run()
@@ -162,6 +171,9 @@ def begin():
     logger.addHandler(STATED)
     return run
 
+
+logger.addFilter(as_one_line)
+logging.raiseExceptions = False  # a log that has no room is no fault of the run
 
 # With a storage plugin results are elsewhere, and Snakemake decides by itself.
 RUN = None

@@ -86,7 +86,7 @@ def _of_records(batches, folder):
     """The decays, and the raw records that are worth showing with their spectra."""
     decays = artifacts.load_records(batches, "decay")
     found = {decay.attrs["record"]: decay for decay in decays}
-    told, not_shown = worth_showing(
+    told = worth_showing(
         artifacts.load_records(batches, "records", without=("velocity", "time")), found
     )
     shown = [
@@ -104,7 +104,7 @@ def _of_records(batches, folder):
         # a few cycles have no spectrum to speak of
         if one.sizes["time"] * one.attrs["expected_Hz"] > 2 * FADE_CYCLES * one.attrs["sampling_Hz"]
     ]
-    return {"decays": decays, "shown": shown, "not_shown": not_shown, "spectra": spectra}
+    return {"decays": decays, "shown": shown, "spectra": spectra}
 
 
 def _raw(folder, known):

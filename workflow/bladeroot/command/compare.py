@@ -51,4 +51,5 @@ def _side(folder: Path, label: str):
         artifacts.load(folder / "stick.nc"),
         artifacts.load_json(folder / "diagnosis" / "verdict.json"),
         {one.attrs["structure"]: one for one in joints if one.attrs["law"]},
+        artifacts.load(folder / "curves.nc") if (folder / "curves.nc").is_file() else None,
     )

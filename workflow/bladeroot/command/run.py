@@ -8,6 +8,8 @@ from pathlib import Path
 
 import click
 
+from bladeroot.runs import system_fault
+
 CHECKOUT = Path(__file__).resolve().parents[3]
 _DONE = re.compile(r"^(\d+) of (\d+) steps")
 _STAGE = re.compile(r"^(?:Job \d+|localrule|rule): (.+)")
@@ -53,4 +55,7 @@ def followed(lines: Iterable[str], show) -> list[str]:
             show(f"{share:>10}  {stage[1]}"[:78])
         rest.append(text)
     show("")
+    fault = system_fault("\n".join(rest))
+    if fault:
+        return [f"bladeroot: {fault}; the same command continues when that is put right"]
     return [text for text in rest if text and not _DONE.match(text)]

@@ -73,7 +73,7 @@ def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
                 continue
             size = float(value[tops[np.argmax(np.abs(value[tops]))]])
             way = "rises" if size > 0 else "falls"
-            shown = _percent(size) if quantity == 0 else f"{abs(size):.2g}"
+            shown = _percent(size) if quantity == 0 else f"{100.0 * abs(size):.2g} % (absolute)"
             entries.append(
                 {"quantity": f"{name} over amplitude", "mode": mode, "size": size, "unit": "1",
                  "trend": f"{way} with the amplitude by up to {shown} more than simulated"}

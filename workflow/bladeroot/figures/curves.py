@@ -27,7 +27,7 @@ def means(curves: xr.Dataset) -> Chart | None:
     curves: dims level, amplitude, as from `bladeroot.pooling.curves.mean_curves`. None where no
     record is usable.
     """
-    modes = _modes(curves)
+    modes = sorted(set(curves["mode"].values.astype(str)))
     if not modes:
         return None
     traces = []
@@ -94,10 +94,6 @@ def records(decays: Sequence[xr.Dataset]) -> Chart | None:
         colours=switch,
         simulated=any(bool(decay.attrs.get("simulated")) for decay in decays),
     )
-
-
-def _modes(curves: xr.Dataset) -> list[str]:
-    return sorted(set(curves["mode"].values.astype(str)))
 
 
 def _panels(modes: Sequence[str]) -> list[Panel]:

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy import ndarray
 
 from bladeroot.figures.chart import Chart, Panel, Trace
-from bladeroot.figures.style import MODE_COLOURS, PUBLISHED, STRUCTURE_COLOURS
+from bladeroot.figures.style import PUBLISHED, STRUCTURE_COLOURS
 
 _NAMES = {"kn": "kn of a flank / GN/m", "kt": "kt of a flank / GN/m"}
 _DRAWS = 700  # dots: more only blacken the cloud
@@ -16,14 +16,13 @@ _DRAWS = 700  # dots: more only blacken the cloud
 
 def joint(
     found: Sequence[xr.Dataset],
-    searches: Sequence[xr.Dataset],
     stiffness: xr.Dataset,
     simulated: bool,
 ) -> Chart | None:
     """Bands of kn(F) and kt(F), and draws of (kn, kt) at 12 kN with what fixes them.
 
-    found: joint inferences, a row each. searches: force by force, whose maps give the lines of the
-    measured frequencies. stiffness: these side by side, with Table 5.2. None without a posterior.
+    found: joint inferences, a row each. stiffness: the search force by force, with Table 5.2. None
+    without a posterior.
     """
     full = [one for one in found if one.attrs["law"]]
     if not full:
@@ -40,13 +39,11 @@ def joint(
         panels.append(Panel(f"{name}: at {one.attrs['reference_force_N'] / 1e3:g} kN",
                             *_NAMES.values(), x_log=True, y_log=True, x_range=(kn[0], kn[-1]),
                             y_range=(kt[0], kt[-1])))  # fmt: skip
-        traces += _plane(len(panels) - 1, one, searches, stiffness, colour)
+        traces += _plane(len(panels) - 1, one, stiffness, colour)
     return Chart(
         "Left and middle: kn and kt over force; bands contain 68 and 95 % of the joint posterior. "
         "Dots: the root of each force by itself, where there is one. Right: draws of the posterior "
-        "at 12 kN with the regions that contain 68 and 95 % of it, and lines on which the model "
-        "has the frequency interpolated to 12 kN, one for each mode: where they cross is the root "
-        "of that force by itself.",
+        "at 12 kN with the regions that contain 68 and 95 % of it.",
         panels, traces, columns=3, simulated=simulated,
     )  # fmt: skip
 
@@ -83,9 +80,7 @@ def _over_force(
     return traces
 
 
-def _plane(
-    panel: int, one: xr.Dataset, searches: Sequence[xr.Dataset], stiffness: xr.Dataset, colour: str
-) -> list[Trace]:
+def _plane(panel: int, one: xr.Dataset, stiffness: xr.Dataset, colour: str) -> list[Trace]:
     draws = 1e-9 * one["reference_draw"].values
     draws = draws[:: -(-len(draws) // _DRAWS)]
     posterior = {"shown": "joint posterior"}
@@ -98,7 +93,6 @@ def _plane(
               kind=f"{100 * level:.0f} % region", width=0.9, switches=posterior)
         for level, line in ((0.68, "-"), (0.95, "--"))
     ]  # fmt: skip
-    traces += _lines(panel, one, searches)
     at = stiffness["force"].values
     near = int(np.argmin(np.abs(at - one.attrs["reference_force_N"])))
     if "published_kn_total" in stiffness and abs(at[near] - one.attrs["reference_force_N"]) < 1:
@@ -109,28 +103,6 @@ def _plane(
             Trace(panel, here["kn"], here["kt"], table, PUBLISHED, marker="D", size=3.0,
                   error=here["kt_std"], x_error=here["kn_std"], switches={"shown": table})
         )  # fmt: skip
-    return traces
-
-
-def _lines(panel: int, one: xr.Dataset, searches: Sequence[xr.Dataset]) -> list[Trace]:
-    """Where each mode by itself has its measured frequency, were the model without a bias."""
-    wanted = one.attrs["structure"], one.attrs["reference_force_N"]
-    traces = []
-    for search in searches:
-        if (search.attrs["structure"], search.attrs["axial_force"]) != wanted:
-            continue
-        axes = [1e-9 * search[f"map_{name}"].values for name in _NAMES]
-        for mode, colour in MODE_COLOURS.items():
-            of_mode = search.sel(mode=mode)
-            target = float(of_mode["target_frequency"] * (1.0 + of_mode["fe_offset"]))
-            frequency = of_mode["map_frequency"].transpose("map_kt", "map_kn").values
-            if not np.isfinite(target):
-                continue
-            met = frequency.min() < target < frequency.max()
-            label = f"{mode} as measured" + ("" if met else ": nowhere")
-            x, y = _contour(*axes, frequency, target)
-            traces.append(Trace(panel, x, y, label, colour, "-", kind=label,
-                                switches={"shown": f"{mode} as measured"}))  # fmt: skip
     return traces
 
 

@@ -1,4 +1,4 @@
-"""Figures of the nonlinear joint: curves, what they do to kn and kt, loops and slip."""
+"""Figures of the nonlinear joint: curves, loops and slip."""
 
 import numpy as np
 import xarray as xr
@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from bladeroot.figures import style
 from bladeroot.figures.chart import AMPLITUDE, Chart, Panel, Trace
-from bladeroot.figures.style import MEASURED, PUBLISHED, STRUCTURE_COLOURS, force_colours
+from bladeroot.figures.style import PUBLISHED, force_colours
 
 
 def curves(one: xr.Dataset, simulated: bool) -> Chart:
@@ -56,35 +56,6 @@ def _curve(
               size=3.0, error=scale * one[f"{name}_std"].values[own], kind="measured",
               switches={"axial force": at, "shown": "measured"}),
     ]  # fmt: skip
-
-
-def stiffness(one: xr.Dataset, simulated: bool) -> Chart:
-    """kn and kt over force with 95 % intervals, with and without curves."""
-    panels, traces = [], []
-    for name in ("kn", "kt"):
-        panels.append(Panel(one.attrs["structure"], "axial force / kN",
-                            f"{name} of a flank / GN/m, 95 %", y_log=True))  # fmt: skip
-        for key, colour, label, move in (
-            ("frequencies_k_quantile", MEASURED, "frequencies alone", 0.99),
-            ("k_quantile", STRUCTURE_COLOURS[0], "with curves", 1.01),
-        ):
-            low, middle, high = (
-                1e-9 * one[key].sel(stiffness=name, quantile=q).values for q in (0.025, 0.5, 0.975)
-            )
-            force, panel = one["force"].values / 1e3 * move, len(panels) - 1
-            gap = np.full(force.size, np.nan)
-            bars = (
-                np.stack(part, axis=1).ravel() for part in ((force, force, gap), (low, high, gap))
-            )
-            traces += [
-                Trace(panel, *bars, label, colour, "-", switches={"shown": label}),
-                Trace(panel, force, middle, label, colour, marker="o", size=3.5, kind=label,
-                      switches={"shown": label}),
-            ]  # fmt: skip
-    return Chart(
-        "kn and kt with 95 % intervals, from the frequencies alone and with the curves.",
-        panels, traces, simulated=simulated, warning=_warning(one),
-    )  # fmt: skip
 
 
 def slip(one: xr.Dataset, simulated: bool) -> Figure:

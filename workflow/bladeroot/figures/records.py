@@ -10,7 +10,6 @@ from bladeroot.figures.style import (
     MEASURED,
     PUBLISHED,
     note_simulated,
-    nothing,
     panels,
     title_of_record,
 )
@@ -19,13 +18,13 @@ from bladeroot.loads import value_of
 FEW = 2  # kinds of rejected records, and most masked ones, that are shown
 
 
-def cuts(records: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
+def cuts(records: Sequence[xr.Dataset]) -> Figure | None:
     """Raw records with their cut: velocity over time, the free decay and what is masked.
 
-    records, not_shown: as from `worth_showing`.
+    records: as from `worth_showing`.
     """
     if not records:
-        return nothing("no record that could be read")
+        return None
     drawn, axes = panels(len(records), 1, 7.2, 2.0 * len(records) + 0.4)
     for axis, record in zip(axes[:, 0], records, strict=True):
         time = record["overview_time"].values
@@ -48,13 +47,13 @@ def cuts(records: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
         axis.set_ylabel("velocity / mm/s")
         title_of_record(axis, record.attrs)
         axis.set_xlim(time[0], time[-1])
-    axes[-1, 0].set_xlabel(f"time / s\n{not_shown}".strip())
+    axes[-1, 0].set_xlabel("time / s")
     return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in records))
 
 
 def worth_showing(
     records: Sequence[xr.Dataset], decays: Mapping[str, xr.Dataset]
-) -> tuple[list[xr.Dataset], str]:
+) -> list[xr.Dataset]:
     """Records that stand for the others, then rejected and most masked ones, with their reasons.
 
     decays: as from `bladeroot.decay.estimate.estimate`, by record; it may reject what the checks
@@ -62,7 +61,7 @@ def worth_showing(
     for the others; of the rejected ones those that could be read, one for each kind of fault.
 
     Returns:
-        The records, why each is bad in the attribute `reason`, and how many more are bad.
+        The records, why each is bad in the attribute `reason`.
     """
     told = [one.assign_attrs(_told(one, decays[one.attrs["record"]])) for one in records]
     rejected = [record for record in told if record.attrs["fault"]]
@@ -73,9 +72,7 @@ def worth_showing(
     masked.sort(key=_masked, reverse=True)
     one_each = {r.attrs["fault"]: r for r in rejected if r.sizes["bin"]}
     faulty = list(one_each.values())[:FEW]
-    left = {"rejected": len(rejected) - len(faulty), "partly masked": len(masked[FEW:])}
-    more = " and ".join(f"{count} more {what}" for what, count in left.items() if count)
-    return [*shown, *faulty, *masked[:FEW]], f"not shown: {more}" if more else ""
+    return [*shown, *faulty, *masked[:FEW]]
 
 
 def _representative(usable: Sequence[xr.Dataset]) -> list[xr.Dataset]:

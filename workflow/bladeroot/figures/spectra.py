@@ -10,20 +10,19 @@ from bladeroot.figures.style import (
     MEASURED,
     PUBLISHED,
     note_simulated,
-    nothing,
     panels,
     title_of_record,
 )
 
 
-def spectra(found: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
+def spectra(found: Sequence[xr.Dataset]) -> Figure | None:
     """One panel a record: the free decay, the mode that was followed, and what it leaves over.
 
     found: dims line, as from `bladeroot.decay.spectra.before_and_after`, with the attribute
-    `reason`; that and not_shown as from `bladeroot.figures.records.worth_showing`.
+    `reason`, as from `bladeroot.figures.records.worth_showing`.
     """
     if not found:
-        return nothing("no record with a free decay")
+        return None
     drawn, axes = panels(len(found), 1, 7.2, 2.2 * len(found) + 0.4)
     for axis, record in zip(axes[:, 0], found, strict=True):
         frequency = record["frequency"].values
@@ -51,8 +50,7 @@ def spectra(found: Sequence[xr.Dataset], not_shown: str = "") -> Figure:
         axis.set_ylabel("amplitude / mm/s")
         span = ", {from_s:.2f} to {to_s:.2f} s".format_map(record.attrs)
         title_of_record(axis, record.attrs, span)
-    axes[0, 0].legend(loc="upper right", ncols=3)
-    axes[-1, 0].set_xlabel(
-        f"frequency / Hz (arrows: other modes, followed and taken off)\n{not_shown}".strip()
-    )
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside lower center", ncols=3)
+    axes[-1, 0].set_xlabel("frequency / Hz (arrows: other modes, followed and taken off)")
     return note_simulated(drawn, any(bool(r.attrs.get("simulated")) for r in found))

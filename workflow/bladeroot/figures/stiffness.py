@@ -8,9 +8,6 @@ from matplotlib.figure import Figure
 
 from bladeroot.figures.style import MODE_COLOURS, PUBLISHED, note_simulated, panels
 
-# Beyond a factor of two the map bends and the linear covariance is no picture of the doubt.
-_LARGEST_ELLIPSE = 0.7
-
 
 def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool) -> Figure:
     """Lines of constant frequency through the measured ones, and the root where they cross.
@@ -32,7 +29,8 @@ def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool)
         axis.set_xlabel("kn of a flank / GN/m")
     for axis in axes[:, 0]:
         axis.set_ylabel("kt of a flank / GN/m")
-    axes[0, 0].legend(loc="lower left", fontsize=7)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=7)
     return note_simulated(drawn, simulated)
 
 
@@ -64,8 +62,6 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
         axis.contour(kn, kt, frequency, [target], colors=colour, linewidths=1.6)
         axis.plot([], [], color=colour, label=f"{mode} measured, ±1 std with model bias")
     axis.plot(1e-9 * found["root_kn"], 1e-9 * found["root_kt"], "o", color="black", markersize=4)
-    if found["status"].item() in ("root", "fit"):
-        _ellipse(axis, found)
     axis.set_xlim(kn[0], kn[-1])
     axis.set_ylim(kt[0], kt[-1])
     force = found.attrs["axial_force"]
@@ -82,21 +78,3 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
             label="thesis, Table 5.2 × 33",
         )
     axis.grid(visible=False)
-
-
-def _ellipse(axis, found: xr.Dataset) -> None:
-    """One standard deviation of (ln kn, ln kt), while it is small enough to be an ellipse."""
-    covariance = found["ln_covariance"].sum("source").values
-    if np.sqrt(np.diag(covariance)).max() > _LARGEST_ELLIPSE:
-        return
-    values, vectors = np.linalg.eigh(covariance)
-    angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    circle = np.stack([np.cos(angle), np.sin(angle)])
-    ring = vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)
-    axis.plot(
-        1e-9 * float(found["kn"]) * np.exp(ring[0]),
-        1e-9 * float(found["kt"]) * np.exp(ring[1]),
-        color="black",
-        linewidth=0.8,
-        label="root, ±1 std",
-    )

@@ -14,8 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, Locator, MaxNLocator, NullLocator
-from numpy import ndarray
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from bladeroot.loads import shown, value_of
 
@@ -26,15 +25,10 @@ COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
 MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#8a4fa3"}
 _TICKS = 7  # at most, on a logarithmic axis
-_ROUND = (
-    (1.0, 3.0),
-    (1.0, 2.0, 5.0),
-    (1.0, 1.5, 2.0, 3.0, 5.0, 7.0),
-    (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0),
-)
+_WIDE = 2.4  # decades: more have no room for the numbers between two powers of ten
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
-_STYLE = {
+mpl.rcParams |= {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 10,
@@ -55,20 +49,10 @@ _STYLE = {
 }
 
 
-mpl.rcParams.update(_STYLE)
-
-
 def panels(rows: int, columns: int, width: float, height: float, **kwargs):
     """A figure of a size in inches with a grid of axes (2-D array), in the project's style."""
     drawn = Figure(figsize=(width, height), layout="constrained")
     return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
-
-
-def nothing(reason: str) -> Figure:
-    """A figure that says why there is nothing to draw."""
-    drawn = Figure(figsize=(7.2, 1.2))
-    drawn.text(0.5, 0.5, reason, ha="center", va="center", color="#5c6b7a")
-    return drawn
 
 
 def svg(drawn: Figure) -> str:
@@ -125,30 +109,7 @@ def plain_log_scale(axis, name: str = "y") -> None:
     """A logarithmic axis (`x` or `y`) with plain numbers, as many as the range can bear."""
     axis.set(**{f"{name}scale": "log"})
     line = getattr(axis, f"{name}axis")
-    line.set_major_locator(_PlainNumbers())
+    wide = np.ptp(np.log10(getattr(axis, f"get_{name}lim")())) > _WIDE
+    line.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0), numticks=_TICKS))
     line.set_minor_locator(NullLocator())
     line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-
-
-class _PlainNumbers(Locator):
-    """Round numbers on a logarithmic axis."""
-
-    def __call__(self) -> ndarray:
-        """Those in the axis's view."""
-        return self.tick_values(*sorted(self.axis.get_view_interval()))
-
-    def tick_values(self, vmin: float, vmax: float) -> ndarray:
-        """The most that do not crowd; over a short range, at equal steps."""
-        first, last = np.floor(np.log10(vmin)), np.ceil(np.log10(vmax))
-        stride = max(1, int(np.ceil((last - first) / _TICKS)))
-        decades = 10.0 ** np.arange(first, last + 1, stride)
-        found = decades[(decades >= vmin) & (decades <= vmax)]
-        for steps in _ROUND if stride == 1 else ():
-            every = np.outer(decades, steps).ravel()
-            inside = every[(every >= vmin) & (every <= vmax)]
-            if inside.size <= _TICKS:
-                found = inside
-        if found.size < 3:
-            even = MaxNLocator(5).tick_values(vmin, vmax)
-            found = even[(even >= vmin) & (even <= vmax)]
-        return found

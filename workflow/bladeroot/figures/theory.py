@@ -36,23 +36,6 @@ def tractions(theory: xr.Dataset) -> Figure:
     return drawn
 
 
-def against_normal_force(theory: xr.Dataset) -> Figure:
-    """kt(N) and kn(N): closed form, and with the printed 4PR (figs 6.7, 6.8)."""
-    drawn, axes = panels(1, 2, 8.0, 3.4, sharex=True)
-    force = 1e-3 * theory["normal_force"].values
-    for axis, name, figure in ((axes[0, 0], "kt", "6.7"), (axes[0, 1], "kn", "6.8")):
-        axis.plot(force, 1e-9 * theory[name], color="black", label="closed form")
-        axis.plot(
-            force, 1e-9 * theory[f"{name}_printed"], color=PUBLISHED, linestyle="--",
-            label="with the printed 4PR",
-        )  # fmt: skip
-        axis.set_xlabel("normal force on a flank / kN")
-        axis.set_ylabel(f"{_LABELS[name]} / GN/m")
-        axis.set_title(f"{name}(N), fig. {figure}", loc="left")
-    axes[0, 1].legend(loc="center right")
-    return drawn
-
-
 def compared(theory: xr.Dataset, stiffness: xr.Dataset, simulated: bool) -> Figure:
     """kn and kt of a flank against axial force: theory, identified, published."""
     drawn, axes = panels(1, 2, 8.6, 3.9, sharex=True)

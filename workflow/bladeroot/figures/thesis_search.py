@@ -1,12 +1,10 @@
-"""The thesis's own search drawn as it draws it (figs 5.11 to 5.18)."""
-
-from collections.abc import Sequence
+"""The thesis's own search drawn as it draws it (figs 5.11 to 5.13)."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladeroot.figures.style import MEASURED, PUBLISHED, STRUCTURE_COLOURS, panels
+from bladeroot.figures.style import PUBLISHED, panels
 
 NODES = 33
 _TO_NODAL = 1e-6 / NODES  # N/m of a flank to kN/mm of a node
@@ -45,47 +43,4 @@ def solution_sets(found: xr.Dataset, published: xr.Dataset) -> Figure:
     for axis in axes[:, 0]:
         axis.set_ylabel("kt of a node / kN/mm")
     axes[0, 0].legend(fontsize=6, loc="upper right")
-    return drawn
-
-
-def over_force(found: Sequence[xr.Dataset], published: xr.Dataset) -> Figure:
-    """kn, kt, their relative errors, and frequencies at the chosen points (figs 5.14 to 5.18)."""
-    drawn, axes = panels(2, 3, 9.2, 5.4)
-    printed_at = published["force"].values / 1e3
-    for column, name in enumerate(("kn", "kt")):
-        axis = axes[0, column]
-        values = 1e-6 * published[f"{name}_nodal"].values
-        spread = 1e-6 * published[f"{name}_nodal_std"].values
-        axis.errorbar(printed_at, values, spread, fmt="D-", color=PUBLISHED, markersize=3.5,
-                      capsize=2, label="Table 5.2")  # fmt: skip
-        axes[0, 2].plot(printed_at, 100 * spread / values, "D" + ("-" if name == "kn" else "--"),
-                        color=PUBLISHED, markersize=3, label=f"{name}, Table 5.2")  # fmt: skip
-        axis.set_ylabel(f"{name} of a node / kN/mm")
-    for colour, one in zip(STRUCTURE_COLOURS, found, strict=False):
-        if not one["grid_accepted"].any():
-            continue
-        force, structure = one["force"].values / 1e3, one.attrs["structure"]
-        for column, name in enumerate(("kn", "kt")):
-            k, spread = (_TO_NODAL * one[f"grid_{name}{end}"].values for end in ("", "_std"))
-            axes[0, column].errorbar(force + 0.15 * (1 + column), k, spread, fmt="o-", color=colour,
-                                     markersize=3.5, capsize=2, label=structure)  # fmt: skip
-            axes[0, 2].plot(force, 100 * spread / k, "o" + ("-" if name == "kn" else "--"),
-                            color=colour, markersize=3, label=f"{name}, {structure}")  # fmt: skip
-        for column, mode in enumerate(("1B", "2B")):
-            axes[1, column].plot(force, one["chosen_frequency"].sel(mode=mode), "o-", color=colour,
-                                 markersize=3.5, label=structure)  # fmt: skip
-            axes[1, 2].plot(force, one["chosen_frequency"].sel(mode=mode)
-                            - one["target_frequency"].sel(mode=mode), "o" + ("-", "--")[column],
-                            color=colour, markersize=3, label=f"{mode}, {structure}")  # fmt: skip
-    for column, mode in enumerate(("1B", "2B")):
-        here = found[0].sel(mode=mode)
-        axes[1, column].errorbar(here["force"] / 1e3, here["target_frequency"], here["target_std"],
-                                 fmt="s", color=MEASURED, markersize=3,
-                                 label="measured")  # fmt: skip
-        axes[1, column].set_ylabel(f"{mode} / Hz")
-    axes[0, 2].set_ylabel("standard deviation / %")
-    axes[1, 2].set_ylabel("chosen less measured / Hz")
-    for axis in axes.flat:
-        axis.set_xlabel("axial force / kN")
-        axis.legend(fontsize=6)
     return drawn

@@ -13,6 +13,8 @@ SHORTEST = 64
 _LISTED = 12
 # A compressed file holds at most about a thousand times its size (deflate's limit).
 _DENSEST = 1100
+# Of more bytes than this, a hundred times the file are zeros that would fill the memory.
+_LARGE, _DENSE = 1 << 28, 100
 # What a channel t is in where it is no time.
 _TEMPERATURE = ("°c", "degc", "celsius", "c", "k", "kelvin", "°f", "degf", "f")
 
@@ -158,7 +160,8 @@ def check_claim(count: int, width: int, path: str) -> None:
         ValueError: `count` numbers of `width` bytes cannot come out of the file.
     """
     size = Path(path).stat().st_size
-    if count * width > _DENSEST * size:
+    claimed = count * width
+    if claimed > _DENSEST * size or claimed > max(_LARGE, _DENSE * size):
         raise ValueError(
             f"the header claims {count} samples of {width} bytes, the file has {size} ({path})"
         )

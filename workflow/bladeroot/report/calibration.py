@@ -1,9 +1,8 @@
 """The report's part on calibrated dimensions: how well known they are, what contradicts what."""
 
-import numpy as np
 import xarray as xr
 
-from bladeroot.report.numbers import fixed, percent, significant
+from bladeroot.report.numbers import fixed, significant
 from bladeroot.report.page import Table
 
 # SI unit -> the unit shown, its size in SI, decimals.
@@ -29,7 +28,6 @@ def calibration_parts(one: xr.Dataset) -> list:
             [_table(one.sel(table=table)) for table in one["table"].values],
         ),
         *_contradictions(one),
-        _joint(one),
     ]
 
 
@@ -65,22 +63,3 @@ def _contradictions(one: xr.Dataset) -> list:
         "number within twice its tolerance, and the factor on all tolerances at which one would."
     )
     return [Table(caption, ("tables", "factor"), rows)]
-
-
-def _joint(one: xr.Dataset) -> str:
-    bonded = [
-        f"{mode} {fixed(value, 1)} ± {fixed(std, 1, 'Hz')}"
-        for mode, value, std in zip(
-            one["joint_mode"].values,
-            one["bonded_frequency"].values,
-            one["bonded_frequency_std"].values,
-            strict=True,
-        )
-    ]
-    kn, kt = (percent(value, 0) for value in np.expm1(one["ln_stiffness_std"].values))
-    return (
-        f"Over these geometries the joint with bonded flanks has {' and '.join(bonded)} at "
-        f"{one['joint_force'].item() / 1e3:g} kN. With the frequencies kept, one standard "
-        f"deviation of the geometry changes kn by {kn} and kt by {kt} (correlation "
-        f"{fixed(one['ln_stiffness_correlation'].item(), 2)}; first order)."
-    )

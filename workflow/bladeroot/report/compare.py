@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 import xarray as xr
 
+from bladeroot.figures.chart import sure
+from bladeroot.plain_words import length
 from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant, with_std
 from bladeroot.report.page import Section, Table, render
 from bladeroot.report.verdict import answer_of, chance, plain, size, with_open
-from bladeroot.report.words import words_of
+from bladeroot.report.words import Words, words_of
 
 _SAME_LOAD = 1e-3  # relative: the same load, read twice
 
@@ -18,7 +21,8 @@ _SAME_LOAD = 1e-3  # relative: the same load, read twice
 class Side:
     """A campaign's results: what it is called here, and its artifacts.
 
-    made: `report/provenance.json`. joints: joint inferences by structure.
+    made: `report/provenance.json`. joints: joint inferences by structure. curves: mean curves over
+    amplitude, of a campaign with records.
     """
 
     label: str
@@ -26,13 +30,14 @@ class Side:
     stick: xr.Dataset
     verdict: Mapping
     joints: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    curves: xr.Dataset | None = None
 
 
 def compared(a: Side, b: Side) -> list[Section]:
     """What differs between them; what is the same is counted."""
     return [
         Section("Verdict", [_verdicts(a, b)]),
-        Section("Numbers", [*_levels(a, b), *_stiffness(a, b)]),
+        Section("Numbers", [*_levels(a, b), *_over_amplitude(a, b), *_stiffness(a, b)]),
         Section("Records", _records(a, b)),
         Section(
             "Settings and sources",
@@ -92,20 +97,17 @@ def _verdicts(a: Side, b: Side) -> Table:
 def _levels(a: Side, b: Side) -> list:
     """Stick frequency and loss factor of the modes, loads and groups that both have."""
     words, rows = words_of(a.stick), []
-    for one in (a.stick.isel(level=k) for k in range(a.stick.sizes["level"])):
-        for other in (b.stick.isel(level=k) for k in range(b.stick.sizes["level"])):
-            if not _alike(one, other):
-                continue
-            pair = [(float(s["frequency"]), float(s["frequency_std"])) for s in (one, other)]
-            change = pair[1][0] - pair[0][0]
-            z = change / np.hypot(pair[0][1], pair[1][1]) if change else 0.0
-            rows.append(
-                (str(one["mode"].item()), words.value(float(one["force"])),
-                 str(one["group"].item() or NONE) if "group" in one else NONE,
-                 *(with_std(value, std, 2) for value, std in pair),
-                 f"{1e6 * change / pair[0][0]:+z.0f} ppm ({significant(abs(z), 2)} std)",
-                 *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
-            )  # fmt: skip
+    for one, other in _both(a.stick, b.stick):
+        pair = [(float(s["frequency"]), float(s["frequency_std"])) for s in (one, other)]
+        change = pair[1][0] - pair[0][0]
+        z = change / np.hypot(pair[0][1], pair[1][1]) if change else 0.0
+        rows.append(
+            (str(one["mode"].item()), words.value(float(one["force"])),
+             str(one["group"].item() or NONE) if "group" in one else NONE,
+             *(with_std(value, std, 2) for value, std in pair),
+             f"{1e6 * change / pair[0][0]:+z.0f} ppm ({significant(abs(z), 2)} std)",
+             *(percent(float(s["loss_factor"]), 3) for s in (one, other)))
+        )  # fmt: skip
     if not rows:
         return ["No stick frequency of a mode, load and group is in both."]
     same = sum(row[5].startswith("+0 ppm (0 ") for row in rows)
@@ -115,10 +117,55 @@ def _levels(a: Side, b: Side) -> list:
     return [Table(caption, header, rows)]
 
 
-def _alike(one: xr.Dataset, other: xr.Dataset) -> bool:
-    names = [k for k in ("mode", "group") if k in one and k in other]
-    same = all(str(one[k].item()) == str(other[k].item()) for k in names)
-    return same and bool(np.isclose(float(one["force"]), float(other["force"]), rtol=_SAME_LOAD))
+def _over_amplitude(a: Side, b: Side) -> list[Table]:
+    """Frequency and loss factor of what both have, at the least, middle and largest amplitude that
+    is sure in both: all there is of a mode that reaches no plateau.
+    """
+    if a.curves is None or b.curves is None:
+        return []
+    pairs, words = _both(a.curves, b.curves), words_of(a.curves)
+    rows = [row for pair in pairs for row in _at_amplitudes(*pair, words)]
+    header = ("mode", words.header, "curve", "amplitude", f"{a.label} / Hz", f"{b.label} / Hz",
+              f"loss factor, {a.label}", f"loss factor, {b.label}")  # fmt: skip
+    caption = "Frequency and loss factor over amplitude, with one standard error"
+    return [Table(caption, header, rows)] if rows else []
+
+
+def _at_amplitudes(one: xr.Dataset, other: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
+    """A row an amplitude; the grid of amplitudes of the one is read in the other."""
+    names = ("frequency", "loss_factor")
+    there = other.interp(amplitude=one["amplitude"].values)[
+        [f"{name}{end}" for name in names for end in ("", "_std")]
+    ]
+    seen = np.isfinite(sum(sure(side, name) for side in (one, there) for name in names))
+    known = np.flatnonzero(seen)
+    curve = [str(one[name].item()) for name in ("group", "sensor") if name in one.coords]
+    return [
+        (
+            str(one["mode"].item()),
+            words.value(float(one["force"])),
+            ", ".join(filter(None, curve)) or NONE,
+            length(float(one["amplitude"][k])),
+            *(
+                with_std(scale * float(side[name][k]), scale * float(side[f"{name}_std"][k]), 2, u)
+                for name, scale, u in (("frequency", 1.0, ""), ("loss_factor", 100.0, "%"))
+                for side in (one, there)
+            ),
+        )
+        for k in (dict.fromkeys(known[[0, known.size // 2, -1]]) if known.size else ())
+    ]
+
+
+def _both(one: xr.Dataset, other: xr.Dataset) -> list[tuple[xr.Dataset, xr.Dataset]]:
+    """Levels of the same mode, load, group and sensor."""
+    levels = [[of.isel(level=k) for k in range(of.sizes["level"])] for of in (one, other)]
+    names = [k for k in ("mode", "group", "sensor") if k in one and k in other]
+    return [
+        (a, b)
+        for a, b in product(*levels)
+        if all(a[k].item() == b[k].item() for k in names)
+        and np.isclose(a["force"], b["force"], rtol=_SAME_LOAD)
+    ]
 
 
 def _stiffness(a: Side, b: Side) -> list[Table]:
@@ -145,8 +192,8 @@ def _records(a: Side, b: Side) -> list:
         return ["Neither has records."]
     both = [name for name in said[0] if name in said[1]]
     parts: list = [
-        f"{len(both)} records are in both; {len(said[0]) - len(both)} in {a.label} alone, "
-        f"{len(said[1]) - len(both)} in {b.label} alone."
+        f"{len(both)} records are in both; {len(said[0]) - len(both)} only in {a.label}, "
+        f"{len(said[1]) - len(both)} only in {b.label}."
     ]
     rows = []
     for name in both:

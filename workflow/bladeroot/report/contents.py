@@ -22,22 +22,20 @@ from bladeroot.figures import (
 )
 from bladeroot.figures.slider import slider
 from bladeroot.report.diagnosis import diagnosis_section
-from bladeroot.report.errata import errata_section
 from bladeroot.report.extended import extended_parts
-from bladeroot.report.front import front_sections
+from bladeroot.report.front import front_sections, provenance_section
 from bladeroot.report.groups import groups_section
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.joint import joint_parts
-from bladeroot.report.ledger import ledger_section
+from bladeroot.report.ledger import errata_section, ledger_section
 from bladeroot.report.measurement import measurement_section, stick_section, table_5_1
 from bladeroot.report.nonlinear import SLIP, nonlinear_section
 from bladeroot.report.page import Picture, Place, Section, pictures, render
-from bladeroot.report.provenance import provenance_section
 from bladeroot.report.stiffness import MAPS, stiffness_section
 from bladeroot.report.structure import MODES, SIDE, structure_section
 from bladeroot.report.table_5_2 import table_5_2_remarks
-from bladeroot.report.theory import COMPARED, NORMAL, TRACTIONS, theory_section
-from bladeroot.report.thesis_search import OVER_FORCE, SETS, thesis_search_parts
+from bladeroot.report.theory import COMPARED, TRACTIONS, theory_section
+from bladeroot.report.thesis_search import SETS, thesis_search_parts
 from bladeroot.report.words import CUTS, SPECTRA
 
 FRONT, INDEX = "report.html", "index.html"
@@ -64,9 +62,9 @@ class Material:
     structure, fe_forces, stiffness, theory; for the thesis's tables, ledger and slider). By
     structure, the main one first: checks, accuracies, calibrations, joints, diagnoses with their
     verdicts, extended (joints with the causes of a model file), amplitudes, shortfalls,
-    thesis_searches, searches (and by force). shown, not_shown, spectra: raw records as from
+    thesis_searches, searches (and by force). shown, spectra: raw records as from
     `bladeroot.figures.records.worth_showing`. modes: SVG text. published: Tables 5.1 and 5.2 as
-    shipped. made: as `bladeroot.report.provenance.provenance_section`.
+    shipped. made: as `bladeroot.report.front.provenance_section`.
     """
 
     facts: Mapping
@@ -76,7 +74,6 @@ class Material:
     made: Mapping
     decays: Sequence[xr.Dataset] = ()
     shown: Sequence[xr.Dataset] = ()
-    not_shown: str = ""
     spectra: Sequence[xr.Dataset] = ()
     mesh: xr.Dataset | None = None
     modes: str = ""
@@ -164,8 +161,8 @@ def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
         drawn = [
             *pictures(curves.records(given.decays)),
             *every,
-            *pictures(records.cuts(given.shown, given.not_shown), CUTS),
-            *pictures(spectra.spectra(given.spectra, given.not_shown), SPECTRA),
+            *pictures(records.cuts(given.shown), CUTS),
+            *pictures(spectra.spectra(given.spectra), SPECTRA),
         ]
     groups = groups_section(given.stages["curves"]) if "curves" in given.stages else None
     found = given.stages.get("curves")
@@ -191,7 +188,6 @@ def _judged(given: Material) -> dict[str, list[Picture]]:
         "curve": pictures(diagnosis.curves(found, simulated)),
         "residuals": pictures(residual_maps.records(found, simulated)),
         "maps": pictures(residual_maps.curves(found, simulated)),
-        "law": pictures(diagnosis.law(found, simulated)),
     }
 
 
@@ -225,13 +221,12 @@ def _of_structures(given: Material) -> dict[str, list[Section]]:
     side = pictures(structure.side_view(given.mesh), SIDE.format(main))
     side += [Picture(given.modes, MODES)] if given.modes else []
     maps = pictures(stiffness.maps(given.searches, given.published[1], simulated), MAPS)
-    posterior = pictures(joint.joint(given.joints, given.searches, stages["stiffness"], simulated))
+    posterior = pictures(joint.joint(given.joints, stages["stiffness"], simulated))
     whole = stiffness_section(stages["stiffness"], maps, stages.get("score"))
     parts = [*whole.parts, *joint_parts(given.joints, posterior), *_thesis_search(given)]
     profiles = TRACTIONS.format(stages["theory"].attrs["profile_axial_force"] / 1e3)
     drawn = {
         "tractions": pictures(theory.tractions(stages["theory"]), profiles),
-        "against_normal_force": pictures(theory.against_normal_force(stages["theory"]), NORMAL),
         "compared": pictures(
             theory.compared(stages["theory"], stages["stiffness"], simulated), COMPARED
         ),
@@ -263,7 +258,6 @@ def _thesis_search(given: Material) -> list:
             thesis_search.solution_sets(found[0], table_5_2),
             SETS.format(found[0].attrs["structure"]),
         ),
-        pictures(thesis_search.over_force(found, table_5_2), OVER_FORCE),
     )
 
 
@@ -273,6 +267,5 @@ def _slip(given: Material) -> list[Picture]:
         return []
     return [
         *pictures(nonlinear.curves(one, given.simulated)),
-        *pictures(nonlinear.stiffness(one, given.simulated)),
         *pictures(nonlinear.slip(one, given.simulated), SLIP),
     ]

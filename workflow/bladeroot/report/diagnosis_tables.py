@@ -24,7 +24,8 @@ def structures_table(verdicts: Sequence[Mapping]) -> Table:
     """The verdicts side by side."""
     rows = []
     for said in verdicts:
-        gain = {"before": np.nan, "after": np.nan, **between_forces(said)}
+        gain = between_forces(said)
+        sides = [percent(gain.get(side, np.nan), 2) for side in ("before", "after")]
         first = said["causes"][0] if said["causes"] else None
         rows.append(
             (
@@ -32,7 +33,7 @@ def structures_table(verdicts: Sequence[Mapping]) -> Table:
                 answer_of(said),
                 listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
                 size(first["parameters"][0]) if first else NONE,
-                f"{percent(gain['before'], 2)} → {percent(gain['after'], 2)}" if first else NONE,
+                " → ".join(dict.fromkeys(sides)),
             )
         )
     return Table(

@@ -20,7 +20,7 @@ from bladeroot.report.verdict import (
     plain,
     with_open,
 )
-from bladeroot.report.words import Words, judge_of, several_groups, words_of
+from bladeroot.report.words import Words, judge_of, words_of
 
 _REFERENCE = 12e3  # N
 _FEW = 5  # records that are told by name; the chapters have them all
@@ -58,7 +58,7 @@ def front_sections(
         Section("What was measured", [*measured]),
         Section(
             "The answer of each stage",
-            [_stages(facts, stages, joints, amplitudes, named, where)],
+            [_stages(facts, stages, joints, amplitudes, named, over, where)],
         ),
         Section("Verdict", [*told, *judged, *next_of(main, named[0])]),
         Section(
@@ -134,13 +134,13 @@ def _stages(
     joints: Sequence[xr.Dataset],
     amplitudes: Sequence[xr.Dataset],
     verdicts: Sequence[Mapping],
+    over: Mapping[str, tuple[str, str]],
     where: str,
 ) -> Table:
     """Each stage's answer with its uncertainty, and the chapter that has the rest."""
     stick = stages["stick"]
     words = words_of(stick)
     rows = [*_of_records(facts, stages), *_of_stick(stick, words)]
-    over = over_amplitude(stages["curves"]) if "curves" in stages else {}
     rows += [
         (Link(f"over amplitude, {mode}", "measurement"), f"{frequency} Hz, loss factor {loss} %",
          "no plateau is reached")
@@ -200,12 +200,14 @@ def _agreement(judged: xr.Dataset) -> str:
 
 def _of_stick(stick: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
     rows = []
+    grouped = "record_group" in stick and np.unique(stick["record_group"].values).size > 1
     for mode in dict.fromkeys(stick["mode"].values.astype(str)):
         level = stick.isel(level=np.flatnonzero(stick["mode"].values == mode)).sortby("force")
         where = f", {_range(words.factor * level['force'].values, 3)} {words.unit}" * bool(
             words.load
         )
-        groups = f", {level.sizes['level']} groups" if several_groups(stick) else ""
+        count = level.sizes["level"]
+        groups = f", {count} group{'s' * (count != 1)}" if grouped else ""
         rows.append(
             (Link(f"stick frequency, {mode}", "stick"),
              f"{_hertz(level)} Hz{where}{groups}",
@@ -329,3 +331,20 @@ def _range(values: np.ndarray, digits: int) -> str:
         return NONE
     ends = dict.fromkeys(significant(float(end), digits) for end in (known.min(), known.max()))
     return " to ".join(ends)
+
+
+def provenance_section(made: Mapping) -> Section:
+    """made: version, environment, date, settings (by stage, JSON texts), sources (sha256 by path)
+    and command, as `report/provenance.json` has them.
+    """
+    return Section(
+        "Where this comes from",
+        [
+            f"bladeroot {made['version']}, {made['date']}; {made['environment']}. Again: "
+            f"{made['command']}",
+            Table("Settings of each stage", ("stage", "settings"),
+                  list(made["settings"].items()), folded=True),
+            Table(f"Source files ({len(made['sources'])})", ("file", "sha256"),
+                  list(made["sources"].items()), folded=True),
+        ],
+    )  # fmt: skip

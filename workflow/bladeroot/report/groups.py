@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.plain_words import length
-from bladeroot.report.numbers import NONE, fixed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, significant, with_std
 from bladeroot.report.page import Section, Table
 
 
@@ -19,11 +19,11 @@ def groups_section(curves: xr.Dataset) -> Section | None:
         (
             str(one["compared_mode"].item()),
             _name(one),
-            f"{percent(float(one['difference']), 2)} ± {percent(float(one['difference_std']), 2)}",
+            _per_cent(one["difference"], one["difference_std"]),
             f"{one['high_group'].item()} over {one['low_group'].item()}",
             _largest(one),
             significant(float(one["chance"]), 2),
-            percent(float(one["scatter"]), 2),
+            significant(100.0 * float(one["scatter"]), 2, "%"),
             "yes" if int(one["told"]) else "no",
         )
         for k in range(curves.sizes["comparison"])
@@ -34,8 +34,7 @@ def groups_section(curves: xr.Dataset) -> Section | None:
             str(one["of_group_mode"].item()),
             _name(one, "of_group_"),
             str(one["of_group_group"].item()),
-            f"{100.0 * np.expm1(float(one['of_group_level'])):+.3g} %",
-            percent(float(one["of_group_level_std"]), 2),
+            _per_cent(np.expm1(one["of_group_level"]), one["of_group_level_std"]),
             fixed(float(one["of_group_events"]), 0),
         )
         for k in range(curves.sizes["group_level"])
@@ -58,11 +57,15 @@ def groups_section(curves: xr.Dataset) -> Section | None:
             ),
             Table(
                 "Each group against the mean of the groups, at the same amplitude",
-                ("mode", "quantity", "group", "level", "std", "events"),
+                ("mode", "quantity", "group", "level", "events"),
                 levels,
             ),
         ],
     )  # fmt: skip
+
+
+def _per_cent(value: xr.DataArray, std: xr.DataArray) -> str:
+    return with_std(100.0 * float(value), 100.0 * float(std), 2, "%")
 
 
 def _largest(one: xr.Dataset) -> str:
@@ -70,7 +73,7 @@ def _largest(one: xr.Dataset) -> str:
         return NONE
     place = f"{length(float(one['largest_amplitude']))} {one['largest_sensor'].item()}".strip()
     groups = f"{one['largest_high'].item()} over {one['largest_low'].item()}"
-    return f"{percent(float(one['largest']), 0)} at {place}, {groups}"
+    return f"{significant(100.0 * float(one['largest']), 2)} % at {place}, {groups}"
 
 
 def _name(one: xr.Dataset, prefix: str = "compared_") -> str:

@@ -38,7 +38,11 @@ def joint_parts(found: Sequence[xr.Dataset], drawn: Sequence[Picture]) -> list:
             "draws and by curvature (Laplace); the combinations of ln kn and ln kt that the data "
             "fix best (stiff) and least (sloppy)",
             _HEADER,
-            [_row(one, f) for one in full for f in _ends(one.sizes["force"])],
+            [
+                _row(one, f)
+                for one in full
+                for f in sorted({0, one.force.size // 2, one.force.size - 1})
+            ],
         ),
         _laws(full),
         _variations(full),
@@ -85,11 +89,6 @@ def _said(one: xr.Dataset) -> str:
             "was assumed."
         )
     return text
-
-
-def _ends(count: int) -> list[int]:
-    """First, middle and last of a row of forces."""
-    return sorted({0, count // 2, count - 1})
 
 
 def _row(one: xr.Dataset, f: int) -> tuple[str, ...]:

@@ -129,24 +129,31 @@ def _values(ledger: xr.Dataset, index: int) -> list[tuple[str, ...]]:
     one = _of_row(ledger, index)
     if one.sizes["value"] < 2:
         return []
-    where, lines = str(one["where"].values), []
+    names = ("printed", "computed", "difference", "tolerance")
+    lines = []
     for i in range(one.sizes["value"]):
         value = one.isel(value=i)
-        printed, computed, difference, allowed = (
-            float(value[f"value_{name}"])
-            for name in ("printed", "computed", "difference", "tolerance")
-        )
-        known = np.isfinite(computed)
-        within = ("yes" if int(value["value_within"]) else "no") if known else NONE
+        printed, computed, difference, allowed = (float(value[f"value_{n}"]) for n in names)
+        within = ("no", "yes")[int(value["value_within"])] if np.isfinite(computed) else NONE
         lines.append(
-            (
-                where,
-                str(value["value_label"].values) or str(i + 1),
-                _plain(printed, 6),
-                _plain(computed, 5),
-                significant(difference, 2),
-                significant(allowed, 2),
-                within,
-            )
-        )
+            (str(one["where"].values), str(value["value_label"].values) or str(i + 1),
+             _plain(printed, 6), _plain(computed, 5), significant(difference, 2),
+             significant(allowed, 2), within)
+        )  # fmt: skip
     return lines
+
+
+def errata_section(errata: Sequence[Mapping]) -> Section:
+    """Each erratum with the arithmetic that shows it."""
+    rows = [
+        (entry["where"], entry["printed"], entry["probably"], entry["arithmetic"].strip())
+        for entry in errata
+    ]
+    return Section(
+        "Errata of the source",
+        [
+            "The thesis's tables are used as printed. Where they or an equation contradict "
+            "themselves, the arithmetic says so here; nothing is corrected silently.",
+            Table("Errata", ("where", "printed", "probably", "arithmetic"), rows),
+        ],
+    )

@@ -36,7 +36,7 @@ def measurement_section(
     parts += gauge_sentence(description)
     if facts["entry"] == "stick frequencies":
         parts.append(
-            f"The campaign enters at the stick-frequency stage with {_levels(stick)}; there are no "
+            f"The campaign begins with {stick.sizes['level']} stick frequencies; there are no "
             "records to check them with."
         )
         return Section("What was measured", parts)
@@ -225,19 +225,6 @@ def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
     ]
 
 
-def _levels(stick: xr.Dataset) -> str:
-    texts, words = [], words_of(stick)
-    for mode in dict.fromkeys(stick["mode"].values):
-        force = stick["force"].values[stick["mode"].values == mode] * words.factor
-        texts.append(
-            f"{len(force)} {words.short}s in mode {mode} ({force.min():.1f} to {force.max():.1f} "
-            f"{words.unit})"
-            if words.load
-            else f"mode {mode}"
-        )
-    return listed(texts)
-
-
 def _record_table(stick: xr.Dataset) -> Table:
     names = ["record_mode", "record_force", "record_group", "sensor"]
     frame = pd.DataFrame(
@@ -289,27 +276,15 @@ def _score_parts(stick: xr.Dataset, score: xr.Dataset) -> list:
     deviation = score["deviation"].values
     worst = np.nanmax(np.abs(deviation)) if reached else np.nan
     error = 1e6 * np.abs(stick["stick_frequency"] / score["true_frequency"] - 1)
+    onset = stick["record_onset_amplitude"] / score["true_onset_amplitude"]
     return [
         "The records are simulated, so the answer is known: of "
         f"{reached} records whose plateau is reached, {hit} hit the bench's stuck eigenfrequency "
-        f"within three of their stated standard errors (worst {significant(worst, 2)}); the median "
-        f"error is {significant(float(error.median()), 2)} ppm. "
-        f"Reported as not reached or rejected: {stick.sizes['record'] - reached}. That "
-        "is the error within a record; between clampings the joint itself differs, as the table "
-        f"shows. The onset of slip is found at {_onset_ratios(stick, score)} times the amplitude "
-        "at which the bench's first pair of nodes would slip in a pure mode; what is left of the "
-        "other mode in a record slips along with it."
+        f"within three of their standard errors (worst {significant(worst, 2)}); the median "
+        f"error is {significant(float(error.median()), 2)} ppm. The onset of slip is found at "
+        f"{significant(float(onset.median()), 2)} times the amplitude (median) at which the "
+        "bench's first pair of nodes would slip in a pure mode."
     ]
-
-
-def _onset_ratios(stick: xr.Dataset, score: xr.Dataset) -> str:
-    """Median of found over true onset, mode by mode."""
-    ratio = stick["record_onset_amplitude"] / score["true_onset_amplitude"]
-    texts = []
-    for mode in dict.fromkeys(stick["record_mode"].values):
-        of_mode = ratio.values[stick["record_mode"].values == mode]
-        texts.append(f"{significant(float(np.nanmedian(of_mode)), 2)} ({mode})")
-    return listed(texts)
 
 
 def _interpolated(fe_forces: xr.Dataset) -> Table | str:

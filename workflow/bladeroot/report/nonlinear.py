@@ -12,10 +12,9 @@ SLIP = (
     "Left: hysteresis loops of the mode, without the stuck mode's force. Right: the part of each "
     "node pair that slips on one flank."
 )
-_NARROWER = ("structure", "force / kN", "ln kn alone", "ln kn", "ln kt alone", "ln kt",
+_NARROWER = ("structure", "force / kN", "ln kn before", "ln kn", "ln kt before", "ln kt",
              "kn narrower by", "kt narrower by", "area smaller by", "correlation")  # fmt: skip
 _FRICTION = ("structure", "parameter", "value", "factor", "prior", "its factor", "prior's origin")
-_CLOSE = 1.1  # what falls at an amplitude that much off does what the source saw
 
 
 def nonlinear_section(
@@ -47,7 +46,7 @@ def nonlinear_section(
             ],
             Table(
                 "Standard deviations of ln kn and ln kt under the same law of the force, from the "
-                "frequencies alone and with the curves, and how much smaller they become; area: of "
+                "frequencies only and with the curves, and how much smaller they become; area: of "
                 "the ellipse of both",
                 _NARROWER,
                 [_row(one, f) for one in full for f in range(one.sizes["force"])],
@@ -135,13 +134,11 @@ def _shortfall(table: xr.Dataset, of_the_thesis: bool) -> list:
     onset, partial = table["onset"], table["partial_onset"]
     words = (
         f"What slips first, in {joint}. With uniform pressure nothing slips below "
-        f"{_um(table['first_slip'][0])}; {_elliptic(table)}."
+        f"{_um(table['first_slip'][0])}."
     )
     if of_the_thesis:
-        words += (
-            f" The thesis sees the frequency fall from {1e6 * table.attrs['seen_m']:g} µm on. "
-            f"{_full_contact(table)} {_partial_contact(table)}"
-        )
+        seen = _um(table.attrs["seen_m"])
+        words += f" The thesis sees the frequency fall from {seen} on{_nearest(table)}."
     never = f"a dash: not up to {_um(table['highest'])}"
     full = Table(
         "Full contact: amplitude at which the first place slips and at which the frequency has "
@@ -171,59 +168,15 @@ def _um(metres: xr.DataArray | float) -> str:
     return significant(1e6 * float(metres), 2, "µm")
 
 
-def _full_contact(table: xr.Dataset) -> str:
-    """Which pressure over the whole width does what the source saw, or how near any comes."""
-    seen, known = table.attrs["seen_m"], table["onset"].dropna("exponent")
-    tried = f"exponents of 0 to {float(table['exponent'].max()):g}"
-    if not known.size:
-        return (
-            f"A pressure that falls to the edges of the whole width ({tried}) does not let it fall "
-            f"by 200 ppm up to {_um(table['highest'])}."
-        )
-    if _reaches(known, seen):
-        exponent = np.interp(np.log(seen), np.log(known[::-1]), known["exponent"][::-1])
-        text = (
-            "A pressure that falls to the edges of the whole width with exponent "
-            f"{exponent:.2g} would do that"
-        )
-    else:
-        near = _nearest(known, seen)
-        text = (
-            f"Of pressures that fall to the edges of the whole width ({tried}) none does that; the "
-            f"nearest is exponent {float(near['exponent']):g}, at {_um(near)}"
-        )
-    return f"{text}."
-
-
-def _elliptic(table: xr.Dataset) -> str:
-    onset = float(table["onset"].sel(exponent=0.5))
-    if np.isfinite(onset):
-        return f"an elliptic one (exponent 0.5) lets the frequency fall at {_um(onset)}"
-    highest = _um(table["highest"])
-    return f"nor does an elliptic one (exponent 0.5) let the frequency fall up to {highest}"
-
-
-def _partial_contact(table: xr.Dataset) -> str:
-    """The same of contact on a part of the width."""
-    seen = table.attrs["seen_m"]
-    known = table["partial_onset"].stack(contact=("share", "loose")).dropna("contact")
-    if not known.size:
-        return "Nor does partial contact."
-    best = _nearest(known, seen)
-    where = (
-        f"{100 * float(best['share']):g} % of the width bearing all but "
-        f"{100 * float(best['loose']):g} % of the load the frequency has fallen by 200 ppm at "
-        f"{_um(best)}"
-    )
-    if _reaches(known, seen):
-        return f"Partial contact would do it: with {where}."
-    return f"Partial contact, as far as tried, does not do that: nearest, with {where}."
-
-
-def _reaches(onsets: xr.DataArray, seen: float) -> bool:
-    """Whether what was tried goes from later than what was seen to earlier."""
-    return bool(onsets.min() <= seen * _CLOSE and onsets.max() >= seen / _CLOSE)
-
-
-def _nearest(onsets: xr.DataArray, seen: float) -> xr.DataArray:
-    return onsets[int(np.abs(np.log(onsets.values / seen)).argmin())]
+def _nearest(table: xr.Dataset) -> str:
+    """Which of the contacts that were tried falls nearest to where the source saw it."""
+    onsets = {f"with exponent {float(one['exponent']):g}": float(one) for one in table["onset"]} | {
+        f"with {100 * float(one['share']):g} % of the width bearing all but "
+        f"{100 * float(one['loose']):g} % of the load": float(one)
+        for one in table["partial_onset"].stack(contact=("share", "loose"))
+    }
+    onsets = {name: value for name, value in onsets.items() if np.isfinite(value)}
+    if not onsets:
+        return f"; no contact that was tried lets it fall up to {_um(table['highest'])}"
+    name = min(onsets, key=lambda name: abs(np.log(onsets[name] / table.attrs["seen_m"])))
+    return f"; nearest comes contact {name}: {_um(onsets[name])}"

@@ -41,11 +41,6 @@ class Table:
         """Whether only its first rows are shown; a few more are no reason to hide them."""
         return not self.folded and len(self.rows) > 1.5 * SHORT
 
-    @property
-    def first(self) -> Sequence[Sequence[str]]:
-        """The rows that stand there at once."""
-        return self.rows[:SHORT]
-
     def is_text(self, column: int) -> bool:
         """Whether a column holds words, which stand to the left; numbers stand to the right."""
         return column == 0 or any(row[column][:1].isalpha() for row in self.rows)
@@ -138,6 +133,7 @@ def render(
         subtitle=subtitle,
         simulated=simulated,
         sections=sections,
+        short=SHORT,
         footer=footer,
         place=place or Place(),
         has_live=any(isinstance(p, Picture) and p.live for s in sections for p in s.parts),

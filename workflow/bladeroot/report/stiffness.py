@@ -60,10 +60,9 @@ def stiffness_section(
     if roots:
         parts.append(Table(
                 "Roots. Standard deviations are of the logarithm: 0.2 is about 20 %, 2.7 a factor "
-                "of 15 either way; measured part: from the frequencies alone. Draws with a root: "
+                "of 15 either way; measured part: from the measurement. Draws with a root: "
                 "share of draws of all errors for which any (kn, kt) exists.",
                            _HEADER, roots))  # fmt: skip
-        parts += _law_sentences(stiffness)
     if misses:
         parts.append(
             Table(
@@ -188,20 +187,3 @@ def _miss_row(found: xr.Dataset, structure: str, force: float) -> tuple[str, ...
         *(fixed(float(found["bonded_frequency"].sel(mode=m)), 1) for m in ("1B", "2B")),
         *(fixed(float(found["target_frequency"].sel(mode=m)), 2) for m in ("1B", "2B")),
     )
-
-
-def _law_sentences(stiffness: xr.Dataset) -> list[str]:
-    sentences = []
-    for structure in stiffness["structure"].values:
-        law = stiffness.sel(structure=structure)
-        if not np.isfinite(float(law["kn_law_exponent"])):
-            continue
-        texts = [_law(law, name) for name in ("kn", "kt")]
-        sentences.append(f"Over its roots, {structure} gives {listed(texts)}.")
-    return sentences
-
-
-def _law(law: xr.Dataset, name: str) -> str:
-    exponent, spread = (float(law[f"{name}_law_exponent{end}"]) for end in ("", "_std"))
-    text = f"{name} ∝ F^({significant(exponent, 2)} ± {significant(spread, 1)})"
-    return text if spread < abs(exponent) else f"{text} (which the data do not determine)"

@@ -28,7 +28,7 @@ def structure_section(
     """Checks with residual and limit, a table a structure; accuracy of reduction; dimensions."""
     parts: list = [
         "Each dovetail is compared with what the thesis prints of its beam, with exact identities, "
-        "and reduced with full; matrices of another program with exact identities alone. The "
+        "and reduced with full; matrices of another program with exact identities only. The "
         "thesis publishes neither the beam's root block and length nor the slots: the shipped "
         "structures are effective geometries, fits to some of its tables and not metrology, and "
         "no single one satisfies all of them. “Within” counts the comparisons that have a limit.",

@@ -54,11 +54,4 @@ def table_5_2_remarks(
     others = [str(said["structure"]) for said in verdicts if str(said["structure"]) not in named]
     if others:
         text += f"; with {listed(others)} this cause is not named"
-    if len(sizes) > 1:
-        text += (
-            "; how fast the stiffness grows depends on the geometry, which the thesis does not "
-            "publish, more than on the measurement"
-            if np.ptp([v for v, _, _ in sizes]) > 2.0 * min(s for _, s, _ in sizes)
-            else "; the geometries agree on how fast it grows"
-        )
     return [text + "."]

@@ -12,14 +12,10 @@ SETS = (
     "Solution sets with {} (figs 5.11 to 5.13): lines of constant frequency, accepted points and "
     "the point of minimum error."
 )
-OVER_FORCE = (
-    "Stiffness of a node with the standard deviations of the search, these in per cent, and the "
-    "model's frequencies at the chosen points beside the measured ones (figs 5.14 to 5.18)."
-)
 
 
 def thesis_search_parts(
-    found: Sequence[xr.Dataset], solution_sets: Sequence[Picture], over_force: Sequence[Picture]
+    found: Sequence[xr.Dataset], solution_sets: Sequence[Picture]
 ) -> list[str | Picture | Table]:
     """Solution sets, the points chosen, and Table 5.2's standard deviations computed anew."""
     error = listed([percent(float(v)) for v in found[0]["fe_error"]])
@@ -31,7 +27,6 @@ def thesis_search_parts(
         "softest accepted point, because a soft contact moves the frequencies most, and not to the "
         "best fit.",
         *solution_sets,
-        *over_force,
         *[
             _chosen(one)
             if one["grid_accepted"].any()
@@ -87,7 +82,7 @@ def _deltas(found: Sequence[xr.Dataset]) -> Table:
             rows.append(tuple(cells))
     header = ["structure", "force / kN"]
     for name in ("kn", "kt"):
-        header += [f"δ{name} printed", "computed", "difference", "with the model's bias alone"]
+        header += [f"δ{name} printed", "computed", "difference", "with the model's bias only"]
     return Table(
         "Standard deviations of Table 5.2, N/mm a node: as printed, computed by (5.22) at its own "
         "points from the errors of Table 5.1, and what a bias of the model's frequencies gives at "

@@ -21,7 +21,7 @@ ANSWERS = {
 }
 QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
-INSTEAD = {"none": "nothing at all", "none-of-these": "something of no catalogue"}
+INSTEAD = {"none": "nothing at all", "none-of-these": "a cause outside the catalogue"}
 NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
 _SHOWN = 0.02  # least probability of a set that is told
 CLASSES = {
@@ -80,7 +80,8 @@ def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
 
 def next_of(one: xr.Dataset, said: Mapping) -> list[str]:
     """The next measurement: by what it is expected to bring, else by the cause or what lacks."""
-    texts = [*(cause["splitter"] for cause in said["causes"]), *lacks_of(one)]
+    lacks = [text.partition(": ")[0] for text in lacks_of(one)]
+    texts = [*(cause["splitter"] for cause in said["causes"]), *lacks]
     return next_sentence(one) or [f"Measure next: {text}." for text in texts[:1]]
 
 
@@ -197,9 +198,11 @@ def _missing(said: Mapping, judge: Judge) -> str:
     for quantity, several in rows.items():
         others = listed([row["mode"] for row in several[1:]])
         also = f" (also in {others})" if others else ""
-        texts.append(f"{quantity} of mode {several[0]['mode']}{also}: {several[0]['trend']}")
+        trend = re.sub(r"^the simulation is", "of which the simulation is", several[0]["trend"])
+        which = "" if trend.startswith("of") else "which "
+        texts.append(f"the {quantity} of mode {several[0]['mode']}{also}, {which}{trend}")
     if texts:
-        return f"Missing: {'; '.join(texts)}."
+        return f"{judge.does('does not explain', 'do not explain')} {'; nor '.join(texts)}."
     if said["causes"] and all(cause["class"] == "record" for cause in said["causes"]):
         text = judge.does("misses", "miss")
         return f"{text} nothing that these records show; the records are faulty."
@@ -311,7 +314,11 @@ def _barred_rivals(one: xr.Dataset, cause: Mapping) -> list[tuple[str, float, st
             *(one[k].values for k in ("class", "log_evidence", "barred")),
             strict=True,
         )
-        if channel in own and kind != "smooth" and why and evidence > cause["log_evidence"] - NEAR
+        if name != cause["mechanism"]
+        and channel in own
+        and kind != "smooth"
+        and why
+        and evidence > cause["log_evidence"] - NEAR
     ]
 
 

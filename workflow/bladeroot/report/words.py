@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, shown
@@ -38,11 +37,6 @@ def words_of(artifact: xr.Dataset) -> Words:
     """From an artifact's attributes."""
     factor, unit, name = shown(artifact.attrs)
     return Words(name, "force" if name == AXIAL_FORCE else name, unit, factor)
-
-
-def several_groups(stick: xr.Dataset) -> bool:
-    """Whether records belong to more than one group."""
-    return "record_group" in stick and np.unique(stick["record_group"].values).size > 1
 
 
 def gauge_sentence(description: Mapping) -> list[str]:

@@ -5,7 +5,10 @@ Time is a vector `time` or `t`, a rising first column or cell, or a number `fs` 
 Testlab's structs hold step and start in `x_values`, samples and unit in `y_values`.
 """
 
+import struct
+import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +23,8 @@ SUFFIXES = (".mat",)
 MOST_COLUMNS = 64
 # Variables nested deeper, or more of them, are no record.
 _DEEPEST, _MOST = 8, 20_000
+# What a variable of version 5 begins with where it is compressed.
+_COMPRESSED = 15
 
 
 @dataclass(frozen=True)
@@ -151,10 +156,28 @@ def _rows(rows: Iterable[str]) -> str:
 def _version_5(path: str) -> Iterator[_Leaf]:
     from scipy.io import loadmat
 
+    check_claim(_unpacked(path), 1, path)
     variables = loadmat(path, simplify_cells=False, chars_as_strings=True)
     for name, value in variables.items():
         if not name.startswith("__"):
             yield from _walk(name, name, "", value, 0)
+
+
+def _unpacked(path: str) -> int:
+    """Bytes that the compressed variables of a version 5 file say that they hold."""
+    claimed = 0
+    with open(path, "rb") as file:
+        head = file.read(128)
+        order = ">" if head[126:128] == b"MI" else "<"
+        while len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(f"{order}II", tag)
+            if kind == _COMPRESSED:
+                with suppress(zlib.error, struct.error):
+                    inner = zlib.decompressobj().decompress(file.read(min(size, 64)), 8)
+                    claimed += struct.unpack(f"{order}II", inner)[1]
+                    size -= min(size, 64)
+            file.seek(size, 1)
+    return claimed
 
 
 def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterator[_Leaf]:
