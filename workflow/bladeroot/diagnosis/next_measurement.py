@@ -179,7 +179,7 @@ def _rivals(found: Found, asked: set[str]) -> list[Rival]:
     }
     order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
     reach = max((m.log_evidence for m in found.alone.values()), default=0.0)
-    heat = temperature(reach, found.known.replicates)
+    heat = temperature(reach, found.known.replicates, found.channel.trust)
     return [Rival(*fitted[key], sets[key], heat) for key in order]
 
 
