@@ -13,6 +13,7 @@ from bladeroot.decay.component_lines import (
     APART,
     LEAST,
     beating_line,
+    elsewhere_first,
     meant,
     more_lines,
     moved,
@@ -116,7 +117,8 @@ def separated(
     lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
-    if abs(own_Hz / expected_Hz - 1.0) > APART:
+    far = abs(own_Hz / expected_Hz - 1.0) > APART
+    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
     trimmed = beaten = False
     near: list[Harmonic] = []
