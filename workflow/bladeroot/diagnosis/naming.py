@@ -31,6 +31,12 @@ from bladeroot.diagnosis.posterior import (
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
+# The class of mechanisms whose laws run in what a remainder is smooth in, by its first word.
+_CLASS_OF = {
+    "force": "load-law", "time": "time", "time,": "time",
+    "direction": "direction", "amplitude": "amplitude",
+}  # fmt: skip
+
 __all__ = ["Cause", "Found", "Known", "Step", "prepared", "search"]
 
 
@@ -240,10 +246,10 @@ def _found(made: _Search) -> Found:
     if not made.allowed.get(here, False):
         here = frozenset()
     model = made.models[here]
-    causes = [_cause(made, model, one, sets) for one in model.causes]
     first = made.steps[frozenset()]
     rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
     unexplained = max(rest, key=rest.get, default="")
+    causes = [_cause(made, model, one, sets, unexplained) for one in model.causes]
     leading = max(barred, key=lambda name: (inclusion(sets, name), name), default="")
     if not barred and set(first.mechanisms) <= set(made.known.barred):
         leading = _leading(sets)
@@ -265,10 +271,11 @@ def _leading(sets: Sets) -> str:
     return first if first != UNKNOWN and share[first] > shown.get(frozenset(), 0.0) else ""
 
 
-def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
+def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets, unexplained: str) -> Cause:
     """With what may stand in its place beside the others: a mechanism, nothing, or no catalogue's.
 
-    A mechanism that needs a measurement that there is not has its siblings in the set.
+    A mechanism that needs a measurement that there is not has its siblings in the set; one whose
+    law leaves over what is smooth in its own variable has none of the catalogue.
     """
     rest = model.ids - {one.id}
     instead = {one.id: 0.0}
@@ -295,6 +302,8 @@ def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets) -> Cause:
     if one.id in unsplit:
         siblings = [x.id for x in made.channel.candidates if x.kind == one.kind]
         credible += [n for n in siblings if n in unsplit and n not in credible]
+    if _CLASS_OF.get(unexplained.partition(" ")[0]) == one.kind and UNKNOWN not in credible:
+        credible.append(UNKNOWN)
     before = made.models.get(rest)
     gain = model.log_evidence - (before.log_evidence if before else 0.0)
     return Cause(one, float(gain), tuple(credible), probability)

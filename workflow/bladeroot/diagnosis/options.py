@@ -37,7 +37,7 @@ FACTS = {
     "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
     "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
     "pressure film": (
-        "pressure-sensitive film between the flanks (seating force to 500 N)",
+        "pressure-sensitive film in the contact (seating force to 500 N)",
         {"incomplete-contact": 500.0},
     ),
 }

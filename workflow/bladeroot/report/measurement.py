@@ -93,7 +93,7 @@ def stick_section(
     ]
     parts: list = [
         "The stick frequency is that of the plateau at small amplitude, where "
-        + ("all flanks stick and the joint is linear" if of_joint else "it is constant")
+        + ("all contacts stick and the joint is linear" if of_joint else "it is constant")
         + ". Nothing is extrapolated: a record that never reaches its plateau "
         "gives a bound and no frequency.",
         *drawn,
