@@ -201,8 +201,9 @@ def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Datase
         if name in made:
             texts = [plainly(str(text), load, simulated) for text in made[name].values]
             made[name] = (made[name].dims, texts, made[name].attrs)
-    for name in ("reason", "lacks"):
-        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
+    for name in ("reason", "lacks", "insufficient"):
+        if name in made.attrs:
+            made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
     return made
 
 
@@ -259,7 +260,7 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
             {
                 "quantity": quantity, "mode": str(one["compared_mode"].item()),
                 "trend": f"differs between groups at the same amplitude by up to "
-                f"{100.0 * size:.3g} %, {high} over {low}",
+                f"{100.0 * size:.2g} %, {high} over {low}",
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip
