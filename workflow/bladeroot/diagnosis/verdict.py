@@ -206,7 +206,7 @@ def insufficient(made: Diagnosis) -> list[str]:
             instead = f"; {' or '.join(others)} may act beside it or instead" if others else ""
             lines.append(
                 f"{name} explains the {found.channel.name} data best (probability {chance:.0f} %) "
-                f"and is not named, for {found.known.barred[name]}{instead}. To decide: "
+                f"and is not named, for {found.known.barred[name]}{instead}; to decide: "
                 f"{found.alone[name].causes[0].splitter}"
             )
     return lines
