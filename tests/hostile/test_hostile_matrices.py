@@ -81,6 +81,8 @@ MATRICES = {
     "an entry outside": ("k.mtx", market("3 3 1", "9 9 1.0"), "k.mtx"),
     "an entry of 400 digits": ("k.mtx", market("1 1 1", f"1 1 {BIG}"), "k.mtx"),
     "a huge array": ("k.mtx", market("1000000 1000000", "1.0", "array real general"), "k.mtx"),
+    "numbers near the largest, not symmetric": (
+        "k.mtx", market("2 2 2", "1 2 1.7e308\n2 1 -1.7e308", "coordinate real general"), "symmetric"),
     "no matrix": ("k.mtx", text("<script>"), "k.mtx"),
     "negative order": ("k.mtx", market("-3 -3 0", ""), "k.mtx"),
     "a node of 30 digits": ("k.sti", text("9" * 30 + " 1 1.0\n"), "k.sti"),
@@ -107,6 +109,11 @@ def test_matrix(case, tmp_path):
     path = tmp_path / reference.partition("#")[0]
     make(path)
     assert len(answer(lambda: read_matrix(tmp_path, reference), path.name[:60], told)) == 1
+
+
+def test_numbers_near_the_largest_stay_what_they_are(tmp_path):
+    market("1 1 1", "1 1 1.7e308")(tmp_path / "k.mtx")
+    assert read_matrix(tmp_path, "k.mtx").toarray() == 1.7e308
 
 
 @pytest.fixture(scope="module")
