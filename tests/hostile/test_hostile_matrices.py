@@ -82,7 +82,10 @@ MATRICES = {
     "an entry of 400 digits": ("k.mtx", market("1 1 1", f"1 1 {BIG}"), "k.mtx"),
     "a huge array": ("k.mtx", market("1000000 1000000", "1.0", "array real general"), "k.mtx"),
     "numbers near the largest, not symmetric": (
-        "k.mtx", market("2 2 2", "1 2 1.7e308\n2 1 -1.7e308", "coordinate real general"), "symmetric"),
+        "k.mtx",
+        market("2 2 2", "1 2 1.7e308\n2 1 -1.7e308", "coordinate real general"),
+        "symmetric",
+    ),
     "no matrix": ("k.mtx", text("<script>"), "k.mtx"),
     "negative order": ("k.mtx", market("-3 -3 0", ""), "k.mtx"),
     "a node of 30 digits": ("k.sti", text("9" * 30 + " 1 1.0\n"), "k.sti"),
