@@ -85,6 +85,11 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
 
     Raises:
         ValueError: what is wrong in the campaign's files or the settings, a line each.
+
+    >>> import bladeroot as br
+    >>> verdict = br.diagnose("two-modes")  # a folder with campaign.yaml and records.csv
+    >>> verdict.answer, verdict.causes
+    ('nothing-missing', ())
     """
     from bladeroot.diagnosis.judged import judge
     from bladeroot.diagnosis.observations import observed
