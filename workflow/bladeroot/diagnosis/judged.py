@@ -201,7 +201,7 @@ def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Datase
         if name in made:
             texts = [plainly(str(text), load, simulated) for text in made[name].values]
             made[name] = (made[name].dims, texts, made[name].attrs)
-    for name in ("reason", "lacks"):
+    for name in ("reason", "lacks", "insufficient"):
         made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
     return made
 
