@@ -129,6 +129,9 @@ def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected):
     of_structure = judged.with_structure(seen, model, SETTINGS, CATALOGUE, expected)[1]
     assert names(of_table) == names(of_structure)
     assert of_table["structure"] == "sim.csv"
+    low, high = table.load_range
+    loads = [one["load"] for one in of_table["next"] if one["load"] is not None]
+    assert all(low <= load <= high for load in loads)
 
 
 @pytest.mark.parametrize(
