@@ -29,8 +29,8 @@ PLACES = np.linspace(-3.2, 3.2, 9)
 _SMEAR = np.linspace(-2.0, 2.0, 17)
 _SMEARED = np.exp(-0.5 * _SMEAR**2) / np.exp(-0.5 * _SMEAR**2).sum()
 _WIDTH = 0.35
-# Of ln threshold, of sliders that give way together: a level's curve is a mean over clampings, whose
-# friction differs.
+# Of ln threshold, of sliders that give way together: a level's curve is a mean over clampings,
+# whose friction differs.
 _AGAIN = 0.15
 _LEAST = 0.02  # part of a mode's stiffness that is left at any amplitude
 
