@@ -19,7 +19,7 @@ STRETCHES, ALIVE = (12, 18, 27, 40), 0.02
 # Two exponentials leave so many times less than one that bends; either keeps that part of itself
 # over an interval (what is shorter is a transient), and one differs from the other by that many
 # turns over the stretch (less is a bend of the mode's own).
-CLEAR, LIVES, TURNS = 5.0, 0.5, 0.15
+CLEAR, LIVES, TURNS = 5.0, 0.5, 0.4
 # Part of what is taken off that is left as a standard error: its own laws are not known.
 DOUBT = 0.5
 TOLD = (
