@@ -405,6 +405,19 @@ def test_a_machine_that_lacks_something(case, folder, tiny):
     assert "Nothing to be done" in tiny.run(folder, "--dry-run")[1]
 
 
+def test_a_cluster_jobs_own_snakemake_counts_as_a_job_at_work(tiny, tmp_path):
+    """What continues a killed run waits for it: it gives outputs their times after the stage."""
+    folder = tiny.make(tmp_path / "house")
+    lock = ".snakemake/bladeroot_runs/working"
+    write("hook", f"flock --nonblock {lock} touch free || touch held")(folder)
+    status, said = tiny.run(folder, "results/one/a.nc")
+    assert status == 0, said
+    assert not (folder / "held").exists()  # the rules' commands here take no lock
+    status, said = tiny.run(folder, "results/one/a.nc", "--force", "--mode", "subprocess")
+    assert status == 0, said
+    assert (folder / "held").exists()
+
+
 HOOKS = {
     "raw file changes while it is read": "[ -f once ] || { touch once; echo later >> one.txt; }",
     "raw file is replaced while it is read": (

@@ -16,7 +16,7 @@ from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.names import MEANT, MEANT_TOLD
 from bladeroot.schema import check, read_yaml
-from bladeroot.rom.file import check_structure
+from bladeroot.rom.file import named_structure
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PYTHON = sys.executable
@@ -33,18 +33,9 @@ def refuse(faults):
     sys.exit(1)
 
 
-def add_structure(name, campaign, structures, modes=()):
+def add_structure(name, campaign, structures, modes=(), loads=()):
     """Find a structure's file, in the campaign's folder or in resources/structures/."""
-    own, shared = (
-        campaign.folder / f"{name}.yaml",
-        ROOT / "resources" / "structures" / f"{name}.yaml",
-    )
-    path = own if own.is_file() else shared
-    written = check_structure(path, modes)
-    if written != name:
-        raise ValueError(
-            f"name must be {name!r} as the file's, got {written!r} ({path})"
-        )
+    path = named_structure(name, campaign.folder, modes, loads)
     if structures.setdefault(name, path) != path:
         raise ValueError(
             f"two structures are named {name!r}: {structures[name]} and {path}"
@@ -104,9 +95,10 @@ def checked_campaigns():
         folder = campaign_folder(name)
         try:
             campaign = load_campaign(folder)
+            modes = campaign.description["modes"]
+            loads = [row["load"] for row in campaign.records or campaign.stick]
             for structure in campaign.description["structure"]:
-                modes = campaign.description["modes"]
-                add_structure(structure, campaign, structures, modes)
+                add_structure(structure, campaign, structures, modes, loads)
             if campaign.simulated:
                 add_structure(bench_structure(campaign), campaign, structures)
         except ValueError as error:

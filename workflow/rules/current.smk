@@ -182,3 +182,6 @@ if workflow.is_main_process and not workflow.storage_settings.default_storage_pr
     tell_other_folders()
     keep_records_with_results()
     RUN = begin()
+elif not workflow.is_main_process:
+    # A cluster job's own Snakemake outlives a killed run, and sets its outputs' times after the stage.
+    runs.work()
