@@ -10,8 +10,6 @@ import scipy.io
 import scipy.sparse as sp
 import yaml
 from answers import answer
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.external.description import read_description
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.external.matrix_file import read_matrix
@@ -21,7 +19,7 @@ from bladeroot.rom.external.reduction import reduce_matrices
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.parametric import frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 def hdf5(change):
@@ -111,10 +109,8 @@ def test_matrix(case, tmp_path):
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory):
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
     folder = tmp_path_factory.mktemp("exported")
-    export_matrices(structure, mesh, prestress(structure, mesh), folder, "mtx", "mtx")
+    export_matrices(*coarse_loaded(), folder, "mtx", "mtx")
     return folder
 
 

@@ -14,7 +14,7 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
-from bladeroot.io.names import MEANT, MEANT_TOLD
+from bladeroot.io.names import SPECIAL, SPECIAL_TEXT
 from bladeroot.schema import check, read_yaml
 from bladeroot.rom.file import named_structure
 
@@ -88,8 +88,8 @@ def checked_campaigns():
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
     check_nonlinear(config["nonlinear"])
     for path in (config["model"], config["diagnosis"]["mechanisms"]):
-        if MEANT & set(path):
-            raise ValueError(f"a path must have none of {MEANT_TOLD}: {path}")
+        if SPECIAL & set(path):
+            raise ValueError(f"a path must have none of {SPECIAL_TEXT}: {path}")
     campaigns, structures, faults = {}, {}, []
     for name in names:
         folder = campaign_folder(name)

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bladeroot.io.load import COLUMNS, Load, load_of
-from bladeroot.io.load import force_scale as force_scale
-from bladeroot.io.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
+from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.rows import RECORD_COLUMNS, RecordRows
 from bladeroot.io.sheet import read_sheet
 from bladeroot.io.simulation import STRUCTURE, simulation_of
@@ -93,11 +92,11 @@ def load_campaign(folder: str | Path) -> Campaign:
         raise CampaignError(f"campaign folder not found: {short(str(folder), 400)}")
     if not is_id(folder.name):
         raise CampaignError(
-            f"a campaign folder's name must be {ID_TOLD}, got {short(folder.name)!r}"
+            f"a campaign folder's name must be {ID_RULE}, got {short(folder.name)!r}"
         )
-    if MEANT & set(str(folder)):
+    if SPECIAL & set(str(folder)):
         raise CampaignError(
-            f"the path of a campaign folder must have none of {MEANT_TOLD}: {folder}"
+            f"the path of a campaign folder must have none of {SPECIAL_TEXT}: {folder}"
         )
     if folder.name.lower() in _RESERVED:  # some disks do not tell a from A
         raise CampaignError(
