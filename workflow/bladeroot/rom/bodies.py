@@ -251,8 +251,8 @@ def _place(name: str, one: Mapping, reduced: xr.Dataset, shown: ndarray, where: 
     if count > 1 and mac[second] >= max(LEAST_MAC, mac[first] - APART):
         raise ValueError(
             f"the shape of mode {name} is that of two modes of the model, numbers {first + 1} and "
-            f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points would tell "
-            f"({where})"
+            f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points, or an order, "
+            f"would tell ({where})"
         )
     return int(first)
 
