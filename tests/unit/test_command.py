@@ -230,8 +230,12 @@ def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():
     shown = []
     lines = ["Job 3: mean curves of c", "4 of 9 steps (44%) done", "Job 4: report of c",
              "9 of 9 steps (100%) done", "report of c: results/c/report.html"]  # fmt: skip
-    assert followed(lines, shown.append) == ["report of c: results/c/report.html"]
-    assert "    4 of 9  report of c" in shown
+    seconds = iter([0.0, 120.0, 270.0])  # at the start, and as each step ends
+    told = followed(lines, shown.append, lambda: next(seconds))
+    assert told == ["report of c: results/c/report.html"]
+    first, second, _ = map(str.strip, shown)
+    assert first == "mean curves of c"
+    assert second == "4 of 9, about 2 min left  report of c"  # five more at 30 s each: 2.5 min
 
 
 def test_where_the_system_refuses_a_run_says_what_and_not_where_in_whose_code():

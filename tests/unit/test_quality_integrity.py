@@ -177,7 +177,7 @@ def test_a_step_that_a_longer_gap_would_make_is_told_as_either(lost, what):
 
 def test_a_step_that_no_gap_makes_is_a_touch():
     told = text(judged(stepped(1.04 * np.exp(0.1j), 12000)), "shaker-recontact")
-    assert told.startswith("a disturbance, as if the shaker touched again: ")
+    assert told.startswith("a disturbance, as if something touched the specimen: ")
 
 
 def test_a_close_mode_beats():

@@ -98,11 +98,13 @@ def test_what_the_records_would_not_show_is_not_called_a_cause():
 
 def test_answers_without_a_cause_say_what_they_are():
     few = found(named="", lacks="a second mode;more axial forces")
-    few.attrs["insufficient"] = "force-gain explains the stick data best and is not named: why"
-    said = told(few, verdict("insufficient-data"), False)
-    assert "cannot be said" in said.missing
-    assert said.because[0].startswith("force-gain explains the stick data best")
-    assert "lacks a second mode; more axial forces." in said.because[1]
+    few.attrs["insufficient"] = "load-dependent-stiffness explains the stick data best: why"
+    barred = cause(credible_set=["load-dependent-stiffness", "incomplete-contact"])
+    for causes, missing in (([], "cannot be said"), ([barred], "")):  # a cause is told once
+        said = told(few, verdict("insufficient-data", causes), False)
+        assert missing in said.missing
+        assert said.because[0].startswith("Load dependent stiffness explains the stick data best")
+        assert "lacks a second mode; more axial forces." in said.because[1]
     unexplained = told(found(""), verdict("unexplained", reason="something smooth"), False)
     assert unexplained.because == ["No cause of the catalogue explains it."]
     nothing = verdict("nothing-missing")

@@ -32,6 +32,7 @@ def stages():
             "force": ("level", [6e3, 12e3] * 2),
             **{name: ("level", [value] * 4) for name, value in known.items()},
             "verdict": ("record", ["plateau", "rejected: hum"]),
+            "record_mode": ("record", ["1B", "2B"]),
         },
         {"record": ["r1", "r2"]},
     )

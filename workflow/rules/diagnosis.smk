@@ -77,7 +77,7 @@ rule diagnosis:
         ),
         code=code("diagnosis", *MECHANISMS),
     message:
-        "what the simulation of {wildcards.campaign} with {wildcards.structure} gets wrong"
+        "diagnosis of {wildcards.campaign} against {wildcards.structure}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/diagnosis.py --observations {input.observations:q}"
         " --parametric {input.parametric:q} --settings {params.settings:q}"

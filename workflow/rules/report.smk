@@ -47,7 +47,7 @@ def report_facts(wildcards):
                 if name in ("record", "decay", "stick", "diagnosis")
                 or (structures_of(campaign) and name != "campaigns")
             },
-            "command": f"snakemake -j2 --config campaigns={os.path.relpath(campaign.folder)}",
+            "command": f"bladeroot run {os.path.relpath(campaign.folder)}",
         }
     )
 

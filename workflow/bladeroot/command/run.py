@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -33,26 +34,36 @@ def command(campaign: Path, jobs: int, options: tuple[str, ...]) -> None:
         "--config", f"campaigns={campaign.resolve()}",
     ]  # fmt: skip
     run = subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    for line in followed(
-        run.stdout, lambda text: click.echo(f"\r\033[K{text}", nl=False, err=True)
-    ):
+    over = sys.stderr.isatty()  # in a log each step is a line
+
+    def show(text: str) -> None:
+        if over or text:
+            click.echo(f"\r\033[K{text}" if over else text, nl=not over, err=True)
+
+    for line in followed(run.stdout, show):
         click.echo(line)
     sys.exit(run.wait())
 
 
-def followed(lines: Iterable[str], show) -> list[str]:
-    """Show how far a run is and what it does, as it prints; what stands behind its last step.
+def followed(lines: Iterable[str], show, clock=time.monotonic) -> list[str]:
+    """Show how far a run is, what it does and how long it may take, as it prints; what stands
+    behind its last step.
 
-    lines: of Snakemake's own output. show: takes one short line of progress.
+    lines: of Snakemake's own output. show: takes one short line of progress. clock: time in s; the
+    steps that are left are taken to last as long as those that are done.
     """
-    rest, share = [], ""
+    rest, share, start = [], "", clock()
     for line in lines:
         text = line.rstrip()
         done, stage = _DONE.match(text), _STAGE.match(text)
         if done:
-            share, rest = f"{done[1]} of {done[2]}", []
+            ended, every = int(done[1]), int(done[2])
+            left = (clock() - start) * (every - ended) / ended
+            share, rest = f"{ended} of {every}, about {left / 60.0:.0f} min left", []
+            if left < 60.0:
+                share = f"{ended} of {every}, about {left:.0f} s left"
         elif stage:
-            show(f"{share:>10}  {stage[1]}"[:78])
+            show(f"{share:>28}  {stage[1]}"[:78])
         rest.append(text)
     show("")
     fault = system_fault("\n".join(rest))

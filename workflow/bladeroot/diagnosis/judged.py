@@ -260,7 +260,7 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
             {
                 "quantity": quantity, "mode": str(one["compared_mode"].item()),
                 "trend": f"differs between groups at the same amplitude by up to "
-                f"{100.0 * size:.3g} %, {high} over {low}",
+                f"{100.0 * size:.2g} %, {high} over {low}",
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip

@@ -201,12 +201,12 @@ def insufficient(made: Diagnosis) -> list[str]:
     lines = []
     for found in made.found:
         if name := found.insufficient:
-            chance = 100.0 * inclusion(found.probabilities, name)
+            chance = min(100.0 * inclusion(found.probabilities, name), 99.0)
             others = [one for one in found.open if one not in (name, NONE, UNKNOWN)]
-            instead = f"; beside it or instead: {' or '.join(others)}" if others else ""
+            instead = f"; {' or '.join(others)} may act beside it or instead" if others else ""
             lines.append(
-                f"{name} explains the {found.channel.name} data best (probability {chance:.0f} %"
-                f"{instead}) and is not named: {found.known.barred[name]}; to decide: "
+                f"{name} explains the {found.channel.name} data best (probability {chance:.0f} %) "
+                f"and is not named, for {found.known.barred[name]}{instead}. To decide: "
                 f"{found.alone[name].causes[0].splitter}"
             )
     return lines

@@ -102,7 +102,10 @@ def _mode_cards(
         count = f"{here.sizes['level']} levels"
         if facts["entry"] == "records":
             records = int(np.nansum(here["records"].values))
+            every = int((stick["record_mode"].values == mode).sum())
             count = f"{records} record{'s' * (records != 1)}"
+            if records < every:
+                count = f"{records} of {every} records: the others have no plateau"
         lines = [f"loss factor {loss} %", ", ".join(filter(None, [where, count]))]
         cards.append((f"mode {mode}", f"{_hertz(here)} Hz", [line for line in lines if line]))
     if len(modes) > _CARDS:

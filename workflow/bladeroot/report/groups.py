@@ -65,7 +65,7 @@ def groups_section(curves: xr.Dataset) -> Section | None:
 
 
 def _per_cent(value: xr.DataArray, std: xr.DataArray) -> str:
-    return with_std(100.0 * float(value), 100.0 * float(std), 2, "%")
+    return with_std(100.0 * float(value), 100.0 * float(std), 0, "%")
 
 
 def _largest(one: xr.Dataset) -> str:

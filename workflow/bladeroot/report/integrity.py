@@ -12,9 +12,9 @@ from bladeroot.report.words import words_of
 def integrity_section(judged: xr.Dataset) -> Section:
     """Findings by kind and by record, and how peak fitting agrees with FREEVIB."""
     count = judged.sizes["record"]
-    clean = count - np.unique(judged["finding_record"].values).size
+    told = np.unique(judged["finding_record"].values).size
     parts: list = [
-        f"Every record is judged before any physics. {clean} of {count} records have no finding. "
+        f"Every record is judged before any physics. {told} of {count} records have a finding. "
         "A finding warns, or takes a steady disturbance off the samples, or takes the weight of "
         "the samples concerned, or drops the record; docs/findings.md has each statistic, its "
         "threshold and its rate of false alarms."

@@ -19,7 +19,7 @@ VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
     "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "
     "in time (its standard error counts that)",
-    "plateau not reached": "without a plateau, as the frequency changes to the last",
+    "plateau not reached": "without a plateau: the frequency changes as long as it can be followed",
     "rejected": "rejected",
 }
 
@@ -55,9 +55,8 @@ def measurement_section(
                 "larger amplitude at the release, a finer range of the sensor or a longer record "
                 "helps; so does a record of its own for a mode that another outshines."
             )
-    if (stick["verdict"].values == "plateau not reached").any():
-        parts.append(_bounds(stick))
-        parts += over_amplitude(curves, stick) if curves is not None else []
+    if curves is not None:
+        parts += over_amplitude(curves, stick)
     if facts["excluded"]:
         parts.append(f"Excluded in records.csv: {listed(list(facts['excluded']))}.")
     return Section("What was measured", [*parts, *drawn])
@@ -111,6 +110,8 @@ def stick_section(
              "records / clampings"),
             rows,
         ))  # fmt: skip
+    if (stick["verdict"].values == "plateau not reached").any():
+        parts.append(_bounds(stick, of_joint))
     parts += scatter_parts(stick)
     if score is not None:
         parts += _score_parts(stick, score)
@@ -232,6 +233,7 @@ def _record_table(stick: xr.Dataset) -> Table:
          for name in (*names, "hold", "plateau_reached")}
     )  # fmt: skip
     words, rows = words_of(stick), []
+    repeated = frame.duplicated([*names, "hold"]).any()  # else a clamping is a record
     for (mode, force, group, sensor), seen in frame.groupby(names):
         rows.append(
             (
@@ -240,7 +242,7 @@ def _record_table(stick: xr.Dataset) -> Table:
                 group or NONE,
                 sensor or NONE,
                 str(len(seen)),
-                str(seen["hold"].nunique()),
+                str(seen["hold"].nunique()) if repeated else NONE,
                 str(int(seen["plateau_reached"].sum())),
             )
         )
@@ -248,7 +250,7 @@ def _record_table(stick: xr.Dataset) -> Table:
     return Table(f"Records of each mode{' and ' + words.short if words.load else ''}", header, rows)
 
 
-def _bounds(stick: xr.Dataset) -> Table:
+def _bounds(stick: xr.Dataset, of_joint: bool) -> Table:
     """What the records without a plateau say all the same."""
     rows, words = [], words_of(stick)
     for record in stick["record"].values[stick["verdict"].values == "plateau not reached"]:
@@ -262,11 +264,15 @@ def _bounds(stick: xr.Dataset) -> Table:
             )
         )
     return Table(
-        "Plateau not reached: the record still changes at the smallest usable amplitude, and the "
-        "stuck frequency lies beyond the frequency there. The interval is where those powers of "
-        "the amplitude, from the square root upwards, that describe the record would have it end; "
-        "slip that saturates at large amplitudes can end outside",
-        ("record", "mode", words.header, "stuck frequency / Hz"),
+        "Records without a plateau: the frequency still changes at the smallest usable amplitude. "
+        "It would end in the interval if it goes on below as it changes above, by a power of the "
+        "amplitude (the square root or a higher one); a joint of another law can end outside",
+        (
+            "record",
+            "mode",
+            words.header,
+            f"{'stuck frequency' if of_joint else 'frequency at smallest amplitudes'} / Hz",
+        ),
         rows,
     )
 

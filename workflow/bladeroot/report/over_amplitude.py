@@ -47,10 +47,11 @@ def over_amplitude(curves: xr.Dataset, stick: xr.Dataset) -> list[Table]:
         ))  # fmt: skip
     if changes:
         tables.append(Table(
-            "Change with amplitude and repeatability of the same: by how much the frequency falls, "
-            "and the loss factor rises, in a decade of amplitude, mean over all that the records "
-            "reach; scatter: standard deviation between records at one amplitude, median",
-            (*named, "from", "to", "frequency falls by / %", "loss factor rises by / %",
+            "Change with amplitude and repeatability of the same: change of the frequency (of "
+            "itself) and of the loss factor (in points) in a decade of amplitude, mean over all "
+            "that the records reach; scatter: standard deviation between records at one "
+            "amplitude, median",
+            (*named, "from", "to", "change of frequency / %", "change of loss factor / %",
              "scatter of frequency", "scatter of loss factor"),
             changes,
         ))  # fmt: skip
@@ -109,10 +110,12 @@ def _changes(level: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
     if not (known.any() and np.isfinite(list(slope.values())).all()):
         return []
     unit, amplitude = _measured(level, known)
-    falls = -100.0 / float(np.median(level["frequency"].values[known]))
+    per_cent = 100.0 / float(np.median(level["frequency"].values[known]))
     cells = [
         with_std(
-            falls * slope["frequency_per_decade"], -falls * slope["frequency_per_decade_std"], 2
+            per_cent * slope["frequency_per_decade"],
+            per_cent * slope["frequency_per_decade_std"],
+            2,
         ),
         with_std(
             100.0 * slope["loss_factor_per_decade"], 100.0 * slope["loss_factor_per_decade_std"], 2

@@ -67,7 +67,7 @@ class Told:
 def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
     """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
     words, judge = words_of(one), judge_of(one)
-    head = f"{against(one, said)}: {answer_of(said)}"
+    head = f"{judge.subject if judge.plural else against(one, said)}: {answer_of(said)}"
     return Told(
         f"Simulated campaign. {head}" if simulated else head,
         _missing(said, judge),
@@ -118,8 +118,9 @@ def in_short(one: xr.Dataset, said: Mapping) -> list[str]:
         names = listed([plain(name) for name in cause["credible_set"]], "or")
         kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
         sure = f", with a probability of {chance(cause['probability'])}"
-        texts.append(f"{names} ({kind}{sure if len(cause['credible_set']) == 1 else ''})")
-    what = "Cause" if said["answer"] in ("named", "ambiguous") else "Besides"
+        several = len(cause["credible_set"]) > 1
+        texts.append(f"{names} ({kind}{', the records do not tell which' if several else sure})")
+    what = {"insufficient-data": "Possible", "unexplained": "Besides"}.get(said["answer"], "Cause")
     gain = [g[0].lower() + g[1:].rstrip(".") for g in _gain(said, words, judge)]
     return [missing, "; ".join([f"{what}: {listed(texts)}", *gain]) + "."]
 
@@ -225,6 +226,8 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     lines = []
     for cause in said["causes"]:
         kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
+        if f"{cause['mechanism']} explains" in one.attrs.get("insufficient", ""):
+            continue  # told below, with what it lacks
         if len(cause["credible_set"]) == 1:
             row = one.isel(candidate=one["candidate"].values == cause["mechanism"])
             sizes = listed([f"{plain(p['name'])} {size(p)}" for p in cause["parameters"][:1]])
@@ -242,7 +245,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
                 f"{chance(cause['probability'])}); the records do not tell which. To decide: "
                 f"{cause['splitter']}."
             )
-    lines += _open(said)
+    lines += [*_not_named(one), *_open(said)]
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
     if said["causes"] and left and said["answer"] != "insufficient-data":
         lines.append(
@@ -250,12 +253,17 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
         )
     if said["answer"] == "unexplained":
         lines.append("No cause of the catalogue explains it.")
-    if said["answer"] == "insufficient-data":
-        if one.attrs.get("insufficient"):
-            lines.append(f"{one.attrs['insufficient']}.")
-        if lacks_of(one):
-            lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
+    if said["answer"] == "insufficient-data" and lacks_of(one):
+        lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
     return lines
+
+
+def _not_named(one: xr.Dataset) -> list[str]:
+    """What explains most and may not be named, with what it lacks."""
+    text = str(one.attrs.get("insufficient", ""))
+    for name in one["candidate"].values.astype(str):
+        text = text.replace(name, plain(name))
+    return [f"{text[0].upper()}{text[1:]}."] if text else []
 
 
 def _open(said: Mapping) -> list[str]:

@@ -61,7 +61,7 @@ class Step:
         what = "missing" if self.lost > 0 else "repeated"
         lost = f", or samples are {what} ({abs(self.lost)} would fit)" if self.lost else ""
         return (
-            f"a disturbance, as if the shaker touched again{lost}: the amplitude steps by "
+            f"a disturbance, as if something touched the specimen{lost}: the amplitude steps by "
             f"{100 * np.expm1(self.size.real):+.2g} % and the phase by {self.size.imag:+.2g} rad"
         )
 
