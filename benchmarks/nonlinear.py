@@ -18,7 +18,6 @@ import numpy as np
 import xarray as xr
 import yaml
 from bladeroot.contact.laws.coulomb import coulomb
-from bladeroot.contact.laws.sliders import at_rest, history
 from bladeroot.fem.geometry import structure_from_mapping
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
@@ -55,12 +54,6 @@ def frequency_time(pairs: int = 96, times: int = 128) -> None:
     slipped = contact_forces(law, motion, samples)[2].mean()
     print(f"force and Jacobian, {pairs} pairs, 3 harmonics and mean, {times} times:")
     print(f"  {1e3 * cpu:.2f} ms CPU, {1e3 * wall:.2f} ms; {100 * slipped:.0f} % of it in slip")
-    path = np.einsum("th,cah->tca", samples.synthesis, motion)
-    wave = np.einsum("th,ab->tahb", samples.synthesis, np.eye(3)).transpose(0, 1, 3, 2)
-    seeds = np.tile(wave.reshape(2 * times, 1, 3, 21), (1, pairs, 1, 1))
-    plain, _ = timed(lambda: history(law, path, at_rest(law), seeds), 3)
-    print(f"  the same by forward derivatives along the history: {1e3 * plain:.1f} ms CPU, "
-          f"ratio {plain / cpu:.0f}")  # fmt: skip
 
 
 def reduced_model() -> xr.Dataset:

@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 import time
+from base64 import urlsafe_b64encode
 from collections import Counter, defaultdict
 from pathlib import Path
 
@@ -156,7 +157,49 @@ def moved(name):
     return change
 
 
+def exchanged(one, other):
+    """Two files change places; their times go with them."""
+
+    def change(folder):
+        (folder / one).rename(folder / "between")
+        (folder / other).rename(folder / one)
+        (folder / "between").rename(folder / other)
+
+    return change
+
+
+def linked(path, old=None, new=None):
+    """The file is a link to one elsewhere, which then says something else if that is given."""
+
+    def change(folder):
+        place, target = folder / path, folder / "no" / Path(path).name
+        place.rename(target)
+        place.symlink_to(target)
+        if old is not None:
+            put_older(str(target.relative_to(folder)), old, new)(folder)
+
+    return change
+
+
+def other_ends(pattern, mark=b""):
+    """As editors and git leave texts on Windows."""
+
+    def change(folder):
+        for path in folder.glob(pattern):
+            path.write_bytes(mark + path.read_bytes().replace(b"\n", b"\r\n"))
+
+    return change
+
+
+def hard_links(path):
+    """Each file has a second name elsewhere, as in a backup of hard links."""
+    return lambda folder: shutil.copytree(
+        folder / path, folder / "backup", copy_function=os.link, symlinks=True
+    )
+
+
 NOTHING = ""
+MARK = b"\xef\xbb\xbf"
 SHEET, CAMPAIGN, BENCH = SMALL + "records.csv", SMALL + "campaign.yaml", SMALL + "bench.yaml"
 STEMS = "shapes reduced checks accuracy"
 FORGET = gone(".snakemake")
@@ -179,6 +222,13 @@ HARMLESS = {
         "rule, memory of its jobs": put("workflow/rules/resources.smk", "(1400, 20, 0, 0)", "(1500, 20, 0, 0)"),
         "profile, comment": remark("profiles/default/config.yaml"),
         "errata, blank line, older time": put_older("resources/thesis/errata.yaml", "\n", "\n\n"),
+        "campaign, another system's line ends": other_ends(CAMPAIGN),
+        "configuration, another system's line ends": other_ends(CONFIG),
+        "structure, another system's line ends and mark": other_ends(TINY, MARK),
+        "code, another system's line ends": other_ends(LIBRARY + "decay/*.py"),
+        "code is a link to the same": linked(LIBRARY + "decay/pff.py"),
+        "bytecode gone": gone(LIBRARY + "decay/__pycache__"),
+        "results have second names": hard_links("results"),
         "logs gone": gone("results/logs"),
         "benchmarks gone": gone("results/benchmarks"),
         "a file of mine among results": new(RESULTS + "notes.nc", "mine"),
@@ -188,6 +238,7 @@ HARMLESS = {
         "a column of notes": column("note", "a b"),
         "a column of another's": column("note_weather", "rain"),
         "rows in another order": rows(lambda r: r[::-1]),
+        "another system's line ends and mark": other_ends(SHEET, MARK),
         "a blank row": put(SHEET, "\nr003", "\n\nr003"),
         "blanks beside cells": put(SHEET, "r002,r002.nc,2B,", "r002 , r002.nc, 2B ,"),
         "a setting of a stage on demand: friction": put(CONFIG, "friction: 0.42", "friction: 0.43"),
@@ -208,7 +259,8 @@ HARMLESS = {
             "resources/structures/*", SMALL + "*", "resources/thesis/*", LIBRARY + "**/*.py")},
     }),
     "clocks that are wrong": (NOTHING, {
-        f"ahead, {path}": touched(path, time.time() + 1e6) for path in ("resources/structures/*", SMALL + "*", LIBRARY + "*.py")
+        f"ahead, {path}": touched(path, time.time() + 1e6) for path in (
+            "resources/structures/*", SMALL + "*", LIBRARY + "*.py", RESULTS + "**/*.nc", "results/provenance/**/*")
     }),
     "another place and 1970": (NOTHING, {
         "times of 1970": touched("**/*.*", 1.0),
@@ -235,6 +287,7 @@ QUICK = [
     ("code of cutting", code("decay/cut.py"), "ringdown"),
 ]  # fmt: skip
 
+RECORD = urlsafe_b64encode(f"{RESULTS}stick.nc".encode()).decode()
 NUMPY = "Metadata-Version: 2.1\nName: numpy\nVersion: 9.9.9\n"
 TABLE = [
     # the sheet, the description, the bench, the structure, settings, libraries, code
@@ -327,6 +380,17 @@ TABLE = [
     ("statement gone", gone("results/provenance/stick/small.json"), "stick"),
     ("statement cut off", bytes_of("results/provenance/stick/small.json", lambda b: b[:40]), "stick"),
     ("all statements gone", gone("results/provenance"), "reduced checks bench ringdown"),
+    ("decays exchanged", exchanged(RESULTS + "decay/r001.nc", RESULTS + "decay/r002.nc"), "ringdown"),
+    ("raw records exchanged", exchanged(BENCH_FILES + "r001.nc", BENCH_FILES + "r002.nc"), "bench"),
+    ("plateau of another record", lambda f: shutil.copy2(f / RESULTS / "plateau/r001.nc", f / RESULTS / "plateau/r003.nc"), "ringdown"),
+    ("statements exchanged", exchanged("results/provenance/stick/small.json", "results/provenance/curves/small.json"), NOTHING),
+    ("record of settings gone", gone(f"results/provenance/snakemake/{RECORD}"), "stick"),
+    ("records of settings gone, a setting", both(gone("results/provenance/snakemake"), put(CONFIG, "1B: 0.5", "1B: 0.4")), "reduced checks bench ringdown", "report"),
+    ("code of the same size and time", bytes_of(LIBRARY + "mechanisms/drift.py", lambda b: b.replace(b"2e-3, 1.0", b"3e-3, 1.0")), "diagnosis"),
+    ("code that a link leads to, older time", linked(LIBRARY + "mechanisms/drift.py", "2e-3, 1.0", "3e-3, 1.0"), "diagnosis"),
+    ("structure that a link leads to, older time", linked(TINY, "7592", "7593"), STEMS),
+    ("unit of a variable, older time", put_older(LIBRARY + "contact/variables.csv", "1,", "m,"), "theory", "amplitude shortfall diagnosis bench report search fe_forces joint stiffness"),
+    ("an older scipy", new("no/scipy-0.0.1.dist-info/METADATA", NUMPY.replace("numpy", "scipy").replace("9.9.9", "0.0.1")), STEMS + " parametric ringdown bench"),
     ("lost .snakemake, code", both(FORGET, code("decay/cut.py")), "ringdown"),
     ("lost .snakemake, older structure", both(FORGET, put_older(TINY, "7592", "7593")), STEMS),
 ]  # fmt: skip
@@ -514,7 +578,7 @@ OWN_HARMLESS = ("diagnosis", {
     "model, comment": remark("own.model.yaml"),
     "model touched": touched("own.model.yaml"),
 })  # fmt: skip
-COUNTED = (106, 69)  # changes of a run each, changes made together
+COUNTED = (117, 79)  # changes of a run each, changes made together
 
 
 @pytest.fixture(scope="module")

@@ -124,6 +124,18 @@ CASES = {
     "loads the wrong way round": (
         described(lambda d: d.update(load_range=[30e3, 0.0])), "load_range must be .least, largest"
     ),
+    "a range the wrong way round": (
+        described(lambda d: d["interfaces"]["outer"].update(kn_N_per_m=[1e10, 1e8])),
+        r"outer.kn_N_per_m must be .low, high., got .1e.10, 1e.08. .*lap.yaml",
+    ),
+    "a number that is a text": (
+        described(lambda d: d["interfaces"]["outer"].update(kn_N_per_m=["1.0e7", 1e9])),
+        "outer.kn_N_per_m.0: '1.0e7' is a text in YAML, a number is written as 1.0e.7",
+    ),
+    "tied and with a stiffness": (
+        described(lambda d: d["interfaces"]["outer"].update(tied=True)),
+        "interfaces.outer: .* expected: kn_N_per_m and kt_N_per_m, or tied",
+    ),
     "more modes than dofs": (described(lambda d: d.update(reduction={"modes": 2000})), "2000"),
     "one point of a shape": (shape([1.0]), "moves at two places or more.*shape.csv"),
     "a shape at rest": (shape([0.0] * 5), "moves at two places or more.*shape.csv"),
@@ -157,6 +169,24 @@ def test_an_assembly_that_cannot_be_is_one_line(case, exported, tmp_path):
     with pytest.raises(ValueError, match=told) as caught:
         frequencies(path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_shape_on_three_points_is_no_mode_that_moves_across_them(exported, tmp_path):
+    """Of a symmetric assembly modes across move there by rounding, in any shape."""
+    shutil.copytree(exported, tmp_path, dirs_exist_ok=True)
+    path = tmp_path / "lap.yaml"
+    data = yaml.safe_load(path.read_text())
+    data["modes"] = {"bend1": data["modes"]["bend1"]}
+    bend = reduce_bodies(assembly_of_matrices(read_assembly(path)))
+    moved = (bend["display_shape"] @ bend["mode_shape"][0]).values
+    points = (0, 2, 4)
+    nodes = [data["display_nodes"]["first"][k] for k in points]
+    rows = [f"first,{node},{moved[k, 2]}" for node, k in zip(nodes, points, strict=True)]
+    (tmp_path / "shape.csv").write_text("\n".join(["body,node,z", *rows]) + "\n")
+    data["modes"]["bend1"] = {"shape": "shape.csv"}
+    path.write_text(yaml.safe_dump(data))
+    reduced = reduce_bodies(assembly_of_matrices(read_assembly(path)))
+    assert abs(reduced["mode_shape"] @ bend["mode_shape"][0]).values > 0.99
 
 
 def test_as_it_is_the_assembly_has_its_modes(exported):

@@ -10,8 +10,6 @@ import scipy.io
 import scipy.sparse as sp
 import yaml
 from answers import answer
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.external.description import read_description
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.external.matrix_file import read_matrix
@@ -21,7 +19,7 @@ from bladeroot.rom.external.reduction import reduce_matrices
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.parametric import frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 def hdf5(change):
@@ -81,6 +79,11 @@ MATRICES = {
     "an entry outside": ("k.mtx", market("3 3 1", "9 9 1.0"), "k.mtx"),
     "an entry of 400 digits": ("k.mtx", market("1 1 1", f"1 1 {BIG}"), "k.mtx"),
     "a huge array": ("k.mtx", market("1000000 1000000", "1.0", "array real general"), "k.mtx"),
+    "numbers near the largest, not symmetric": (
+        "k.mtx",
+        market("2 2 2", "1 2 1.7e308\n2 1 -1.7e308", "coordinate real general"),
+        "symmetric",
+    ),
     "no matrix": ("k.mtx", text("<script>"), "k.mtx"),
     "negative order": ("k.mtx", market("-3 -3 0", ""), "k.mtx"),
     "a node of 30 digits": ("k.sti", text("9" * 30 + " 1 1.0\n"), "k.sti"),
@@ -109,12 +112,15 @@ def test_matrix(case, tmp_path):
     assert len(answer(lambda: read_matrix(tmp_path, reference), path.name[:60], told)) == 1
 
 
+def test_numbers_near_the_largest_stay_what_they_are(tmp_path):
+    market("1 1 1", "1 1 1.7e308")(tmp_path / "k.mtx")
+    assert read_matrix(tmp_path, "k.mtx").toarray() == 1.7e308
+
+
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory):
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
     folder = tmp_path_factory.mktemp("exported")
-    export_matrices(structure, mesh, prestress(structure, mesh), folder, "mtx", "mtx")
+    export_matrices(*coarse_loaded(), folder, "mtx", "mtx")
     return folder
 
 

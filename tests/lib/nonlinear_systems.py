@@ -4,12 +4,10 @@ from functools import cache
 
 import numpy as np
 from bladeroot.contact.laws.jenkins import jenkins
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.nonlinear.system import System
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.reduction import reduce_structure
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 MASS, SPRING, TANGENTIAL, LIMIT = 0.7, 4.2e6, 4e6, 400.0  # section 3.4 of the thesis
 X_CR = LIMIT / TANGENTIAL
@@ -47,6 +45,4 @@ def sliding_mass(contact=TANGENTIAL, limit=LIMIT, angle=0.0, images=1.0):
 
 @cache
 def coarse_joint():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    return joint_of_reduced(reduce_structure(structure, mesh, prestress(structure, mesh)))
+    return joint_of_reduced(reduce_structure(*coarse_loaded()))

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import yaml
 from bladeroot.fem.geometry import Structure, structure_from_mapping
+from bladeroot.fem.mesh import build_mesh
+from bladeroot.fem.prestress import prestress
 
 ROOT = Path(__file__).parents[2]
 DOVETAIL = yaml.safe_load((ROOT / "resources/structures/dovetail-H.yaml").read_text())
@@ -28,3 +30,10 @@ def coarse_data(**changes: object) -> dict:
 
 def coarse_structure(**changes: object) -> Structure:
     return structure_from_mapping(coarse_data(**changes))
+
+
+def coarse_loaded(**asked: bool) -> tuple:
+    """Structure, mesh (`asked` of it) and prestress, as what is made of a structure takes them."""
+    structure = coarse_structure()
+    mesh = build_mesh(structure, **asked)
+    return structure, mesh, prestress(structure, mesh)

@@ -10,7 +10,7 @@ from typing import no_type_check
 
 import numpy as np
 from bladeroot.compiled import njit
-from bladeroot.contact.laws.sliders import Sliders, at_rest, parts, stuck_stiffness
+from bladeroot.contact.laws.sliders import Sliders, at_rest, parts
 from bladeroot.nonlinear.system import System
 from jaxtyping import Float
 from numpy import ndarray
@@ -67,9 +67,8 @@ def free_decay(
     """
     if not np.any(start):
         raise ValueError("expected a start that is not zero")
-    if sliders.normal.shape[0] != len(system.count) or not np.allclose(
-        stuck_stiffness(sliders), system.stiffness, rtol=1e-6
-    ):
+    stuck = np.stack([sliders.normal.sum(axis=1), sliders.tangential.sum(axis=1)], axis=1)
+    if len(stuck) != len(system.count) or not np.allclose(stuck, system.stiffness, rtol=1e-6):
         raise ValueError("the law's stiffness while stuck must be that of the system's contacts")
     used = slice(0 if sliders.varies else 1, None)  # a linear normal spring stays in the modes
     k = np.repeat(system.stiffness, (1, 2), axis=1)[:, used].copy()

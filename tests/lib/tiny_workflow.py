@@ -1,7 +1,7 @@
 """A workflow of two files a campaign with the real rules of what is current; a run takes a moment.
 
-raw.txt -> results/<campaign>/a.nc -> results/<campaign>/b.nc: its letters large, then twice. Runs
-are forks of this process, so that Snakemake is loaded once.
+raw.txt -> results/<campaign>/a.nc -> results/<campaign>/b.nc: its letters large and a setting, then
+twice. Runs are forks of this process, so that Snakemake is loaded once.
 """
 
 import atexit
@@ -24,7 +24,8 @@ rule large:
     input: "{{campaign}}.txt"
     output: "results/{{campaign}}/a.nc"
     log: "results/logs/large/{{campaign}}.log"
-    shell: "if [ -f hook ]; then sh hook; fi; tr a-z A-Z < {{input}} > {{output}}"
+    params: setting=Path("setting").read_text()
+    shell: "if [ -f hook ]; then sh hook; fi; (tr a-z A-Z < {{input}}; cat setting) > {{output}}"
 rule twice:
     input: "results/{{campaign}}/a.nc"
     output: "results/{{campaign}}/b.nc"
@@ -45,6 +46,7 @@ def make(folder):
     """A folder in which nothing has run."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "Snakefile").write_text(SNAKEFILE)
+    (folder / "setting").write_text("set\n")
     for name in ("one", "two"):
         (folder / f"{name}.txt").write_text(f"raw of {name}\n")
     return folder
@@ -61,12 +63,13 @@ def run(folder, *options, before=None):
             os.setsid()
             signal.alarm(LIMIT_S)
             os.chdir(folder)
-            sys.stdout = sys.stderr = os.fdopen(theirs, "w", buffering=1)
+            sys.stdout = sys.stderr = os.fdopen(theirs, "w", 1, errors="backslashreplace")
             os.dup2(theirs, 1)
             os.dup2(theirs, 2)
             if before:
                 before()
-            snakemake.cli.main(["-j2", "--rerun-incomplete", *options])
+            profile = ["--workflow-profile", str(ROOT / "profiles" / "default")]
+            snakemake.cli.main(["-j2", *profile, *options])
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else 1
         finally:
@@ -81,8 +84,8 @@ def run(folder, *options, before=None):
 def right(folder):
     """Whether all results are those of the raw files as they are; what is in between may lack."""
     for name in ("one", "two"):
-        raw = (folder / f"{name}.txt").read_text()
-        for file, content in (("a.nc", raw.upper()), ("b.nc", 2 * raw.upper())):
+        large = (folder / f"{name}.txt").read_text().upper() + (folder / "setting").read_text()
+        for file, content in (("a.nc", large), ("b.nc", 2 * large)):
             place = folder / "results" / name / file
             if (file == "b.nc" or place.exists()) and place.read_text() != content:
                 return False

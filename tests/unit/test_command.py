@@ -12,6 +12,7 @@ from bladeroot.command.new import description
 from bladeroot.command.run import followed
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.read import channels, read
+from bladeroot.shipped_files import structure_file
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 from click.testing import CliRunner
 from report_bench import cause, found, verdict
@@ -178,6 +179,29 @@ def test_check_tells_every_fault_on_a_line(folder):
     done = called("check", folder)
     assert done.exit_code == 1
     assert all(line.startswith("bladeroot: ") for line in done.stderr.strip().splitlines())
+
+
+@pytest.mark.parametrize(
+    ("mode", "loads", "told"),
+    [
+        ("bend1", "[1, 20]", "load_range of .*own.yaml is 1 to 20; records have 0, 30"),
+        ("bend7", "[0, 30]", "own.yaml knows bend1, bend2, bend3, not bend7"),
+        ("bend1", "[0, 30]", ""),
+    ],
+)
+def test_check_reads_the_structure_that_a_campaign_names(folder, mode, loads, told):
+    own = structure_file("lap-joint").read_text().replace("name: lap-joint", "name: own")
+    (folder / "own.yaml").write_text(f"{own}\nload_range: {loads}\n")
+    (folder / "campaign.yaml").write_text(
+        f"title: a\nsimulation: own\nload: {{name: speed, unit: rpm}}\n"
+        f"modes: {{{mode}: {{expected_Hz: 60}}}}\n"
+    )
+    rows = [f"r{k},blow {k}.csv,{mode},top,m/s,{30 * (k - 1)}" for k in (1, 2)]
+    (folder / "records.csv").write_text("\n".join(["record,file,mode,channel,unit,load", *rows]))
+    done = called("check", folder)
+    assert done.exit_code == bool(told)
+    assert len(done.stderr.splitlines()) == bool(told)
+    assert re.search(told, done.stderr)
 
 
 def test_explain_says_what_the_report_says(tmp_path, monkeypatch):

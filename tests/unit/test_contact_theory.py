@@ -4,9 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.contact.loads import axial_force, normal_force
 from bladeroot.contact.published import published_stiffness
-from bladeroot.contact.theory import theory
+from bladeroot.contact.theory import normal_force, theory
 
 THESIS = Path(__file__).parents[2] / "resources" / "thesis"
 FE_FORCES = np.arange(12e3, 23e3, 2e3)
@@ -31,14 +30,10 @@ def published():
 
 
 def test_loads_of_the_two_friction_limits():
-    n, angle = np.array([1e3]), np.pi / 4
-    assert axial_force(n, "T = 0", 0.42, angle)[0] == pytest.approx(np.sqrt(2) * 1e3)
-    assert axial_force(n, "T = mu N", 0.42, angle)[0] == pytest.approx(1.42 * np.sqrt(2) * 1e3)
-    for state in ("T = 0", "T = mu N"):
-        back = normal_force(axial_force(n, state, 0.42, 1.0), state, 0.42, 1.0)
-        np.testing.assert_allclose(back, n)
-    with pytest.raises(ValueError, match="friction state"):
-        normal_force(n, "T = 1", 0.42, angle)
+    """Both flanks of an end: N sin 45 each, and as much of T = 0.42 N."""
+    axial, angle = np.sqrt(2) * 1e3 * np.array([1.0, 2.0]), np.pi / 4
+    assert normal_force(axial, 0.0, angle) == pytest.approx([1e3, 2e3])
+    assert normal_force(1.42 * axial, 0.42, angle) == pytest.approx([1e3, 2e3])
 
 
 def test_published_totals_are_33_nodes(published):

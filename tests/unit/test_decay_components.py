@@ -100,6 +100,35 @@ def test_a_close_mode_that_nobody_knows_is_told_by_its_beat(close_Hz, size):
     assert np.median(np.abs(found["frequency"].values[loud] / 80.0 - 1.0)) < 1e-4
 
 
+@pytest.mark.parametrize(("close_Hz", "size"), [(77.5, 2.0), (82.0, 0.5)])
+def test_a_close_mode_that_dies_before_it_beats_is_taken_off(close_Hz, size):
+    velocity = blow([(80.0, 0.001, 0.05), (close_Hz, 0.02, 0.05 * size)])
+    judged, found = curve(velocity, 80.5)
+    assert "close-mode" in judged["finding_id"].values
+    off = np.abs(found["frequency"].values - 80.0)
+    assert (off < np.maximum(3.0 * found["frequency_std"].values, 0.01)).all()
+    assert off[found["time"].values < 0.3].max() < 0.1
+
+
+def test_a_decay_begins_where_its_first_cycles_are_like_the_later_ones():
+    """A drive that ends in the first cycles of a record has no frames before its end."""
+    time = np.arange(int(8.0 * RATE)) / RATE
+    level = np.exp(-0.8 * np.maximum(time - 0.05, 0.0))
+    noise = NOISE * np.random.default_rng(0).standard_normal(time.size)
+    found = freevib(0.05 * level * np.cos(2 * np.pi * 80.0 * time) + noise, RATE, 80.0, NOISE)
+    assert 0.05 < found["time"].values[0] < 0.25
+    free = freevib(0.05 * np.exp(-0.8 * time) * np.cos(2 * np.pi * 80.0 * time), RATE, 80.0, NOISE)
+    assert free["time"].values[0] < 0.02
+
+
+def test_steps_are_blurred_only_while_something_louder_rings():
+    """What blurs the digitiser's steps at first must not carry the curve on below them."""
+    velocity = blow([(80.0, 0.0015, 0.05), (297.0, 0.003, 0.1)], length_s=12.0)
+    step = 5e-4
+    judged, _ = curve(step * np.round(velocity / step), 80.0, (297.0,))
+    assert judged.attrs["end_reason"] == "the digitiser's steps"
+
+
 def test_of_two_close_modes_each_is_the_one_that_is_meant():
     velocity = blow([(78.6, 0.0005, 0.03), (81.1, 0.0005, 0.05)], length_s=8.0)
     for expected_Hz, other_Hz, truth_Hz in ((79.9, 80.1, 78.6), (80.1, 79.9, 81.1)):

@@ -108,12 +108,17 @@ def test_of_curves_of_one_condition_the_likeliest_causes_and_what_would_split_th
     seen = campaign(model, "slip", 0.02, rows=programme(cycles=2, forces=np.array([6e3])))
     seen["direction"] = seen["direction"].where(False, "")
     seen = of_a_load(seen, "", "", 0.0)
-    said = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)[1]
+    made, said, _ = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
     assert said["answer"] == "insufficient-data"
     assert {row["quantity"] for row in said["shortfall"]} >= {"loss factor over amplitude"}
     assert "joint-slip" in said["reason"]
-    assert "to decide" in said["reason"]
-    words = re.sub(r"\b[a-z]+(-[a-z]+)+\b", "", f"{said['reason']} {said['shortfall']}")
+    assert "to decide" in said["reason"].lower()
+    told = [
+        said["reason"],
+        said["shortfall"],
+        *(x for x in made.attrs.values() if isinstance(x, str)),
+    ]
+    words = re.sub(r"\b[a-z]+(-[a-z]+)+\b", "", str(told))
     assert not re.search(r"force|gauge|structure|flank|simulat|kN", words)
 
 
@@ -124,6 +129,9 @@ def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected):
     of_structure = judged.with_structure(seen, model, SETTINGS, CATALOGUE, expected)[1]
     assert names(of_table) == names(of_structure)
     assert of_table["structure"] == "sim.csv"
+    low, high = table.load_range
+    loads = [one["load"] for one in of_table["next"] if one["load"] is not None]
+    assert all(low <= load <= high for load in loads)
 
 
 @pytest.mark.parametrize(

@@ -96,9 +96,10 @@ def test_bending_does_not_lock():
     assert load @ moved == pytest.approx(expected, rel=0.01)
 
 
-def test_element_turned_inside_out_is_refused():
+@pytest.mark.parametrize("along", [-1.0, 0.0, np.nan])
+def test_element_turned_inside_out_or_nowhere_is_refused(along):
     mesh = bar(1)
-    turned = Mesh(mesh.nodes * [-1, 1, 1], mesh.elements, mesh.part)
+    turned = Mesh(mesh.nodes * [along, 1, 1], mesh.elements, mesh.part)
     with pytest.raises(ValueError, match="inside out"):
         elasticity.quadrature(turned)
 

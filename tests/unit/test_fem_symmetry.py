@@ -5,18 +5,15 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from bladeroot.fem import elasticity
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.fem.symmetry import Reflection, reflections, sectors, symmetric_eigenpairs
 from bladeroot.rom.reduction import beam_model, contact_dofs, craig_bampton
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["bare", "with pad"])
 def beam(request):
-    structure = coarse_structure()
-    mesh = build_mesh(structure, with_pad=request.param)
-    model = beam_model(structure, mesh, prestress(structure, mesh))
+    structure, mesh, loaded = coarse_loaded(with_pad=request.param)
+    model = beam_model(structure, mesh, loaded)
     return model, contact_dofs(mesh.pair_node.values[:, 0]), request.param
 
 

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bladeroot.io.campaign import CampaignError, force_scale, load_campaign, stick_table
-from bladeroot.io.lone import lone
+from bladeroot.io.campaign import CampaignError, load_campaign, stick_table
+from bladeroot.io.load import force_scale
+from bladeroot.io.outliers import outliers
 from bladeroot.io.read import read
 from bladeroot.pooling.stick import stick_from_table
 
@@ -331,7 +332,7 @@ def test_a_lone_frequency_is_found_also_at_the_ends(k):
     force = np.geomspace(2e3, 24e3, 10)
     frequency = 500.0 * (force / 24e3) ** 0.05
     frequency[k] *= 0.8
-    ((row, expected),) = lone(force, frequency)
+    ((row, expected),) = outliers(force, frequency)
     assert row == k
     assert expected == pytest.approx(frequency[k] / 0.8, rel=0.05)
 
@@ -340,8 +341,8 @@ def test_a_law_that_bends_has_no_lone_frequency():
     """Contact that is not full below 4 kN: steep there, flat above."""
     force = np.array([1.8e3, 2.5e3, 3.6e3, 5.4e3, 7.2e3, 12e3, 18e3, 24e3])
     frequency = 500.0 * (force / 24e3) ** 0.01 * np.minimum(force / 4e3, 1.0) ** 0.5
-    assert lone(force, frequency) == []
-    assert lone(force[:5], np.array([400.0, 500.0, 600.0, 500.0, 400.0])) == []  # too few
+    assert outliers(force, frequency) == []
+    assert outliers(force[:5], np.array([400.0, 500.0, 600.0, 500.0, 400.0])) == []  # too few
 
 
 def test_a_stick_table_is_read_as_it_was_checked(folder):

@@ -155,6 +155,12 @@ def test_a_bad_row_is_one_line_with_file_and_row(folder, columns, row, more, tol
     assert line.endswith(f"({folder / 'records.csv'}, row 2)")
 
 
+def test_a_fault_of_many_rows_is_one_line(folder):
+    rows = "".join(f"r{k},a.csv,first,3\n" for k in range(5))
+    line = fault(folder, f"record,file,mode,force_N\n{rows}", TORQUE)
+    assert line.endswith(f"({folder / 'records.csv'}, row 2 and 4 more)")
+
+
 @pytest.mark.parametrize(
     ("column", "one", "other"),
     [("time_s", "0", "3"), ("group", "a", "b"), ("sampling_Hz", "100", "200")],
@@ -171,6 +177,8 @@ def test_rows_of_one_event_must_be_one_motion(folder, column, one, other):
     [
         ("simulation: none\nstructure: dovetail-H\n", "structure and simulation say the same"),
         ("simulation: sim.csv\n", "simulation: file not found: sim.csv"),
+        (TORQUE + "structure: own\n", "own.yaml is not beside campaign.yaml and none of the ship"),
+        ("load: {name: a, unit: N, accuracy: 1, accuracy_percent: 2}\n", "accuracy and accuracy_"),
         (TORQUE + "structure: dovetail-H\n", "the load's unit must be N or kN, got 'Nm'"),
         ("load: {name: preload, unit: kN, gauge: pressure}\n", "a pressure gauge needs"),
         ("load: {name: preload}\n", "'unit' is a required property"),

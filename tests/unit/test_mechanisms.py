@@ -158,6 +158,21 @@ def test_slip_begins_at_a_threshold_that_grows_with_the_force():
     assert effect.ln_f[3] == pytest.approx(0.5 * np.log(left), rel=1e-6)
 
 
+SLIDERS = [one for one in EVERY if any(p.name == "threshold" for p in one.parameters)]
+
+
+@pytest.mark.parametrize("law", SLIDERS, ids=named)
+def test_no_slider_of_a_sum_is_seen_by_itself(law):
+    """A kink of the loss at each slider would be a false summit of a fit of the threshold."""
+    amplitude = np.exp(np.arange(-18.0, -9.0, 0.02))
+    one = np.ones(amplitude.size)
+    points = Points(np.zeros(one.size, int), 12e3 * one, amplitude, 3e-3 * one)
+    effect = law.curve(points, law.values(law.start)[0])
+    threshold = [p.name for p in law.parameters].index("threshold")
+    for slope in (effect.loss_slope[:, threshold], effect.ln_f_slope[:, threshold]):
+        assert np.abs(np.diff(slope)).max() < 0.25 * np.ptp(slope)
+
+
 @pytest.mark.parametrize("below", [0.5, 1.5, 2.5])
 def test_slip_of_uneven_pressure_begins_smoothly(below):
     """Where the first edges slip, the loss is the integral over the thresholds."""

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.contact.laws.sliders import Sliders, at_rest, history
+from bladeroot.contact.laws.sliders import Sliders, at_rest
 from bladeroot.nonlinear.aft import contact_forces, cycle
+from slider_history import history
 
 SAMPLES = cycle((0, 1, 2, 3), 64)
 

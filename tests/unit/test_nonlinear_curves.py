@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.contact.laws import closed_forms
 from bladeroot.contact.laws.jenkins import jenkins
-from bladeroot.contact.laws.sliders import Sliders, at_rest, history, stuck_stiffness
+from bladeroot.contact.laws.sliders import Sliders, at_rest
 from bladeroot.nonlinear import continuation, harmonic_balance, quasi_static
 from bladeroot.nonlinear.aft import cycle
 from bladeroot.nonlinear.curves import METHODS, first_slip, mode_curve
@@ -21,6 +21,7 @@ from bladeroot.nonlinear.harmonic_balance import fall, nonlinear_mode
 from bladeroot.nonlinear.system import system_of
 from bladeroot.rom.joint import exact_modes
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof
+from slider_history import history
 
 POINT = np.array([np.log(2e9), np.log(2e9), 12e3])
 SLIDER = jenkins(np.array([1e6]), np.array([TANGENTIAL]), np.array([LIMIT]), 1.0)
@@ -88,7 +89,8 @@ def test_flexibility_is_that_of_the_whole_joint(stuck):
 
 def test_without_slip_the_frequency_is_the_linear_one(stuck):
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("linear"))
-    assert np.allclose(stuck_stiffness(sliders), stuck.stiffness)
+    springs = [one.sum(axis=1) for one in (sliders.normal, sliders.tangential)]
+    assert np.allclose(np.transpose(springs), stuck.stiffness)
     exact = np.sqrt(exact_modes(coarse_joint(), POINT, [stuck.mode]).values[0]) / (2 * np.pi)
     for method in ("harmonic-balance", "quasi-static"):
         curve = mode_curve(stuck, sliders, np.array([1e-6, 1e-3]), method, (1, 3))

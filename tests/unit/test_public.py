@@ -1,12 +1,14 @@
 """The public face: a ring-down from any source, and contact stiffness of any joint."""
 
 import doctest
+from importlib import import_module
+from pathlib import Path
 
 import bladeroot as br
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.public import decay as public_decay
+from scipy.io import wavfile
 
 RATE, MODE, LOSS = 8192.0, 211.0, 0.004
 NATURAL = MODE * np.sqrt(1.0 - (LOSS / 2.0) ** 2)  # omega_n^2 = omega^2 - A''/A (3.11)
@@ -61,8 +63,55 @@ def test_what_is_missing_is_told_in_one_line(given, told):
     assert "\n" not in str(error.value)
 
 
-def test_the_docstrings_example_holds():
-    assert doctest.testmod(public_decay).failed == 0
+@pytest.mark.parametrize("module", ["decay", "joint", "contact_fit", "diagnosis"])
+def test_the_docstrings_examples_hold(module, tmp_path, monkeypatch):
+    if module == "diagnosis":
+        two_modes(tmp_path / "two-modes")
+    monkeypatch.chdir(tmp_path)
+    found = doctest.testmod(import_module(f"bladeroot.public.{module}"))
+    assert found.attempted
+    assert not found.failed
+
+
+@pytest.mark.slow
+def test_the_examples_of_readme_and_library_run(tmp_path, monkeypatch):
+    """A WAV file, a dovetail, matrices and a campaign of one's own in their places."""
+    two_modes(tmp_path / "path" / "to" / "campaign")
+    t = np.arange(3 * 25_600) / 25_600
+    v = 0.2 * np.exp(-5.0 * t) * np.cos(2 * np.pi * 540.0 * t)
+    noise = 1e-5 * np.random.default_rng(0).standard_normal(t.size)
+    wavfile.write(tmp_path / "a.wav", 25_600, np.round(32_767 * (v + noise)).astype(np.int16))
+    monkeypatch.chdir(tmp_path)
+    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    library = br.__doc__.partition("\n\n")[2].replace('{"1B": 1, "2B": 2}', "shapes")
+    shapes = {"1B": against(0), "2B": against(1)}
+    K, M, pairs = two_masses()
+    for text in (readme.partition("```python")[2].partition("```")[0], library):
+        made = {"K": K, "M": M, "pairs": pairs, "Kg": 0.0 * K, "shapes": shapes}
+        exec(text, made)
+        assert made["decay"].stick_frequency[0] == pytest.approx(540.0, rel=1e-5)
+        assert made["fit"].kn > 0.0
+        assert made["verdict"].answer == "nothing-missing"
+
+
+def two_modes(folder):
+    """A campaign of raw files: three records of each of two modes, linear ones."""
+    folder.mkdir(parents=True)
+    (folder / "campaign.yaml").write_text(
+        "title: two modes\nnotes: drawn\nsimulation: none\n"
+        "modes:\n  low: {expected_Hz: 100}\n  high: {expected_Hz: 260}\n"
+    )
+    chance = np.random.default_rng(3)
+    t = np.arange(40_000) / 8_000
+    lines = ["record,file,mode,sampling_Hz,quantity,unit"]
+    for mode, f, rate in (("low", 100.0, 3.0), ("high", 260.0, 5.0)):
+        for k in range(3):
+            v = 0.01 * np.exp(-rate * t) * np.cos(2.0 * np.pi * f * t + k)
+            np.savetxt(
+                folder / f"{mode}{k}.csv", v + 1e-6 * chance.standard_normal(t.size), fmt="%.9f"
+            )
+            lines.append(f"{mode}{k},{mode}{k}.csv,{mode},8000,velocity,m/s")
+    (folder / "records.csv").write_text("\n".join(lines) + "\n")
 
 
 # Two masses in a row, each held to the ground by its own springs in x, y and z, and in contact:
@@ -230,22 +279,7 @@ def test_an_unknown_mode_is_told():
 def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
     """Raw files of two modes, three records each: the same verdict as by the scripts' functions."""
     folder = tmp_path / "two-modes"
-    folder.mkdir()
-    (folder / "campaign.yaml").write_text(
-        "title: two modes\nnotes: drawn\nsimulation: none\n"
-        "modes:\n  low: {expected_Hz: 100}\n  high: {expected_Hz: 260}\n"
-    )
-    chance = np.random.default_rng(3)
-    t = np.arange(40_000) / 8_000
-    lines = ["record,file,mode,sampling_Hz,quantity,unit"]
-    for mode, f, rate in (("low", 100.0, 3.0), ("high", 260.0, 5.0)):
-        for k in range(3):
-            v = 0.01 * np.exp(-rate * t) * np.cos(2.0 * np.pi * f * t + k)
-            np.savetxt(
-                folder / f"{mode}{k}.csv", v + 1e-6 * chance.standard_normal(t.size), fmt="%.9f"
-            )
-            lines.append(f"{mode}{k},{mode}{k}.csv,{mode},8000,velocity,m/s")
-    (folder / "records.csv").write_text("\n".join(lines) + "\n")
+    two_modes(folder)
     verdict = br.diagnose(folder)
     assert sorted(verdict.curves) == ["high0", "high1", "high2", "low0", "low1", "low2"]
     stuck = verdict.observations["stick_frequency"].values

@@ -349,6 +349,18 @@ def test_a_louder_mode_beside_one_at_the_expected_frequency(louder, others, verd
     assert found.attrs["verdict"] == verdict
 
 
+@pytest.mark.parametrize(("others", "verdict"), [((490.0,), "usable"), ((478.0,), "rejected")])
+def test_a_mode_nearer_to_another_one_of_the_sheet_is_that_one(others, verdict):
+    time = np.arange(32000) / 20000.0
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(time.size)
+    velocity = np.concatenate([np.zeros(1000), ringing(time, 480.0, 4.7) + noise])
+    found = judged(velocity, 484.0, 20000.0, modes_Hz=others)
+    assert found.attrs["verdict"] == verdict
+    assert ("nearer to another one of the sheet" in found.attrs["findings"]) == (
+        verdict != "usable"
+    )
+
+
 @settings(max_examples=8, deadline=None)
 @given(exponent=st.floats(-5.0, 3.0), seed=st.integers(0, 3))
 def test_the_unit_of_the_velocity_does_not_matter(exponent, seed):

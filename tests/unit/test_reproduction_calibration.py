@@ -14,7 +14,7 @@ from bladeroot.reproduction.calibration import (
 )
 from bladeroot.reproduction.calibration_result import calibration
 from bladeroot.reproduction.parameters import parameters_of, values_in
-from bladeroot.reproduction.targets import FILES, targets_of
+from bladeroot.reproduction.targets import targets_of
 from bladeroot.reproduction.tension import incompatible_sets, left_out
 from structure_coarse import ROOT, coarse_data
 
@@ -32,7 +32,7 @@ def problem():
     keys = ("name", "prior_mean", "prior_std", "moves")
     data = coarse_data()
     parameters = parameters_of([dict(zip(keys, one, strict=True)) for one in ENTRIES], data)
-    tables = {name: pd.read_csv(ROOT / f"resources/thesis/{name}.csv") for name in FILES}
+    tables = {path.stem: pd.read_csv(path) for path in ROOT.glob("resources/thesis/table_*.csv")}
     return Calibration(data, parameters, targets_of(tables, TRUSTED))
 
 

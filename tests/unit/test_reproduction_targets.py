@@ -2,13 +2,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from bladeroot.reproduction.cases import RIGID, Case, Mode
-from bladeroot.reproduction.targets import FILES, targets_of
+from bladeroot.reproduction.targets import targets_of
 from structure_coarse import ROOT
 
 
 @pytest.fixture(scope="module")
 def tables():
-    return {name: pd.read_csv(ROOT / f"resources/thesis/{name}.csv") for name in FILES}
+    return {path.stem: pd.read_csv(path) for path in ROOT.glob("resources/thesis/table_*.csv")}
 
 
 def test_numbers_of_each_table(tables):

@@ -2,21 +2,17 @@ import numpy as np
 import pytest
 import scipy.linalg
 from bladeroot.fem.elasticity import rigid_modes
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.assembly import assemble, find_modes
 from bladeroot.rom.reduction import reduce_structure
 from dense_joint import assembly_modes, contact_matrices
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 BONDED = 1e13
 
 
 @pytest.fixture(scope="module")
 def reduced():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    return reduce_structure(structure, mesh, prestress(structure, mesh))
+    return reduce_structure(*coarse_loaded())
 
 
 @pytest.fixture(scope="module")

@@ -155,6 +155,18 @@ def test_the_parametric_model_is_the_full_lap_joint_within_what_reduction_leaves
         assert (apart < 1e-3).all(), apart  # 8 modes of each half beam are kept
 
 
+def test_a_point_that_is_none_has_no_frequency_and_spoils_no_other():
+    """A search's step may go where a law has no value."""
+    model = lap_model()
+    solved, point = solved_of(model), model["box"].values.mean(axis=0)
+    points = np.stack([point] * 3)
+    points[0, 1], points[1, -1] = np.nan, np.inf
+    value, slope = ln_frequencies(solved, points)
+    assert not np.isfinite(value[:2]).any()
+    np.testing.assert_array_equal(value[2], ln_frequencies(solved, point[None])[0][0])
+    assert np.isfinite(slope[2]).all()
+
+
 def test_slopes_are_those_of_differences():
     solved, h = solved_of(lap_model()), 1e-4
     point = 0.5 * (solved.low + solved.high)

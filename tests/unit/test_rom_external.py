@@ -8,8 +8,6 @@ import scipy.io
 import scipy.linalg
 import scipy.sparse as sp
 import yaml
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.assembly import assemble
 from bladeroot.rom.external.bodies import load_bodies
 from bladeroot.rom.external.checks import external_checks
@@ -22,16 +20,14 @@ from bladeroot.rom.file import check_structure
 from bladeroot.rom.full import full_frequencies, full_joint
 from bladeroot.rom.reduction import reduce_structure
 from dense_joint import contact_matrices
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 FORCE = 12e3
 
 
 @pytest.fixture(scope="module")
 def own():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    return structure, mesh, prestress(structure, mesh)
+    return coarse_loaded()
 
 
 @pytest.fixture(scope="module")

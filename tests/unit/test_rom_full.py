@@ -3,8 +3,6 @@ import pytest
 import scipy.linalg
 import scipy.sparse as sp
 from bladeroot.fem.linear import lowest_eigenpairs
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.accuracy import accuracy
 from bladeroot.rom.full import full_frequencies, full_joint
 from bladeroot.rom.joint import Operator, joint_of_reduced, stiffness_at
@@ -12,16 +10,14 @@ from bladeroot.rom.joint_symmetry import joint_sectors
 from bladeroot.rom.parametric import frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import reduce_structure
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 @pytest.fixture(scope="module")
 def built():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    loaded = prestress(structure, mesh)
-    joint = joint_of_reduced(reduce_structure(structure, mesh, loaded))
-    return structure, mesh, loaded, parametric_model(joint), joint
+    loaded = coarse_loaded()
+    joint = joint_of_reduced(reduce_structure(*loaded))
+    return *loaded, parametric_model(joint), joint
 
 
 @pytest.fixture(scope="module")

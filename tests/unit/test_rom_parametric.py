@@ -3,8 +3,6 @@ import dataclasses
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom import chebyshev
 from bladeroot.rom import joint as joint_module
 from bladeroot.rom.assembly import assemble, find_modes
@@ -32,16 +30,14 @@ from bladeroot.rom.sensitivity import (
     scaled,
 )
 from stiffness_beam import beam_joint
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 MODES = ("1B", "2B")
 
 
 @pytest.fixture(scope="module")
 def reduced():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    return reduce_structure(structure, mesh, prestress(structure, mesh))
+    return reduce_structure(*coarse_loaded())
 
 
 @pytest.fixture(scope="module")

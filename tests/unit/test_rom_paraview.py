@@ -1,18 +1,14 @@
 import meshio
 import numpy as np
 import pytest
-from bladeroot.fem.mesh import build_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.full import full_joint
 from bladeroot.rom.paraview import VTK_NODES, mode_shapes, points_and_cells
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 @pytest.fixture(scope="module")
 def own():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    return structure, mesh, prestress(structure, mesh)
+    return coarse_loaded()
 
 
 def test_vtk_numbers_corners_then_edges_then_faces_then_the_middle():

@@ -5,7 +5,6 @@ import scipy.sparse as sp
 from bladeroot.fem import elasticity
 from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.fem.mesh import base_nodes, build_mesh, slot_mesh
-from bladeroot.fem.prestress import prestress
 from bladeroot.rom.reduction import (
     beam_basis,
     beam_model,
@@ -15,7 +14,7 @@ from bladeroot.rom.reduction import (
     project_stiffness,
     reduce_structure,
 )
-from structure_coarse import coarse_structure
+from structure_coarse import coarse_loaded
 
 
 @pytest.fixture(scope="module")
@@ -33,10 +32,8 @@ def small():
 
 @pytest.fixture(scope="module")
 def beam():
-    structure = coarse_structure()
-    mesh = build_mesh(structure)
-    loaded = prestress(structure, mesh)
-    return structure, mesh, loaded, beam_model(structure, mesh, loaded)
+    loaded = coarse_loaded()
+    return *loaded, beam_model(*loaded)
 
 
 def eigenvalues(stiffness, mass):

@@ -1,6 +1,7 @@
 """Imports run one way, and the virtual bench shares no code with what infers."""
 
 import ast
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -135,3 +136,11 @@ def long_functions(files):
                             setattr(part, field, "_")
                 found.add("\n".join(ast.dump(one) for one in body))
     return found
+
+
+def test_a_wheel_carries_every_file_of_the_library_that_is_no_code():
+    said = tomllib.loads((LIBRARY.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    packed = said["tool"]["setuptools"]["package-data"]["bladeroot"]
+    carried = {path for pattern in packed for path in LIBRARY.glob(pattern)}
+    files = {path for path in LIBRARY.rglob("*.*") if "__pycache__" not in path.parts}
+    assert {path for path in files if path.suffix != ".py" and path.is_file()} <= carried

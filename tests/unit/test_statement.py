@@ -1,6 +1,8 @@
 """What is current is decided by content: old times hide nothing, and new ones redo nothing."""
 
+import json
 import os
+from base64 import urlsafe_b64encode
 from pathlib import Path
 
 import pytest
@@ -20,8 +22,16 @@ def results(tmp_path, monkeypatch):
     for source, made in (("raw", "results/a.nc"), ("results/a.nc", "results/b.nc")):
         place = tmp_path / "results" / "provenance" / f"{made[-4]}.json"
         said = [{path: contents.of(path)} for path in (source, made)]
-        statement.state(place, "rule", *said, [], {})
+        statement.state(place, "rule", *said, ["a setting"], {})
+        record(tmp_path, made, {"params": ["'a setting'"], "input": [source]})
     return tmp_path / "results"
+
+
+def record(folder, made, said):
+    """As Snakemake keeps what it knows of an output."""
+    place = folder / "results" / "provenance" / "snakemake"
+    place.mkdir(parents=True, exist_ok=True)
+    (place / urlsafe_b64encode(made.encode()).decode()).write_text(json.dumps(said))
 
 
 def late(contents=None):
@@ -57,6 +67,31 @@ def test_an_altered_output_is_late_and_what_read_it(results, text):
     replace("results/a.nc", text)
     assert set(late()) == {"results/a.nc", "results/b.nc"}
     assert os.path.getmtime("results/a.nc") < os.path.getmtime("raw")
+
+
+@pytest.mark.parametrize(
+    "said", [{}, [], {"params": ["'another'"], "input": ["raw"]}, {"params": [], "input": ["more"]}]
+)
+def test_what_no_record_has_the_settings_of_is_late(said, results):
+    """Snakemake finds no setting changed where its record is gone, or of another state."""
+    record(results.parent, "results/a.nc", said)
+    assert set(late()) == {"results/a.nc"}
+
+
+def test_a_file_is_read_again_as_long_as_a_change_could_have_the_same_time(tmp_path, monkeypatch):
+    """Some disks have times of whole seconds."""
+    whole = statement.identity
+    monkeypatch.setattr(
+        statement,
+        "identity",
+        lambda path: [n if k < 2 else n // 10**9 * 10**9 for k, n in enumerate(whole(path))],
+    )
+    contents, place = statement.Contents(), tmp_path / "raw"
+    found = set()
+    for text in "123456":
+        place.write_text(text)
+        found.add(contents.of(place))
+    assert len(found) == 6
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"rule": 1}'])

@@ -1,6 +1,7 @@
 """Checking a YAML document against one of the project's JSON schemas (`schemas/`)."""
 
 import math
+import re
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ _SCHEMAS = Path(__file__).resolve().parent / "schemas"
 LARGEST_BYTES, DEEPEST, MOST_NODES = 2_000_000, 40, 200_000
 # Whole numbers beyond are no longer told apart as floats.
 _LARGEST_WHOLE = 2**53
+_EXPONENT = re.compile(r"[-+]?[\d.]+[eE][-+]?\d+")  # a number in YAML only with point and sign
 
 
 def read_yaml(path: str | Path, schema: str) -> dict:
@@ -89,7 +91,8 @@ def check(document: object, schema: str, where: str) -> None:
     """Raise one ValueError with a line for every fault of a document."""
     validator = jsonschema.Draft202012Validator(_schema(schema))
     faults = sorted(validator.iter_errors(document), key=lambda fault: list(map(str, fault.path)))
-    lines = [_line(fault, where) for fault in faults]
+    # of a node that may be one of several kinds, what misses the nearest of them
+    lines = [_line(jsonschema.exceptions.best_match([fault]), where) for fault in faults]
     lines += [
         f"{place} must be a finite number of at most 15 digits ({where})"
         for place in _not_finite(document)
@@ -123,5 +126,7 @@ def _line(fault: jsonschema.ValidationError, where: str) -> str:
     place = ".".join(str(step) for step in fault.absolute_path) or "the file"
     hint = fault.schema.get("description") if isinstance(fault.schema, dict) else None
     message = fault.message if len(fault.message) < 200 else f"{fault.message[:200]}..."
+    if fault.validator == "type" and _EXPONENT.fullmatch(str(fault.instance)):
+        message = f"{fault.instance!r} is a text in YAML, a number is written as 1.0e+7"
     expected = f"; expected: {hint}" if hint else ""
     return f"{place}: {message}{expected} ({where})"

@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 import time
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -26,6 +27,10 @@ _MADE = {".nc", ".svg", ".html", ".json", ".vtu"}
 _LONG_AGO = 1.0
 # Stands for the content of a file that changed while a job read it.
 UNSURE = "changed while it was read"
+# Seconds within which some disks give two changes of a file the same time.
+_TICK = 2.0
+# Bytes of the longest note that is read: what 100,000 records need.
+_LONGEST = 1 << 28
 
 
 class Contents:
@@ -56,11 +61,14 @@ class Contents:
         if who is None:
             return ""
         known = self._known.get(str(path))
-        if known is None or known[0] != who:
-            known = who, _hash(path)
-            self._known[str(path)] = known
+        if known is not None and known[0] == who:
+            return known[1]
+        begun, what = time.time(), _hash(path)
+        # one that has just been written may be changed again without another time
+        if max(who[2:]) / 1e9 < begun - _TICK:
+            self._known[str(path)] = who, what
             self._read += 1
-        return known[1]
+        return what
 
     def set_time(self, path: str | Path, seconds: float) -> None:
         """Give a file, or a folder and Snakemake's mark in it, a time of change."""
@@ -85,8 +93,9 @@ class Contents:
 
 
 def _read_json(path: Path) -> object:
-    if not path.is_file():  # a pipe has no end
-        raise ValueError(f"{path} is not a file")
+    # a pipe has no end
+    if not (path.is_file() and path.stat().st_size < _LONGEST):
+        raise ValueError(f"{path} is not a note")
     return json.loads(path.read_text(encoding="utf-8"))
 
 
@@ -162,11 +171,13 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str)
 
 
-def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
+def outdated(stated: Iterable[dict], contents: Contents, results: Path) -> dict[str, str]:
     """Of each output that is there: "" if a statement holds, else why none does.
 
     A file whose batch has another name now has two statements; one that holds is enough. An input
     that is not there is made again or asked for by name, which is not for a statement to say.
+    Snakemake compares settings by its own records; where one is lost, or is not of the state that
+    a statement tells, nobody knows them.
     """
     why = {}
     for one in stated:
@@ -178,9 +189,24 @@ def outdated(stated: Iterable[dict], contents: Contents) -> dict[str, str]:
                 continue
             if contents.of(output) != said:
                 why[output] = "it was altered or replaced after it was made"
+            elif not _recorded(one, output, results / FOLDER / "snakemake"):
+                why[output] = "no record, or another state's, has its settings"
             else:
                 why[output] = f"{changed[0]} has changed since" if changed else ""
     return why
+
+
+def _recorded(one: dict, output: str, records: Path) -> bool:
+    """Whether Snakemake's record of an output has the inputs and the settings that are stated."""
+    name = urlsafe_b64encode(output.encode()).decode()
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+        # it spreads what is too long for a name over folders
+        most = os.pathconf(records, "PC_NAME_MAX") - 1
+        *before, last = (name[k : k + most] for k in range(0, len(name), most))
+        record = _read_json(records.joinpath(*(f"@{part}" for part in before), last))
+        said = {*one.get("settings", ()), *map(repr, one.get("settings", ()))}
+        return said.issuperset(record["params"]) and set(record["input"]) == set(one["inputs"])
+    return False
 
 
 @dataclass(frozen=True)
@@ -259,15 +285,14 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
     each outdated output is so.
     """
     stated = statements(results)
-    why = outdated(stated, contents)
+    why = outdated(stated, contents, results)
     late = {path: reason for path, reason in why.items() if reason}
     late |= dict.fromkeys(unstated(results, why), "nothing says what it was made of")
-    for path in {path for one in stated for path in one["outputs"]}:
-        if os.path.islink(path) and why.get(path) != "":
+    for path in filter(os.path.islink, {path for one in stated for path in one["outputs"]}):
+        within = os.path.realpath(path).startswith(os.path.join(os.path.realpath(results), ""))
+        if within or why.get(path) != "":
             os.unlink(path)  # jobs make no links; what it leads to is another's
             late[path] = "it is a link to another file"
-    for path in late:
-        contents.set_time(path, _LONG_AGO)
     newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
     newest, now = max(newest, 2 * _LONG_AGO), time.time()
     for path in _inputs_of(late, stated) - late.keys():
@@ -283,6 +308,8 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
     for path in (results / "benchmarks").rglob("*.tsv"):
         if _time(path) < newest:
             contents.set_time(path, newest)
+    for path in late:  # last: a current output may be another name of the same file
+        contents.set_time(path, _LONG_AGO)
     contents.keep()
     return late
 

@@ -14,9 +14,9 @@ from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches
 from bladeroot.io.campaign import load_campaign
-from bladeroot.io.names import MEANT, MEANT_TOLD
+from bladeroot.io.names import SPECIAL, SPECIAL_TEXT
 from bladeroot.schema import check, read_yaml
-from bladeroot.rom.file import check_structure
+from bladeroot.rom.file import named_structure
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PYTHON = sys.executable
@@ -33,18 +33,9 @@ def refuse(faults):
     sys.exit(1)
 
 
-def add_structure(name, campaign, structures, modes=()):
+def add_structure(name, campaign, structures, modes=(), loads=()):
     """Find a structure's file, in the campaign's folder or in resources/structures/."""
-    own, shared = (
-        campaign.folder / f"{name}.yaml",
-        ROOT / "resources" / "structures" / f"{name}.yaml",
-    )
-    path = own if own.is_file() else shared
-    written = check_structure(path, modes)
-    if written != name:
-        raise ValueError(
-            f"name must be {name!r} as the file's, got {written!r} ({path})"
-        )
+    path = named_structure(name, campaign.folder, modes, loads)
     if structures.setdefault(name, path) != path:
         raise ValueError(
             f"two structures are named {name!r}: {structures[name]} and {path}"
@@ -97,16 +88,17 @@ def checked_campaigns():
     check({**config, "campaigns": names}, "config", "config/config.yaml or --config")
     check_nonlinear(config["nonlinear"])
     for path in (config["model"], config["diagnosis"]["mechanisms"]):
-        if MEANT & set(path):
-            raise ValueError(f"a path must have none of {MEANT_TOLD}: {path}")
+        if SPECIAL & set(path):
+            raise ValueError(f"a path must have none of {SPECIAL_TEXT}: {path}")
     campaigns, structures, faults = {}, {}, []
     for name in names:
         folder = campaign_folder(name)
         try:
             campaign = load_campaign(folder)
+            modes = campaign.description["modes"]
+            loads = [row["load"] for row in campaign.records or campaign.stick]
             for structure in campaign.description["structure"]:
-                modes = campaign.description["modes"]
-                add_structure(structure, campaign, structures, modes)
+                add_structure(structure, campaign, structures, modes, loads)
             if campaign.simulated:
                 add_structure(bench_structure(campaign), campaign, structures)
         except ValueError as error:

@@ -5,6 +5,7 @@ import os
 import shutil
 
 from snakemake.logging import logger
+from snakemake.settings.enums import RerunTrigger
 from snakemake.settings.types import DAGSettings
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -14,26 +15,35 @@ from bladeroot.runs import system_fault
 # Snakemake's own checksums of inputs only prevent jobs, whichever profile is used: files whose content is
 # another count as the same where a record says so. Contents are compared here.
 DAGSettings.max_checksum_file_size = property(lambda _: 0, lambda *_: None)
+# Nor does `rerun-triggers: mtime` of somebody's own profile hide changed settings and code.
+DAGSettings.rerun_triggers = property(lambda _: RerunTrigger.all(), lambda *_: None)
 
 RESULTS = Path("results")
 CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")
 
 
 def refuse_what_is_no_folder():
-    """End in a line where a file, or a link to nowhere, stands in a folder's place."""
+    """End in a line where a file, or a link to nowhere, stands in a folder's place, or one folder in two."""
     names = (*CAMPAIGNS, "structures", "bench", "logs", "benchmarks", statement.FOLDER)
     usual = Path(".snakemake")
+    inside = [one for name in names[-3:] for one in RESULTS.glob(f"{name}/*")]
+    seen = {}
     for place in (
         usual,
         RESULTS,
         usual / "bladeroot_runs",
         *map(RESULTS.joinpath, names),
+        *inside,
     ):
+        fault = ""
         if os.path.lexists(place) and not place.is_dir():
-            print(
-                f"bad input: {place} must be a folder; move away what is there",
-                file=sys.stderr,
+            fault = "must be a folder; move away what is there"
+        elif (other := seen.setdefault(place.resolve(), place)) != place:
+            fault = (
+                f"leads to {other}; two stages' or campaigns' results need two folders"
             )
+        if fault:
+            print(f"bad input: {place} {fault}", file=sys.stderr)
             sys.exit(1)
 
 
@@ -43,17 +53,18 @@ def keep_records_with_results():
         RESULTS / statement.FOLDER / "snakemake",
         Path(".snakemake") / "metadata",
     )
-    if usual.is_symlink():
-        kept.mkdir(parents=True, exist_ok=True)
-        return
-    if usual.is_dir() and kept.is_dir():
-        shutil.rmtree(usual)  # a copy that followed the link
     kept.parent.mkdir(parents=True, exist_ok=True)
     usual.parent.mkdir(exist_ok=True)
-    if usual.is_dir():
-        usual.rename(kept)
+    if usual.is_dir() and not usual.is_symlink():
+        if kept.is_dir():
+            shutil.rmtree(usual)  # a copy that followed the link
+        else:
+            usual.rename(kept)
     kept.mkdir(exist_ok=True)
-    usual.symlink_to(Path("..") / kept)
+    led = Path("..") / kept
+    if not usual.is_symlink() or usual.readlink() != led:
+        usual.unlink(missing_ok=True)
+        usual.symlink_to(led)
 
 
 def tell_other_folders():
@@ -182,3 +193,6 @@ if workflow.is_main_process and not workflow.storage_settings.default_storage_pr
     tell_other_folders()
     keep_records_with_results()
     RUN = begin()
+elif not workflow.is_main_process:
+    # A cluster job's own Snakemake outlives a killed run, and sets its outputs' times after the stage.
+    runs.work()

@@ -52,6 +52,8 @@ rule shapes:
 rule checks:
     input:
         structure=structure_file,
+        mesh=rules.reduced.output.mesh,
+        prestress=rules.reduced.output.prestress,
         tables=given(
             expand(
                 ROOT / "resources" / "thesis" / "table_{table}.csv",
@@ -73,5 +75,5 @@ rule checks:
     message:
         "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"
     shell:
-        "{PYTHON:q} {SCRIPTS:q}/checks.py --structure {input.structure:q} --tables {input.tables:q}"
-        " --output {output.checks} > {log} 2>&1"
+        "{PYTHON:q} {SCRIPTS:q}/checks.py --structure {input.structure:q} --mesh {input.mesh:q}"
+        " --prestress {input.prestress:q} --tables {input.tables:q} --output {output.checks} > {log} 2>&1"

@@ -9,15 +9,18 @@ from bladeroot.rom.checks import checks
 from bladeroot.rom.file import load_structure
 
 
-def main(structure, tables, output):
+def main(structure, mesh, prestress, tables, output):
     published = {Path(table).stem: pd.read_csv(table) for table in tables}
-    artifacts.save(checks(load_structure(structure), published), output)
+    made = (artifacts.load(mesh), artifacts.load(prestress))
+    artifacts.save(checks(load_structure(structure), *made, published), output)
 
 
 if __name__ == "__main__":
     run(
         main,
         structure="structure file (YAML)",
+        mesh="mesh.nc",
+        prestress="prestress.nc",
         tables="many: published tables as printed (CSV)",
         output="checks.nc",
     )

@@ -21,6 +21,10 @@ def command(campaign: Path) -> None:
         _tell_currency(campaign / "report.html" if campaign.is_dir() else campaign)
         return
     made = load_campaign(campaign)
+    if made.description["structure"]:
+        from bladeroot.public.diagnosis import structures_of  # late: arrays, for matrices alone
+
+        structures_of(made)
     for line in made.warnings:
         click.echo(f"warning: {line}", err=True)
     modes = ", ".join(made.description["modes"])

@@ -36,7 +36,7 @@ def why_not_current(target: str) -> list[str]:
     text = _plan(target, made[-1].get("config", {}))
     if "Nothing to be done" in text:
         return []
-    content = statement.outdated(stated, statement.Contents())
+    content = statement.outdated(stated, statement.Contents(), results)
     lines = [f"{path}: {content[path]}" for path in _behind(target, stated) if content.get(path)]
     for stage, reason in _JOB.findall(text):
         lines += [f"{stage}: {ours}" for said, ours in _WORDS.items() if said in reason]

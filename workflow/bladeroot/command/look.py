@@ -69,8 +69,8 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     mode_Hz = mode_Hz or lines[0][0]
     begin = starts(record, mode_Hz)
     if len(begin) > 1:
-        told = ", ".join(f"{start:.3g}" for start in begin)
-        click.echo(f"  {len(begin)} decays, from {told} s on; the deepest is shown")
+        times = ", ".join(f"{start:.3g}" for start in begin)
+        click.echo(f"  {len(begin)} decays, from {times} s on; the deepest is shown")
     decay = of_recording(record, mode_Hz, file.stem)
     click.echo(repr(decay))
     place = picture or file.with_name(f"{file.name}.look.png")

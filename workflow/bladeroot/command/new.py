@@ -75,7 +75,7 @@ def command(folder: Path) -> None:
         description(folder.resolve().name, modes), encoding="utf-8"
     )
     (folder / "records.csv").write_text(sheet(found), encoding="utf-8", newline="")
-    for line in told(found, modes, folder):
+    for line in summary(found, modes, folder):
         click.echo(line)
 
 
@@ -200,7 +200,7 @@ def _counted(count: int, name: str) -> str:
     return f"{count} {name}{'' if count == 1 else 's'}"
 
 
-def told(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[str]:
+def summary(found: Sequence[Found], modes: Sequence[float], folder: Path) -> list[str]:
     """What was written and what is left to do."""
     count = sum(len(one.channels) for one in found)
     together = [(one, cell) for one in found for cell in at_once(one.channels)]

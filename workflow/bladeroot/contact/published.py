@@ -6,34 +6,26 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bladeroot.variables import dataset
+
 NODES = 33  # nodes of one flank in the thesis's model (eq. 6.16)
-COLUMNS = ("force_kN", "kn_N_per_mm", "kn_delta_N_per_mm", "kt_N_per_mm", "kt_delta_N_per_mm")
+_PRINTED = {"": "N_per_mm", "_std": "delta_N_per_mm"}
 
 
-def published_stiffness(table: Mapping[str, Any], nodes: int = NODES) -> xr.Dataset:
+def published_stiffness(table: Mapping[str, Any]) -> xr.Dataset:
     """Table 5.2 as a Dataset: nodal values as printed, and totals of a flank (eq. 6.16), N/m.
 
-    `table` maps the column names of `COLUMNS` to lists of numbers. Nothing is corrected.
-    Raises ValueError naming a missing column.
+    table: lists of numbers by the names of its columns (`force_kN`, `kn_N_per_mm`,
+    `kn_delta_N_per_mm`, the same of `kt`). Nothing is corrected. Raises ValueError naming a
+    missing column.
     """
-    missing = [name for name in COLUMNS if name not in table]
+    names = ["force_kN", *(f"{k}_{end}" for k in ("kn", "kt") for end in _PRINTED.values())]
+    missing = [name for name in names if name not in table]
     if missing:
         raise ValueError(f"published stiffness: missing column {', '.join(missing)}")
-    column = {name: np.asarray(table[name], float) for name in COLUMNS}
-    variables = {}
-    for part, name in (("normal", "kn"), ("tangential", "kt")):
-        value, delta = column[f"{name}_N_per_mm"] * 1e3, column[f"{name}_delta_N_per_mm"] * 1e3
-        for suffix, factor, what in (
-            ("nodal", 1.0, "per node, as printed"),
-            ("total", float(nodes), f"of a flank, {nodes} times the nodal one"),
-        ):
-            attrs = {
-                "units": "N/m",
-                "long_name": f"published {part} contact stiffness {what}",
-                "source": "Table 5.2" if suffix == "nodal" else "Table 5.2, eq. 6.16",
-            }
-            spread = attrs | {"long_name": f"standard deviation: {attrs['long_name']}"}
-            variables[f"{name}_{suffix}"] = ("force", value * factor, attrs)
-            variables[f"{name}_{suffix}_std"] = ("force", delta * factor, spread)
-    force = ("force", column["force_kN"] * 1e3, {"units": "N", "long_name": "axial force"})
-    return xr.Dataset(variables, coords={"force": force}, attrs={"nodes": nodes})
+    made = {"force": 1e3 * np.asarray(table["force_kN"], float)}
+    for k in ("kn", "kt"):
+        for std, end in _PRINTED.items():
+            nodal = 1e3 * np.asarray(table[f"{k}_{end}"], float)
+            made |= {f"{k}_nodal{std}": nodal, f"{k}_total{std}": NODES * nodal}
+    return dataset("contact/published", made)

@@ -9,12 +9,28 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact import compliance
-from bladeroot.contact.loads import FRICTION_STATES, axial_per_normal, normal_force
-from bladeroot.contact.punch import Punch, contact_half_width, pressure, punch_from, shear
+from bladeroot.contact.punch import (
+    Array,
+    Punch,
+    contact_half_width,
+    pressure,
+    punch_from,
+    shear,
+)
 from bladeroot.contact.punch import stick_half_width as stick_width
 from bladeroot.variables import dataset
 
+# The two limits of section 6.5, with T / (mu N), and the ratios of which profiles are shown.
+FRICTION_STATES = {"T = 0": 0.0, "T = mu N": 1.0}
 LOAD_RATIOS = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0])
+
+
+def normal_force(axial: Array, ratio: Array, angle: float) -> Array:
+    """N on each flank, N, under the axial force F_ax = 2 N (sin theta + (T/N) cos theta).
+
+    axial: of one end, N. ratio: T/N. angle: theta between flank and beam axis, rad (section 6.5).
+    """
+    return axial / (2.0 * (np.sin(angle) + ratio * np.cos(angle)))
 
 
 def theory(
@@ -37,10 +53,9 @@ def theory(
         raise ValueError(f"axial forces must be positive, got {axial_forces}")
     punch = punch_from(parameters)
     angle = float(parameters["flank_angle"])
-    per_normal = np.array([axial_per_normal(s, punch.friction, angle) for s in FRICTION_STATES])
     whole = dataset(
         "contact/theory",
-        _against_normal_force(punch, punch_from(parameters, "printed"), forces, per_normal)
+        _against_normal_force(punch, punch_from(parameters, "printed"), forces, angle)
         | _against_axial_force(punch, forces, angle)
         | _profiles(punch, float(forces[0]), angle)
         | _sensitivity(punch, float(forces[0]), angle),
@@ -63,10 +78,10 @@ def _attrs(units: str, long_name: str, source: str = "") -> dict[str, str]:
 
 
 def _against_normal_force(
-    punch: Punch, printed: Punch, forces: ndarray, per_normal: ndarray
+    punch: Punch, printed: Punch, forces: ndarray, angle: float
 ) -> dict[str, object]:
     """Fine curves over the normal force, up to the largest that the axial forces need."""
-    n = np.linspace(0.02, 1.0, 160) * 1.25 * forces[-1] / per_normal.min()
+    n = np.linspace(0.02, 1.0, 160) * 1.25 * normal_force(forces[-1], 0.0, angle)
     made = {"normal_force": n, "normal_approach": compliance.normal_approach(n, punch)}
     for suffix, one in (("", punch), ("_printed", printed)):
         made[f"contact_half_width{suffix}"] = contact_half_width(n / punch.length, one)
@@ -80,7 +95,8 @@ def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[st
     fine = np.linspace(0.25 * forces[0], 1.15 * forces[-1], 120)
     made = {"friction_state": list(FRICTION_STATES), "axial_force": fine, "force": forces}
     for suffix, values in (("_of_axial_force", fine), ("_theory", forces)):
-        n = np.stack([normal_force(values, s, punch.friction, angle) for s in FRICTION_STATES])
+        shares = FRICTION_STATES.values()
+        n = np.stack([normal_force(values, one * punch.friction, angle) for one in shares])
         made[f"kn{suffix}"] = compliance.normal_stiffness(n.ravel(), punch).reshape(n.shape)
         made[f"kt{suffix}"] = compliance.tangential_stiffness(n.ravel(), punch).reshape(n.shape)
     return made | {"normal_force_theory": n}
@@ -88,7 +104,7 @@ def _against_axial_force(punch: Punch, forces: ndarray, angle: float) -> dict[st
 
 def _profiles(punch: Punch, axial: float, angle: float) -> dict[str, object]:
     """Pressure and shear across the contact at one axial force, for rising T/(mu N)."""
-    n = axial / (2.0 * (np.sin(angle) + LOAD_RATIOS * punch.friction * np.cos(angle)))
+    n = normal_force(axial, LOAD_RATIOS * punch.friction, angle)
     load = n / punch.length
     tangential = LOAD_RATIOS * punch.friction * load
     b, c = contact_half_width(load, punch), stick_width(load, tangential, punch)
@@ -109,7 +125,7 @@ def _sensitivity(punch: Punch, axial: float, angle: float) -> dict[str, object]:
     """Per cent change of the stiffness for one per cent of each parameter, at one axial force."""
     names = ("flat_half_width", "edge_radius", "length", "youngs_modulus", "poisson_ratio")
     step, slopes = 1e-4, {"kn": [], "kt": []}
-    n = normal_force(np.array([axial]), FRICTION_STATES[0], punch.friction, angle)
+    n = normal_force(np.array([axial]), 0.0, angle)
     for name in names:
         moved = [
             replace(punch, **{name: getattr(punch, name) * (1.0 + sign * step)})

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
+from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
@@ -20,7 +21,8 @@ from bladeroot.decay.component_lines import (
     told_apart,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
-from bladeroot.decay.harmonic import Harmonic, harmonics
+from bladeroot.decay.harmonic import harmonics
+from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
@@ -120,8 +122,8 @@ def separated(
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
-    trimmed = beaten = False
-    near: list[Harmonic] = []
+    trimmed = beaten = paired = False
+    near: list[Beside] = []
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
@@ -154,6 +156,16 @@ def separated(
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
                 own_Hz, close = float(lines[0]), [float(lines[-1])]
                 continue
+        if not more and not paired:
+            paired, pair = True, twofold(found, sampling_Hz, expected_Hz, modes_Hz)
+            if pair is not None:
+                own_Hz = pair[0]
+                near.append(pair[1])
+                lines = np.concatenate([[own_Hz], lines[1:]])
+                velocity = velocity.copy()
+                velocity[first : first + x.size] -= pair[1].wave
+                x = velocity[first : first + x.size]
+                continue
         if not more:
             break
         # a baseline can follow what its knots resolve
@@ -162,7 +174,7 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
-    if lines.size == 1 and not base_Hz and not _sways(found):
+    if lines.size == 1 and not base_Hz and not near and not _sways(found):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
     found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = _rest(x, found, known)
@@ -194,7 +206,7 @@ def separated(
     left[first:] -= found.waves(others)
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
     taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
-    told = [("harmonic", one.told) for one in near]
+    told = [(one.finding, one.told) for one in near]
     if close:
         told.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
     return Separated(left, first, taken_Hz, time, doubt, tuple(told), (found, single))

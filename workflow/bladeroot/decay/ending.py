@@ -24,6 +24,7 @@ MOVED = 1.0
 # one, only if ln A falls by less than this over the points before it: over a larger fall, a joint's
 # damping rises to a hump and falls again by itself.
 SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
+STEPPED = "the digitiser's steps"  # why a decay ends
 # Neither noise nor a decaying mode by itself makes the smoothed envelope rise by half.
 RISE = float(np.log(1.5))
 
@@ -89,7 +90,7 @@ def find_end(
         ends.append((seen.time[last], "the noise"))
     coarse = np.flatnonzero(power <= least**2)
     if coarse.size:
-        ends.append((seen.time[begin + coarse[0]], "the digitiser's steps"))
+        ends.append((seen.time[begin + coarse[0]], STEPPED))
     if ratio:
         calm = running_power(seen, FRAME_STEPS)[begin : last + 1]
         below = np.flatnonzero(calm < ratio**2 * calm[0])

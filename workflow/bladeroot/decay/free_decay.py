@@ -7,6 +7,7 @@ from numpy import ndarray
 
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import coarse, cut
+from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
 from bladeroot.io.overrides import windowed
 from bladeroot.io.recording import Recording, velocity
@@ -53,10 +54,11 @@ def free_decay(
         whole = judge(decay, motion, *asked, None, several)
         return _with_widening(whole, parts)
     release = Release(parts.first / rate, 0.0, how)
-    # what is louder than the digitiser's steps blurs them
-    blurred = np.std((clear[: parts.velocity.size] - parts.velocity)[parts.first :]) > steps
-    least = 0.0 if blurred else steps
-    alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=least)
+    alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+    if alone.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
+        after = slice(round(alone.attrs["end_s"] * rate), parts.velocity.size)
+        if np.std(clear[after] - parts.velocity[after]) > steps:
+            alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
     if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
         alone.attrs["end_reason"] = "the noise"
     alone = windowed(alone, parts.velocity, *window)

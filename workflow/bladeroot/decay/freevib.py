@@ -21,6 +21,14 @@ BEATS = 2  # what grows more often than that later is a beat, and no drive
 PARTS = 4  # times that a record is cut again
 LEFT = 16.0  # cycles that a cut leaves at least
 LOOKED_AT = 100  # blocks, evenly over the record
+# So many first blocks are no free decay where a parabola through twice as many later ones, that
+# goes on backwards, misses them by more than this (mean square in errors: noise's, and a part of
+# what it differs by from a straight line). As on drawn records: of those that are right from their
+# first block on, one of thirty is above.
+EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
+# A point is given where the standard error of its frequency is less than this part of it: beyond,
+# noise or another mode may be followed.
+SURE = 0.01
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
@@ -98,7 +106,8 @@ def freevib(
         taken = alone.time - begin_s, alone.widening, alone.doubt
     for _ in range(PARTS):
         blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
-        free = _free(blocks, fit)
+        began, ended = _free(blocks, fit)
+        free = max(began, _settled(blocks)), ended
         first, stop = (int(np.clip(t * sampling_Hz, 0, velocity.size)) for t in free)
         if stop - first == velocity.size or (stop - first) * expected_Hz < LEFT * sampling_Hz:
             break
@@ -116,7 +125,7 @@ def freevib(
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
     curves = (centre + begin_s, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
-    keep = (std[0, 0] < 0.3) & np.isfinite(omega_n)
+    keep = frequency_std < SURE * omega_n / (2.0 * np.pi)  # and a number
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi) if keep.any() else expected_Hz
     if not band[0] <= middle_Hz <= band[1]:
         raise ValueError(
@@ -177,6 +186,28 @@ def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
         float(blocks.time[starts[k]]) if k else 0.0,
         float(blocks.time[stops[k]]) if k < len(grows) else np.inf,
     )
+
+
+def _settled(blocks: Phasors) -> float:
+    """Time (s) at which the first blocks are like the later ones; a drive's end may lie before it.
+
+    A release is seen in frames on both sides of it, and so not in the first cycles of a record.
+    """
+    if blocks.time.size < 4 * EARLY:
+        return 0.0
+    early, later = slice(EARLY), slice(EARLY, 3 * EARLY)
+    time, log, std = (one[: 3 * EARLY] for one in (blocks.time, blocks.log, blocks.std))
+    x = (time - time[EARLY]) / (time[-1] - time[EARLY])
+    misses = []
+    for terms in (2, 3):
+        powers = np.vander(x, terms, increasing=True)
+        inverse = np.linalg.pinv(powers[later] / std[later, None])
+        misses.append(log - powers @ (inverse @ (log[later] / std[later])))
+    straight, bent = misses
+    variance = std[early] ** 2 + np.sum((powers[early] @ inverse) ** 2, axis=1)
+    variance += (BENDS * np.abs(bent - straight)[early]) ** 2
+    unlike = 0.5 * np.mean(np.abs(bent[early]) ** 2 / variance) > UNLIKE
+    return float(0.5 * (time[EARLY - 1] + time[EARLY])) if unlike else 0.0
 
 
 def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
+from bladeroot.decay.beside import Beside
 from bladeroot.decay.envelope_model import Envelopes
 
 ORDERS = (2, 3)
@@ -31,35 +32,11 @@ SEEN, CLEAR, IN_PHASE = 3.0, 8.0, 0.5
 # A friction's harmonic is there while it slips: one law must leave no more than this part of what
 # all windows see.
 MISSED = 0.2
-# What may be left of it is no more than this part of the mode, where a curve still goes.
-HIDDEN = 0.3
 # Its part of the line falls with the line's power, or grows, by no more than these exponents.
 EXPONENT = (-1.0, 0.5)
 
 
-@dataclass(frozen=True)
-class Harmonic:
-    """A harmonic in the samples, and its error (m/s) at times (s) evenly spaced."""
-
-    frequency_Hz: float
-    wave: Float[ndarray, " sample"]
-    time: Float[ndarray, " interval"]
-    error: Float[ndarray, " interval"]
-    told: str
-
-    def over(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
-        """Its error over the mode, at times."""
-        return np.interp(time, self.time, self.error) / np.maximum(np.abs(mode), 1e-300)
-
-    def hides(self, found: Envelopes, sampling_Hz: float) -> int:
-        """Samples until what is left of it may be more than `HIDDEN` of the mode."""
-        mode = found.envelope(0)
-        time = (np.arange(mode.size) + 0.5) * found.spacing / sampling_Hz
-        hidden = np.flatnonzero(self.over(mode, time) > HIDDEN)
-        return int(hidden[0]) * found.spacing if hidden.size else found.samples
-
-
-def harmonics(found: Envelopes, sampling_Hz: float, within: float) -> list[Harmonic]:
+def harmonics(found: Envelopes, sampling_Hz: float, within: float) -> list[Beside]:
     """Clear harmonics of all other lines within that part of the mode's frequency beside it."""
     own_Hz, shortest = float(found.lines_Hz[0]), WINDOW * sampling_Hz / found.samples
     near = [
@@ -72,7 +49,7 @@ def harmonics(found: Envelopes, sampling_Hz: float, within: float) -> list[Harmo
     return [one for one in made if one is not None]
 
 
-def harmonic(found: Envelopes, line: int, order: int, sampling_Hz: float) -> Harmonic | None:
+def harmonic(found: Envelopes, line: int, order: int, sampling_Hz: float) -> Beside | None:
     """A line's harmonic beside the mode (the first line), None where none is clear.
 
     found: the envelopes of all lines that are known; the mode's holds the harmonic, too.
@@ -103,7 +80,7 @@ def harmonic(found: Envelopes, line: int, order: int, sampling_Hz: float) -> Har
         f"a harmonic, {order} x {found.lines_Hz[line]:.5g} Hz, rings beside the mode, up to "
         f"{100.0 * part:.2g} % of it; taken off, and the curve ends where it hides the mode"
     )
-    return Harmonic(at_Hz, wave, time / sampling_Hz, error, told)
+    return Beside(at_Hz, wave, time / sampling_Hz, error, "harmonic", told)
 
 
 @dataclass(frozen=True)

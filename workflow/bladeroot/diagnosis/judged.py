@@ -24,7 +24,7 @@ from bladeroot.diagnosis.simulation.own_range import (
 from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
-from bladeroot.loads import AXIAL_FORCE
+from bladeroot.loads import AXIAL_FORCE, shown
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.plain_words import plainly, plainly_but_ids
 from bladeroot.pooling.groups import told
@@ -159,8 +159,9 @@ def _in_own(
     scaled = in_catalogue(seen, own)
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
     made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
+    factor, unit, _ = shown(_load(seen))
     further = next_measurements(
-        made, lambda force: f"{force / own.per_load - own.shift:.3g} {own.unit}".strip()
+        made, lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip()
     )
     said = verdict(made)
     whole = dataset_in_own(dataset(made, said).merge(further), own)
@@ -202,8 +203,7 @@ def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Datase
             texts = [plainly(str(text), load, simulated) for text in made[name].values]
             made[name] = (made[name].dims, texts, made[name].attrs)
     for name in ("reason", "lacks", "insufficient"):
-        if name in made.attrs:
-            made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
+        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
     return made
 
 

@@ -110,10 +110,9 @@ def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Optio
     top, bottom = float(records.force.max()), float(records.force.min())
     higher, lower = 2.0 * top, max(0.5 * bottom, made.settings.least_force)
     middle = float(np.unique(records.force)[np.unique(records.force).size // 2])
-    if made.simulated.kind == "structure":
-        low, high = made.simulated.surface.low[2], made.simulated.surface.high[2]
-        higher, lower = min(higher, high), max(lower, low)
-    elif top == bottom:
+    low, high = made.simulated.load_range
+    higher, lower = min(higher, high), max(lower, low)
+    if made.simulated.kind != "structure" and top == bottom:
         higher = lower = top
     holds = np.unique(data.hold, return_inverse=True)[1]
     options = [[option("all again", "the whole campaign once more", records, holds)]]

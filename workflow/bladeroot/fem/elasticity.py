@@ -45,8 +45,8 @@ def quadrature(mesh: Mesh) -> Quadrature:
     weights = np.einsum("p,q,r->pqr", w, w, w).ravel()
     jacobian = np.einsum("eai,qaj->eqij", mesh.nodes[mesh.elements], local, optimize=True)
     determinant = np.linalg.det(jacobian)
-    if determinant.min() <= 0:
-        bad = int(np.argwhere(determinant <= 0)[0, 0])
+    if not determinant.min() > 0:
+        bad = int(np.argwhere(~(determinant > 0))[0, 0])
         centre = mesh.nodes[mesh.elements[bad]].mean(axis=0)
         raise ValueError(f"element {bad} at {centre} m is turned inside out")
     gradients = np.einsum("qaj,eqji->eqai", local, np.linalg.inv(jacobian), optimize=True)

@@ -4,12 +4,12 @@ Everything that can be wrong with the sheets is found here, before any long work
 line a fault that names the file and the row (the line number an editor shows).
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from bladeroot.io.load import COLUMNS, Load, load_of
-from bladeroot.io.load import force_scale as force_scale
-from bladeroot.io.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
+from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.rows import RECORD_COLUMNS, RecordRows
 from bladeroot.io.sheet import read_sheet
 from bladeroot.io.simulation import STRUCTURE, simulation_of
@@ -23,6 +23,7 @@ NUMBERS = (
 )  # fmt: skip
 # The modes that a structure's stages know.
 STRUCTURE_MODES = ("1B", "2B")
+_ROW = re.compile(r"(?<=, row )\d+(?=\)$)")  # where a fault says it
 # Folders of results/ that are no campaign's.
 _RESERVED = ("structures", "bench", "logs", "benchmarks", "provenance")
 
@@ -91,11 +92,11 @@ def load_campaign(folder: str | Path) -> Campaign:
         raise CampaignError(f"campaign folder not found: {short(str(folder), 400)}")
     if not is_id(folder.name):
         raise CampaignError(
-            f"a campaign folder's name must be {ID_TOLD}, got {short(folder.name)!r}"
+            f"a campaign folder's name must be {ID_RULE}, got {short(folder.name)!r}"
         )
-    if MEANT & set(str(folder)):
+    if SPECIAL & set(str(folder)):
         raise CampaignError(
-            f"the path of a campaign folder must have none of {MEANT_TOLD}: {folder}"
+            f"the path of a campaign folder must have none of {SPECIAL_TEXT}: {folder}"
         )
     if folder.name.lower() in _RESERVED:  # some disks do not tell a from A
         raise CampaignError(
@@ -140,10 +141,20 @@ def load_campaign(folder: str | Path) -> Campaign:
     if not faults and not records and not stick:
         faults.append(f"no usable row ({path})")
     if faults:
-        raise CampaignError("\n".join(faults))
+        raise CampaignError("\n".join(_once(faults)))
     return Campaign(
         folder.name, folder, description, load, records, stick, excluded, tuple(warnings)
     )
+
+
+def _once(faults: list[str]) -> list[str]:
+    """A fault that many rows of a sheet have is one line: of the first, with their number."""
+    lines: dict[str, list[str]] = {}
+    for fault in faults:
+        lines.setdefault(_ROW.sub("", fault), []).append(fault)
+    return [
+        f"{first[:-1]} and {len(more)} more)" if more else first for first, *more in lines.values()
+    ]
 
 
 def _unplaced(description: dict, load: Load | None, folder: Path) -> list[str]:
@@ -170,7 +181,10 @@ def _beyond_table(
     except ValueError as error:
         return str(error).splitlines()
     modes, loads = [row["mode"] for row in rows], [row["load"] for row in rows]
+    named: dict[str, list[str]] = {}
+    for k, why in outside(frame, modes, loads, load):
+        named.setdefault(why, []).append(rows[k].get("record", modes[k]))
     return [
-        f"{rows[k].get('record', modes[k])}: {why} ({sheet})"
-        for k, why in outside(frame, modes, loads, load)
+        f"{first}{f' and {len(more)} more' if more else ''}: {why} ({sheet})"
+        for why, (first, *more) in named.items()
     ]

@@ -116,6 +116,8 @@ def load_of(description: Mapping) -> Load | None:
     elif "full_scale" in said:
         full_scale = said["full_scale"] * factor
     of = said.get("accuracy_of", "reading")
+    if {"accuracy", "accuracy_percent"} <= set(said):
+        raise ValueError("accuracy and accuracy_percent say the same thing; one of them must go")
     if "accuracy_percent" in said:
         if of == "full-scale" and not math.isfinite(full_scale):
             raise ValueError("accuracy_of full-scale needs a full_scale")

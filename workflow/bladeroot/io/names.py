@@ -6,9 +6,9 @@ from collections.abc import Callable
 # Signs of a name that becomes a file's, with a mode, a channel and an ending behind it: file
 # systems allow 255 bytes.
 LONGEST_NAME = 100
-ID_TOLD = f"letters, digits, - and _, {LONGEST_NAME} at most"
+ID_RULE = f"letters, digits, - and _, {LONGEST_NAME} at most"
 # In the path of an input braces are Snakemake's wildcards, and angle brackets a page's tags.
-MEANT, MEANT_TOLD = frozenset("{}<>"), "{ } < >"
+SPECIAL, SPECIAL_TEXT = frozenset("{}<>"), "{ } < >"
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bladeroot.io.cells import Cells
 from bladeroot.io.load import COLUMNS
-from bladeroot.io.names import ID_TOLD, MEANT, MEANT_TOLD, is_id, is_there, short
+from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import formats, read
 from bladeroot.io.sheet import REMARK
@@ -45,7 +45,7 @@ class RecordRows(Cells):
         for row, values in rows:
             record = values["record"]
             if not is_id(record):
-                self.fault(f"record must be {ID_TOLD}, got {short(record)!r}", row)
+                self.fault(f"record must be {ID_RULE}, got {short(record)!r}", row)
                 continue
             for line in self._row(row, values, naming):
                 name = line["record"].lower()  # some disks do not tell a from A
@@ -159,7 +159,7 @@ class RecordRows(Cells):
             named = [of_channel.get(c or "", _id_of(c) if several else "") for c in channels]
         for name in named:
             if name and not is_id(name):
-                self.fault(f"sensor must be {ID_TOLD}, got {short(name)!r}", row)
+                self.fault(f"sensor must be {ID_RULE}, got {short(name)!r}", row)
             elif name and declared and name not in declared:
                 self.fault(
                     f"sensor must be one of {', '.join(declared)} (campaign.yaml), got {name!r}",
@@ -197,8 +197,8 @@ class RecordRows(Cells):
                 self.fault(f"file of a simulated record must be {record}.nc, got {name!r}", row)
         elif Path(name).suffix.lower() not in formats():
             self.fault(f"file must end in {', '.join(sorted(formats()))}, got {short(name)!r}", row)
-        elif MEANT & set(name):
-            self.fault(f"file must have none of {MEANT_TOLD} in its name, got {short(name)}", row)
+        elif SPECIAL & set(name):
+            self.fault(f"file must have none of {SPECIAL_TEXT} in its name, got {short(name)}", row)
         elif not is_there((self.folder / name).is_file):
             self.fault(f"file not found: {short(name)}", row)
         return name

@@ -38,6 +38,12 @@ def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict
     reserved = [name for name in names if name in RESERVED]
     if reserved:
         raise ValueError(f"a structure must not be named {reserved[0]}: results/ uses the name")
+    missing = [name for name in names if not structure_file(name, folder).is_file()]
+    if missing:
+        raise ValueError(
+            f"simulation: neither a table (.csv) nor a structure's file: {missing[0]}.yaml is not "
+            "beside campaign.yaml and none of the shipped ones"
+        )
     if _are_assemblies(names, folder):
         return {"structure": names, "simulation": ASSEMBLY}
     if load is not None and not load.is_force:
@@ -49,9 +55,8 @@ def simulation_of(description: Mapping, load: Load | None, folder: Path) -> dict
 
 
 def _are_assemblies(names: Iterable[str], folder: Path) -> bool:
-    """Whether structures are assemblies; ValueError if some are. A missing file is told later."""
-    files = {name: structure_file(name, folder) for name in names}
-    read = {name: parse_yaml(file) for name, file in files.items() if file.is_file()}
+    """Whether structures are assemblies; ValueError if some are."""
+    read = {name: parse_yaml(structure_file(name, folder)) for name in names}
     kinds = {name: isinstance(one, dict) and one.get("kind") in OF_ASSEMBLIES
              for name, one in read.items()}  # fmt: skip
     if any(kinds.values()) and not all(kinds.values()):

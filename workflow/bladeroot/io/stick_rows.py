@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bladeroot.io.cells import Cells
-from bladeroot.io.lone import lone
+from bladeroot.io.outliers import outliers
 from bladeroot.io.sheet import read_sheet
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class StickRows(Cells):
             )
             if force.size and force.min() <= 0.0:
                 continue
-            for k, expected in lone(force, frequency):
+            for k, expected in outliers(force, frequency):
                 self.warn(
                     f"frequency_Hz {frequency[k]:g} of {mode} at {force[k]:g} {unit} lies far from "
                     f"{expected:.5g}, which its neighbours in force say: a wrong digit?",

@@ -15,20 +15,23 @@ from numpy import ndarray
 from bladeroot.contact.laws.closed_forms import equivalent_stiffness
 from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Parameter, Points
 
-# Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one:
-# with a coarser rule (15 Gauss-Hermite nodes) a fit finds a false summit at each of them.
-_NODES = np.linspace(-4.5, 4.5, 61)
+# Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one, and
+# the loss has a kink where each does: with a coarser rule a fit finds a false summit at each.
+_NODES = np.linspace(-4.5, 4.5, 121)
 _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
 # ln of the part of sliders that is weaker, for distributions with a strongest slider: so far down
 # that the rest, a part of 1e-6, shows in no record.
-_LN_PART = np.linspace(-14.0, 0.0, 113)
+_LN_PART = np.linspace(-14.0, 0.0, 225)
 _PART = np.exp(_LN_PART) * np.where(_LN_PART < 0.0, 1.0, 0.5)  # trapezoidal rule
 _PART = _PART / _PART.sum()
 # Free distribution: places of ln threshold about the law's, each smeared by so much.
 PLACES = np.linspace(-3.2, 3.2, 9)
-_SMEAR = np.linspace(-2.0, 2.0, 9)
+_SMEAR = np.linspace(-2.0, 2.0, 17)
 _SMEARED = np.exp(-0.5 * _SMEAR**2) / np.exp(-0.5 * _SMEAR**2).sum()
 _WIDTH = 0.35
+# Of ln threshold, of sliders that give way together: a level's curve is a mean over clampings,
+# whose friction differs.
+_AGAIN = 0.15
 _LEAST = 0.02  # part of a mode's stiffness that is left at any amplitude
 
 Array = Float[ndarray, "..."]
@@ -91,15 +94,16 @@ def lognormal(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, n
 
 def power(shape: Float[ndarray, " 2"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     """Iwan's four-parameter density (Segalman 2005): threshold to the power `shape[0]`, cut off at
-    the strongest, where a part `shape[1]` of all sliders stands.
+    the strongest, about which a part `shape[1]` of all sliders stands.
     """
     steep, at_once = shape
     nodes, weights = _LN_PART / (1.0 + steep), (1.0 - at_once) * _PART
     by_nodes = np.stack([-nodes / (1.0 + steep), np.zeros(nodes.size)], axis=1)
     by_weights = np.stack([np.zeros(nodes.size), -_PART], axis=1)
+    last = np.stack([np.zeros(_SMEAR.size), _SMEARED], axis=1)
     return (
-        np.append(nodes, 0.0), np.append(weights, at_once),
-        np.vstack([by_nodes, np.zeros(2)]), np.vstack([by_weights, [0.0, 1.0]]),
+        np.append(nodes, _AGAIN * _SMEAR), np.append(weights, at_once * _SMEARED),
+        np.vstack([by_nodes, np.zeros(last.shape)]), np.vstack([by_weights, last]),
     )  # fmt: skip
 
 

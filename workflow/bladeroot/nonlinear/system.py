@@ -193,7 +193,7 @@ def _images(joint: Joint, motion: ndarray, odd_force: bool) -> tuple[ndarray, nd
         flip = np.where(np.arange(3) == axis, -1.0, 1.0)
         distance = np.abs(place[:, None] * flip - place[None]).max(axis=2)
         other = distance.argmin(axis=1)
-        if distance.min(axis=1).max() > 1e-7:
+        if not distance.min(axis=1).max() <= 1e-7:
             continue
         turn = np.einsum("pla,a,pma->plm", frame[other], flip, frame)
         if not np.allclose(np.abs(turn), np.eye(3), atol=1e-9):

@@ -122,6 +122,15 @@ def fit_contact(
 
     Raises:
         ValueError: an unknown mode, an error that is not positive, a joint that is not stable.
+
+    >>> import numpy as np, bladeroot as br
+    >>> one, other = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])
+    >>> pairs = br.ContactPairs(one, other, np.array([[1.0, 0.0, 0.0]]), np.ones(1))
+    >>> K, apart = np.diag([3.0e6, 3.3e6, 3.6e6] * 2), np.eye(3, 6) - np.eye(3, 6, 3)
+    >>> joint = br.Joint.from_matrices(K, 2.0 * np.eye(6), pairs, {"n": apart[0], "t": apart[1]})
+    >>> fit = br.fit_contact(joint, {"n": (373.25, 0.05), "t": (254.15, 0.05)})
+    >>> [f"{k:.2g}" for k in (fit.kn, fit.kt)], fit.fits
+    (['4e+06', '9e+05'], True)
     """
     names = tuple(frequencies)
     unknown = [name for name in names if name not in joint.modes]

@@ -85,6 +85,11 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
 
     Raises:
         ValueError: what is wrong in the campaign's files or the settings, a line each.
+
+    >>> import bladeroot as br
+    >>> verdict = br.diagnose("two-modes")  # a folder with campaign.yaml and records.csv
+    >>> verdict.answer, verdict.causes
+    ('nothing-missing', ())
     """
     from bladeroot.diagnosis.judged import judge
     from bladeroot.diagnosis.observations import observed
@@ -112,6 +117,18 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     whole = whole.assign_attrs(own, mechanisms_not_tried="; ".join(failed))
     by_record = {str(one.attrs["record"]): one for one in curves}
     return Verdict(said, whole, seen, stick.assign_attrs(own), by_record)
+
+
+def structures_of(campaign: Campaign) -> dict[str, Path]:
+    """Files of a campaign's structures by name, checked; ValueError with a line a fault."""
+    from bladeroot.rom.file import named_structure
+
+    described = campaign.description
+    loads = [row["load"] for row in campaign.records or campaign.stick]
+    return {
+        name: named_structure(name, campaign.folder, described["modes"], loads)
+        for name in described["structure"]
+    }
 
 
 def _config(given: str | Path | Mapping | None) -> dict:
@@ -153,14 +170,11 @@ def _simulation(
 ) -> xr.Dataset | pd.DataFrame | None:
     """What `bladeroot.diagnosis.judged.judge` compares with."""
     from bladeroot.io.table import read_table
-    from bladeroot.rom.file import check_structure
     from bladeroot.rom.whole import parametric_structure
 
     asked = campaign.description["simulation"]
-    if campaign.description["structure"]:
-        name = campaign.description["structure"][0]
-        check_structure(structure_file(name, campaign.folder), campaign.description["modes"])
-        return parametric_structure(reduced(name), config["parametric"])
+    if structures := structures_of(campaign):
+        return parametric_structure(reduced(next(iter(structures))), config["parametric"])
     if asked == "none":
         return None
     return read_table(campaign.folder / asked, campaign.description, campaign.load)

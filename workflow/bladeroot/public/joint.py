@@ -92,6 +92,14 @@ class Joint:
 
         Raises:
             ValueError: sizes, symmetry or rows that do not fit, an interface without pairs.
+
+        >>> import numpy as np, bladeroot as br
+        >>> K = np.diag([3.0e6, 3.3e6, 3.6e6] * 2)  # two masses, each held to the ground
+        >>> one, other = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])  # x, y, z of each
+        >>> pairs = br.ContactPairs(one, other, np.array([[1.0, 0.0, 0.0]]), np.ones(1))
+        >>> apart = np.eye(3, 6) - np.eye(3, 6, 3)
+        >>> br.Joint.from_matrices(K, 2.0 * np.eye(6), pairs, {"n": apart[0], "t": apart[1]})
+        joint of 6 dofs: kn, kt; modes n, t
         """
         mass, stiffness = _square("M", M), _square("K", K)
         geometric = None if Kg is None else _square("Kg", Kg)

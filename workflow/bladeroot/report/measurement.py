@@ -267,8 +267,12 @@ def _bounds(stick: xr.Dataset, of_joint: bool) -> Table:
         "Records without a plateau: the frequency still changes at the smallest usable amplitude. "
         "It would end in the interval if it goes on below as it changes above, by a power of the "
         "amplitude (the square root or a higher one); a joint of another law can end outside",
-        ("record", "mode", words.header,
-         f"{'stuck frequency' if of_joint else 'frequency at smallest amplitudes'} / Hz"),
+        (
+            "record",
+            "mode",
+            words.header,
+            f"{'stuck frequency' if of_joint else 'frequency at smallest amplitudes'} / Hz",
+        ),
         rows,
     )
 

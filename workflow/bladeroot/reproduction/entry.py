@@ -9,7 +9,6 @@ import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-VERDICTS = ("reproduced", "differs", "erratum", "not reproducible")
 _ROUNDING = 1e-9  # so that a difference of just the tolerance is inside in spite of rounding
 
 # Computed values in the order and the unit of the printed ones, by variant (which structure, which
@@ -143,7 +142,7 @@ def best(candidates: Mapping[str, Values]) -> str:
 
 
 def verdict(entry: Entry, values: Values) -> str:
-    """One of `VERDICTS`, from the numbers; only `not reproducible` rests on a text."""
+    """Reproduced, differs, erratum or, which alone rests on a text, not reproducible."""
     if not entry.computed:
         return "not reproducible"
     known = values.known

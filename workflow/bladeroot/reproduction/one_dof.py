@@ -105,9 +105,7 @@ def slider_curves() -> xr.Dataset:
     seen = velocity + noise * np.random.default_rng(0).standard_normal(velocity.size)
     curve = freevib(seen, SAMPLING, 500.0, noise, tolerance=0.4)
     size = model.critical_amplitude * np.geomspace(0.1, START, 200)
-    frequency, loss = closed_forms.one_dof(
-        size, model.mass, model.spring, model.contact, model.slip_force
-    )
+    frequency, loss = _balanced(model, size)
     stiffness, damping = closed_forms.equivalent_stiffness(size, model.contact, model.slip_force)
     viscous = 2.0 * model.zeta * model.stick_frequency / frequency
     made = {
@@ -138,9 +136,12 @@ def _balance_error() -> float:
     model = Slider(zeta=0.0)
     velocity, _ = free_decay(model, START * model.critical_amplitude, SAMPLING, 0.2)
     curve = freevib(velocity, SAMPLING, 500.0, 0.0, tolerance=0.4)
-    ratio = curve["amplitude"].values / model.critical_amplitude
-    inside = (ratio > 20.0) & (ratio < 95.0)
-    theta = np.arccos(1.0 - 2.0 / ratio[inside])
-    equivalent = model.spring + model.contact / np.pi * (theta - 0.5 * np.sin(2.0 * theta))
-    frequency = np.sqrt(equivalent / model.mass) / (2.0 * np.pi)
-    return float(np.abs(curve["frequency"].values[inside] / frequency - 1.0).max())
+    size = curve["amplitude"].values / model.critical_amplitude
+    curve = curve.isel(point=np.flatnonzero((size > 20.0) & (size < 95.0)))
+    frequency, _ = _balanced(model, curve["amplitude"].values)
+    return float(np.abs(curve["frequency"].values / frequency - 1.0).max())
+
+
+def _balanced(model: Slider, size: Float[ndarray, " amplitude"]) -> tuple[ndarray, ndarray]:
+    """Frequency (Hz) and friction's loss factor by (3.19)."""
+    return closed_forms.one_dof(size, model.mass, model.spring, model.contact, model.slip_force)

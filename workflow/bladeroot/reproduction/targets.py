@@ -153,5 +153,3 @@ _ROWS = {
     "4.4": _table_fixed("table_4_4", RIGID, _BENDING),
     "5.2": _table_5_2,
 }
-# The tables' files that these rows read.
-FILES = tuple(f"table_{n}" for n in ("2_2", "3_1", "3_2", "4_1", "4_2", "4_3", "4_4", "5_1", "5_2"))

@@ -27,6 +27,9 @@ SEARCHED = 8
 # A second mode that agrees with a given shape and is nearer to the first one's MAC than this leaves
 # open which is meant: on few points two modes look alike.
 APART = 0.1
+# A mode that moves less than this part of its largest motion where and in the directions in which a
+# shape is given is none of which one would measure it: of a symmetric structure that is rounding.
+SEEN = 0.05
 # omega^2 below this part of the shift is a rigid motion: rounding leaves less, and an elastic mode
 # lies far above, as the shift is a thousandth of what a single dof would have.
 RIGID = 1e-5
@@ -238,6 +241,7 @@ def _place(name: str, one: Mapping, reduced: xr.Dataset, shown: ndarray, where: 
     known = np.isfinite(given)
     seen = shown[known]
     mac = (given[known] @ seen) ** 2 / (given[known] @ given[known]) / (seen**2).sum(axis=0)
+    mac *= np.abs(seen).max(axis=0) >= SEEN * np.abs(shown).max(axis=(0, 1))
     if not mac.max() >= LEAST_MAC:
         raise ValueError(
             f"no mode of the model agrees with the shape of mode {name}: largest MAC "
@@ -247,8 +251,8 @@ def _place(name: str, one: Mapping, reduced: xr.Dataset, shown: ndarray, where: 
     if count > 1 and mac[second] >= max(LEAST_MAC, mac[first] - APART):
         raise ValueError(
             f"the shape of mode {name} is that of two modes of the model, numbers {first + 1} and "
-            f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points would tell "
-            f"({where})"
+            f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points, or an order, "
+            f"would tell ({where})"
         )
     return int(first)
 

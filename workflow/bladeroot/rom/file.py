@@ -1,10 +1,12 @@
 """Reading a structure file, of a built-in dovetail or of matrices made elsewhere."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 
 from bladeroot.fem.geometry import Structure, structure_from_mapping
 from bladeroot.schema import parse_yaml, read_yaml
+from bladeroot.shipped_files import structure_file
 
 ASSEMBLY, LAP_JOINT = "assembly", "lap-joint"
 
@@ -28,10 +30,27 @@ def is_matrices(path: str | Path) -> bool:
     return kind_of(path) == "matrices"
 
 
-def check_structure(path: str | Path, modes: Iterable[str] = ()) -> str:
+def named_structure(
+    name: str, folder: Path, modes: Iterable[str] = (), loads: Iterable[float] = ()
+) -> Path:
+    """The file of a campaign's structure, the campaign folder's own or a shipped one, checked.
+
+    modes, loads: those of the campaign. Raises ValueError with a line a fault.
+    """
+    path = structure_file(name, folder)
+    written = check_structure(path, modes, loads)
+    if written != name:
+        raise ValueError(f"name must be {name!r} as the file's, got {written!r} ({path})")
+    return path
+
+
+def check_structure(
+    path: str | Path, modes: Iterable[str] = (), loads: Iterable[float] = ()
+) -> str:
     """Name of the structure, its file and the tables that it names checked; matrices come later.
 
-    modes: those of a campaign that an assembly must know. Raises ValueError with a line a fault.
+    modes, loads: those of a campaign that an assembly must serve. Raises ValueError with a line a
+    fault.
     """
     kind = kind_of(path)
     if kind in (ASSEMBLY, LAP_JOINT):
@@ -40,6 +59,11 @@ def check_structure(path: str | Path, modes: Iterable[str] = ()) -> str:
         if unknown:
             known = ", ".join(data["modes"])
             raise ValueError(f"modes: {path} knows {known}, not {', '.join(unknown)}")
+        low, high = data.get("load_range", (-math.inf, math.inf))
+        outside = sorted({load for load in loads if not low <= load <= high})
+        if outside:
+            told = ", ".join(f"{load:g}" for load in outside)
+            raise ValueError(f"load_range of {path} is {low:g} to {high:g}; records have {told}")
         if kind == ASSEMBLY:
             from bladeroot.rom.external.assembly import assembly_tables, read_assembly
 

@@ -30,7 +30,7 @@ def lap_joint_assembly(data: Mapping[str, Any], where: str) -> Assembly:
             raise ValueError(f"interface {name} has no bolt, so no contact pairs ({where})")
         pairs = _pairs(joint, meshes, bolts)
         share = {} if "tied" in one else {"preload_share": float(len(bolts))}
-        interfaces.append(interface_of(name, share | dict(one), *pairs))
+        interfaces.append(interface_of(name, share | dict(one), where, *pairs))
     display = np.array([(k, n) for k in (0, 1) for n in line_nodes(joint, meshes[k], k)])
     kept = data["reduction"]["modes"]
     of_load = data.get("load_range")

@@ -107,8 +107,11 @@ def solved_of(model: xr.Dataset) -> Solved:
 def ln_frequencies(
     model: Surface | Solved, points: Float[ndarray, "point coordinate"]
 ) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode coordinate"]]:
-    """ln f (Hz) and its gradient by (ln k..., load); straight on outside the box."""
-    inside = np.clip(points, model.low, model.high)
+    """ln f (Hz) and its gradient by (ln k..., load); straight on outside the box.
+
+    NaN where a point is not finite, as a search's step may go beyond what a law can be of.
+    """
+    inside = np.where(np.isfinite(points), np.clip(points, model.low, model.high), model.low)
     if isinstance(model, Surface):
         value, slope = chebyshev.evaluate(model, inside, order=1)
     else:

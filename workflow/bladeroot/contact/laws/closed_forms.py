@@ -30,11 +30,6 @@ def equivalent_stiffness(
     return real, k * 4.0 / np.pi * share * (1.0 - share)
 
 
-def dissipated(amplitude: Array, stiffness: Array, limit: Array | float) -> Array:
-    """Energy lost in a cycle, J: the area of the slider's parallelogram, pi h x^2."""
-    return np.pi * equivalent_stiffness(amplitude, stiffness, limit)[1] * np.square(amplitude)
-
-
 def one_dof(
     amplitude: Array, mass: float, stiffness: float, tangential: float, limit: float
 ) -> tuple[Array, Array]:

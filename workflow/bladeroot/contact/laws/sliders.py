@@ -41,11 +41,6 @@ class Sliders:
             raise ValueError("preload must be positive where friction is infinite")
 
 
-def stuck_stiffness(sliders: Sliders) -> Float[ndarray, "contact 2"]:
-    """Normal and tangential stiffness of each contact while it sticks, N/m."""
-    return np.stack([sliders.normal.sum(axis=1), sliders.tangential.sum(axis=1)], axis=1)
-
-
 def at_rest(sliders: Sliders) -> Float[ndarray, "contact slider 2"]:
     """The friction points' places in the static state, m."""
     return np.zeros((*sliders.tangential.shape, 2))
@@ -72,26 +67,6 @@ def load(
     sliders slip.
     """
     return _load(*parts(sliders), motion, state)
-
-
-def history(
-    sliders: Sliders,
-    motion: Float[ndarray, "time contact 3"],
-    state: Float[ndarray, "contact slider 2"],
-    seeds: Float[ndarray, "time contact 3 column"] | None = None,
-) -> tuple[
-    Float[ndarray, "time contact 3"],
-    Float[ndarray, "contact slider 2"],
-    Float[ndarray, "time contact 3 column"],
-]:
-    """Force (N) along a history of motion (m), the last state, and the force's derivative.
-
-    seeds: derivative of the motion by any parameters, of which the start does not depend; the
-    derivative of the force by the same ones is exact. Without seeds it has no columns.
-    """
-    if seeds is None:
-        seeds = np.zeros((*motion.shape, 0))
-    return _history(*parts(sliders), motion, state, seeds)
 
 
 @njit(cache=True)
@@ -153,47 +128,3 @@ def _load(kn, kt, n0, mu, varies, motion, state):
                 tangent[c, 1, 1] += k
                 tangent[c, 2, 2] += k
     return force, tangent, after, slipping
-
-
-@njit(cache=True)
-@no_type_check
-def _history(kn, kt, n0, mu, varies, motion, state, seeds):
-    times, contacts = motion.shape[:2]
-    columns = seeds.shape[3]
-    force = np.zeros((times, contacts, 3))
-    derivative = np.zeros((times, contacts, 3, columns))
-    last = state.copy()
-    moved = np.zeros((2, columns))  # the friction point's derivative
-    for c in range(contacts):
-        for s in range(kn.shape[1]):
-            k = kt[c, s]
-            w1, w2 = state[c, s]
-            moved[:] = 0.0
-            for t in range(times):
-                un, u1, u2 = motion[t, c]
-                normal, slope, limit, steeper, size, e1, e2, slips = slide(
-                    kn[c, s], k, n0[c, s], mu[c, s], varies, un, u1, u2, w1, w2
-                )
-                force[t, c, 0] += normal
-                if slips:
-                    force[t, c, 1] += limit * e1
-                    force[t, c, 2] += limit * e2
-                    w1, w2 = u1 - limit * e1 / k, u2 - limit * e2 / k
-                else:
-                    force[t, c, 1] += k * e1
-                    force[t, c, 2] += k * e2
-                for p in range(columns):
-                    dn, d1, d2 = seeds[t, c, 0, p], seeds[t, c, 1, p], seeds[t, c, 2, p]
-                    derivative[t, c, 0, p] += slope * dn
-                    f1, f2 = k * (d1 - moved[0, p]), k * (d2 - moved[1, p])
-                    if slips:
-                        across = limit * (e1 * f2 - e2 * f1) / (k * size)
-                        f1, f2 = (
-                            steeper * dn * e1 - across * e2,
-                            steeper * dn * e2 + across * e1,
-                        )
-                        moved[0, p], moved[1, p] = d1 - f1 / k, d2 - f2 / k
-                    derivative[t, c, 1, p] += f1
-                    derivative[t, c, 2, p] += f2
-            last[c, s] = w1, w2
-    return force, last, derivative

@@ -65,13 +65,15 @@ class Simulation(Protocol):
 
     modes: their names. structure: its name, "" where nothing is simulated. kind: `structure`,
     `table` or `none`.
-    knows_contact: whether it has kn and kt.
+    knows_contact: whether it has kn and kt. load_range: the least and the largest load, as of the
+    records, that it speaks of.
     """
 
     modes: tuple[str, ...]
     structure: str
     kind: str
     knows_contact: bool
+    load_range: tuple[float, float]
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float

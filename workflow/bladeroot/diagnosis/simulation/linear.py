@@ -40,6 +40,7 @@ class Linear:
     structure: str = ""
     kind: str = "none"
     knows_contact: bool = False
+    load_range: tuple[float, float] = (-np.inf, np.inf)
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float

@@ -65,6 +65,12 @@ class Parametric:
     per_load: float = 1.0
     shift: float = 0.0
 
+    @property
+    def load_range(self) -> tuple[float, float]:
+        """That of the model."""
+        low, high = self.surface.low[-1], self.surface.high[-1]
+        return (low + self.shift) * self.per_load, (high + self.shift) * self.per_load
+
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
     ) -> "_OfRecords":

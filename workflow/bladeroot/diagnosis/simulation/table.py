@@ -51,6 +51,11 @@ class Table:
         return set(CONTACT) <= set(self.names)
 
     @property
+    def load_range(self) -> tuple[float, float]:
+        """What every mode has."""
+        return max(x.min() for x in self.loads), min(x.max() for x in self.loads)
+
+    @property
     def std(self) -> Float[ndarray, " name"]:
         """Standard deviation beforehand of each named parameter."""
         return np.array([PRIOR_LN_K if name in CONTACT else PRIOR for name in self.names])

@@ -9,7 +9,8 @@ from bladeroot.signal.lines import TOLERANCE, peak_Hz, peaks
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
-    "less than half as far from the expected frequency with 10 % of the first"
+    "less than half as far from the expected frequency with 10 % of the first; or how much nearer "
+    "another mode of the sheet is"
 )
 THRESHOLD = 5.0
 # A second line in the band with more than this part of the first leaves open which is the mode; if
@@ -40,6 +41,7 @@ def find(sight: Sight) -> Finding | None:
     second = np.where(apart & peaks(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
     off = abs(sight.own_Hz - sight.expected_Hz)
+    theirs = min((abs(sight.own_Hz - mode) for mode in sight.modes_Hz), default=np.inf)
     close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
     nearer = float(close.max()) / max(own, 1e-300)
     if ratio <= THRESHOLD and (rival > SECOND or nearer > NEARER):
@@ -53,8 +55,13 @@ def find(sight: Sight) -> Finding | None:
             return Finding(statistic, THRESHOLD, "warn", text)
         text += f", but nearer to the expected {sight.expected_Hz:.5g} Hz"
         # the strongest may be the mode all the same, unless the sheet has another one there
-        known = any(abs(sight.own_Hz - mode) < off for mode in sight.modes_Hz)
-        return Finding(statistic, THRESHOLD, "drop" if known else "warn", text)
+        return Finding(statistic, THRESHOLD, "drop" if theirs < off else "warn", text)
+    if ratio <= THRESHOLD and theirs < off:
+        text = (
+            f"the mode at {sight.own_Hz:.5g} Hz is nearer to another one of the sheet than to the "
+            f"one that is asked for, at {sight.expected_Hz:.5g} Hz"
+        )
+        return Finding(THRESHOLD * off / max(theirs, 1e-9 * off), THRESHOLD, "drop", text)
     if ratio <= THRESHOLD and off > FAR * sight.expected_Hz:
         text = f"the mode lies at {sight.own_Hz:.5g} Hz, expected at {sight.expected_Hz:.5g} Hz"
         return Finding(THRESHOLD * off / (FAR * sight.expected_Hz), THRESHOLD, "warn", text)

@@ -121,8 +121,8 @@ def assembly_of_matrices(description: Description) -> Assembly:
     return Assembly(data["name"], bodies, read.interfaces, read.display, read.modes, kept, of_load)
 
 
-def interface_of(name: str, one: Mapping[str, Any], *pairs: ndarray) -> Interface:
-    """An interface as its file describes it. ValueError for a range that is none."""
+def interface_of(name: str, one: Mapping[str, Any], where: str, *pairs: ndarray) -> Interface:
+    """An interface as its file, `where`, describes it. ValueError for a range that is none."""
     if "tied" in one:
         return Interface(name, *pairs, None, None)
     ends = []
@@ -130,7 +130,10 @@ def interface_of(name: str, one: Mapping[str, Any], *pairs: ndarray) -> Interfac
         given = one[f"{kind}_N_per_m"]
         known = not isinstance(given, list)
         if not known and not given[0] < given[1]:
-            raise ValueError(f"interfaces.{name}.{kind}_N_per_m must be [low, high], got {given}")
+            told = "[{:g}, {:g}]".format(*given)
+            raise ValueError(
+                f"interfaces.{name}.{kind}_N_per_m must be [low, high], got {told} ({where})"
+            )
         ends.append(float(given) if known else (float(given[0]), float(given[1])))
     return Interface(name, *pairs, *ends, float(one.get("preload_share", 1.0)))
 
@@ -290,7 +293,7 @@ def _interfaces(
         if not mine.any():
             raise ValueError(f"interface {name} has no contact pairs ({table.path})")
         pairs = (sides[mine, :, 0], sides[mine, :, 1], normal[mine], area[mine])
-        made.append(interface_of(name, one, *pairs))
+        made.append(interface_of(name, one, str(description.path), *pairs))
     return tuple(made)
 
 

@@ -195,7 +195,7 @@ def _check_held(body: Body) -> None:
     motions = motions / np.linalg.norm(motions, axis=0)
     energy = motions.T @ (body.stiffness @ motions)
     diagonal = motions.T @ (body.stiffness.diagonal()[:, None] * motions)
-    if np.linalg.eigvalsh(energy)[0] < _FREE * np.trace(diagonal) / 6:
+    if not np.linalg.eigvalsh(energy)[0] >= _FREE * np.trace(diagonal) / 6:
         raise ValueError(
             f"expected a slot that is held, got one that moves freely: fixed nodes are missing, or "
             f"positions and matrices do not belong together ({body.where})"

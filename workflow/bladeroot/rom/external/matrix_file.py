@@ -86,10 +86,10 @@ def _checked(found: sp.coo_array, where: str) -> sp.csr_array:
     matrix.sum_duplicates()
     matrix.eliminate_zeros()
     off = sp.coo_array(matrix - matrix.T)
-    if off.nnz and np.abs(off.data).max() > SYMMETRY * np.abs(matrix.data).max():
+    if off.nnz and not np.abs(off.data).max() <= SYMMETRY * np.abs(matrix.data).max():
         row, column = (part[np.argmax(np.abs(off.data))] for part in off.coords)
         raise ValueError(
             f"expected a symmetric matrix, got {matrix[row, column]:.6g} in row {row + 1}, column "
             f"{column + 1} and {matrix[column, row]:.6g} across the diagonal ({where})"
         )
-    return sp.csr_array((matrix + matrix.T) / 2)
+    return sp.csr_array(matrix / 2 + matrix.T / 2)

@@ -79,7 +79,7 @@ def _check_positive(matrix: sp.csr_array, where: str) -> None:
             options={"SymmetricMode": True},
         )
         pivots = lu.U.diagonal()
-        wrong = int((pivots <= 0).sum()) if (lu.perm_r == lu.perm_c).all() else len(pivots)
+        wrong = int((~(pivots > 0)).sum()) if (lu.perm_r == lu.perm_c).all() else len(pivots)
     except RuntimeError:  # exactly singular
         wrong, pivots = 1, np.zeros(1)
     # a pivot that is rounding alone means a motion without energy

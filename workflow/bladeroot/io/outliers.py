@@ -7,11 +7,11 @@ from numpy import ndarray
 # A frequency stands alone this many times the usual distance from the neighbours' line, and this
 # part of itself, away from what its neighbours allow: a wrong digit, no law of the force.
 _TIMES, _PART = 20.0, 0.02
-# A law of the force and its scatter need so many points besides the lone one.
+# A law of the force and its scatter need so many points besides the outlier.
 _FEWEST = 5
 
 
-def lone(
+def outliers(
     force: Float[ndarray, " row"], frequency: Float[ndarray, " row"]
 ) -> list[tuple[int, float]]:
     """Rows (all of one mode, each at a force of its own) whose frequency stands alone, with what
@@ -21,7 +21,7 @@ def lone(
     x, y = np.log(force), np.log(frequency)
     found = []
     while kept.size > _FEWEST:
-        # The line of a point's neighbours is spoilt by a lone one, too: the lone one is that
+        # The line of a point's neighbours is spoilt by an outlier, too: the outlier is that
         # without which the others agree best.
         rests = [np.delete(kept, k) for k in range(kept.size)]
         worst = int(np.argmin([np.abs(_distances(x[rest], y[rest])).max() for rest in rests]))

@@ -1,0 +1,93 @@
+"""A second mode that dies before it beats: two exponentials against one mode that bends.
+
+Over a stretch of intervals the mode's envelope is fitted as the sum of two exponentials (by the
+rotation of its signal subspace, ESPRIT: Roy & Kailath 1989), and as one whose logarithm is a cubic,
+which has as many unknowns and is what a mode with laws of its own looks like.
+"""
+
+import numpy as np
+from jaxtyping import Complex
+from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
+
+from bladeroot.decay.beside import Beside
+from bladeroot.decay.component_lines import meant
+from bladeroot.decay.envelope_model import SHARE, Envelopes
+
+# Intervals in a stretch; the mode has not fallen to the other part of its largest in it.
+STRETCHES, ALIVE = (12, 18, 27, 40), 0.02
+# Two exponentials leave so many times less than one that bends; either keeps that part of itself
+# over an interval (what is shorter is a transient), and one differs from the other by that many
+# turns over the stretch (less is a bend of the mode's own).
+CLEAR, LIVES, TURNS = 5.0, 0.5, 0.4
+# Part of what is taken off that is left as a standard error: its own laws are not known.
+DOUBT = 0.5
+TOLD = (
+    "two modes ring near {:.5g} and {:.5g} Hz until one is gone: the first is taken for the one "
+    "that is asked for, the other, {:.2g} times as large at first, is taken off as a plain "
+    "exponential; the sheet had better name both"
+)
+
+
+def twofold(
+    found: Envelopes, sampling_Hz: float, expected_Hz: float, modes_Hz: tuple[float, ...]
+) -> tuple[float, Beside] | None:
+    """Frequency (Hz) of the mode that is meant and what rings beside it; None if it is one mode."""
+    z = found.envelope(0)
+    best, pair = CLEAR, None
+    for count in STRETCHES:
+        part = z[:count]
+        if z.size < count or abs(part[-1]) < ALIVE * np.abs(part).max():
+            break
+        pole, size = _exponentials(part)
+        turns = abs(np.angle(pole[1] / pole[0])) * count / (2.0 * np.pi)
+        if not LIVES < np.abs(pole).min() <= np.abs(pole).max() < 1.1 or turns < TURNS:
+            continue
+        left = np.linalg.norm(part - np.vander(pole, count, increasing=True).T @ size)
+        clear = np.linalg.norm(part - _bending(part)) / max(left, 1e-300)
+        if clear > best:
+            best, pair = clear, (pole, size)
+    if pair is None:
+        return None
+    pole, size = pair
+    step_s = found.spacing / sampling_Hz
+    line = found.lines_Hz[0] + np.angle(pole) / (2.0 * np.pi * step_s)
+    order = np.argsort(-np.abs(pole))  # what lasts goes on as the mode
+    own_Hz = meant(line[order], -1, expected_Hz, modes_Hz)[0]
+    k = int(line[0] == own_Hz)  # the other
+    now = np.arange(found.samples) - 0.5 * (found.spacing - 1)
+    rate = np.log(pole[k]) / found.spacing + 2j * np.pi * found.lines_Hz[0] / sampling_Hz
+    turn = np.exp(1j * np.pi * found.lines_Hz[0] * (found.spacing - 1) / sampling_Hz)
+    wave = (size[k] * turn * np.exp(rate * now)).real
+    middle = np.arange(z.size)
+    cycles = own_Hz / (SHARE * abs(line[1] - line[0]))  # that err alike
+    error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle * np.sqrt(cycles)
+    told = TOLD.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
+    time = (middle + 0.5) * step_s
+    return float(own_Hz), Beside(float(line[k]), wave, time, error, "close-mode", told)
+
+
+def _exponentials(
+    z: Complex[ndarray, " interval"],
+) -> tuple[Complex[ndarray, "2"], Complex[ndarray, "2"]]:
+    """Factors over an interval, and sizes in the first, of two exponentials."""
+    rows = sliding_window_view(z, z.size // 3)
+    signal = np.linalg.svd(rows, full_matrices=False)[2][:2].T
+    pole = np.linalg.eigvals(np.linalg.lstsq(signal[:-1], signal[1:], rcond=None)[0])
+    powers = np.vander(pole, z.size, increasing=True).T
+    return pole, np.linalg.lstsq(powers, z, rcond=None)[0]
+
+
+def _bending(z: Complex[ndarray, " interval"], passes: int = 3) -> Complex[ndarray, " interval"]:
+    """The exponential of a cubic that comes nearest (Gauss-Newton, from the logarithm's own)."""
+    size = np.maximum(np.abs(z), 1e-300)
+    log = np.log(size) + 1j * np.unwrap(np.angle(z))
+    basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, z.size), 3)
+    course = np.linalg.lstsq(basis * size[:, None], log * size, rcond=None)[0]
+    for _ in range(passes):
+        model = np.exp(basis @ course)
+        step = np.linalg.lstsq(basis * model[:, None], z - model, rcond=None)[0]
+        if not np.abs(step).max() < 3.0:
+            break
+        course = course + step
+    return np.exp(basis @ course)
