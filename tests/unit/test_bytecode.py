@@ -7,7 +7,12 @@ from pathlib import Path
 
 import pytest
 
-READ = "import sys; sys.path[:0] = sys.argv[1:]; import bladeroot, law; print(law.SIZE)"
+READ = """\
+import sys; sys.path[:0] = sys.argv[1:]
+from bladeroot.bytecode import follow_content
+follow_content()
+import law; print(law.SIZE)
+"""
 LIBRARY = Path(__file__).resolve().parents[2] / "workflow"
 
 

@@ -11,9 +11,6 @@ verdict = br.diagnose("path/to/campaign")
 from importlib import import_module
 from importlib.metadata import version
 
-from bladeroot.bytecode import follow_content
-
-follow_content()
 __version__ = version("bladeroot")
 
 # The public face, loaded when it is asked for: a stage of the workflow needs none of it.

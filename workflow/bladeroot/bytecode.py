@@ -2,6 +2,7 @@
 
 Python takes a source's time and size for its content. `cp -p`, `rsync -t` and archives that give
 all files one time leave another source of the same time and size, which then runs as the old one.
+The workflow and its scripts ask for it; `import bladeroot` in somebody's own Python does not.
 """
 
 import os

@@ -10,6 +10,10 @@ ROOT = Path(workflow.basedir)
 # do the same (_cli.py).
 sys.path.insert(0, str(ROOT / "workflow"))
 
+from bladeroot.bytecode import follow_content
+
+follow_content()  # before more of the library is read
+
 from bladeroot.nonlinear.settings import check_nonlinear
 from bladeroot.provenance import canonical_json, code_hash, environment_hash
 from bladeroot.io.batches import batches

@@ -11,7 +11,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from bladeroot import runs
+from bladeroot.bytecode import follow_content
+
+follow_content()  # before more of the library is read
+
+from bladeroot import runs  # noqa: E402
 
 
 def run(stage: Callable[..., None], **options: str) -> None:
