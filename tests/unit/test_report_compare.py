@@ -24,7 +24,9 @@ def side():
                "loss_factor_std"]  # fmt: skip
     stick = stick_from_table(pd.DataFrame([map(str, row) for row in rows], columns=columns))
     stick = stick.drop_dims("record").assign(
-        verdict=("record", ["plateau", "plateau"]), stick_frequency=("record", [510.0, 516.0])
+        verdict=("record", ["plateau", "plateau"]),
+        stick_frequency=("record", [510.0, 516.0]),
+        sensor=("record", ["tip", "tip"]),
     )
     stick = stick.assign_coords(record=["r1", "r2"]).assign_attrs(simulated=0, campaign="lab")
     return Side("before", MADE, stick, verdict(causes=[cause()]))

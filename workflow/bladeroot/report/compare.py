@@ -159,7 +159,9 @@ def _at_amplitudes(one: xr.Dataset, other: xr.Dataset, words: Words) -> list[tup
 def _both(one: xr.Dataset, other: xr.Dataset) -> list[tuple[xr.Dataset, xr.Dataset]]:
     """Levels of the same mode, load, group and sensor."""
     levels = [[of.isel(level=k) for k in range(of.sizes["level"])] for of in (one, other)]
-    names = [k for k in ("mode", "group", "sensor") if k in one and k in other]
+    # of stick frequencies the sensor is a record's
+    names = [k for k in ("mode", "group", "sensor")
+             if all(k in of and of[k].dims == ("level",) for of in (one, other))]  # fmt: skip
     return [
         (a, b)
         for a, b in product(*levels)
