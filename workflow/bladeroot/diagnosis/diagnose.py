@@ -51,9 +51,9 @@ class Diagnosis:
     """All that was found; `verdict`, `dataset` and `extension` make artifacts of it.
 
     lacks: what the campaign lacks, a phrase each; curve_lacks: what its curves lack, which then
-    name nothing. hopeless: whether no law can be judged at all. left_out: record mechanisms'
-    consequence for the curves, a line, or "". not_judged: mechanisms that want what the campaign
-    does not say of its records, and what is done without it, a line, or "".
+    name nothing. left_out: record mechanisms' consequence for the curves, a line, or "".
+    not_judged: mechanisms that want what the campaign does not say of its records, and what is done
+    without it, a line, or "".
     """
 
     seen: xr.Dataset
@@ -68,7 +68,6 @@ class Diagnosis:
     faulty: tuple[Faulty, ...]
     lacks: tuple[str, ...]
     curve_lacks: tuple[str, ...]
-    hopeless: bool
     left_out: str
     not_judged: str
 
@@ -122,7 +121,7 @@ def diagnose(
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
         seen, simulated.structure, settings, known, data, damping, curves, simulated,
-        tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
+        tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), left_out,
         not_judged(candidates, data, simulated),
     )  # fmt: skip
 

@@ -23,19 +23,14 @@ FALL = 2e-4  # of the frequency: the source reads its onset off a curve
 EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
 SHARES = (0.95, 0.9, 0.8, 0.6)
 LOOSE = (0.05, 0.02, 0.01, 0.005)
+MODE, FRICTION = "1B", 0.42
 SEEN = 2e-6  # m, section 3.5
 # ln kn, ln kt (N/m) and F (N); kn and kt as they fit measured frequencies near 4 kN.
 POINT = np.array([np.log(0.5e9), np.log(0.9e9), 4e3])
 _STRIPS = 12
 
 
-def onset_table(
-    joint: Joint,
-    point: Float[ndarray, "3"],
-    mode: str = "1B",
-    laser_x: float = 0.0,
-    friction: float = 0.42,
-) -> xr.Dataset:
+def onset_table(joint: Joint, point: Float[ndarray, "3"], laser_x: float = 0.0) -> xr.Dataset:
     """Amplitudes (m) at the laser where the first place slips and where the frequency has fallen.
 
     point: (ln kn, ln kt, F). By `exponent` of the pressure over the whole width (0 uniform, 0.5
@@ -46,8 +41,8 @@ def onset_table(
     """
     attrs = {
         "structure": joint.assembly.attrs["structure"],
-        "mode": mode,
-        "friction": friction,
+        "mode": MODE,
+        "friction": FRICTION,
         "force_N": float(point[2]),
         "kn": float(np.exp(point[0])),
         "kt": float(np.exp(point[1])),
@@ -55,17 +50,15 @@ def onset_table(
         "reason": "",
     }
     try:
-        return _onsets(joint, point, mode, laser_x, friction).assign_attrs(attrs)
+        return _onsets(joint, point, laser_x).assign_attrs(attrs)
     except (ValueError, RuntimeError) as error:
         return xr.Dataset(attrs=attrs | {"reason": str(error)})
 
 
-def _onsets(
-    joint: Joint, point: Float[ndarray, "3"], mode: str, laser_x: float, friction: float
-) -> xr.Dataset:
-    system = system_of(joint, point, mode, laser_x)
+def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Dataset:
+    system = system_of(joint, point, MODE, laser_x)
     whole = jenkins(
-        *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], friction
+        *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], FRICTION
     )
     place = width_places(joint)[system.pair]
     uniform = first_slip(system, whole)

@@ -238,7 +238,7 @@ def _of_structures(given: Material) -> dict[str, list[Section]]:
         "nonlinear": [
             nonlinear_section(given.amplitudes, given.shortfalls, _slip(given), given.of_the_thesis)
         ],
-        "theory": [theory_section(stages["theory"], stages["stiffness"], drawn)],
+        "theory": [theory_section(stages["theory"], drawn)],
         "comparison": [
             ledger_section(stages["ledger"], given.errata, pictures(slider(stages["slider"]))),
             errata_section(given.errata),

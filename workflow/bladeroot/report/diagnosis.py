@@ -58,7 +58,7 @@ def diagnosis_section(
     parts += cautions(found, verdicts)
     parts += [structures_table(verdicts)] if len(found) > 1 else []
     parts += [*remarks, *drawn, candidates_table(found), *_not_tried(found[0])]
-    parts += [sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []
+    parts += [sizes_table(verdicts)] if any(said["causes"] for said in verdicts) else []
     gain = gain_table(verdicts, words_of(found[0]))
     parts += [gain] if gain.rows else []
     return Section(title, [*parts, *stiffness_tables(found), *next_parts(found)])

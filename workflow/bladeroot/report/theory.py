@@ -22,9 +22,7 @@ COMPARED = (
 )
 
 
-def theory_section(
-    theory: xr.Dataset, stiffness: xr.Dataset, drawn: Mapping[str, Sequence[Picture]]
-) -> Section:
+def theory_section(theory: xr.Dataset, drawn: Mapping[str, Sequence[Picture]]) -> Section:
     """Traction profiles, stiffness against force in both limits of friction, ratios.
 
     drawn: tractions and compared.
