@@ -98,7 +98,8 @@ def test_what_the_records_would_not_show_is_not_called_a_cause():
 
 def test_answers_without_a_cause_say_what_they_are():
     few = found(named="", lacks="a second mode;more axial forces")
-    few.attrs["insufficient"] = "load-dependent-stiffness explains the stick data best: why"
+    few.attrs["insufficient"] = "load dependent stiffness explains the stick data best: why"
+    few.attrs["insufficient_causes"] = "load-dependent-stiffness"
     barred = cause(credible_set=["load-dependent-stiffness", "incomplete-contact"])
     for causes, missing in (([], "cannot be said"), ([barred], "")):  # a cause is told once
         said = told(few, verdict("insufficient-data", causes), False)

@@ -143,7 +143,7 @@ def not_judged(
         lines.append(f"{data.untimed} records without a time left out")
     if data.unheld and data.time_known:
         lines.append(
-            f"{data.unheld} records without a hold: those one after another at one force and "
+            f"{data.unheld} records without a hold: those one after another at one {{force}} and "
             "direction are taken for one clamping"
         )
     return ". ".join(lines)

@@ -16,6 +16,7 @@ from bladeroot.diagnosis.verdict import insufficient, is_shown
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.terms import spelled
 
 STAGES = ("before", "after")
 _GRID = 40
@@ -50,8 +51,9 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
         answer=said["answer"],
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
-        lacks=";".join(made.lacks),
-        insufficient=". ".join(insufficient(made)),
+        lacks=made.terms.say(";".join(made.lacks)),
+        insufficient=made.terms.say(". ".join(insufficient(made, spelled))),
+        insufficient_causes=";".join(found.insufficient for found in made.found),
         least_force_N=made.settings.least_force,
     )
 
@@ -173,7 +175,7 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
         barred = {**found.known.barred, **found.known.ruled_out}
         for one in found.channel.candidates:
             rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
-                         one.id in named, barred.get(one.id, "")))  # fmt: skip
+                         one.id in named, made.terms.say(barred.get(one.id, ""))))  # fmt: skip
         rows += [
             (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
             for name, value in step.smooth.items()
@@ -184,7 +186,7 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
     rows.sort(key=lambda row: -row[3])
     sentences = {one.id: one.sentence for found in made.found for one in found.channel.candidates}
     sentences |= {one.mechanism.id: one.mechanism.sentence for one in made.faulty}
-    said = [sentences.get(row[0], "any smooth function") for row in rows]
+    said = [made.terms.say(sentences.get(row[0], "any smooth function")) for row in rows]
     columns = list(zip(*rows, strict=True)) if rows else [[], [], [], [], [], []]
     text = "log evidence over the baseline in its channel; of record faults log odds"
     return xr.Dataset(

@@ -24,10 +24,10 @@ from bladeroot.diagnosis.simulation.own_range import (
 from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
-from bladeroot.loads import AXIAL_FORCE, shown
+from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
-from bladeroot.plain_words import plainly, plainly_but_ids
 from bladeroot.pooling.groups import told
+from bladeroot.terms import Terms
 
 BASELINE = "linear baseline"
 SILENT = (
@@ -158,7 +158,9 @@ def _in_own(
         simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
     scaled = in_catalogue(seen, own)
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
-    made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
+    terms = Terms(own.name, simulated.kind != "none")
+    asked = replace(settings, least_force=least)
+    made = diagnose(scaled, simulated, asked, candidates, terms=terms)
     factor, unit, _ = shown(_load(seen))
     further = next_measurements(
         made, lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip()
@@ -166,10 +168,6 @@ def _in_own(
     said = verdict(made)
     whole = dataset_in_own(dataset(made, said).merge(further), own)
     said = verdict_in_own(said | {"next": following(further)}, own)
-    if simulated.kind == "none" or own.name != AXIAL_FORCE:
-        of_table = simulated.kind != "none"
-        whole = _dataset_plainly(whole, own.name, of_table)
-        said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":
         silent = SILENT + (SILENT_LOAD if own.name else "")
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
@@ -180,31 +178,6 @@ def _in_own(
     whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
     whole.attrs |= _load(seen)
     return whole, said, None
-
-
-def _verdict_plainly(said: Mapping, load: str, simulated: bool) -> dict:
-    """A verdict in such terms; ids stay."""
-    made = dict(said)
-    made["reason"] = plainly_but_ids(said["reason"], load, simulated)
-    made["causes"] = [
-        one | {"splitter": plainly(one["splitter"], load, simulated)} for one in said["causes"]
-    ]
-    made["shortfall"] = [
-        one | {"trend": plainly(one["trend"], load, simulated)} for one in said["shortfall"]
-    ]
-    return made
-
-
-def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Dataset:
-    """A diagnosis's Dataset in such terms."""
-    made = found.copy()
-    for name in ("sentence", "barred"):
-        if name in made:
-            texts = [plainly(str(text), load, simulated) for text in made[name].values]
-            made[name] = (made[name].dims, texts, made[name].attrs)
-    for name in ("reason", "lacks", "insufficient"):
-        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
-    return made
 
 
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
