@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bladeroot import variables
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
@@ -190,14 +191,11 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
         "records": records_of(seen), "reason": reason, "possible": {}, "next": [],
     }  # fmt: skip
     empty = np.array([], dtype=str)
-    names = ("class", "channel", "sentence", "barred")
-    whole = xr.Dataset(
-        {name: ("candidate", empty) for name in names}
-        | {"log_evidence": ("candidate", np.zeros(0)), "is_named": ("candidate", np.zeros(0, int))},
-        coords={"candidate": empty},
-        attrs={"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
-               "lacks": "", "least_force_N": 0.0, "refused": 1},
-    )  # fmt: skip
+    names = ("candidate", "class", "channel", "sentence", "barred")
+    nothing = {"log_evidence": np.zeros(0), "is_named": np.zeros(0, int)}
+    whole = variables.dataset("diagnosis/ranking", nothing | dict.fromkeys(names, empty))
+    whole.attrs = {"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
+                   "lacks": "", "least_force_N": 0.0, "refused": 1}  # fmt: skip
     unchanged = {"schema": EXTENSION, "campaign": said["campaign"], "structure": structure,
                  "contact": {}, "mechanisms": []}  # fmt: skip
     return whole, said, unchanged

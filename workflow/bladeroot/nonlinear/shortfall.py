@@ -18,6 +18,7 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.flanks import even_preload, width_places
 from bladeroot.nonlinear.system import system_of
 from bladeroot.rom.joint import Joint
+from bladeroot.variables import dataset
 
 FALL = 2e-4  # of the frequency: the source reads its onset off a curve
 EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
@@ -74,21 +75,15 @@ def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Data
     partial = np.array(
         [[onsets(partial_contact(even, share, loose)) for loose in LOOSE] for share in SHARES]
     )
-    first = {"units": "m", "long_name": "amplitude where the first place slips"}
-    fallen = {
-        "units": "m",
-        "long_name": "amplitude where the frequency has fallen by 200 ppm, NaN if nowhere",
+    made = {
+        "first_slip": full[:, 0],
+        "onset": full[:, 1],
+        "partial_first_slip": partial[..., 0],
+        "partial_onset": partial[..., 1],
+        "highest": ladder[-1],
     }
-    return xr.Dataset(
-        {
-            "first_slip": ("exponent", full[:, 0], first),
-            "onset": ("exponent", full[:, 1], fallen),
-            "partial_first_slip": (("share", "loose"), partial[..., 0], first),
-            "partial_onset": (("share", "loose"), partial[..., 1], fallen),
-            "highest": ((), ladder[-1], {"units": "m", "long_name": "largest amplitude tried"}),
-        },
-        coords={"exponent": list(EXPONENTS), "share": list(SHARES), "loose": list(LOOSE)},
-    )
+    places = {"exponent": EXPONENTS, "share": SHARES, "loose": LOOSE}
+    return dataset("nonlinear/shortfall", made | {k: list(v) for k, v in places.items()})
 
 
 def crossing(

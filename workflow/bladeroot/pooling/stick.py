@@ -12,7 +12,7 @@ from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.components import Pooled, pool
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
-from bladeroot.variables import dataset
+from bladeroot.variables import dataset, registered
 
 # What is said of a level beside its mode, force and group.
 LEVEL = (
@@ -265,11 +265,10 @@ def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str
     result = dataset("pooling/stick", made).assign_attrs(load)
     for name in ("record_force", "force"):
         result[name].attrs = load_attrs(load)
-    for name, (units, long_name, source) in RECORD.items():
+    known = registered("plateau/record")
+    for name in RECORD:
         key = f"record_{name}" if name in LEVEL else name
-        attrs = {"units": units, "long_name": long_name}
-        attrs |= {"source": source} if source else {}
-        result[key] = ("record", _numbers(records[name]), attrs)
+        result[key] = ("record", _numbers(records[name]), known[name][1])
     return result
 
 
