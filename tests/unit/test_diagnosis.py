@@ -318,7 +318,7 @@ def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
     seen["hold"][:] = ""
     said = verdict(made := diagnose(seen, model, Settings(BIAS), CATALOGUE))
     assert shows_nothing(said)
-    assert "112 records without a hold" in said["reason"]
+    assert "112 records without a clamping" in said["reason"]
     pairs = [one.hold[:, None] == one.hold for one in (known, made.data)]
     assert (pairs[0] == pairs[1]).all()
     # records that are left out still lie between the others

@@ -165,7 +165,7 @@ SLIDERS = [one for one in EVERY if any(p.name == "threshold" for p in one.parame
 
 @pytest.mark.parametrize("law", SLIDERS, ids=named)
 def test_no_slider_of_a_sum_is_seen_by_itself(law):
-    """A kink of the loss at each slider would be a false summit of a fit of the threshold."""
+    """A kink of the loss at each slider would be a false maximum of a fit of the threshold."""
     amplitude = np.exp(np.arange(-18.0, -9.0, 0.02))
     one = np.ones(amplitude.size)
     points = Points(np.zeros(one.size, int), 12e3 * one, amplitude, 3e-3 * one)

@@ -27,7 +27,7 @@ from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
-from bladeroot.pooling.groups import told
+from bladeroot.pooling.groups import group_sentences
 from bladeroot.terms import Terms
 
 BASELINE = "linear baseline"
@@ -235,7 +235,7 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip
-    lines = told(seen)
+    lines = group_sentences(seen)
     if not lines:
         return said
     lines = [f"{line[0].upper()}{line[1:]}" for line in lines]

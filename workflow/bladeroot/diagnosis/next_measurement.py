@@ -52,7 +52,7 @@ def kilonewtons(force: float) -> str:
     return f"{force / 1e3:.3g} kN"
 
 
-def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewtons) -> xr.Dataset:
+def next_measurements(made: Diagnosis, as_text: Callable[[float], str] = kilonewtons) -> xr.Dataset:
     """What each possible measurement is expected to decide, the best for its hours first.
 
     dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
@@ -77,7 +77,7 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
     together = accumulate(tests, lambda some, one: some.with_test(one, made))
     others = [*{one.what: row(one) for one in (*tests, *together)}.values()]
-    others += [max(map(row, some), key=rate) for some in of_records(made, told)]
+    others += [max(map(row, some), key=rate) for some in of_records(made, as_text)]
     rows = [row(Option("", "as measured", np.nan)), *sorted(others, key=rate, reverse=True)]
     values = {name: np.array([one[name] for one in rows]) for name in names("diagnosis/next")}
     values["option"] = [one["option"] for one in rows]

@@ -21,7 +21,7 @@ def of_records(
         "force": np.log(records.force),
         "time": records.time,
         "time, through the contact": records.time,
-        "time in a hold": records.since,
+        "time in a clamping": records.since,
         "direction": records.sign,
         "temperature": records.temperature,
     }.get(smooth_in, np.log(records.force))

@@ -176,7 +176,7 @@ def _shortfall(made: Diagnosis) -> list[dict]:
             axis = max(step.smooth, key=step.smooth.get, default="force")
             if found.causes and found.causes[0].mechanism.over:
                 over = found.causes[0].mechanism.over[0]
-                axis = {"sign": "direction", "since": "time in a hold"}.get(over, over)
+                axis = {"sign": "direction", "since": "time in a clamping"}.get(over, over)
             data = made.data if found.channel.name == "stick" else made.damping.stick
             new = of_records(found.channel.name, data, found.baseline, axis)
         rows += [

@@ -216,7 +216,7 @@ def _at(one: xr.Dataset) -> str:
     )
 
 
-def told(differences: xr.Dataset) -> list[str]:
+def group_sentences(differences: xr.Dataset) -> list[str]:
     """A sentence for each mode and quantity in which groups differ."""
     lines = []
     for k in np.flatnonzero(differences["told"].values):

@@ -47,7 +47,7 @@ def plain(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class Told:
+class Sentences:
     """A verdict in sentences, a list a subject."""
 
     head: str
@@ -64,11 +64,11 @@ class Told:
         return Box(self.head, lines)
 
 
-def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
+def sentences_of(one: xr.Dataset, said: Mapping, simulated: bool) -> Sentences:
     """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
     words, judge = words_of(one), judge_of(one)
     head = f"{judge.subject if judge.plural else against(one, said)}: {answer_of(said)}"
-    return Told(
+    return Sentences(
         f"Simulated campaign. {head}" if simulated else head,
         _missing(said, judge),
         _because(one, said),
