@@ -7,7 +7,6 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot import variables
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
@@ -18,6 +17,7 @@ from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.terms import spelled
+from bladeroot.variables import dataset as tabled
 
 STAGES = ("before", "after")
 _GRID = 40
@@ -78,7 +78,7 @@ def _records(made: Diagnosis, found: Found) -> xr.Dataset:
             mine = (records.mode == m) & (records.force == f)
             if mine.any():
                 level[:, m, k] = plain[:, mine].mean(axis=1)
-    return variables.dataset(
+    return tabled(
         "diagnosis/stick",
         {
             "stick_mode": np.array(data.modes)[records.mode],
@@ -104,7 +104,7 @@ def _damping(made: Diagnosis, found: Found) -> xr.Dataset:
     names = made.seen["record"].values.astype(str)[made.damping.stick.row]
     made = {"damping_residual": plain, "damping_residual_scaled": scaled}
     made |= {"stage": list(STAGES), "damping_record": names}
-    return variables.dataset("diagnosis/damping", made)
+    return tabled("diagnosis/damping", made)
 
 
 def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
@@ -123,7 +123,7 @@ def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
     for name, mine in (("curve_frequency", slice(n)), ("curve_loss", slice(n, 2 * n))):
         entries[name], entries[f"{name}_std"] = value[mine], own[mine]
         entries[f"{name}_simulated"] = np.array([fit.state.mean[mine] for fit in _sides(found)])
-    return variables.dataset("diagnosis/curve", entries)
+    return tabled("diagnosis/curve", entries)
 
 
 def level_offsets(data: CurveData, residual: Float[ndarray, " datum"]) -> Float[ndarray, " datum"]:
@@ -168,7 +168,7 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
         name: np.array([row[k] for row in rows], dtype=kind)
         for k, (name, kind) in enumerate(kinds.items())
     }
-    return variables.dataset("diagnosis/ranking", made | {"sentence": np.array(said, dtype=str)})
+    return tabled("diagnosis/ranking", made | {"sentence": np.array(said, dtype=str)})
 
 
 def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
@@ -197,7 +197,7 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
     made = {"law_k": k, "law_ln_std": std, "law_correlation": correlation}
     made |= {"law_ln_covariance": whole, "law_force": force, "stage": list(STAGES)}
     made |= {"stiffness": list(names), "stiffness_": list(names)}
-    return variables.dataset("diagnosis/law", made)
+    return tabled("diagnosis/law", made)
 
 
 def stiffness_law(

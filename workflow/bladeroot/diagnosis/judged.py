@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bladeroot import variables
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
@@ -29,6 +28,7 @@ from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.pooling.groups import group_sentences
 from bladeroot.terms import Terms
+from bladeroot.variables import dataset as tabled
 
 BASELINE = "linear baseline"
 SILENT = (
@@ -193,7 +193,7 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
     empty = np.array([], dtype=str)
     names = ("candidate", "class", "channel", "sentence", "barred")
     nothing = {"log_evidence": np.zeros(0), "is_named": np.zeros(0, int)}
-    whole = variables.dataset("diagnosis/ranking", nothing | dict.fromkeys(names, empty))
+    whole = tabled("diagnosis/ranking", nothing | dict.fromkeys(names, empty))
     whole.attrs = {"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
                    "lacks": "", "least_force_N": 0.0, "refused": 1}  # fmt: skip
     unchanged = {"schema": EXTENSION, "campaign": said["campaign"], "structure": structure,
