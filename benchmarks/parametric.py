@@ -27,7 +27,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.chebyshev import at_force
 from bladeroot.rom.joint import exact_modes, joint_of_reduced, stiffness_at
-from bladeroot.rom.parametric import frequencies, frequencies_gradient, surface_of
+from bladeroot.rom.parametric import frequencies, ln_frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.reduction import beam_basis, beam_model, contact_dofs, reduce_structure
 from bladeroot.rom.ritz import frequency
@@ -95,7 +95,7 @@ def compare_map(joint, model, dense: int = 4, random: int = 20) -> None:
     clock = Clock()
     drawn = frequencies(at_force(surface_of(model), FORCE), grid)
     ours = clock()
-    frequencies_gradient(surface_of(model), grid)
+    ln_frequencies(surface_of(model), grid)
     second = clock()
     chosen = np.random.default_rng(1).choice(len(grid), dense)
     for point in grid[chosen]:

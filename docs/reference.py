@@ -16,6 +16,7 @@ import yaml
 from bladeroot.bench import effects
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.quality import findings
+from bladeroot.terms import DOVETAIL
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -160,10 +161,11 @@ def mechanism_page() -> str:
         "literature has for it, and the evidence of a mechanism is the sum over them.\n"
     ]
     for one in catalogue():
-        parts.append(f"## {one.id}\n\n{one.sentence[:1].upper()}{one.sentence[1:]}.\n")
+        sentence, splitter = map(DOVETAIL.say, (one.sentence, one.splitter))
+        parts.append(f"## {one.id}\n\n{sentence[:1].upper()}{sentence[1:]}.\n")
         forms = ", ".join(form.form for form in (one, *one.forms) if form.form)
         parts.append(f"- class: {one.kind}" + (f"\n- forms: {forms}" if forms else ""))
-        parts.append(f"- what tells it from its siblings: {one.splitter}\n")
+        parts.append(f"- what tells it from its siblings: {splitter}\n")
         if one.parameters:
             parts.append("| parameter | unit | prior | limits | source |\n|---|---|---|---|---|")
             parts += [

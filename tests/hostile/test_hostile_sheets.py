@@ -5,7 +5,7 @@ from answers import answer
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.names import LONGEST_NAME
 
-HEAD = "record,file,mode,force_N,hold,time_s,channel,sampling_Hz,unit,sensitivity\n"
+HEAD = "record,file,mode,force_N,hold,time_s,channel,sampling_Hz,unit,sensitivity,response\n"
 DESCRIPTION = """title: {title}
 modes:
   1B: {{expected_Hz: {expected}, laser_x_mm: 0}}
@@ -13,7 +13,8 @@ force: {{gauge: pressure, piston_area_cm2: 17.9, full_scale_bar: 700, accuracy_p
   accuracy_of: full-scale}}
 """
 GOOD = {"record": "r1", "file": "a.csv", "mode": "1B", "force_N": "12000", "hold": "h",
-        "time_s": "", "channel": "", "sampling_Hz": "", "unit": "", "sensitivity": ""}  # fmt: skip
+        "time_s": "", "channel": "", "sampling_Hz": "", "unit": "", "sensitivity": "",
+        "response": ""}  # fmt: skip
 DIGITS = "9" * 400
 
 # A cell, and what is said of it; "" where it is allowed.
@@ -71,6 +72,9 @@ CELLS = [
     ("sensitivity", "0", ""),
     ("sensitivity", "10**10**10 m/s/V", ""),
     ("sensitivity", "__import__('os').abort()", ""),
+    ("response", "high-pass " + DIGITS + " Hz", "response"),
+    ("response", "high-pass 1e999 Hz", "response"),
+    ("response", "../high_pass 1 Hz", "response"),
 ]
 
 

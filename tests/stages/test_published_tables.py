@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from bladeroot.contact.published import published_stiffness
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.reproduction.calibration import Calibration, predict
 from bladeroot.reproduction.parameters import parameters_of, values_in
+from bladeroot.reproduction.published import published_stiffness
 from bladeroot.reproduction.targets import targets_of
 from bladeroot.reproduction.thesis_search import table_deltas
 from bladeroot.rom.checks import checks

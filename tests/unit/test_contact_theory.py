@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.contact.published import published_stiffness
 from bladeroot.contact.theory import normal_force, theory
+from bladeroot.reproduction.published import published_stiffness
 
 THESIS = Path(__file__).parents[2] / "resources" / "thesis"
 FE_FORCES = np.arange(12e3, 23e3, 2e3)
@@ -19,7 +19,7 @@ def columns(name):
 
 @pytest.fixture(scope="module")
 def parameters():
-    table = columns("contact_parameters.csv")
+    table = columns("../structures/flank.csv")
     return dict(zip(table["name"], map(float, table["value"]), strict=True))
 
 

@@ -89,8 +89,8 @@ def test_the_scale_is_that_of_most_marginal_likelihood():
     assert found.scales[0] == pytest.approx(best, abs=0.05)
 
 
-def test_of_several_starts_the_better_summit_wins():
-    """A mean with two summits; the start beside the lower one must not decide."""
+def test_of_several_starts_the_better_maximum_wins():
+    """A mean with two maxima; the start beside the lower one must not decide."""
 
     def predict(t):
         mean = np.full(5, t[0] ** 2 - 0.5 * t[0])

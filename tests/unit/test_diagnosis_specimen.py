@@ -17,10 +17,10 @@ from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.mechanisms.catalogue import catalogue
-from bladeroot.plain_words import plainly
 from bladeroot.rom.parametric import ln_frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.schema import check
+from bladeroot.terms import Terms
 from diagnosis_bench import FORCES, MODES, campaign, programme
 from stiffness_beam import beam_joint
 
@@ -252,10 +252,10 @@ def test_sensors_of_one_event_are_one_observation():
 @pytest.mark.parametrize(
     ("text", "load", "said"),
     [
-        ("curves at a second axial force", "", "curves at a second preload of the joint"),
-        ("curves at a second axial force", "bolt torque", "curves at a second bolt torque"),
-        ("rises by 2 % more than simulated", "", "rises by 2 % more than in a linear mode"),
+        ("curves at a second {load}", "", "curves at a second preload of the joint"),
+        ("curves at a second {load}", "bolt torque", "curves at a second bolt torque"),
+        ("rises by 2 % more {than_simulated}", "", "rises by 2 % more than in a linear mode"),
     ],
 )
 def test_sentences_suit_a_specimen_without_force_and_simulation(text, load, said):
-    assert plainly(text, load) == said
+    assert Terms(load, simulated=False).say(text) == said

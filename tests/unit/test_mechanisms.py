@@ -8,6 +8,7 @@ from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
 from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.mechanisms.probe import probe
+from bladeroot.terms import DOVETAIL
 from scipy.integrate import quad
 from scipy.stats import norm
 
@@ -73,6 +74,7 @@ def test_the_fixed_ids_are_there_with_their_classes():
 def test_a_mechanism_states_all_that_a_reader_asks(mechanism):
     assert mechanism.sentence
     assert mechanism.splitter
+    assert "{" not in DOVETAIL.say(mechanism.sentence + mechanism.splitter)
     for p in mechanism.parameters:
         assert p.unit
         assert p.source
@@ -163,7 +165,7 @@ SLIDERS = [one for one in EVERY if any(p.name == "threshold" for p in one.parame
 
 @pytest.mark.parametrize("law", SLIDERS, ids=named)
 def test_no_slider_of_a_sum_is_seen_by_itself(law):
-    """A kink of the loss at each slider would be a false summit of a fit of the threshold."""
+    """A kink of the loss at each slider would be a false maximum of a fit of the threshold."""
     amplitude = np.exp(np.arange(-18.0, -9.0, 0.02))
     one = np.ones(amplitude.size)
     points = Points(np.zeros(one.size, int), 12e3 * one, amplitude, 3e-3 * one)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.pooling.curves import mean_curves
-from bladeroot.pooling.groups import group_differences, told
+from bladeroot.pooling.groups import group_differences, group_sentences
 from bladeroot.pooling.stick import stick_from_records
 from pooling_bench import curve, drawn
 from scipy.stats import t
@@ -22,7 +22,7 @@ def test_a_difference_between_groups_is_told_with_its_size():
     assert float(loss["difference"]) == pytest.approx(0.4, abs=3 * float(loss["difference_std"]))
     assert loss["high_group"].item() == "floor 2"
     assert int(loss["freedom"]) == 6  # nine motions in three groups, however many sensors saw them
-    (line,) = told(found)
+    (line,) = group_sentences(found)
     assert "the loss factor of mode m2 depends on the group: in floor 2 it is 4" in line
 
 

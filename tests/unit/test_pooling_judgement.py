@@ -66,6 +66,6 @@ def test_a_record_unlike_its_repeats_warns_after_its_own_findings():
     assert list(found["finding_record"].values) == ["a", "d"]
     assert list(found["finding_consequence"].values) == ["subtract", "warn"]
     text = found["finding_text"].values[1]
-    assert text.startswith("lies -2.34 % from the other records of mode 1B at 4 kN (in hold h)")
+    assert text.startswith("lies -2.34 % from the other records of mode 1B at 4 kN (in clamping h)")
     assert "column exclude of records.csv" in text
     assert list(found["verdict"].values) == ["usable"] * 4

@@ -16,7 +16,7 @@ from bladeroot.report.next_measurement import best_option
 from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
-from bladeroot.report.verdict import disagreement, in_short, plain, size, told, with_open
+from bladeroot.report.verdict import disagreement, in_short, plain, sentences_of, size, with_open
 from bladeroot.report.words import words_of
 from report_bench import POWER, SEATING, cause, found, verdict
 
@@ -38,7 +38,7 @@ def page(one, said, simulated=False):
 
 
 def test_a_verdict_is_told_by_subject():
-    said = told(found(), verdict(causes=[cause()]), False)
+    said = sentences_of(found(), verdict(causes=[cause()]), False)
     assert said.head == "S: cause named"
     assert (
         "stick frequency of mode 1B (also in 2B), which rises with the force by 0.6 %"
@@ -54,7 +54,7 @@ def test_a_verdict_is_told_by_subject():
 
 
 def test_a_single_rival_is_a_question_of_whether_it_acts():
-    said = told(found(rivals=SEATING), verdict(causes=[cause()]), False)
+    said = sentences_of(found(rivals=SEATING), verdict(causes=[cause()]), False)
     assert said.next[0].endswith("70 % of the question whether incomplete contact acts.")
 
 
@@ -68,7 +68,8 @@ def test_in_short_a_verdict_is_two_sentences_with_every_credible_cause(credible)
 
 
 def test_an_ambiguous_answer_gives_the_measurement_that_splits():
-    because = told(found(), verdict("ambiguous", [cause((POWER, SEATING))]), False).because[0]
+    said = verdict("ambiguous", [cause((POWER, SEATING))])
+    because = sentences_of(found(), said, False).because[0]
     assert "load dependent stiffness or incomplete contact" in because
     assert because.endswith("To decide: twice the force.")
 
@@ -80,7 +81,7 @@ def test_an_ambiguous_answer_gives_the_measurement_that_splits():
 def test_a_gain_is_said_as_it_is(after, text):
     sides = {"before": 4.01e-3, "after": after, "unit": "1"}
     said = verdict(causes=[cause(plausible=False)]) | {"gain": {"between_forces": sides}}
-    spoken = told(found(), said, False)
+    spoken = sentences_of(found(), said, False)
     assert text in spoken.gain[0]
     assert "beyond what is physically plausible" in spoken.because[0]
 
@@ -88,7 +89,7 @@ def test_a_gain_is_said_as_it_is(after, text):
 def test_what_the_records_would_not_show_is_not_called_a_cause():
     quiet = cause((POWER, "none", SEATING), probability=0.06)
     said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
-    spoken = told(found(named=""), said, False)
+    spoken = sentences_of(found(named=""), said, False)
     assert spoken.head == "S: nothing shows to be missing, some causes would not show"
     assert spoken.missing == "The simulation explains all records within their scatter."
     assert "Not excluded" in spoken.because[0]
@@ -98,34 +99,36 @@ def test_what_the_records_would_not_show_is_not_called_a_cause():
 
 def test_answers_without_a_cause_say_what_they_are():
     few = found(named="", lacks="a second mode;more axial forces")
-    few.attrs["insufficient"] = "load-dependent-stiffness explains the stick data best: why"
+    few.attrs["insufficient"] = "load dependent stiffness explains the stick data best: why"
+    few.attrs["insufficient_causes"] = "load-dependent-stiffness"
     barred = cause(credible_set=["load-dependent-stiffness", "incomplete-contact"])
     for causes, missing in (([], "cannot be said"), ([barred], "")):  # a cause is told once
-        said = told(few, verdict("insufficient-data", causes), False)
+        said = sentences_of(few, verdict("insufficient-data", causes), False)
         assert missing in said.missing
         assert said.because[0].startswith("Load dependent stiffness explains the stick data best")
         assert "lacks a second mode; more axial forces." in said.because[1]
-    unexplained = told(found(""), verdict("unexplained", reason="something smooth"), False)
+    unexplained = sentences_of(found(""), verdict("unexplained", reason="something smooth"), False)
     assert unexplained.because == ["No cause of the catalogue explains it."]
     nothing = verdict("nothing-missing")
-    assert told(found(named=""), nothing, False).missing.startswith("The simulation explains all")
+    quiet = sentences_of(found(named=""), nothing, False).missing
+    assert quiet.startswith("The simulation explains all")
     alone = found(named="").assign_attrs(kind="none")
     assert in_short(alone, nothing) == ["Linear modes explain all records within their scatter."]
 
 
 def test_a_fault_of_records_is_no_cause_of_what_is_unexplained():
     hum = cause(**{"class": "record"})
-    because = told(found(), verdict("unexplained", [hum]), False).because
+    because = sentences_of(found(), verdict("unexplained", [hum]), False).because
     assert because[0].startswith("Besides: load dependent stiffness")
     assert "No cause of the catalogue explains it" in because[-1]
     alone = verdict(causes=[hum], shortfall=[])
-    assert "the records are faulty" in told(found(), alone, False).missing
+    assert "the records are faulty" in sentences_of(found(), alone, False).missing
 
 
 def test_a_level_is_worth_what_the_model_s_bias_would_hide():
     said = verdict(causes=[cause(**{"class": "level"})])
     said["gain"]["between_forces_without_bias"] = {"before": 9e-3, "after": 2e-3}
-    assert "counted, falls, from 0.90 % to 0.20 %" in told(found(), said, False).gain[0]
+    assert "counted, falls, from 0.90 % to 0.20 %" in sentences_of(found(), said, False).gain[0]
     rows = [row[1] for row in gain_table([said], words_of(found())).rows]
     assert "stick frequency, forces left out, without the model's bias" in rows
 

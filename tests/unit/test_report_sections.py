@@ -11,7 +11,7 @@ from bladeroot.figures.stick import over_load
 from bladeroot.figures.still import still
 from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.pooling.stick import stick_from_table
-from bladeroot.report.bad_records import told
+from bladeroot.report.bad_records import bad_lines
 from bladeroot.report.integrity import integrity_section
 from bladeroot.report.measurement import stick_section
 from bladeroot.report.nonlinear import nonlinear_section
@@ -65,12 +65,12 @@ def judged(*unlike):
 
 
 def test_each_bad_record_is_a_line_up_to_ten():
-    assert told(rejections(0), judged()) == []
-    one, other, more = told(rejections(1), judged("r7"))
+    assert bad_lines(rejections(0), judged()) == []
+    one, other, more = bad_lines(rejections(1), judged("r7"))
     assert one == "rejected: r1 of lab: hum; taken off"
     assert other == "look at: r7 of lab: lies -2.34 % from the others"
     assert "docs/findings.md" in more
-    many = told(rejections(13), judged())
+    many = bad_lines(rejections(13), judged())
     assert len(many) == 12
     assert many[10] == "rejected: 3 more of lab"
 

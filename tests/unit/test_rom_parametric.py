@@ -15,7 +15,7 @@ from bladeroot.rom.joint import (
 )
 from bladeroot.rom.parametric import (
     frequencies,
-    frequencies_gradient,
+    ln_frequencies,
     ritz_of,
     surface_of,
 )
@@ -115,7 +115,7 @@ def test_own_check_is_honest(model, joint):
 def test_frequencies_rise_with_both_stiffnesses(model):
     low, high = model["box"].values
     drawn = np.random.default_rng(13).uniform(low, high, (2000, 3))
-    _, gradient = frequencies_gradient(surface_of(model), drawn)
+    _, gradient = ln_frequencies(surface_of(model), drawn)
     assert np.all(gradient[..., :2] > 0.0)
 
 
@@ -141,7 +141,8 @@ def test_soft_contact_tends_to_a_rigid_body_on_springs(reduced, joint):
 
 def test_gradient_agrees_with_differences_of_exact_solutions(model, joint):
     points = inner_points(model)
-    _, gradient = frequencies_gradient(surface_of(model), points)
+    ln_f, slope = ln_frequencies(surface_of(model), points)
+    gradient = np.exp(ln_f)[..., None] * slope
     for axis, step in enumerate((0.02, 0.02, 300.0)):
         move = step * np.eye(3)[axis]
         f = [

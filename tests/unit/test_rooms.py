@@ -56,7 +56,7 @@ ALLOWED = {
 # what checks files, what artifacts say of the load, and words.
 COMPILER = {"compiled"}
 SHARED = {
-    "schema", "checksum", "hdf5_links", "loads", "plain_words", "shipped_files", "variables",
+    "schema", "checksum", "hdf5_links", "loads", "shipped_files", "terms", "variables",
 }  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.contact.published import published_stiffness
+from bladeroot.reproduction.published import published_stiffness
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
 from bladeroot.stiffness.search import search
 from bladeroot.stiffness.summary import power_law, summarise

@@ -38,11 +38,11 @@ def _free(place: Path) -> bool:
     return handle is not None
 
 
-def _wait(place: Path, why: str, told: Callable[[str], None]) -> int | None:
+def _wait(place: Path, why: str, say: Callable[[str], None]) -> int | None:
     """Take a lock as soon as nobody holds it."""
     handle = _lock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
     if handle is None:
-        told(f"{why}: waiting for it")
+        say(f"{why}: waiting for it")
         handle = _lock(place, fcntl.LOCK_EX)
     return handle
 
@@ -62,17 +62,17 @@ class Run:
         self._folder.mkdir(parents=True, exist_ok=True)
         self._starting = self._own = None
 
-    def begin(self, told: Callable[[str], None]) -> bool:
+    def begin(self, say: Callable[[str], None]) -> bool:
         """Sign in. True if no other run lives, and what dead ones left may go.
 
-        told: takes a line before another run's start, or a dead one's last job, is waited for.
+        say: takes a line before another run's start, or a dead one's last job, is waited for.
         """
         starting, working = self._folder / "starting", self._folder / "working"
-        self._starting = _wait(starting, "another run is starting here", told)
+        self._starting = _wait(starting, "another run is starting here", say)
         alone = self.alone()
         self._own = self._sign()
         if alone:
-            handle = _wait(working, "a job of a run that was killed still works", told)
+            handle = _wait(working, "a job of a run that was killed still works", say)
             if handle is not None:
                 os.close(handle)
         return alone

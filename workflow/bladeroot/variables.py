@@ -28,6 +28,13 @@ def registered(table: str) -> dict[str, tuple[tuple[str, ...], dict[str, str]]]:
     return made
 
 
+def names(table: str) -> tuple[str, ...]:
+    """Names of a table's own variables, in their order."""
+    room, _, name = table.partition("/")
+    with (_LIBRARY / room / "variables.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(row["variable"] for row in csv.DictReader(file) if row["table"] == name)
+
+
 def dataset(table: str, values: Mapping[str, object]) -> xr.Dataset:
     """Values by name as a Dataset; a KeyError names what the table has no row for."""
     known = registered(table)

@@ -23,6 +23,7 @@ from bladeroot.schema import check, read_yaml
 from bladeroot.rom.file import named_structure
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+FLANK = ROOT / "resources" / "structures" / "flank.csv"  # of the shipped dovetails
 PYTHON = sys.executable
 
 # Several jobs share the cores: a job that starts a thread per core slows the others down.
@@ -167,6 +168,17 @@ def made(files, **wildcards):
 def with_structure(files):
     """An input function: what is made of a campaign that has a structure, else nothing."""
     return lambda w: made(files, **w) if structures_of(CAMPAIGNS[w.campaign]) else []
+
+
+def of_the_thesis(campaign):
+    """Whether a campaign stands beside the thesis's tables, as `published` in its file says."""
+    return campaign.description.get("published") == "thesis"
+
+
+def printed_tables(*names):
+    """An input function: these tables of the thesis for a campaign of it, for others none."""
+    files = [ROOT / "resources" / "thesis" / f"{name}.csv" for name in names]
+    return lambda w: given(files) if of_the_thesis(CAMPAIGNS[w.campaign]) else []
 
 
 def forces_of(campaign):

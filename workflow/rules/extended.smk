@@ -105,7 +105,7 @@ rule extended_nonlinear:
         reduced=rules.reduced.output.reduced,
         joint=rules.extended_joint.output.joint,
         model=model_of,
-        parameters=given(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
+        parameters=given(FLANK),
     output:
         nonlinear="results/{campaign}/extended/{structure}/nonlinear.nc",
     log:

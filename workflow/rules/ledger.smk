@@ -1,10 +1,6 @@
 # The thesis number by number beside what is computed here, for the campaign of its own tables.
 
 
-def of_the_thesis(campaign):
-    return campaign.description.get("published") == "thesis"
-
-
 # By itself: all that analyses records is compiled for it, while the structures are made.
 rule slider:
     input:
@@ -55,6 +51,7 @@ rule ledger:
             sorted((ROOT / "resources" / "thesis").glob("*.csv"))
             + sorted((ROOT / "resources" / "thesis").glob("*.yaml"))
         ),
+        parameters=given(FLANK),
     output:
         ledger="results/{campaign}/ledger.nc",
     log:
@@ -72,4 +69,4 @@ rule ledger:
     shell:
         "{PYTHON:q} {SCRIPTS:q}/ledger.py --stages {input.stages:q} --checks {input.checks:q}"
         " --reduced {input.reduced:q} --maps {input.maps:q} --thesis {params.thesis:q}"
-        " --output {output.ledger} > {log} 2>&1"
+        " --parameters {input.parameters:q} --output {output.ledger} > {log} 2>&1"

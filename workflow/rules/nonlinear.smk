@@ -19,7 +19,7 @@ rule nonlinear:
     input:
         reduced=rules.reduced.output.reduced,
         joint=rules.joint.output.joint,
-        parameters=given(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
+        parameters=given(FLANK),
     output:
         nonlinear="results/{campaign}/nonlinear/{structure}.nc",
     log:

@@ -124,11 +124,11 @@ rule report:
             else []
         ),
         sources=lambda w: given(sources_of(w)),
-        thesis=given(
-            expand(
-                ROOT / "resources" / "thesis" / "{name}",
-                name=["table_5_1.csv", "table_5_2.csv", "errata.yaml"],
-            )
+        tables=printed_tables("table_5_1", "table_5_2"),
+        errata=lambda w: (
+            given([ROOT / "resources" / "thesis" / "errata.yaml"])
+            if of_the_thesis(CAMPAIGNS[w.campaign])
+            else []
         ),
         page=given(
             expand(
@@ -156,7 +156,6 @@ rule report:
         structures=lambda w, input: os.path.dirname(
             os.path.dirname((input.meshes or ["structures/none/mesh.nc"])[0])
         ),
-        thesis=lambda w, input: os.path.dirname(input.thesis[0]),
         folder=lambda w: CAMPAIGNS[w.campaign].folder,
         facts=report_facts,
         code=code("report"),
@@ -166,4 +165,4 @@ rule report:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results {params.results:q}"
         " --structures {params.structures:q} --batches {input.batches:q} --modes {input.modes:q}"
         " --calibrations {input.calibrations:q} --sources {input.sources:q}"
-        " --thesis {params.thesis:q} --folder {params.folder:q} --facts {params.facts:q} > {log} 2>&1"
+        " --tables {input.tables:q} --errata {input.errata:q} --folder {params.folder:q} --facts {params.facts:q} > {log} 2>&1"

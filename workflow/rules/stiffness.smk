@@ -97,7 +97,7 @@ rule stiffness:
     input:
         searches=searches,
         fe_forces=rules.fe_forces.output.fe_forces,
-        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        published=printed_tables("table_5_2"),
     output:
         stiffness="results/{campaign}/stiffness.nc",
     log:
@@ -150,7 +150,7 @@ rule thesis_search:
 def thesis_searches(wildcards):
     """One for each structure, of campaigns that stand beside the thesis's tables."""
     campaign = CAMPAIGNS[wildcards.campaign]
-    if campaign.description.get("published") != "thesis":
+    if not of_the_thesis(campaign):
         return []
     return made(
         rules.thesis_search.output.search,

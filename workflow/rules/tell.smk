@@ -21,11 +21,11 @@ def tell_results():
 def tell_bad_records(campaign):
     """Rejected records, and those unlike their repeats, once both stages that tell are done."""
     from bladeroot import artifacts
-    from bladeroot.report.bad_records import told
+    from bladeroot.report.bad_records import bad_lines
 
     stages = [campaign / f"{stage}.nc" for stage in ("stick", "integrity")]
     if all(stage.is_file() for stage in stages):
-        for line in told(*map(artifacts.load, stages)):
+        for line in bad_lines(*map(artifacts.load, stages)):
             print(line)
 
 

@@ -4,8 +4,8 @@
 rule theory:
     input:
         stiffness=rules.stiffness.output.stiffness,
-        parameters=given(ROOT / "resources" / "thesis" / "contact_parameters.csv"),
-        published=given(ROOT / "resources" / "thesis" / "table_5_2.csv"),
+        parameters=given(FLANK),
+        published=printed_tables("table_5_2"),
     output:
         theory="results/{campaign}/theory.nc",
     log:

@@ -10,21 +10,20 @@ from bladeroot.reproduction.build import ledger
 from bladeroot.reproduction.entry import Evidence
 
 
-def main(stages, checks, reduced, maps, thesis, output):
+def main(stages, checks, reduced, maps, thesis, parameters, output):
     folder = Path(thesis)
     loaded = {Path(path).stem: artifacts.load(path) for path in stages}
     tables = {
         path.stem.removeprefix("table_"): pd.read_csv(path)
         for path in sorted(folder.glob("table_*.csv"))
     }
-    parameters = pd.read_csv(folder / "contact_parameters.csv", index_col="name")["value"]
     evidence = Evidence(
         loaded,
         _by_structure(checks),
         _by_structure(reduced),
         _maps(maps),
         tables,
-        parameters.to_dict(),
+        pd.read_csv(parameters, index_col="name")["value"].to_dict(),
     )
     listed = [
         yaml.safe_load((folder / f"{name}.yaml").read_text(encoding="utf-8"))
@@ -54,5 +53,6 @@ if __name__ == "__main__":
         reduced="many: reduced.nc of the structures",
         maps="many: frequency maps of the structures",
         thesis="folder with ledger.yaml, errata.yaml, contents.yaml and the printed tables",
+        parameters="parameters of the contact (CSV)",
         output="ledger.nc",
     )

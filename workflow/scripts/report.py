@@ -11,15 +11,15 @@ import pandas as pd
 import yaml
 from _cli import run
 from bladeroot import __version__, artifacts
-from bladeroot.contact.published import published_stiffness
 from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
 from bladeroot.figures.records import worth_showing
 from bladeroot.io.campaign import load_campaign
 from bladeroot.provenance import environment
 from bladeroot.report.contents import LIBRARY, Material, report
+from bladeroot.reproduction.published import published_stiffness
 
 
-def main(results, structures, batches, modes, calibrations, sources, thesis, folder, facts):
+def main(results, structures, batches, modes, calibrations, sources, tables, errata, folder, facts):
     known, home = json.loads(facts), Path(results)
     library = _library()
     of_the_thesis = known["description"].get("published") == "thesis"
@@ -31,7 +31,6 @@ def main(results, structures, batches, modes, calibrations, sources, thesis, fol
     def by_structure(pattern, asked=known["structures"]):
         return [artifacts.load(pattern.format(name)) for name in asked]
 
-    printed = Path(thesis)
     made = {
         "version": __version__,
         "date": datetime.date.today().isoformat(),
@@ -67,11 +66,10 @@ def main(results, structures, batches, modes, calibrations, sources, thesis, fol
             thesis_searches=by_structure(f"{results}/thesis_search/{{}}.nc")
             if of_the_thesis
             else [],
-            published=(
-                pd.read_csv(printed / "table_5_1.csv"),
-                published_stiffness(pd.read_csv(printed / "table_5_2.csv").to_dict("list")),
-            ),
-            errata=yaml.safe_load((printed / "errata.yaml").read_text(encoding="utf-8")),
+            published=_published(*tables) if tables else None,
+            errata=[
+                one for path in errata for one in yaml.safe_load(Path(path).read_text("utf-8"))
+            ],
         )
     )
     chapters = home / "report"
@@ -80,6 +78,11 @@ def main(results, structures, batches, modes, calibrations, sources, thesis, fol
     artifacts.save_json(made, chapters / "provenance.json")
     with artifacts.whole_file(chapters / LIBRARY) as part:
         shutil.copyfile(library, part)
+
+
+def _published(forces, stiffness):
+    """Tables 5.1 and 5.2 as printed."""
+    return pd.read_csv(forces), published_stiffness(pd.read_csv(stiffness).to_dict("list"))
 
 
 def _of_records(batches, folder):
@@ -147,7 +150,8 @@ if __name__ == "__main__":
         modes="any: mode shapes of the main structure (SVG)",
         calibrations="any: calibration.nc of its structures",
         sources="any: files that the campaign was made of",
-        thesis="folder with the thesis's tables and errata",
+        tables="any: Tables 5.1 and 5.2 as printed (CSV), of a campaign that states them",
+        errata="any: the errata of these",
         folder="the campaign's own folder",
         facts="what is known of the campaign (JSON)",
     )

@@ -1,9 +1,9 @@
-"""kn and kt over all forces and structures, beside Table 5.2 -> stiffness.nc."""
+"""kn and kt over all forces and structures, beside published ones -> stiffness.nc."""
 
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.contact.published import published_stiffness
+from bladeroot.reproduction.published import published_stiffness
 from bladeroot.stiffness.summary import summarise
 
 
@@ -12,13 +12,8 @@ def main(searches, fe_forces, published, output):
     for found in map(artifacts.load, searches):
         by_structure.setdefault(found.attrs["structure"], []).append(found)
     measured = artifacts.load(fe_forces)
-    artifacts.save(
-        summarise(
-            by_structure, measured, published_stiffness(pd.read_csv(published).to_dict("list"))
-        ),
-        output,
-        origin=measured,
-    )
+    printed = [published_stiffness(pd.read_csv(table).to_dict("list")) for table in published]
+    artifacts.save(summarise(by_structure, measured, *printed), output, origin=measured)
 
 
 if __name__ == "__main__":
@@ -26,6 +21,6 @@ if __name__ == "__main__":
         main,
         searches="many: the searches of every structure and force",
         fe_forces="fe_forces.nc",
-        published="Table 5.2 as printed (CSV)",
+        published="any: Table 5.2 as printed (CSV), of a campaign that states it",
         output="stiffness.nc",
     )

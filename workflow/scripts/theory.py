@@ -3,19 +3,15 @@
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.contact.published import published_stiffness
 from bladeroot.contact.theory import theory
+from bladeroot.reproduction.published import published_stiffness
 
 
 def main(stiffness, parameters, published, output):
     identified = artifacts.load(stiffness)
     values = pd.read_csv(parameters, index_col="name")["value"].to_dict()
-    compared = theory(
-        values,
-        identified["force"].values,
-        stiffness=identified,
-        published=published_stiffness(pd.read_csv(published).to_dict("list")),
-    )
+    printed = [published_stiffness(pd.read_csv(table).to_dict("list")) for table in published]
+    compared = theory(values, identified["force"].values, identified, *printed)
     artifacts.save(compared, output, origin=identified)
 
 
@@ -24,6 +20,6 @@ if __name__ == "__main__":
         main,
         stiffness="stiffness.nc",
         parameters="parameters of the contact (CSV)",
-        published="Table 5.2 as printed (CSV)",
+        published="any: Table 5.2 as printed (CSV), of a campaign that states it",
         output="theory.nc",
     )

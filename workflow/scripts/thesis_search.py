@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.contact.published import published_stiffness
+from bladeroot.reproduction.published import published_stiffness
 from bladeroot.reproduction.thesis_search import thesis_search
 
 

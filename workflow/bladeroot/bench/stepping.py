@@ -25,7 +25,7 @@ class Motion:
     """What one run leaves behind.
 
     `velocity` (m/s) at the laser and `amplitude` (m, of the driven mode at the laser), both a
-    sample; `state` and `speed` of the modes, `slip` of the sliders at the end; the work done (J):
+    sample; `state` of the modes, `slip` of the sliders at the end; the work done (J):
     `work_in` by the drive, `work_damped` by the modal damping, `work_friction` by the sliders,
     `work_forces` by the other nonlinear forces; `energy` (J) stored at the end; `overshoot`, the
     largest slider force over its limit, less one; `sweeps`, the most that one step needed.
@@ -34,7 +34,6 @@ class Motion:
     velocity: Float[ndarray, " sample"]
     amplitude: Float[ndarray, " sample"]
     state: Float[ndarray, " mode"]
-    speed: Float[ndarray, " mode"]
     slip: Float[ndarray, " slider"]
     work_in: float
     work_damped: float
@@ -169,7 +168,6 @@ def run(
         velocity=velocity,
         amplitude=amplitude,
         state=r,
-        speed=v,
         slip=w,
         work_in=float(work[0]) + start,
         work_damped=float(work[1]),

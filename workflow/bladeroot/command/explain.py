@@ -10,7 +10,7 @@ from bladeroot.command.results import results_of
 @click.argument("campaign")
 def command(campaign: str) -> None:
     """Say in text why the verdict on CAMPAIGN's simulation is what it is."""
-    from bladeroot.report.verdict import told, with_open
+    from bladeroot.report.verdict import sentences_of, with_open
 
     folder = results_of(campaign) / "diagnosis"
     main = folder / "verdict.json"
@@ -21,5 +21,5 @@ def command(campaign: str) -> None:
     if not same:
         raise ValueError(f"the verdict is of none of the diagnoses beside it; run again ({main})")
     one = load(same[0].with_suffix(".nc"))
-    box = told(one, with_open(said), bool(one.attrs["simulated"])).box
+    box = sentences_of(one, with_open(said), bool(one.attrs["simulated"])).box
     click.echo("\n".join([box.head, *box.lines, f"In full: {said['reason']}"]))

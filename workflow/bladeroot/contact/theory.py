@@ -44,7 +44,7 @@ def theory(
     parameters: SI values by name (`bladeroot.contact.punch.PARAMETERS`).
     axial_forces: the FE axial forces, N, positive.
     stiffness: identified flank totals, `kn`(structure, force) and `kt` in N/m, with their
-    `ln_kn_std` and `ln_kt_std`; published: from `bladeroot.contact.published`. Either may be
+    `ln_kn_std` and `ln_kt_std`; published: from `bladeroot.reproduction.published`. Either may be
     absent. Ratios are identified over theory.
     Raises ValueError for a force that is not positive or a missing parameter.
     """

@@ -16,7 +16,7 @@ from bladeroot.plateau.record import record_plateau
 from bladeroot.quality.integrity import judge
 
 # What the sheet says of a raw file; the file may contradict it.
-SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "mode", "force_N")
+SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response", "mode", "force_N")
 # What the sheet says of a record, for all who read its artifacts; what it does not is left out.
 FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
          "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
@@ -38,7 +38,7 @@ def ringdown(
     A record that cannot be read or used comes back without points, rejected with a reason.
     """
     try:
-        recording = read(raw, **{name: known[name] for name in SAID})
+        recording = read(raw, **{name: known.get(name) for name in SAID})
         recording = part(recording, known.get("from_s"), known.get("to_s"), str(raw))
     except ValueError as error:
         return not_analysed(known, str(error), estimation)

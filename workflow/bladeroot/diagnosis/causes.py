@@ -43,30 +43,30 @@ def causes(
     structures: takes a mechanism, its values, and the others' changes of ln kn and ln kt; returns
     the change of ln f by its changed matrices, and the derivatives.
     """
-    told, first = [], 0
+    asked, first = [], 0
     for one in mechanisms:
-        told.append((one, *one.values(theta[first : first + len(one.parameters)])))
+        asked.append((one, *one.values(theta[first : first + len(one.parameters)])))
         first += len(one.parameters)
     n = records.force.size
-    own = [np.zeros((n, 4)) for _ in told]
-    through = [np.zeros((n, 4)) for _ in told]  # by way of the force, in the laws of others
+    own = [np.zeros((n, 4)) for _ in asked]
+    through = [np.zeros((n, 4)) for _ in asked]  # by way of the force, in the laws of others
     slopes = [np.zeros((n, 4, len(one.parameters))) for one in mechanisms]
     laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
     for k in laws:
-        own[k], slopes[k] = _of_law(*told[k], records)
+        own[k], slopes[k] = _of_law(*asked[k], records)
     force = records.force + sum(changes[:, _FORCE] for changes in own)
     moving = [k for k in laws if slopes[k][:, _FORCE].any()]
     for k in laws if moving else ():
         if k in moving or "force" not in mechanisms[k].over:
             continue
-        own[k], slopes[k] = _of_law(*told[k], replace(records, force=force))
-        beyond, _ = _of_law(*told[k], replace(records, force=(1.0 + _STEP) * force))
+        own[k], slopes[k] = _of_law(*asked[k], replace(records, force=force))
+        beyond, _ = _of_law(*asked[k], replace(records, force=(1.0 + _STEP) * force))
         rate = (beyond - own[k]) / (_STEP * force)[:, None]
         for i in moving:
             through[i] += rate * own[i][:, [_FORCE]]
             slopes[i] = slopes[i] + rate[:, :, None] * slopes[i][:, [_FORCE]]
     there = sum((changes[:, :2].T for changes in own), np.zeros((2, n)))
-    for k, (one, values, chain) in enumerate(told):
+    for k, (one, values, chain) in enumerate(asked):
         if one.structure is not None:
             change, slope = structures(one, values, there)
             own[k][:, 3], slopes[k][:, 3] = change, slope * chain

@@ -143,14 +143,14 @@ def not_judged(
         lines.append(f"{data.untimed} records without a time left out")
     if data.unheld and data.time_known:
         lines.append(
-            f"{data.unheld} records without a hold: those one after another at one force and "
-            "direction are taken for one clamping"
+            f"{data.unheld} records without a clamping: those one after another at one {{force}} "
+            "and direction are taken for one clamping"
         )
     return ". ".join(lines)
 
 
 def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
-    """Smooth functions of force, of time and of the time in a hold, and a step by direction."""
+    """Smooth functions of force, of time and of the time in a clamping, and a step by direction."""
     records, same = data.records, stick_model.same_mode(data).astype(float)
 
     def along(values: ndarray, length: float) -> ndarray:
@@ -164,7 +164,7 @@ def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
         found["time"] = [(along(records.time - records.since, _TIME * records.span), size)]
     if data.time_known and records.hold_span > 0.0:
         share = records.since / records.hold_span
-        found["time in a hold"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
+        found["time in a clamping"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
     if data.group is not None:
         alike = (data.group[:, None] == data.group).astype(float)
         found["group"] = [(same * alike, size)]

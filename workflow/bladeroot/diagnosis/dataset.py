@@ -16,14 +16,11 @@ from bladeroot.diagnosis.verdict import insufficient, is_shown
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.terms import spelled
+from bladeroot.variables import dataset as tabled
 
 STAGES = ("before", "after")
 _GRID = 40
-
-
-def _var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-    attrs = {"units": units, "long_name": long_name}
-    return (dims, values, attrs | ({"source": source} if source else {}))
 
 
 def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
@@ -38,8 +35,8 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
                 parts.append(_stiffness(made, found))
             if made.simulated.kind == "assembly":
                 named = [cause.mechanism for cause in found.causes]
-                told = (made.data, made.simulated, found.final, named, found.channel.base)
-                parts.append(interface_stiffness(*told))
+                part = (made.data, made.simulated, found.final, named, found.channel.base)
+                parts.append(interface_stiffness(*part))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))
         else:
@@ -50,8 +47,9 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
         answer=said["answer"],
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
-        lacks=";".join(made.lacks),
-        insufficient=". ".join(insufficient(made)),
+        lacks=made.terms.say(";".join(made.lacks)),
+        insufficient=made.terms.say(". ".join(insufficient(made, spelled))),
+        insufficient_causes=";".join(found.insufficient for found in made.found),
         least_force_N=made.settings.least_force,
     )
 
@@ -80,50 +78,33 @@ def _records(made: Diagnosis, found: Found) -> xr.Dataset:
             mine = (records.mode == m) & (records.force == f)
             if mine.any():
                 level[:, m, k] = plain[:, mine].mean(axis=1)
-    per_stage = ("stage", "stick_record")
-    return xr.Dataset(
+    return tabled(
+        "diagnosis/stick",
         {
-            "stick_mode": _var("stick_record", np.array(data.modes)[records.mode], "", "mode"),
-            "stick_force": _var("stick_record", records.force, "N", "axial force as read"),
-            "stick_time": _var("stick_record", records.time, "s", "time since the first record"),
-            "stick_direction": _var(
-                "stick_record", records.sign, "1", "+1 loading, -1 unloading, 0 unknown"
-            ),
-            "stick_hold": _var("stick_record", data.hold, "1", "number of the clamping"),
-            "stick_frequency": _var("stick_record", np.exp(data.ln_f), "Hz", "measured"),
-            "stick_simulated": _var(
-                per_stage, np.array([np.exp(fit.state.mean) for fit in _sides(found)]), "Hz",
-                "simulated stick frequency, before clamping's scatter",
-            ),
-            "stick_residual": _var(
-                per_stage, plain, "1", "ln of measured over simulated stick frequency"
-            ),
-            "stick_residual_scaled": _var(
-                per_stage, scaled, "1", "the same over what clamping, gauge and noise scatter"
-            ),
-            "level_residual": _var(
-                ("stage", "mode", "force"), level, "1",
-                "mean ln of measured over simulated stick frequency of a mode at a force",
-            ),
+            "stick_mode": np.array(data.modes)[records.mode],
+            "stick_force": records.force,
+            "stick_time": records.time,
+            "stick_direction": records.sign,
+            "stick_hold": data.hold,
+            "stick_frequency": np.exp(data.ln_f),
+            "stick_simulated": np.array([np.exp(fit.state.mean) for fit in _sides(found)]),
+            "stick_residual": plain,
+            "stick_residual_scaled": scaled,
+            "level_residual": level,
+            "stage": list(STAGES),
+            "stick_record": names,
+            "mode": list(data.modes),
+            "force": forces,
         },
-        coords={"stage": list(STAGES), "stick_record": names, "mode": list(data.modes),
-                "force": ("force", forces, {"units": "N", "long_name": "axial force"})},
-    )  # fmt: skip
+    )
 
 
 def _damping(made: Diagnosis, found: Found) -> xr.Dataset:
     plain, scaled = _misses(found)
     names = made.seen["record"].values.astype(str)[made.damping.stick.row]
-    dims = ("stage", "damping_record")
-    return xr.Dataset(
-        {
-            "damping_residual": _var(dims, plain, "1", "ln of measured over simulated loss factor"),
-            "damping_residual_scaled": _var(
-                dims, scaled, "1", "the same over what clampings and noise scatter"
-            ),
-        },
-        coords={"stage": list(STAGES), "damping_record": names},
-    )
+    made = {"damping_residual": plain, "damping_residual_scaled": scaled}
+    made |= {"stage": list(STAGES), "damping_record": names}
+    return tabled("diagnosis/damping", made)
 
 
 def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
@@ -133,20 +114,16 @@ def _curves(made: Diagnosis, found: Found) -> xr.Dataset:
     own = np.sqrt(np.diag(data.noise))
     value = data.value - level_offsets(data, data.value - found.final.state.mean)
     entries = {
-        "curve_mode": _var("point", np.array(data.modes)[data.points.mode], "", "mode"),
-        "curve_force": _var("point", data.points.force, "N", "axial force"),
-        "curve_amplitude": _var("point", data.points.amplitude, "m", "amplitude at the sensor"),
-        "curve_records": _var("point", data.records, "1", "records in the mean"),
+        "curve_mode": np.array(data.modes)[data.points.mode],
+        "curve_force": data.points.force,
+        "curve_amplitude": data.points.amplitude,
+        "curve_records": data.records,
+        "stage": list(STAGES),
     }
-    for q, (name, text) in enumerate(
-        (("curve_frequency", "ln(f over its plateau)"), ("curve_loss", "loss factor less plateau"))
-    ):
-        mine = slice(q * n, (q + 1) * n)
-        entries[name] = _var("point", value[mine], "1", f"measured {text}")
-        entries[f"{name}_std"] = _var("point", own[mine], "1", f"standard error of {text}")
-        simulated = np.array([fit.state.mean[mine] for fit in _sides(found)])
-        entries[f"{name}_simulated"] = _var(("stage", "point"), simulated, "1", f"simulated {text}")
-    return xr.Dataset(entries, coords={"stage": list(STAGES)})
+    for name, mine in (("curve_frequency", slice(n)), ("curve_loss", slice(n, 2 * n))):
+        entries[name], entries[f"{name}_std"] = value[mine], own[mine]
+        entries[f"{name}_simulated"] = np.array([fit.state.mean[mine] for fit in _sides(found)])
+    return tabled("diagnosis/curve", entries)
 
 
 def level_offsets(data: CurveData, residual: Float[ndarray, " datum"]) -> Float[ndarray, " datum"]:
@@ -173,7 +150,7 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
         barred = {**found.known.barred, **found.known.ruled_out}
         for one in found.channel.candidates:
             rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
-                         one.id in named, barred.get(one.id, "")))  # fmt: skip
+                         one.id in named, made.terms.say(barred.get(one.id, ""))))  # fmt: skip
         rows += [
             (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
             for name, value in step.smooth.items()
@@ -184,20 +161,14 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
     rows.sort(key=lambda row: -row[3])
     sentences = {one.id: one.sentence for found in made.found for one in found.channel.candidates}
     sentences |= {one.mechanism.id: one.mechanism.sentence for one in made.faulty}
-    said = [sentences.get(row[0], "any smooth function") for row in rows]
-    columns = list(zip(*rows, strict=True)) if rows else [[], [], [], [], [], []]
-    text = "log evidence over the baseline in its channel; of record faults log odds"
-    return xr.Dataset(
-        {
-            "class": _var("candidate", np.array(columns[1], dtype=str), "", "class"),
-            "channel": _var("candidate", np.array(columns[2], dtype=str), "", "data that show it"),
-            "log_evidence": _var("candidate", np.array(columns[3], dtype=float), "1", text),
-            "is_named": _var("candidate", np.array(columns[4], dtype=np.int8), "1", "1: a cause"),
-            "sentence": _var("candidate", np.array(said, dtype=str), "", "what it is"),
-            "barred": _var("candidate", np.array(columns[5], dtype=str), "", "why never named"),
-        },
-        coords={"candidate": np.array(columns[0], dtype=str)},
-    )
+    said = [made.terms.say(sentences.get(row[0], "any smooth function")) for row in rows]
+    kinds = {"candidate": str, "class": str, "channel": str, "log_evidence": float,
+             "is_named": np.int8, "barred": str}  # fmt: skip
+    made = {
+        name: np.array([row[k] for row in rows], dtype=kind)
+        for k, (name, kind) in enumerate(kinds.items())
+    }
+    return tabled("diagnosis/ranking", made | {"sentence": np.array(said, dtype=str)})
 
 
 def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
@@ -223,21 +194,10 @@ def _stiffness(made: Diagnosis, found: Found) -> xr.Dataset:
         if len(names) > 1:
             first = std[stage, :2].prod(axis=0)
             correlation[stage] = covariance[:, 0, 1] / first
-    dims = ("stage", "stiffness", "law_force")
-    return xr.Dataset(
-        {
-            "law_k": _var(dims, k, "N/m", "contact stiffness of a flank by the law"),
-            "law_ln_std": _var(dims, std, "1", "standard deviation of its logarithm"),
-            "law_correlation": _var(
-                ("stage", "law_force"), correlation, "1", "correlation of the first ln kn and ln kt"
-            ),
-            "law_ln_covariance": _var(
-                ("stage", "law_force", "stiffness", "stiffness_"), whole, "1", "covariance of ln k"
-            ),
-        },
-        coords={"stage": list(STAGES), "stiffness": list(names), "stiffness_": list(names),
-                "law_force": ("law_force", force, {"units": "N", "long_name": "axial force"})},
-    )  # fmt: skip
+    made = {"law_k": k, "law_ln_std": std, "law_correlation": correlation}
+    made |= {"law_ln_covariance": whole, "law_force": force, "stage": list(STAGES)}
+    made |= {"stiffness": list(names), "stiffness_": list(names)}
+    return tabled("diagnosis/law", made)
 
 
 def stiffness_law(

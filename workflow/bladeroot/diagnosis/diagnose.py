@@ -27,6 +27,7 @@ from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.mechanisms.per_mode import of_modes
+from bladeroot.terms import DOVETAIL, Terms
 
 GAUGE_AND_LEVEL = ("force-gain", "force-offset")
 
@@ -51,9 +52,9 @@ class Diagnosis:
     """All that was found; `verdict`, `dataset` and `extension` make artifacts of it.
 
     lacks: what the campaign lacks, a phrase each; curve_lacks: what its curves lack, which then
-    name nothing. hopeless: whether no law can be judged at all. left_out: record mechanisms'
-    consequence for the curves, a line, or "". not_judged: mechanisms that want what the campaign
-    does not say of its records, and what is done without it, a line, or "".
+    name nothing. left_out: record mechanisms' consequence for the curves, a line, or "".
+    not_judged: mechanisms that want what the campaign does not say of its records, and what is done
+    without it, a line, or "". terms: the words in which all this is said.
     """
 
     seen: xr.Dataset
@@ -68,9 +69,9 @@ class Diagnosis:
     faulty: tuple[Faulty, ...]
     lacks: tuple[str, ...]
     curve_lacks: tuple[str, ...]
-    hopeless: bool
     left_out: str
     not_judged: str
+    terms: Terms
 
 
 def diagnose(
@@ -79,6 +80,7 @@ def diagnose(
     settings: Settings,
     candidates: Sequence[Mechanism],
     baseline: xr.Dataset | None = None,
+    terms: Terms = DOVETAIL,
 ) -> Diagnosis:
     """Judge a campaign.
 
@@ -86,6 +88,7 @@ def diagnose(
     any other simulation (`bladeroot.diagnosis.simulation`).
     candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
     and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
+    terms: the campaign's own words.
     """
     seen = one_of_each_event(seen)
     simulated = simulation_of(seen, model, settings)
@@ -122,8 +125,8 @@ def diagnose(
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
         seen, simulated.structure, settings, known, data, damping, curves, simulated,
-        tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), nothing, left_out,
-        not_judged(candidates, data, simulated),
+        tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), left_out,
+        not_judged(candidates, data, simulated), terms,
     )  # fmt: skip
 
 
@@ -174,7 +177,7 @@ def _barred(
 def _ruled_out(settings: Settings) -> dict[str, str]:
     """Mechanisms that the campaign says are not there, and how."""
     if settings.least_force > 0.0:
-        return {"incomplete-contact": "the campaign says that contact is full at the forces used"}
+        return {"incomplete-contact": "the campaign says that contact is full at the {forces} used"}
     seated, std = settings.splits.get("pressure film", (np.inf, 0.0))
     if seated < SIGMAS * std:
         return {"incomplete-contact": "a pressure-sensitive film shows full contact at any load"}

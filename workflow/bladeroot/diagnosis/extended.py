@@ -61,13 +61,13 @@ def extended_joint(
         ]
         start = np.concatenate([without.parameters, sizes])
         laws[law] = _law(data, fit(problem(data, simulated, causes), start), causes)
-    told = {
+    levels = {
         "mode": np.array(data.modes)[data.records.mode],
         "force": data.records.force,
         "ln_frequency": data.ln_f,
     }
-    ends = (float(told["force"].min()), float(told["force"].max()))
-    found = posterior(laws, law, forces, ends, told, draws)
+    ends = (float(levels["force"].min()), float(levels["force"].max()))
+    found = posterior(laws, law, forces, ends, levels, draws)
     # The joint inference counts a bias from the model, the diagnosis from the measurement.
     turned = found["parameter"].str.contains("^(?:bias|tilt)_")
     for name in ("prior_mean", "mode_value", "posterior_mean"):

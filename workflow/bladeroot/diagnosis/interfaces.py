@@ -21,6 +21,7 @@ from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, bes
 from bladeroot.inference.sampling import Draws, sample
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.rom.parametric import ln_frequencies
+from bladeroot.variables import dataset
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 # Draws handed out: ends of an interval of 95 % move by a tenth of a standard deviation.
@@ -86,24 +87,14 @@ def interface_stiffness(
     """Quantiles of every interface's stiffness at the pivot of the campaign's loads."""
     asked = stiffness_problem(data, simulated, fitted, mechanisms, base)
     found = stiffness_draws(asked, fitted)
-    text = "quantiles of the stiffness of an interface, named causes included"
-    return xr.Dataset(
-        {
-            "interface_k": (
-                ("stiffness", "quantile"),
-                np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
-                {"units": "N/m", "long_name": text},
-            ),
-            "interface_ln_covariance": (
-                ("stiffness", "stiffness_"), np.cov(found.parameters.T),
-                {"units": "1", "long_name": "covariance of ln k"},
-            ),
-            "interface_prior_std": (
-                "stiffness", asked.prior.std,
-                {"units": "1", "long_name": "standard deviation of ln k beforehand"},
-            ),
-        },
-        coords={"stiffness": list(simulated.parameters),
-                "stiffness_": list(simulated.parameters), "quantile": list(QUANTILES)},
-        attrs={"interface_effective_draws": found.effective},
-    )  # fmt: skip
+    made = {
+        "interface_k": np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
+        "interface_ln_covariance": np.cov(found.parameters.T),
+        "interface_prior_std": asked.prior.std,
+        "stiffness": list(simulated.parameters),
+        "stiffness_": list(simulated.parameters),
+        "quantile": list(QUANTILES),
+    }
+    return dataset("diagnosis/interfaces", made).assign_attrs(
+        interface_effective_draws=found.effective
+    )

@@ -24,10 +24,11 @@ from bladeroot.diagnosis.simulation.own_range import (
 from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
-from bladeroot.loads import AXIAL_FORCE, shown
+from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
-from bladeroot.plain_words import plainly, plainly_but_ids
-from bladeroot.pooling.groups import told
+from bladeroot.pooling.groups import group_sentences
+from bladeroot.terms import Terms
+from bladeroot.variables import dataset as tabled
 
 BASELINE = "linear baseline"
 SILENT = (
@@ -158,7 +159,9 @@ def _in_own(
         simulated = with_loads(simulated, own.per_load, own.shift, own.per_metre)
     scaled = in_catalogue(seen, own)
     least = (settings.least_force + own.shift) * own.per_load if settings.least_force else 0.0
-    made = diagnose(scaled, simulated, replace(settings, least_force=least), candidates)
+    terms = Terms(own.name, simulated.kind != "none")
+    asked = replace(settings, least_force=least)
+    made = diagnose(scaled, simulated, asked, candidates, terms=terms)
     factor, unit, _ = shown(_load(seen))
     further = next_measurements(
         made, lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip()
@@ -166,10 +169,6 @@ def _in_own(
     said = verdict(made)
     whole = dataset_in_own(dataset(made, said).merge(further), own)
     said = verdict_in_own(said | {"next": following(further)}, own)
-    if simulated.kind == "none" or own.name != AXIAL_FORCE:
-        of_table = simulated.kind != "none"
-        whole = _dataset_plainly(whole, own.name, of_table)
-        said = _verdict_plainly(said, own.name, of_table)
     if simulated.kind == "none":
         silent = SILENT + (SILENT_LOAD if own.name else "")
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):
@@ -182,31 +181,6 @@ def _in_own(
     return whole, said, None
 
 
-def _verdict_plainly(said: Mapping, load: str, simulated: bool) -> dict:
-    """A verdict in such terms; ids stay."""
-    made = dict(said)
-    made["reason"] = plainly_but_ids(said["reason"], load, simulated)
-    made["causes"] = [
-        one | {"splitter": plainly(one["splitter"], load, simulated)} for one in said["causes"]
-    ]
-    made["shortfall"] = [
-        one | {"trend": plainly(one["trend"], load, simulated)} for one in said["shortfall"]
-    ]
-    return made
-
-
-def _dataset_plainly(found: xr.Dataset, load: str, simulated: bool) -> xr.Dataset:
-    """A diagnosis's Dataset in such terms."""
-    made = found.copy()
-    for name in ("sentence", "barred"):
-        if name in made:
-            texts = [plainly(str(text), load, simulated) for text in made[name].values]
-            made[name] = (made[name].dims, texts, made[name].attrs)
-    for name in ("reason", "lacks", "insufficient"):
-        made.attrs[name] = plainly_but_ids(str(made.attrs[name]), load, simulated)
-    return made
-
-
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
     """The answer where a structure cannot be the specimen: one sentence, and no cause."""
     said = {
@@ -217,14 +191,11 @@ def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:
         "records": records_of(seen), "reason": reason, "possible": {}, "next": [],
     }  # fmt: skip
     empty = np.array([], dtype=str)
-    names = ("class", "channel", "sentence", "barred")
-    whole = xr.Dataset(
-        {name: ("candidate", empty) for name in names}
-        | {"log_evidence": ("candidate", np.zeros(0)), "is_named": ("candidate", np.zeros(0, int))},
-        coords={"candidate": empty},
-        attrs={"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
-               "lacks": "", "least_force_N": 0.0, "refused": 1},
-    )  # fmt: skip
+    names = ("candidate", "class", "channel", "sentence", "barred")
+    nothing = {"log_evidence": np.zeros(0), "is_named": np.zeros(0, int)}
+    whole = tabled("diagnosis/ranking", nothing | dict.fromkeys(names, empty))
+    whole.attrs = {"structure": structure, "answer": said["answer"], "reason": reason, "named": "",
+                   "lacks": "", "least_force_N": 0.0, "refused": 1}  # fmt: skip
     unchanged = {"schema": EXTENSION, "campaign": said["campaign"], "structure": structure,
                  "contact": {}, "mechanisms": []}  # fmt: skip
     return whole, said, unchanged
@@ -264,7 +235,7 @@ def _with_groups(said: dict, seen: xr.Dataset) -> dict:
                 "size": float(np.log1p(size)), "unit": "1", "explained": False,
             }
         )  # fmt: skip
-    lines = told(seen)
+    lines = group_sentences(seen)
     if not lines:
         return said
     lines = [f"{line[0].upper()}{line[1:]}" for line in lines]

@@ -27,22 +27,11 @@ from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
 from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
+from bladeroot.variables import dataset, names
 
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
-
-
-# Units and meaning of what is said of each measurement.
-COLUMNS = {
-    "decided": ("1", "expected part of what is open that the measurement decides"),
-    "hours": ("h", "laboratory time"),
-    "size_std": ("1", "expected standard deviation of the cause's size over the present one"),
-    "expected_ln_std": ("1", "expected standard deviation of ln k at the laws' reference load"),
-    "kind": ("", "what kind of further records, or which other test"),
-    "new_force": ("N", "axial force of the new records"),
-    "clampings": ("1", "new clampings"),
-}
 
 
 @dataclass(frozen=True)
@@ -63,7 +52,7 @@ def kilonewtons(force: float) -> str:
     return f"{force / 1e3:.3g} kN"
 
 
-def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewtons) -> xr.Dataset:
+def next_measurements(made: Diagnosis, as_text: Callable[[float], str] = kilonewtons) -> xr.Dataset:
     """What each possible measurement is expected to decide, the best for its hours first.
 
     dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
@@ -88,22 +77,12 @@ def next_measurements(made: Diagnosis, told: Callable[[float], str] = kilonewton
     tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
     together = accumulate(tests, lambda some, one: some.with_test(one, made))
     others = [*{one.what: row(one) for one in (*tests, *together)}.values()]
-    others += [max(map(row, some), key=rate) for some in of_records(made, told)]
+    others += [max(map(row, some), key=rate) for some in of_records(made, as_text)]
     rows = [row(Option("", "as measured", np.nan)), *sorted(others, key=rate, reverse=True)]
-    found = xr.Dataset(
-        {
-            name: (
-                ("option", "stiffness") if name == "expected_ln_std" else "option",
-                np.array([one[name] for one in rows]),
-                {"units": unit, "long_name": text},
-            )
-            for name, (unit, text) in COLUMNS.items()
-        },
-        coords={
-            "option": [one["option"] for one in rows],
-            "stiffness": np.array(_stiffnesses(made), dtype=str),
-        },
-    )
+    values = {name: np.array([one[name] for one in rows]) for name in names("diagnosis/next")}
+    values["option"] = [one["option"] for one in rows]
+    values["stiffness"] = np.array(_stiffnesses(made), dtype=str)
+    found = dataset("diagnosis/next", values)
     found["decided"].attrs["rivals"] = ";".join(sorted(asked))
     return found
 

@@ -12,41 +12,12 @@ from bladeroot.loads import load_attrs
 from bladeroot.pooling.coupling import coupling
 from bladeroot.pooling.groups import group_differences
 from bladeroot.pooling.level_curve import ladder_of, on_ladder
+from bladeroot.variables import dataset, names
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
 READINGS = (100.0, 50.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
-
-# Unit and meaning of the variables of a record, and of those at a record's amplitudes.
-RECORD = {
-    "mode": ("", "name of the mode"),
-    "force": ("N", "axial force as read"),
-    "group": ("", "group of the record, not pooled with others"),
-    "event": ("", "motion that several records saw, empty: this one alone"),
-    "sensor": ("", "sensor"),
-    "hold": ("", "clamping of the specimen, empty: unknown"),
-    "direction": ("", "up (loading), down (unloading), empty: unknown"),
-    "time": ("s", "start since the campaign began"),
-    "temperature": ("C", "temperature of the record"),
-    "stick_frequency": ("Hz", "frequency of the stick plateau"),
-    "stick_frequency_std": ("Hz", "its standard error within the record"),
-    "stick_loss_factor": ("1", "loss factor of the stick plateau"),
-    "stick_loss_factor_std": ("1", "its standard error within the record"),
-    "onset_amplitude": ("m", "displacement amplitude where sticking ends"),
-    "plateau_reached": ("1", "1 where the record reaches its stick plateau"),
-    "findings": ("", "ids of what was found wrong in the record, joined by semicolons"),
-    "verdict": ("", "usable or rejected"),
-    "correlation_decades": ("1", "length in ln(amplitude) over which the curve's errors are one"),
-}
-POINT = {
-    "frequency": ("Hz", "undamped natural frequency"),
-    "frequency_std": ("Hz", "standard error of frequency"),
-    "loss_factor": ("1", "hysteretic loss factor"),
-    "loss_factor_std": ("1", "standard error of loss_factor"),
-    "frequency_coupling": ("1", "what the motion's other modes may change of ln(frequency)"),
-    "loss_factor_coupling": ("1", "what the motion's other modes may change of loss_factor"),
-}
 
 
 @dataclass(frozen=True)
@@ -110,8 +81,9 @@ def observations(
 
     Returns:
         dims record and amplitude (m, `POINTS_A_DECADE` a decade, common to all, 0 long for a
-        table) with the variables of `RECORD` and `POINT`, laser_x_m over sensor_mode, and the
-        gauge's errors in the attributes. Nothing is extrapolated: NaN beyond what a record reaches.
+        table) with the variables of the tables record and point, laser_x_m over sensor_mode, and
+        the gauge's errors in the attributes. Nothing is extrapolated: NaN beyond what a record
+        reaches.
     """
     rows, scatter = _table_rows(stick) if not len(decays) else (_record_rows(stick), None)
     by_name = {str(decay.attrs["record"]): decay for decay in decays}
@@ -138,40 +110,24 @@ def observations(
         for name in CURVES
     }
     points |= coupling(chosen, rows, ladder)
-    made = {
-        name: ("record", np.array([row[name] for row in rows]), _attrs(RECORD[name]))
-        for name in RECORD
-    }
-    made |= {name: (("record", "amplitude"), points[name], _attrs(POINT[name])) for name in POINT}
+    made = {name: np.array([row[name] for row in rows]) for name in names("diagnosis/record")}
+    seen = dataset("diagnosis/record", made | {"record": [row["record"] for row in rows]})
+    seen["force"].attrs |= load_attrs(stick.attrs)
+    more = {"laser_x_m": np.array([float(x) for x in laser_x.values()])}
     if scatter is not None:
-        text = "standard error of stick_frequency by the rows' scatter about a smooth law"
-        made["stick_frequency_scatter"] = ("record", scatter, _attrs(("Hz", text)))
-    made["force"][2].update(load_attrs(stick.attrs))
-    made["laser_x_m"] = (
-        "sensor_mode",
-        np.array([float(x) for x in laser_x.values()]),
-        _attrs(("m", "position of the laser along the beam from mid-span")),
-    )
-    return xr.Dataset(
-        made,
-        coords={
-            "record": [row["record"] for row in rows],
-            "sensor_mode": list(laser_x),
-            "amplitude": ("amplitude", ladder, _attrs(("m", "amplitude at the sensor"))),
-        },
-        attrs={
+        more["stick_frequency_scatter"] = scatter
+    seen = seen.assign(dataset("diagnosis/point", points | {"amplitude": ladder}))
+    seen = seen.assign(dataset("diagnosis/observations", more | {"sensor_mode": list(laser_x)}))
+    return seen.assign_attrs(
+        {
             "simulated": int(stick.attrs.get("simulated", 0)),
             "campaign": str(stick.attrs.get("campaign", "")),
             **{n: stick.attrs[n] for n in ("load_name", "load_unit") if n in stick.attrs},
             "gauge_full_scale_std_N": float(gauge.full_scale_std),
             "gauge_relative_std": float(gauge.relative_std),
             "gauge_resolution_N": float(gauge.resolution),
-        },
+        }
     )
-
-
-def _attrs(pair: tuple[str, str]) -> dict[str, str]:
-    return {"units": pair[0], "long_name": pair[1]}
 
 
 def _record_rows(stick: xr.Dataset) -> list[dict]:

@@ -91,7 +91,7 @@ def of_facts(made: Diagnosis) -> list[Option]:
     return options
 
 
-def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Option]]:
+def of_records(made: Diagnosis, as_text: Callable[[float], str]) -> list[list[Option]]:
     """Further records, of each kind in several sizes: all again, other loads, both directions,
     clampings that are kept.
     """
@@ -104,7 +104,7 @@ def of_records(made: Diagnosis, told: Callable[[float], str]) -> list[list[Optio
 
     def sized(kind: str, what: str, force: float, signs=(0.0,), since=(0.0,)) -> list[Option]:
         new = {n: _clampings(data, force, [*signs] * n, since) for n in CLAMPINGS}
-        text = what.format(told(force))
+        text = what.format(as_text(force))
         return [option(kind, f"{n} {text}", *new[n]) for n in CLAMPINGS]
 
     top, bottom = float(records.force.max()), float(records.force.min())

@@ -21,7 +21,7 @@ def of_records(
         "force": np.log(records.force),
         "time": records.time,
         "time, through the contact": records.time,
-        "time in a hold": records.since,
+        "time in a clamping": records.since,
         "direction": records.sign,
         "temperature": records.temperature,
     }.get(smooth_in, np.log(records.force))
@@ -40,18 +40,22 @@ def of_records(
 def _trend(
     x: Float[ndarray, " record"], y: Float[ndarray, " record"], name: str
 ) -> tuple[float, str]:
-    """Change of y over the range of x by a straight line, or the bend where that is larger."""
+    """Change of y over the range of x by a straight line, or the bend where that is larger.
+
+    With a predicate that says it, in which `bladeroot.terms` puts a campaign's own words.
+    """
     unit = 2.0 * (x - x.min()) / np.ptp(x) - 1.0
     degree = 2 if np.unique(x).size > 3 else 1
     poly = np.polynomial.legendre.legfit(unit, y, degree)
     rise = 2.0 * poly[1]
+    name = name.replace("force", "{force}")
     if degree == 2 and abs(1.5 * poly[2]) > abs(rise):
-        way = "low" if poly[2] > 0 else "high"
+        way, size = "higher" if poly[2] > 0 else "lower", _percent(1.5 * poly[2])
         return float(1.5 * abs(poly[2])), (
-            f"the simulation is too {way} at both ends of the {name} by {_percent(-1.5 * poly[2])}"
+            f"lies {way} {{than_simulated}} at both ends of the {name} by {size}"
         )
     way = "rises" if rise > 0 else "falls"
-    return float(rise), f"{way} with the {name} by {_percent(rise)} more than simulated"
+    return float(rise), f"{way} with the {name} by {_percent(rise)} more {{than_simulated}}"
 
 
 def _percent(ln_ratio: float) -> str:
@@ -76,7 +80,7 @@ def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
             shown = _percent(size) if quantity == 0 else f"{100.0 * abs(size):.2g} % (absolute)"
             entries.append(
                 {"quantity": f"{name} over amplitude", "mode": mode, "size": size, "unit": "1",
-                 "trend": f"{way} with the amplitude by up to {shown} more than simulated"}
+                 "trend": f"{way} with the amplitude by up to {shown} more {{than_simulated}}"}
             )  # fmt: skip
     return entries
 

@@ -29,11 +29,11 @@ def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> l
         lacks.append("a second mode: one frequency cannot tell kn from kt")
     of_load = kind == "structure" or forces.size > 1
     if of_load and forces.size < guards.FORCES:
-        lacks.append(f"more axial forces: {forces.size} where a law needs {guards.FORCES} or more")
+        lacks.append(f"more {{loads}}: {forces.size} where a law needs {guards.FORCES} or more")
     if not replicated(data):
         lacks.append(
-            "repeated clampings: without several clampings at one force the scatter of clamping is "
-            "known only from how the records miss a law"
+            "repeated clampings: without several clampings at one {force} the scatter of clamping "
+            "is known only from how the records miss a law"
         )
     if data.ln_f.size < guards.RECORDS:
         lacks.append(
@@ -53,7 +53,7 @@ def curves_lacking(curves: CurveData | None) -> list[str]:
     if np.unique(curves.points.mode).size < guards.MODES:
         lacks.append("curves of a second mode")
     if np.unique(curves.points.force).size < guards.CURVE_FORCES:
-        lacks.append("curves at a second axial force")
+        lacks.append("curves at a second {load}")
     return lacks
 
 

@@ -1,5 +1,6 @@
 """The answer in the words of `verdict.json`."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +35,7 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     sets = probabilities(made)
     causes = _causes(made, sets)
     answer = _answer(made, causes)
+    reason = _reason(made, answer) + (_below(made, every) if every else "")
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),
@@ -45,7 +47,7 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
         "shortfall": _shortfall(made),
         "gain": gains(made),
         "records": records_of(made.seen),
-        "reason": _reason(made, answer) + (_below(made, every) if every else ""),
+        "reason": made.terms.say(reason),
     }
 
 
@@ -65,7 +67,8 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     for one in made.faulty:
         if one.named:
             rows.append((one.log_odds, _fault(one)))
-    return [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
+    rows = [row for _, row in sorted(rows, key=lambda pair: -pair[0])]
+    return [row | {"splitter": made.terms.say(row["splitter"])} for row in rows]
 
 
 def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
@@ -173,10 +176,12 @@ def _shortfall(made: Diagnosis) -> list[dict]:
             axis = max(step.smooth, key=step.smooth.get, default="force")
             if found.causes and found.causes[0].mechanism.over:
                 over = found.causes[0].mechanism.over[0]
-                axis = {"sign": "direction", "since": "time in a hold"}.get(over, over)
+                axis = {"sign": "direction", "since": "time in a clamping"}.get(over, over)
             data = made.data if found.channel.name == "stick" else made.damping.stick
             new = of_records(found.channel.name, data, found.baseline, axis)
-        rows += [row | {"explained": explained} for row in new]
+        rows += [
+            row | {"trend": made.terms.say(row["trend"]), "explained": explained} for row in new
+        ]
     return rows
 
 
@@ -196,17 +201,25 @@ def _below(made: Diagnosis, every: Diagnosis) -> str:
     return f". With the records below {made.settings.least_force / 1e3:g} kN: {said}"
 
 
-def insufficient(made: Diagnosis) -> list[str]:
-    """What explains most and may yet not be named, why, and what would decide."""
+def insufficient(made: Diagnosis, named: Callable[[str], str] = str) -> list[str]:
+    """What explains most and may yet not be named, why, and what would decide.
+
+    named: how a mechanism is called, by its id.
+    """
     lines = []
     for found in made.found:
         if name := found.insufficient:
             chance = min(100.0 * inclusion(found.probabilities, name), 99.0)
             others = [one for one in found.open if one not in (name, NONE, UNKNOWN)]
-            instead = f"; {' or '.join(others)} may act beside it or instead" if others else ""
+            instead = (
+                f"; {' or '.join(map(named, others))} may act beside it or instead"
+                if others
+                else ""
+            )
             lines.append(
-                f"{name} explains the {found.channel.name} data best (probability {chance:.0f} %) "
-                f"and is not named, for {found.known.barred[name]}{instead}; to decide: "
+                f"{named(name)} explains the {found.channel.name} data best (probability "
+                f"{chance:.0f} %) and is not named, for {found.known.barred[name]}{instead}; "
+                "to decide: "
                 f"{found.alone[name].causes[0].splitter}"
             )
     return lines
@@ -222,7 +235,7 @@ def _out_of_line(made: Diagnosis) -> list[str]:
     names = [n for n in dict.fromkeys(holds[apart]) if n]
     places = f" of the clampings {', '.join(names)}" if names else ""
     records = ", ".join(made.seen["record"].values.astype(str)[apart])
-    return [f"unlike their repeats are the records {records}{places}: a wrong label, or force?"]
+    return [f"unlike their repeats are the records {records}{places}: a wrong label, or {{force}}?"]
 
 
 def _open_question(found: Found) -> str:
@@ -257,12 +270,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
     lines = [*_out_of_line(made), *insufficient(made)]
     if answer == "nothing-missing":
         whole = "all records" if len(lines) == 0 else "the other records"
-        lines.append(f"the simulation explains {whole} within their scatter")
+        lines.append(f"{{it_explains}} {whole} within their scatter")
     for found in made.found:
         for cause in found.causes:
             lines.append(
                 f"{cause.mechanism.id}: {cause.mechanism.sentence} (log evidence {cause.gain:.1f} "
-                "over the simulation without it)"
+                "over {without_it})"
             )
             if len(cause.credible) > 1:
                 lines.append(
@@ -282,8 +295,9 @@ def _reason(made: Diagnosis, answer: str) -> str:
             )
         if found.unexplained:
             lines.append(
-                f"the {found.channel.name} data hold something smooth in {found.unexplained} that "
-                "no mechanism of the catalogue explains"
+                f"the {found.channel.name} data hold something smooth in "
+                f"{found.unexplained.replace('force', '{force}')} that no mechanism of the "
+                "catalogue explains"
             )
     lines += faults
     lines += [text for text in (made.left_out, made.not_judged) if text]

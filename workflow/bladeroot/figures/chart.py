@@ -101,8 +101,8 @@ def thinned(count: int) -> ndarray:
     return np.unique(np.linspace(0, count - 1, min(count, _POINTS)).round().astype(int))
 
 
-def sure(curves: xr.Dataset, name: str, error: str = "std") -> ndarray:
+def sure(curves: xr.Dataset, name: str) -> ndarray:
     """Values of a curve, NaN where their relative standard error exceeds what is drawn."""
     value = curves[name].values
-    known = curves[f"{name}_{error}"].values < DRAWN[name] * np.abs(value)
+    known = curves[f"{name}_std"].values < DRAWN[name] * np.abs(value)
     return np.where(known, value, np.nan)

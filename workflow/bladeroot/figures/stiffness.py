@@ -9,11 +9,11 @@ from matplotlib.figure import Figure
 from bladeroot.figures.style import MODE_COLOURS, PUBLISHED, note_simulated, panels
 
 
-def maps(searches: Sequence[xr.Dataset], published: xr.Dataset, simulated: bool) -> Figure:
+def maps(searches: Sequence[xr.Dataset], published: xr.Dataset | None, simulated: bool) -> Figure:
     """Lines of constant frequency through the measured ones, and the root where they cross.
 
     A row a structure, its lowest and its highest force. Bands: plus and minus one standard
-    deviation of measurement and model bias. `published` is Table 5.2 with totals of a flank.
+    deviation of measurement and model bias. `published`: Table 5.2 with totals of a flank, if any.
     """
     shown = _ends(searches)
     drawn, axes = panels(len(shown), 2, 7.6, 3.6 * len(shown), sharex=True, sharey=True)
@@ -43,7 +43,7 @@ def _ends(searches: Sequence[xr.Dataset]) -> list[tuple[xr.Dataset, xr.Dataset]]
     return [(line[0], line[-1]) for line in ordered]
 
 
-def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
+def _map(axis, found: xr.Dataset, published: xr.Dataset | None) -> None:
     kn, kt = 1e-9 * found["map_kn"].values, 1e-9 * found["map_kt"].values
     axis.set_xscale("log")
     axis.set_yscale("log")
@@ -65,7 +65,7 @@ def _map(axis, found: xr.Dataset, published: xr.Dataset) -> None:
     axis.set_xlim(kn[0], kn[-1])
     axis.set_ylim(kt[0], kt[-1])
     force = found.attrs["axial_force"]
-    if force in published["force"].values:
+    if published is not None and force in published["force"].values:
         printed = published.sel(force=force)
         axis.errorbar(
             1e-9 * printed["kn_total"],

@@ -48,8 +48,8 @@ def compared(theory: xr.Dataset, stiffness: xr.Dataset, simulated: bool) -> Figu
                 linestyle=line,
                 label=f"theory, {state.replace('mu', 'µ')}",
             )
-        published = 1e-9 * theory[f"{name}_published"].values
-        if np.isfinite(published).any():
+        if f"{name}_published" in theory:
+            published = 1e-9 * theory[f"{name}_published"].values
             axis.errorbar(
                 1e-3 * theory["force"].values,
                 published,

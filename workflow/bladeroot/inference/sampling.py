@@ -35,13 +35,11 @@ class Draws:
     """Equally weighted draws of parameters and scales.
 
     effective: how many independent draws the weighted ones are worth, (sum w)^2 / sum w^2.
-    proposed: how many points were asked for in all.
     """
 
     parameters: Float[ndarray, "draw parameter"]
     scales: Float[ndarray, "draw scale"]
     effective: float
-    proposed: int
 
 
 def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) -> Draws:
@@ -65,7 +63,7 @@ def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) 
     steps = (np.arange(draws) + rng.uniform()) / draws
     chosen = np.minimum(np.searchsorted(np.cumsum(weight), steps), len(weight) - 1)
     chosen = rng.permutation(chosen)
-    return Draws(parameters[chosen], points[chosen, len(bent) :], _effective(log), len(log))
+    return Draws(parameters[chosen], points[chosen, len(bent) :], _effective(log))
 
 
 def _first(fit: Fit, bent: ndarray) -> "_Mixture":

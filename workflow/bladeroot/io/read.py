@@ -39,6 +39,7 @@ def read(
     sensitivity: str | None = None,
     mode: str | None = None,
     force_N: float | None = None,
+    response: str | None = None,
 ) -> Recording:
     """One record in SI units; what the sheet says is checked against what the file says.
 
@@ -51,6 +52,7 @@ def read(
         sensitivity: of the sensor, such as `125 mm/s/V`; or a factor.
         mode: the record's mode; must agree with a file that states one.
         force_N: the record's force; must agree with a file that states one.
+        response: of the sensor, such as `high-pass 0.5 Hz`.
 
     Raises:
         ValueError: no such file, an unknown suffix, anything wrong in the file, or a
@@ -85,7 +87,10 @@ def read(
         # times tell the frequency better than a statement's few digits
         error = error if found.time is None else 0.0
         rate = _sampling(rate, sampling_Hz, error, where, notes)
-    return dataclasses.replace(record, sampling_Hz=rate, notes=(*notes, *record.notes))
+    notes += record.notes
+    return dataclasses.replace(
+        record, sampling_Hz=rate, notes=tuple(notes), response=response or ""
+    )
 
 
 def as_stated(path: str | Path, channel: str | None = None, quantity: str | None = None) -> Channel:

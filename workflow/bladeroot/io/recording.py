@@ -7,6 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.io.channel import SHORTEST
+from bladeroot.io.response import undoing
 from bladeroot.io.sampling import uniform
 from bladeroot.io.units import SI, motion
 from bladeroot.signal.lines import loudest, mode_Hz
@@ -22,13 +23,17 @@ _CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 
 @dataclass(frozen=True)
 class Recording:
-    """Uniformly sampled motion in SI units (m, m/s or m/s^2)."""
+    """Uniformly sampled motion in SI units (m, m/s or m/s^2), as the sensor gives it.
+
+    response: of the sensor, as of `bladeroot.io.response`, or "".
+    """
 
     samples: Float[ndarray, " sample"]
     sampling_Hz: float
     quantity: str
     start_s: float = 0.0
     notes: tuple[str, ...] = ()
+    response: str = ""
 
 
 def recording(
@@ -148,7 +153,7 @@ def _roughness(x: ndarray) -> float:
 
 
 def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
-    """The recording as velocity in m/s, exact for the mode.
+    """The recording as velocity in m/s, exact for the mode; a response of the sensor is undone.
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
@@ -156,6 +161,8 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     per cent with few samples a cycle, is made good for the mode's line in the loudest cycles.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
+    if record.response:
+        x = undoing(record.response)(x, record.sampling_Hz)
     if record.quantity == "velocity":
         return x
     lines = loudest(x - x.mean(), record.sampling_Hz, expected_Hz)

@@ -10,13 +10,14 @@ from bladeroot.io.load import COLUMNS
 from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import formats, read
+from bladeroot.io.response import undoing
 from bladeroot.io.sheet import REMARK
 from bladeroot.io.units import SI, USUAL, motion, sensitivity_of
 
 RECORD_COLUMNS = (
     "record", "file", "mode", *COLUMNS, "clamping", "hold", "event", "group", "direction", "time_s",
-    "drive_A", "quantity", "unit", "sensitivity", "sampling_Hz", "channel", "sensor", "from_s",
-    "to_s", "start_s", "end_s", "band_Hz", "keep", "exclude",
+    "drive_A", "quantity", "unit", "sensitivity", "response", "sampling_Hz", "channel", "sensor",
+    "from_s", "to_s", "start_s", "end_s", "band_Hz", "keep", "exclude",
 )  # fmt: skip
 # Signs of a channel's name in a record's: file systems allow 255 bytes.
 LONGEST_CHANNEL = 60
@@ -68,6 +69,7 @@ class RecordRows(Cells):
             "time_s": self.optional_number(row, values, "time_s"),
             "drive_A": self.optional_number(row, values, "drive_A"),
             **self._quantity(row, values),
+            "response": self._response(row, values),
             "sampling_Hz": self.optional_number(row, values, "sampling_Hz", positive=True),
             "group": self._name(row, values, "group"),
             "temperature_C": self.optional_number(row, values, "temperature_C"),
@@ -227,6 +229,16 @@ class RecordRows(Cells):
             except ValueError as error:
                 self.fault(str(error), row)
         return {"quantity": quantity, "unit": unit, "sensitivity": sensitivity}
+
+    def _response(self, row: int, values: dict) -> str | None:
+        """The sensor's response."""
+        text = values.get("response") or None
+        try:
+            if text:
+                undoing(text)
+        except ValueError as error:
+            self.fault(str(error), row)
+        return text
 
     def _one_use(self, rows: list[tuple[int, dict]]) -> None:
         """Warn of a raw file that stands for two records of one mode."""

@@ -28,7 +28,7 @@ def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
 MECHANISM = Mechanism(
     id="added-mass",
     kind="level",
-    sentence="something on the beam that the model lacks: a sensor, a target, a shaker's pad",
+    sentence="something on the {beam} that the model lacks: a sensor, a target, a shaker's pad",
     parameters=(
         Parameter(
             "mass", "kg", 0.0, 0.015, 0.0, 0.1,
@@ -39,7 +39,7 @@ MECHANISM = Mechanism(
             "sensors and shaker sit at mid-span",
         ),
     ),
-    splitter="weigh the beam as tested, or ring it down free-free with what is mounted on it",
+    splitter="weigh the {beam} as tested, or ring it down free-free with what is mounted on it",
     structure=structure,
     starts=((0.02, 0.0),),
     measured_by="weighing",

@@ -18,7 +18,7 @@ def power(points: Points, values: np.ndarray) -> CurveEffect:
 MECHANISM = Mechanism(
     id="cubic-softening",
     kind="amplitude",
-    sentence="a spring softens with the amplitude without any loss, whatever the axial force",
+    sentence="a spring softens with the amplitude without any loss, whatever the {load}",
     parameters=(
         Parameter(
             "fall", "1", 1e-4, 2.0, 1e-9, 1.0, "of ln f at 10 um in the first mode", log=True
@@ -34,7 +34,7 @@ MECHANISM = Mechanism(
             log=True,
         ),
     ),
-    splitter="loss factors at the same amplitudes, which friction raises; twice the axial force",
+    splitter="loss factors at the same amplitudes, which friction raises; twice the {load}",
     curve=power,
     starts=tuple((float(np.log(1e-4)), 0.0, float(np.log(p))) for p in (1.0, 4.0)),
 )  # fmt: skip

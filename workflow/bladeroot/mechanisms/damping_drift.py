@@ -23,7 +23,7 @@ MECHANISM = Mechanism(
             "of ln(loss factors): a joint that wears or dries, a cable that loosens",
         ),
     ),
-    splitter="the first forces again at the end; cables and supports looked over",
+    splitter="the first {forces} again at the end; cables and supports looked over",
     damping=partial(columns, linear),
     over=("time",),
     form="linear",

@@ -90,14 +90,14 @@ MOMENT = Parameter(
 MECHANISM = Mechanism(
     id="drift",
     kind="time",
-    sentence="the frequencies drift through the campaign, as with the temperature of the rig",
+    sentence="the frequencies drift through the campaign, as with the temperature of the {rig}",
     parameters=(
         Parameter(
             "change", "1", 0.0, 0.005, -0.03, 0.03,
             "of frequencies: steel's modulus falls by 2.4e-4 a kelvin, 10 K make 0.12 %",
         ),
     ),
-    splitter="a thermometer on beam and rig; the first forces again at the end",
+    splitter="a thermometer on {beam_and_rig}; the first {forces} again at the end",
     stick=law(linear),
     over=("time",),
     form="linear",

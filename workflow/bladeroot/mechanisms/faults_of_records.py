@@ -30,7 +30,7 @@ MECHANISMS = (
         "a record from another laser position, at a node of the other mode", "0.1 %",
     ),
     _fault(
-        "shaker-recontact", "the shaker's tip touches the specimen again during the decay",
+        "shaker-recontact", "the {tip} touches the specimen again during the decay",
         "a record with the shaker further away", "none in 1000",
     ),
 )  # fmt: skip

@@ -28,7 +28,7 @@ def _of_modes(records: Records, values: np.ndarray, x: np.ndarray) -> tuple[np.n
 MECHANISM = Mechanism(
     id="force-dependent-damping",
     kind="force-law",
-    sentence="the stuck joint's losses depend on the axial force, the frequencies as simulated",
+    sentence="the {stuck_joint}'s losses depend on the {load}, the frequencies as simulated",
     parameters=(
         Parameter(
             "exponent", "1", 0.0, 0.3, -1.5, 1.5,
@@ -36,7 +36,7 @@ MECHANISM = Mechanism(
         ),
         Parameter("ratio", "1", 1.0, 0.5, -3.0, 3.0, "another mode over the first", ratio=True),
     ),
-    splitter="loss factors at twice the force; another lubricant",
+    splitter="loss factors at twice the {force}; another lubricant",
     damping=power,
     form="power",
 ).also("contact's part", damping=contact_part)  # fmt: skip

@@ -47,7 +47,8 @@ def stop(points: Points, values: np.ndarray) -> CurveEffect:
 MECHANISM = Mechanism(
     id="geometric-hardening",
     kind="amplitude",
-    sentence="the axis of the beam is stretched by its deflection: frequency rises with A squared",
+    sentence="the axis of the {beam} is stretched by its deflection: "
+    "frequency rises with A squared",
     parameters=(
         Parameter(
             "alpha", "1/m2", 3e6, 1.5, 1e3, 1e10,
@@ -60,7 +61,7 @@ MECHANISM = Mechanism(
             ratio=True,
         ),
     ),
-    splitter="higher harmonics of the velocity; the same amplitudes at another axial force",
+    splitter="higher harmonics of the velocity; the same amplitudes at another {load}",
     curve=cubic,
     form="cubic",
 ).also(

@@ -47,7 +47,7 @@ def _effect(share: np.ndarray, by_seating: np.ndarray, by_shape: np.ndarray) -> 
 MECHANISM = Mechanism(
     id="incomplete-contact",
     kind="force-law",
-    sentence="at low axial force the flanks touch on a part of their area only",
+    sentence="at low {load} the {flanks} touch on a part of their area only",
     parameters=(
         Parameter(
             "seating_force", "N", 4e3, 0.8, 300.0, 30e3,
@@ -59,7 +59,7 @@ MECHANISM = Mechanism(
             log=True,
         ),
     ),
-    splitter="stick frequencies at more forces, below the seating force and far above it; "
+    splitter="stick frequencies at more {forces}, below the seating {force} and far above it; "
     "pressure-sensitive film",
     stick=exponential,
     starts=((float(np.log(9e3)), 0.0),),

@@ -48,9 +48,10 @@ def law(spread: Spread):
 MECHANISM = Mechanism(
     id="joint-slip",
     kind="amplitude",
-    sentence="the flanks slip: above a threshold that grows with the force, softer and more damped",
+    sentence="the {flanks} slip: above a threshold that grows with the {force}, "
+    "softer and more damped",
     parameters=(*SHARED, SPREAD),
-    splitter="the same amplitudes at twice the axial force: a friction threshold doubles",
+    splitter="the same amplitudes at twice the {load}: a friction threshold doubles",
     curve=law(lognormal),
     starts=starts(SPREAD.start),
     form="lognormal thresholds",

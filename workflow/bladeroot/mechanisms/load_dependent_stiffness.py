@@ -55,7 +55,7 @@ def _effect(
 MECHANISM = Mechanism(
     id="load-dependent-stiffness",
     kind="force-law",
-    sentence="the contact stiffens with the axial force, as rough or rounded surfaces do",
+    sentence="the contact stiffens with the {load}, as rough or rounded surfaces do",
     parameters=(
         Parameter(
             "exponent", "1", 0.3, 0.4, 0.0, 1.2,
@@ -64,7 +64,7 @@ MECHANISM = Mechanism(
         ),
         _DIFFERENCE,
     ),
-    splitter="forces twice as high, where a power goes on and a seated contact does not",
+    splitter="{forces} twice as high, where a power goes on and a seated contact does not",
     stick=power,
     form="power",
 ).also(

@@ -49,7 +49,7 @@ def from_the_top(part: np.ndarray) -> np.ndarray:
 MECHANISM = Mechanism(
     id="loading-hysteresis",
     kind="direction",
-    sentence="the contact is stiffer when the force is reached from above than from below",
+    sentence="the contact is stiffer when the {force} is reached from above than from below",
     parameters=(
         Parameter(
             "difference", "1", 0.0, 0.3, -0.8, 0.8,

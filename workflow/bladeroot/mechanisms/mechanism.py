@@ -172,9 +172,10 @@ StructureHook = Callable[[Ritz, Float[ndarray, " parameter"]], tuple[Change, lis
 class Mechanism:
     """One possible cause.
 
-    sentence: what it is. splitter: the measurement that would tell it from its siblings. form: name
-    of the law where there are several; forms: the others, mechanisms of the same id, of the same
-    first parameter and as likely as this one. over: what a law on records is a function of, of
+    sentence: what it is. splitter: the measurement that would tell it from its siblings; both may
+    hold names of `bladeroot.terms` in braces. form: name of the law where there are several;
+    forms: the others, mechanisms of the same id, of the same first parameter and as likely as this
+    one. over: what a law on records is a function of, of
     `VARIABLES`; in these it is only trusted to some per cent. A `stick` law over the force is given
     the force that there is, as other causes change it.
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.

@@ -33,7 +33,7 @@ MECHANISM = Mechanism(
             "density scatters by half a per cent",
         ),
     ),
-    splitter="a free-free test of the beam and its weight",
+    splitter="a free-free test of the {beam} and its weight",
     structure=structure,
     starts=((0.02, 0.0), (-0.02, 0.0)),
     measured_by="free-free",

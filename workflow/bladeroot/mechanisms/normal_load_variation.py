@@ -36,7 +36,7 @@ RUNNING_OUT = (
 MECHANISM = Mechanism(
     id="normal-load-variation",
     kind="amplitude",
-    sentence="the vibration unloads the flanks: they part in one half of the cycle",
+    sentence="the vibration unloads the {flanks}: they part in one half of the cycle",
     parameters=(
         *parameters(
             "normal",

@@ -32,22 +32,21 @@ def own_files(folder: str | Path) -> list[Path]:
     return paths
 
 
-def try_apart(work: Callable[[], object], path: Path, patience: float | None = None) -> None:
+def try_apart(work: Callable[[], object], path: Path) -> None:
     """Do it in a child process first, which a user's code may end, crash or keep for ever.
 
     An error of `work` is left to be met again. Raises ValueError where the child does not come back
-    by itself within `patience` seconds (`PATIENCE_S`).
+    by itself within `PATIENCE_S` seconds.
     """
     if not hasattr(os, "fork"):
         return
-    patience = PATIENCE_S if patience is None else patience
     ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:
         try:
             os.close(ours)
             signal.signal(signal.SIGALRM, signal.SIG_DFL)
-            signal.setitimer(signal.ITIMER_REAL, patience)
+            signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
             with suppress(Exception):
                 work()
             os.write(theirs, b"done")
@@ -58,7 +57,7 @@ def try_apart(work: Callable[[], object], path: Path, patience: float | None = N
         ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         came_back = pipe.read(4) == b"done"
     if ended == -signal.SIGALRM:
-        raise ValueError(f"reading and trying it does not end after {patience:g} s ({path})")
+        raise ValueError(f"reading and trying it does not end after {PATIENCE_S:g} s ({path})")
     if ended < 0:
         raise ValueError(f"it makes Python crash ({signal.Signals(-ended).name}) ({path})")
     if not came_back:

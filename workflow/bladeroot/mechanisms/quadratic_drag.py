@@ -41,7 +41,7 @@ MECHANISM = Mechanism(
             "another mode over the first: the same drag by another shape", log=True, ratio=True,
         ),
     ),
-    splitter="the same decays in thinner air, or with the beam's broad side covered",
+    splitter="the same decays in thinner air, or with the {beam}'s broad side covered",
     curve=quadratic,
     form="quadratic",
 ).also(

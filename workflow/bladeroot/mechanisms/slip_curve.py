@@ -16,7 +16,7 @@ from bladeroot.contact.laws.closed_forms import equivalent_stiffness
 from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Parameter, Points
 
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one, and
-# the loss has a kink where each does: with a coarser rule a fit finds a false summit at each.
+# the loss has a kink where each does: with a coarser rule a fit finds a false maximum at each.
 _NODES = np.linspace(-4.5, 4.5, 121)
 _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
 # ln of the part of sliders that is weaker, for distributions with a strongest slider: so far down

@@ -22,7 +22,7 @@ MECHANISM = Mechanism(
             "of ln f: steel's modulus falls by 2.4e-4 a kelvin; a rig that expands adds as much",
         ),
     ),
-    splitter="the rig warmed by some kelvin, and nothing else changed",
+    splitter="the {rig} warmed by some kelvin, and nothing else changed",
     stick=stick,
     over=("temperature",),
 )  # fmt: skip

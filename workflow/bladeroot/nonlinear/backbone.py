@@ -11,6 +11,7 @@ from bladeroot.nonlinear.curves import first_slip, mode_curve
 from bladeroot.nonlinear.flanks import FlankContact, flank_sliders
 from bladeroot.nonlinear.system import system_of
 from bladeroot.rom.joint import Joint
+from bladeroot.variables import dataset
 
 
 def backbone(
@@ -76,43 +77,19 @@ def amplitude_ladder(low_um: float, high_um: float, per_decade: int) -> ndarray:
 
 
 def _dataset(joint, points, modes, amplitudes, curves, slip, single, reason) -> xr.Dataset:
-    def var(dims, values, units: str, long_name: str, source: str = "") -> tuple:
-        attrs = {"units": units, "long_name": long_name}
-        return (dims, values, attrs | ({"source": source} if source else {}))
-
-    over, each = ("mode", "force", "amplitude"), ("mode", "force")
-    complete = (np.isfinite(curves[0]).all(axis=2)).astype(np.int8)
-    return xr.Dataset(
-        {
-            "frequency": var(over, curves[0], "Hz", "natural frequency", "eq. 3.11"),
-            "loss_factor": var(
-                over, curves[1], "1", "hysteretic loss factor at the laser", "eq. 3.11"
-            ),
-            "damping_ratio": var(over, curves[2], "1", "modal damping ratio"),
-            "slip": var(
-                (*over, "pair"), slip, "1", "share of each pair's tangential stiffness that slips"
-            ),
-            "stick_frequency": var(each, single[0], "Hz", "frequency while all sticks"),
-            "first_slip": var(each, single[1], "m", "amplitude at the laser where slip begins"),
-            "last_amplitude": var(each, single[2], "m", "up to where the curve holds"),
-            "turn": var(
-                each, single[3], "m", "amplitude where the branch first turns back, NaN if nowhere"
-            ),
-            "complete": var(each, complete, "1", "1 if the curve covers all amplitudes"),
-            "reason": var(each, reason.astype(str), "", "why the curve ends early, or empty"),
-            "kn": var("force", np.exp(points[:, 0]), "N/m", "normal stiffness of a flank"),
-            "kt": var("force", np.exp(points[:, 1]), "N/m", "tangential stiffness of a flank"),
-            "pair_position": joint.assembly["pair_position"],
-            "pair_flank": joint.assembly["flank"],
-            "pair_weight": joint.assembly["weight"],
-        },
-        coords={
-            "mode": modes,
-            "force": ("force", points[:, 2], {"units": "N", "long_name": "axial force"}),
-            "amplitude": (
-                "amplitude",
-                amplitudes,
-                {"units": "m", "long_name": "displacement amplitude at the laser"},
-            ),
-        },
+    made = dict(zip(("frequency", "loss_factor", "damping_ratio"), curves, strict=True))
+    made |= zip(("stick_frequency", "first_slip", "last_amplitude", "turn"), single, strict=True)
+    made |= {
+        "slip": slip,
+        "complete": (np.isfinite(curves[0]).all(axis=2)).astype(np.int8),
+        "reason": reason.astype(str),
+        "kn": np.exp(points[:, 0]),
+        "kt": np.exp(points[:, 1]),
+        "mode": modes,
+        "force": points[:, 2],
+        "amplitude": amplitudes,
+    }
+    pairs = {"pair_position": "pair_position", "pair_flank": "flank", "pair_weight": "weight"}
+    return dataset("nonlinear/backbone", made).assign(
+        {name: joint.assembly[own] for name, own in pairs.items()}
     )

@@ -75,7 +75,6 @@ def sufficient(
     sliders: Sliders,
     branch: Branch,
     harmonics: Sequence[int],
-    times: int = TIMES,
     decaying: bool = True,
 ) -> Branch:
     """The branch as far as the next harmonics would change no more than `SUFFICES`, and why not.
@@ -84,10 +83,10 @@ def sufficient(
     """
     harmonics = _own(sliders, harmonics)
     more = [h for h in (harmonics[-1] + 1, harmonics[-1] + 2) if sliders.varies or h % 2]
-    if 4 * more[-1] > times:
+    if 4 * more[-1] > TIMES:
         return branch
     for place, solution in enumerate(branch.solutions):
-        frequency, loss = _left_out(system, sliders, solution, harmonics, more, times, decaying)
+        frequency, loss = _left_out(system, sliders, solution, harmonics, more, decaying)
         most = max(SUFFICES[1] * solution.decay / solution.value, MEASURABLE_LOSS)
         if not (abs(frequency) <= SUFFICES[0] and abs(loss) <= most):
             reason = (
@@ -110,7 +109,6 @@ def _left_out(
     solution: Solution,
     harmonics: Sequence[int],
     more: Sequence[int],
-    times: int,
     decaying: bool,
 ) -> tuple[float, float]:
     """Relative change of frequency, and change of the loss factor, by more harmonics.
@@ -122,7 +120,7 @@ def _left_out(
     motion = np.zeros((*solution.motion.shape[:2], balance.size))
     motion[:, :, : solution.motion.shape[2]] = solution.motion
     fade = 0.5 * solution.decay / solution.value if decaying else 0.0
-    evaluate = partial(contact_forces, sliders, samples=cycle(wide, times, fade))
+    evaluate = partial(contact_forces, sliders, samples=cycle(wide, TIMES, fade))
     value, decay = first_step(system, balance, evaluate, solution.amplitude, motion)
     ratio = solution.decay / solution.value
     return 0.5 * value / solution.value, (decay - ratio * value) / solution.value

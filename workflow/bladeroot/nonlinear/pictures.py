@@ -12,6 +12,7 @@ from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.fast_loading import states
 from bladeroot.nonlinear.system import System
 from bladeroot.rom.joint import Joint
+from bladeroot.variables import dataset
 
 _STATES = 80
 
@@ -41,41 +42,16 @@ def pictures(
         joint.assembly["frame"].values[:, 1:],
         joint.assembly["pair_position"].values,
     )
-    dims = ("picture_amplitude", "sample")
-    return xr.Dataset(
-        {
-            "loop_motion": (
-                dims,
-                np.array(motion),
-                {"units": "m", "long_name": "motion at the laser"},
-            ),
-            "loop_force": (
-                dims,
-                np.array(force),
-                {"units": "N", "long_name": "modal force that slip takes away, at the laser"},
-            ),
-            "slip": (
-                ("picture_amplitude", "pair"),
-                slip[order],
-                {"units": "1", "long_name": "share of each pair's tangential stiffness that slips"},
-            ),
-            "pair_flank": ("pair", flank, {"units": "1", "long_name": "flank of each pair"}),
-            "pair_along": (
-                ("pair", "direction"),
-                along,
-                {"units": "m", "long_name": "place on the flank, along Y and the slope"},
-            ),
-        },
-        coords={
-            "picture_amplitude": (
-                "picture_amplitude",
-                np.asarray(amplitudes, float),
-                {"units": "m", "long_name": "amplitude at the laser"},
-            ),
-            "direction": ["along Y", "along slope"],
-        },
-        attrs={"picture_mode": system.mode},
-    )
+    made = {
+        "loop_motion": np.array(motion),
+        "loop_force": np.array(force),
+        "slip": slip[order],
+        "pair_flank": flank,
+        "pair_along": along,
+        "picture_amplitude": np.asarray(amplitudes, float),
+        "direction": ["along Y", "along slope"],
+    }
+    return dataset("nonlinear/pictures", made).assign_attrs(picture_mode=system.mode)
 
 
 def loop(

@@ -18,24 +18,20 @@ from bladeroot.nonlinear.fast_loading import softening_curve
 from bladeroot.nonlinear.flanks import even_preload, width_places
 from bladeroot.nonlinear.system import system_of
 from bladeroot.rom.joint import Joint
+from bladeroot.variables import dataset
 
 FALL = 2e-4  # of the frequency: the source reads its onset off a curve
 EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
 SHARES = (0.95, 0.9, 0.8, 0.6)
 LOOSE = (0.05, 0.02, 0.01, 0.005)
+MODE, FRICTION = "1B", 0.42
 SEEN = 2e-6  # m, section 3.5
 # ln kn, ln kt (N/m) and F (N); kn and kt as they fit measured frequencies near 4 kN.
 POINT = np.array([np.log(0.5e9), np.log(0.9e9), 4e3])
 _STRIPS = 12
 
 
-def onset_table(
-    joint: Joint,
-    point: Float[ndarray, "3"],
-    mode: str = "1B",
-    laser_x: float = 0.0,
-    friction: float = 0.42,
-) -> xr.Dataset:
+def onset_table(joint: Joint, point: Float[ndarray, "3"], laser_x: float = 0.0) -> xr.Dataset:
     """Amplitudes (m) at the laser where the first place slips and where the frequency has fallen.
 
     point: (ln kn, ln kt, F). By `exponent` of the pressure over the whole width (0 uniform, 0.5
@@ -46,8 +42,8 @@ def onset_table(
     """
     attrs = {
         "structure": joint.assembly.attrs["structure"],
-        "mode": mode,
-        "friction": friction,
+        "mode": MODE,
+        "friction": FRICTION,
         "force_N": float(point[2]),
         "kn": float(np.exp(point[0])),
         "kt": float(np.exp(point[1])),
@@ -55,17 +51,15 @@ def onset_table(
         "reason": "",
     }
     try:
-        return _onsets(joint, point, mode, laser_x, friction).assign_attrs(attrs)
+        return _onsets(joint, point, laser_x).assign_attrs(attrs)
     except (ValueError, RuntimeError) as error:
         return xr.Dataset(attrs=attrs | {"reason": str(error)})
 
 
-def _onsets(
-    joint: Joint, point: Float[ndarray, "3"], mode: str, laser_x: float, friction: float
-) -> xr.Dataset:
-    system = system_of(joint, point, mode, laser_x)
+def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Dataset:
+    system = system_of(joint, point, MODE, laser_x)
     whole = jenkins(
-        *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], friction
+        *system.stiffness.T, even_preload(joint, float(point[2]))[system.pair], FRICTION
     )
     place = width_places(joint)[system.pair]
     uniform = first_slip(system, whole)
@@ -81,21 +75,15 @@ def _onsets(
     partial = np.array(
         [[onsets(partial_contact(even, share, loose)) for loose in LOOSE] for share in SHARES]
     )
-    first = {"units": "m", "long_name": "amplitude where the first place slips"}
-    fallen = {
-        "units": "m",
-        "long_name": "amplitude where the frequency has fallen by 200 ppm, NaN if nowhere",
+    made = {
+        "first_slip": full[:, 0],
+        "onset": full[:, 1],
+        "partial_first_slip": partial[..., 0],
+        "partial_onset": partial[..., 1],
+        "highest": ladder[-1],
     }
-    return xr.Dataset(
-        {
-            "first_slip": ("exponent", full[:, 0], first),
-            "onset": ("exponent", full[:, 1], fallen),
-            "partial_first_slip": (("share", "loose"), partial[..., 0], first),
-            "partial_onset": (("share", "loose"), partial[..., 1], fallen),
-            "highest": ((), ladder[-1], {"units": "m", "long_name": "largest amplitude tried"}),
-        },
-        coords={"exponent": list(EXPONENTS), "share": list(SHARES), "loose": list(LOOSE)},
-    )
+    places = {"exponent": EXPONENTS, "share": SHARES, "loose": LOOSE}
+    return dataset("nonlinear/shortfall", made | {k: list(v) for k, v in places.items()})
 
 
 def crossing(

@@ -60,7 +60,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Weighed:
-    """Both channels, the onset's posterior in ln A0, and the stretch that was looked at (ln A).
+    """Both channels, the onset's posterior in ln A0, and the lowest ln A that was looked at.
 
     `departs` is the weight of a constant that ends at an onset, in either channel; without any,
     `onset` is None.
@@ -71,7 +71,6 @@ class Weighed:
     onset: Mixture | None
     departs: float
     lowest: float
-    highest: float
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,7 @@ def combined(
             _channel(catalogue, both[one], weight / weight.sum(), constant[one], bent[one])
         )
     onset, departs = _onset(catalogue, by_onset)
-    return Weighed(*channels, onset, departs, catalogue.low, catalogue.high)
+    return Weighed(*channels, onset, departs, catalogue.low)
 
 
 def _blurred(

@@ -16,9 +16,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
-from bladeroot.plain_words import length
 from bladeroot.pooling.components import QUANTILE_95
 from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.terms import length
 from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")
@@ -216,7 +216,7 @@ def _at(one: xr.Dataset) -> str:
     )
 
 
-def told(differences: xr.Dataset) -> list[str]:
+def group_sentences(differences: xr.Dataset) -> list[str]:
     """A sentence for each mode and quantity in which groups differ."""
     lines = []
     for k in np.flatnonzero(differences["told"].values):

@@ -85,7 +85,7 @@ def _of_repeats(
         facts = plateaus[k].attrs
         text = (
             f"lies {100.0 * apart:+.2f} % from the other records of mode {facts['mode']}"
-            f"{at_load(facts)} (in hold {facts['hold']}): sampling rate, mode or "
+            f"{at_load(facts)} (in clamping {facts['hold']}): sampling rate, mode or "
             f"{_wrong(facts)} wrong? It counts all the same; column exclude of records.csv leaves "
             "it out"
         )

@@ -12,7 +12,7 @@ from bladeroot.loads import load_attrs, load_facts_of, value_of
 from bladeroot.plateau.record import RECORD
 from bladeroot.pooling.components import Pooled, pool
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
-from bladeroot.variables import dataset
+from bladeroot.variables import dataset, registered
 
 # What is said of a level beside its mode, force and group.
 LEVEL = (
@@ -72,18 +72,15 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     return result
 
 
-def stick_from_table(
-    table: pd.DataFrame, error: str = "stated", load: Mapping[str, str] | None = None
-) -> xr.Dataset:
+def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
     A table tells nothing of the scatter between records or clampings at one force, but its rows
     scatter about a smooth law of the force. Both are carried, `stated_std` as printed and
     `scatter_std`, which counts both (`bladeroot.pooling.scatter_of_table`), and with them by mode
     how many times the scatter exceeds the printed errors; `error`, stated or scatter, is the one
-    that `frequency_std` and `loss_factor_std` go on with. load: its name and unit, if force_N is
-    none. Onset amplitudes are unknown (NaN). The numbers are checked where the sheet is read
-    (`bladeroot.io.stick_rows`).
+    that `frequency_std` and `loss_factor_std` go on with. Onset amplitudes are unknown (NaN). The
+    numbers are checked where the sheet is read (`bladeroot.io.stick_rows`).
     """
     frame = table[list(TABLE_COLUMNS)].astype({name: float for name in TABLE_COLUMNS[1:]})
     frame["mode"] = frame["mode"].astype(str)
@@ -100,7 +97,7 @@ def stick_from_table(
     )  # fmt: skip
     empty = pd.DataFrame(columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
     levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL])
-    result = _dataset(empty, levels, load or {})
+    result = _dataset(empty, levels, {})
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
     result["loss_factor_std"].attrs["note"] = f"the table's {error} error"
@@ -268,11 +265,10 @@ def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str
     result = dataset("pooling/stick", made).assign_attrs(load)
     for name in ("record_force", "force"):
         result[name].attrs = load_attrs(load)
-    for name, (units, long_name, source) in RECORD.items():
+    known = registered("plateau/record")
+    for name in RECORD:
         key = f"record_{name}" if name in LEVEL else name
-        attrs = {"units": units, "long_name": long_name}
-        attrs |= {"source": source} if source else {}
-        result[key] = ("record", _numbers(records[name]), attrs)
+        result[key] = ("record", _numbers(records[name]), known[name][1])
     return result
 
 

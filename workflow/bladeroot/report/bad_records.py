@@ -29,7 +29,7 @@ def unlike_repeats(judged: xr.Dataset) -> list[tuple[str, str]]:
     ]
 
 
-def told(stick: xr.Dataset, judged: xr.Dataset) -> list[str]:
+def bad_lines(stick: xr.Dataset, judged: xr.Dataset) -> list[str]:
     """A line for each of a campaign's first bad records, how many more, and where to read more."""
     campaign, lines = stick.attrs["campaign"], []
     for word, bad in (("rejected", rejected(stick)), ("look at", unlike_repeats(judged))):

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.figures.chart import sure
-from bladeroot.plain_words import length
 from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant, with_std
 from bladeroot.report.page import Section, Table, render
 from bladeroot.report.verdict import answer_of, chance, plain, size, with_open
 from bladeroot.report.words import Words, words_of
+from bladeroot.terms import length
 
 _SAME_LOAD = 1e-3  # relative: the same load, read twice
 

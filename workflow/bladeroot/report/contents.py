@@ -64,7 +64,7 @@ class Material:
     verdicts, extended (joints with the causes of a model file), amplitudes, shortfalls,
     thesis_searches, searches (and by force). shown, spectra: raw records as from
     `bladeroot.figures.records.worth_showing`. modes: SVG text. published: Tables 5.1 and 5.2 as
-    shipped. made: as `bladeroot.report.front.provenance_section`.
+    shipped, for a campaign that states them. made: as `bladeroot.report.front.provenance_section`.
     """
 
     facts: Mapping
@@ -220,7 +220,8 @@ def _of_structures(given: Material) -> dict[str, list[Section]]:
     main = given.facts["structures"][0]
     side = pictures(structure.side_view(given.mesh), SIDE.format(main))
     side += [Picture(given.modes, MODES)] if given.modes else []
-    maps = pictures(stiffness.maps(given.searches, given.published[1], simulated), MAPS)
+    printed = given.published[1] if given.published else None
+    maps = pictures(stiffness.maps(given.searches, printed, simulated), MAPS)
     posterior = pictures(joint.joint(given.joints, stages["stiffness"], simulated))
     whole = stiffness_section(stages["stiffness"], maps, stages.get("score"))
     parts = [*whole.parts, *joint_parts(given.joints, posterior), *_thesis_search(given)]
@@ -228,7 +229,8 @@ def _of_structures(given: Material) -> dict[str, list[Section]]:
     drawn = {
         "tractions": pictures(theory.tractions(stages["theory"]), profiles),
         "compared": pictures(
-            theory.compared(stages["theory"], stages["stiffness"], simulated), COMPARED
+            theory.compared(stages["theory"], stages["stiffness"], simulated),
+            COMPARED.format("Table 5.2 times 33 (6.16), " if given.published else ""),
         ),
     }
     checks = {check.attrs["structure"]: check for check in given.checks}
@@ -238,7 +240,7 @@ def _of_structures(given: Material) -> dict[str, list[Section]]:
         "nonlinear": [
             nonlinear_section(given.amplitudes, given.shortfalls, _slip(given), given.of_the_thesis)
         ],
-        "theory": [theory_section(stages["theory"], stages["stiffness"], drawn)],
+        "theory": [theory_section(stages["theory"], drawn)],
         "comparison": [
             ledger_section(stages["ledger"], given.errata, pictures(slider(stages["slider"]))),
             errata_section(given.errata),

@@ -17,8 +17,8 @@ from bladeroot.report.verdict import (
     against,
     cautions,
     disagreement,
+    sentences_of,
     shortfall_table,
-    told,
     with_open,
 )
 from bladeroot.report.words import judge_of, words_of
@@ -52,13 +52,13 @@ def diagnosis_section(
         {**with_open(said), "structure": against(one, said)}
         for one, said in zip(found, verdicts, strict=True)
     ]
-    box = told(found[0], verdicts[0], simulated).box
+    box = sentences_of(found[0], verdicts[0], simulated).box
     parts: list = [Box(box.head, [*box.lines, *disagreement(verdicts)])]
     parts += [shortfall_table(verdicts[0])] if verdicts[0]["shortfall"] else []
     parts += cautions(found, verdicts)
     parts += [structures_table(verdicts)] if len(found) > 1 else []
     parts += [*remarks, *drawn, candidates_table(found), *_not_tried(found[0])]
-    parts += [sizes_table(found, verdicts)] if any(said["causes"] for said in verdicts) else []
+    parts += [sizes_table(verdicts)] if any(said["causes"] for said in verdicts) else []
     gain = gain_table(verdicts, words_of(found[0]))
     parts += [gain] if gain.rows else []
     return Section(title, [*parts, *stiffness_tables(found), *next_parts(found)])

@@ -85,7 +85,7 @@ def candidates_table(found: Sequence[xr.Dataset]) -> Table:
     )
 
 
-def sizes_table(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> Table:
+def sizes_table(verdicts: Sequence[Mapping]) -> Table:
     """All parameters of all causes."""
     rows = [
         (
@@ -112,9 +112,9 @@ def gain_table(verdicts: Sequence[Mapping], words: Words) -> Table:
     """Held-out errors before and after."""
     rows, load = [], words.short or "condition"
 
-    def add(structure: str, text: str, sides: Mapping, digits: int = 3) -> None:
+    def add(structure: str, text: str, sides: Mapping) -> None:
         before, after = sides["before"], sides["after"]
-        rows.append((structure, text, percent(before, digits), percent(after, digits),
+        rows.append((structure, text, percent(before, 3), percent(after, 3),
                      percent(1.0 - after / before, 0)))  # fmt: skip
 
     for said in verdicts:

@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from bladeroot.plain_words import length
 from bladeroot.report.numbers import NONE, fixed, significant, with_std
 from bladeroot.report.page import Section, Table
+from bladeroot.terms import length
 
 
 def groups_section(curves: xr.Dataset) -> Section | None:

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from bladeroot.plain_words import length
 from bladeroot.report.numbers import NONE, fixed, significant, with_std
 from bladeroot.report.page import Table
 from bladeroot.report.words import Words, words_of
+from bladeroot.terms import length
 
 # Amplitudes that are shown: these in each decade of the quantity that was measured.
 ROUND = (1.0, 3.0)

@@ -1,6 +1,5 @@
 """The verdict on a campaign in words: what is missing, why, what to do, what it does not say."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import fixed, listed, percent
 from bladeroot.report.page import Box, Table
 from bladeroot.report.words import Judge, Words, judge_of, words_of
+from bladeroot.terms import spelled
 
 ANSWERS = {
     "nothing-missing": "nothing is missing",
@@ -43,11 +43,11 @@ _UNITS = {
 
 def plain(name: str) -> str:
     """A mechanism's id, or what stands in its place, as words."""
-    return INSTEAD.get(name) or re.sub(r"(?<=[a-z])-(?=[a-z])", " ", name)
+    return INSTEAD.get(name) or spelled(name)
 
 
 @dataclass(frozen=True)
-class Told:
+class Sentences:
     """A verdict in sentences, a list a subject."""
 
     head: str
@@ -64,11 +64,11 @@ class Told:
         return Box(self.head, lines)
 
 
-def told(one: xr.Dataset, said: Mapping, simulated: bool) -> Told:
+def sentences_of(one: xr.Dataset, said: Mapping, simulated: bool) -> Sentences:
     """What is missing, why, and what to do; one: the diagnosis's artifact, said: its verdict."""
     words, judge = words_of(one), judge_of(one)
     head = f"{judge.subject if judge.plural else against(one, said)}: {answer_of(said)}"
-    return Told(
+    return Sentences(
         f"Simulated campaign. {head}" if simulated else head,
         _missing(said, judge),
         _because(one, said),
@@ -199,9 +199,9 @@ def _missing(said: Mapping, judge: Judge) -> str:
     for quantity, several in rows.items():
         others = listed([row["mode"] for row in several[1:]])
         also = f" (also in {others})" if others else ""
-        trend = re.sub(r"^the simulation is", "of which the simulation is", several[0]["trend"])
-        which = "" if trend.startswith("of") else "which "
-        texts.append(f"the {quantity} of mode {several[0]['mode']}{also}, {which}{trend}")
+        texts.append(
+            f"the {quantity} of mode {several[0]['mode']}{also}, which {several[0]['trend']}"
+        )
     if texts:
         return f"{judge.does('does not explain', 'do not explain')} {'; nor '.join(texts)}."
     if said["causes"] and all(cause["class"] == "record" for cause in said["causes"]):
@@ -226,7 +226,7 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     lines = []
     for cause in said["causes"]:
         kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
-        if f"{cause['mechanism']} explains" in one.attrs.get("insufficient", ""):
+        if cause["mechanism"] in one.attrs.get("insufficient_causes", "").split(";"):
             continue  # told below, with what it lacks
         if len(cause["credible_set"]) == 1:
             row = one.isel(candidate=one["candidate"].values == cause["mechanism"])
@@ -261,8 +261,6 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
 def _not_named(one: xr.Dataset) -> list[str]:
     """What explains most and may not be named, with what it lacks."""
     text = str(one.attrs.get("insufficient", ""))
-    for name in one["candidate"].values.astype(str):
-        text = text.replace(name, plain(name))
     return [f"{text[0].upper()}{text[1:]}."] if text else []
 
 

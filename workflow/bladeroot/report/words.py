@@ -23,9 +23,9 @@ class Words:
         """Head of a table's column."""
         return f"{self.short} / {self.unit}" if self.load else "load"
 
-    def value(self, load: float, digits: int = 2) -> str:
+    def value(self, load: float) -> str:
         """A load as a number in a column, a dash without one."""
-        return fixed(self.factor * load, digits) if self.load else NONE
+        return fixed(self.factor * load, 2) if self.load else NONE
 
     @property
     def at_one(self) -> str:

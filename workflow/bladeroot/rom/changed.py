@@ -12,17 +12,16 @@ from bladeroot.rom.parametric import frequencies, ritz_of, surface_of
 from bladeroot.rom.sensitivity import Change, changed_frequencies
 
 _POINTS = 200  # of the check
+_TOLERANCE = 1e-7  # of ln f
 
 
-def changed_model(
-    model: xr.Dataset, changes: Mapping[str, Change], tolerance: float = 1e-7
-) -> xr.Dataset:
+def changed_model(model: xr.Dataset, changes: Mapping[str, Change]) -> xr.Dataset:
     """Frequencies over (ln kn, ln kt, F) when each mode's matrices are changed.
 
     model: from `bladeroot.rom.parametric`. changes: by mode, in that mode's basis. Inside the
     basis the changed problem is solved exactly, with the vectors for perturbations; nothing else of
     the model (projections, bounds of its bases) holds for the changed structure, so it is left out.
-    `surface_error`: of the new sums, relative, at random points. tolerance: of ln f.
+    `surface_error`: of the new sums, relative, at random points.
     """
     modes = [str(mode) for mode in model["mode"].values]
     ritzes = [ritz_of(model, mode) for mode in modes]
@@ -35,7 +34,7 @@ def changed_model(
             for mode, ritz in zip(modes, ritzes, strict=True)
         ])  # fmt: skip
 
-    surface = chebyshev.fit(ln_frequency, low, high, tolerance)
+    surface = chebyshev.fit(ln_frequency, low, high, _TOLERANCE)
     unseen = np.random.default_rng(5).uniform(low, high, (_POINTS, 3))
     error = np.abs(np.log(frequencies(surface, unseen)).T - ln_frequency(unseen)).max(axis=1)
     kept = model[["box", "error_bound"]].copy()

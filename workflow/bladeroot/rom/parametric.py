@@ -81,15 +81,6 @@ def frequencies(
     return np.exp(chebyshev.evaluate(surface, points)[0])
 
 
-def frequencies_gradient(
-    surface: Surface, points: Float[ndarray, "point 3"]
-) -> tuple[Float[ndarray, "point mode"], Float[ndarray, "point mode 3"]]:
-    """Frequencies (Hz) and their gradient by (ln kn, ln kt, F) (eq. 5.16, in log k)."""
-    value, slope = chebyshev.evaluate(surface, points, order=1)
-    f = np.exp(value)
-    return f, f[..., None] * slope
-
-
 @dataclass(frozen=True)
 class Solved:
     """The modes' own small problems, solved at every point; `low` and `high`: the box."""

@@ -88,14 +88,14 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
         force,
         np.log(frequency),
         np.maximum(own / frequency, LEAST_STD),
-        _clampings(stick, here, mode, force),
+        _clampings(stick, here, force),
         np.maximum(here["holds"].values, 1).astype(float),
         clamping_std,
         freedom,
     )
 
 
-def _clampings(stick: xr.Dataset, here: xr.Dataset, mode: ndarray, force: ndarray) -> ndarray:
+def _clampings(stick: xr.Dataset, here: xr.Dataset, force: ndarray) -> ndarray:
     """Numbers of clampings; two modes at one force have the same if their records name one."""
     reached = stick["plateau_reached"].values == 1
     names = []

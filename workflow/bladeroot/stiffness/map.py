@@ -14,15 +14,15 @@ from bladeroot.rom.ritz import frequency
 from bladeroot.stiffness.surface import MODES, all_frequencies
 from bladeroot.variables import dataset
 
-GRID = 60
+GRID = 60  # points of the drawn map along each axis
 _CHECKS = 3
 
 
-def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> xr.Dataset:
+def frequency_map(model: xr.Dataset, assembly: xr.Dataset) -> xr.Dataset:
     """Frequencies of the model's modes over the box of flank stiffness at the assembly's force.
 
     model: from `bladeroot.rom.parametric`. assembly: from `bladeroot.rom.assembly`,
-    of the same structure. grid: points of the drawn map along each axis.
+    of the same structure.
 
     The result holds the model at that force (`ln_frequency`), the map on a grid, the frequencies of
     bonded contact (both stiffnesses infinite) and a check of the map against exact solutions of the
@@ -40,7 +40,7 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> 
     force = assembly.attrs["axial_force"]
     modes = tuple(str(mode) for mode in model["mode"].values)
     surface = at_force(surface_of(model), force)
-    axis = np.linspace(surface.low[0], surface.high[0], grid)
+    axis = np.linspace(surface.low[0], surface.high[0], GRID)
     mesh = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     drawn, _ = all_frequencies(surface, mesh)
     joint = joint_of(assembly, equal_nodes=model.attrs["springs"] != "by area")
@@ -55,7 +55,7 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset, grid: int = GRID) -> 
         "map_kn": np.exp(axis),
         "map_kt": np.exp(axis),
         "ln_frequency": surface.coefficients[..., 0],
-        "map_frequency": drawn.T.reshape(-1, grid, grid),
+        "map_frequency": drawn.T.reshape(-1, GRID, GRID),
         "bonded_frequency": bonded,
         "check_kn": np.exp(unseen[:, 0]),
         "check_kt": np.exp(unseen[:, 1]),

@@ -86,7 +86,7 @@ def search(
         _estimate(surface, roots, fitted, target, std, bias, known, modes),
         _miss(surface, target, std, bias, drawn, log_axis, modes, rootless),
         _scatter(surface, target, std, bias, drawn, log_axis, draws if pair else 0, fitted),
-        _grid(surface, target, std, bias, known) if known[: len(MODES)].all() else xr.Dataset(),
+        _grid(surface, target, std, bias) if known[: len(MODES)].all() else xr.Dataset(),
         frequency_map[["map_frequency", "bonded_frequency"]],
     ]
     if fitted is not None:
@@ -130,7 +130,7 @@ def fit_modes(
     return fit_stiffness(frequencies, np.log(target[known]), total, prior)
 
 
-def _grid(surface, target, std, bias, known) -> xr.Dataset:
+def _grid(surface, target, std, bias) -> xr.Dataset:
     """The source's search, of its two modes."""
     own = slice(0, len(MODES))
     two = Surface(surface.coefficients[own], surface.low, surface.high)

@@ -27,7 +27,7 @@ def summarise(
 
     searches: by structure, one Dataset of `bladeroot.stiffness.search` per axial force.
     fe_forces: where their targets came from. published: Table 5.2, from
-    `bladeroot.contact.published`. The law is k = k_ref (F / 12 kN)^p, fitted to ln k.
+    `bladeroot.reproduction.published`. The law is k = k_ref (F / 12 kN)^p, fitted to ln k.
     Raises ValueError when a structure has two searches at one force.
     """
     lines = [_of_structure(name, parts) for name, parts in searches.items()]

@@ -28,4 +28,4 @@ def published_stiffness(table: Mapping[str, Any]) -> xr.Dataset:
         for std, end in _PRINTED.items():
             nodal = 1e3 * np.asarray(table[f"{k}_{end}"], float)
             made |= {f"{k}_nodal{std}": nodal, f"{k}_total{std}": NODES * nodal}
-    return dataset("contact/published", made)
+    return dataset("reproduction/published", made)

@@ -1,0 +1,44 @@
+"""A sensor's own response, undone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bladeroot.io.channel import SHORTEST
+from bladeroot.io.recording import recording, velocity
+from bladeroot.io.response import undoing
+from scipy.signal import bilinear, lfilter
+
+RATE, MODE, CORNER = 2000.0, 6.0, 4.5
+
+
+def test_a_high_pass_leaves_no_trace_in_size_and_phase():
+    t = np.arange(int(10 * RATE)) / RATE
+    motion = np.exp(-0.3 * t) * np.sin(2 * np.pi * MODE * t)
+    w = 2 * np.pi * CORNER
+    seen = lfilter(*bilinear([1.0, 0.0], [1.0, w], RATE), motion) + 0.02  # and an offset behind it
+    inner = slice(200, -200)
+    found = undoing(f"high-pass {CORNER} Hz")(seen, RATE)
+    error = found - motion
+    error -= np.polyval(np.polyfit(t, error, 1), t)
+    assert np.std(seen[inner] - motion[inner]) > 0.1
+    assert np.std(error[inner]) < 1e-3
+    record = recording(seen, "m/s", "a", sampling_Hz=RATE)
+    assert velocity(record, MODE) == pytest.approx(seen)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "high-pass", "high-pass 0 Hz", "high-pass -1 Hz", "notch 50 Hz", "high-pass 1.2.3 Hz"],
+)
+def test_what_is_no_response_is_told(text):
+    with pytest.raises(ValueError, match="response must be high-pass"):
+        undoing(text)
+
+
+def test_a_recording_with_a_response_is_undone_before_it_becomes_velocity():
+    samples = np.random.default_rng(0).standard_normal(SHORTEST + 100)
+
+    record = recording(samples, "m/s", "a", sampling_Hz=RATE)
+    undone = velocity(replace(record, response="high-pass 4.5 Hz"), MODE)
+    assert undone == pytest.approx(undoing("high-pass 4.5 Hz")(record.samples, RATE))
