@@ -12,6 +12,7 @@ _JOINT = (
     (r"\bthe shaker's tip\b", "the exciter"),
 )
 _SIMULATION = (
+    (r"(\bwith the amplitude by up to [^;]+) more than simulated\b", r"\1"),
     (r"\bthan simulated\b", "than in a linear mode"),
     (r"\bsimulated as it was\b|\band simulated\b", "and of a linear mode"),
     (r"\bThe simulation explains\b", "Linear modes explain"),
