@@ -41,4 +41,4 @@ decay.plot()
 
 # %%
 frequency, error = decay.stick_frequency
-print(f"stuck at {frequency:.3f} +- {error:.3f} Hz; drawn with 210 Hz")
+print(f"stuck at {frequency:.5f} +- {error:.5f} Hz; drawn with 210 Hz")

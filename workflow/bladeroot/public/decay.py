@@ -73,7 +73,8 @@ class Ringdown:
             ]
         value, std = self.stick_frequency
         if np.isfinite(value):
-            lines.append(f"  stick frequency {value:.6g} ± {std:.2g} Hz")
+            digits = max(0, 1 - int(np.floor(np.log10(std)))) if std > 0.0 else 3
+            lines.append(f"  stick frequency {value:.{digits}f} ± {std:.{digits}f} Hz")
         else:
             told = str(self.plateau["verdict"].item()).removeprefix("plateau ")
             lines.append(f"  plateau         {told}")

@@ -68,7 +68,12 @@ class Verdict:
         named = [(name, share[name]) for name in self.causes]
         best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
         lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
-        return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in named or best)])
+        return "\n".join([*lines, *(f"  {_chance(p)}  {names}" for names, p in named or best)])
+
+
+def _chance(probability: float) -> str:
+    """In per cent, never as certain as it cannot be."""
+    return f"{probability:6.1%}" if probability <= 0.99 else " > 99%"
 
 
 def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -> Verdict:
