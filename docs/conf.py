@@ -38,6 +38,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_signature": False,
+    "write_computation_times": False,  # their table is of scripts from elsewhere
 }
 html_theme = "furo"
 html_title = "bladeroot"

@@ -110,7 +110,7 @@ def schema_page(path: Path) -> str:
         for key, kind, text in keys(schema, schema.get("$defs", {}))
     ]
     title = schema["title"].replace("<", "\\<")
-    head = f"# {title}\n\n{schema.get('description', '')}\n\n"
+    head = f"# {title}\n\n`{schema['$id']}`. {schema.get('description', '')}\n\n"
     return head + "\n".join(["| key | value | meaning |", "|---|---|---|", *rows]) + "\n"
 
 

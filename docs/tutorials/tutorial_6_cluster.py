@@ -72,10 +72,8 @@ _ = (place / "profile" / "config.yaml").write_text(yaml.safe_dump(profile | own)
 command = [sys.executable, "-m", "snakemake", "--snakefile", shipped("Snakefile"), "--workflow-profile", "profile",
            "--config", "campaigns=blows"]  # fmt: skip
 run = subprocess.run(command, cwd=place, capture_output=True, text=True)
-print(
-    *(line for line in run.stderr.splitlines() if line.startswith("Job ") or "steps" in line),
-    sep="\n",
-)
+told = [line for line in run.stderr.splitlines() if line.startswith("Job ") or "steps" in line]
+print(*(line for line in told if line != "Job stats:"), sep="\n")
 run.check_returncode()
 
 # %%

@@ -228,14 +228,18 @@ def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
 
 def test_run_shows_the_stage_and_keeps_what_stands_behind_the_last_step():
     shown = []
-    lines = ["Job 3: mean curves of c", "4 of 9 steps (44%) done", "Job 4: report of c",
-             "9 of 9 steps (100%) done", "report of c: results/c/report.html"]  # fmt: skip
+    lines = ["job         count", "----------  -----", "ringdown.c.b     2", "curves           1",
+             "report           4", "total            7", "Job 3: free decays",
+             "Finished jobid: 3 (Rule: ringdown.c.b)", "1 of 7 steps (14%) done",
+             "Job 4: mean curves of c", "7 of 7 steps (100%) done",
+             "report of c: results/c/report.html"]  # fmt: skip
     seconds = iter([0.0, 120.0, 270.0])  # at the start, and as each step ends
     told = followed(lines, shown.append, lambda: next(seconds))
     assert told == ["report of c: results/c/report.html"]
     first, second, _ = map(str.strip, shown)
-    assert first == "mean curves of c"
-    assert second == "4 of 9, about 2 min left  report of c"  # five more at 30 s each: 2.5 min
+    assert first == "free decays"
+    # a batch of records is as long as ten others: 15 of 25 parts are left, at 12 s each
+    assert second == "1 of 7, about 3 min left  mean curves of c"
 
 
 def test_where_the_system_refuses_a_run_says_what_and_not_where_in_whose_code():

@@ -39,7 +39,9 @@ def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path
         assert np.median(one.curves["loss_factor"]) == pytest.approx(LOSS, rel=0.01)
         np.testing.assert_allclose(one.curves["frequency"], made[0].curves["frequency"], rtol=1e-6)
     assert "stick frequency" in repr(made[0])
-    assert len(made[0].plot().axes) == 2
+    drawn = made[0].plot()
+    assert len(drawn.axes) == 2
+    assert drawn._repr_html_().startswith("<svg style=")  # a notebook shows it
 
 
 def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():

@@ -12,7 +12,7 @@ from bladeroot.figures.style import SIMULATED_NOTE, svg
 from bladeroot.report.diagnosis import diagnosis_section
 from bladeroot.report.diagnosis_tables import candidates_table, gain_table
 from bladeroot.report.extended import extended_parts
-from bladeroot.report.next_measurement import best_option
+from bladeroot.report.next_measurement import best_option, next_parts
 from bladeroot.report.numbers import NONE
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.table_5_2 import exponent, table_5_2_remarks
@@ -41,8 +41,7 @@ def test_a_verdict_is_told_by_subject():
     said = sentences_of(found(), verdict(causes=[cause()]), False)
     assert said.head == "S: cause named"
     assert (
-        "stick frequency of mode 1B (also in 2B), which rises with the force by 0.6 %"
-        in said.missing
+        "stick frequency of mode 1B (also in 2B): rises with the force by 0.6 %" in said.missing[0]
     )
     assert "it stiffens; exponent 0.600\u00a0±\u00a00.080" in said.because[0]
     assert said.odds == ["Probabilities: load dependent stiffness 97 %; nothing at all 3 %."]
@@ -50,7 +49,7 @@ def test_a_verdict_is_told_by_subject():
     assert said.next[0].startswith(
         "Measure next: another force, 2 h; it is expected to decide 70 % of"
     )
-    assert said.box.lines == [said.missing, *said.because, *said.odds, *said.gain, *said.next]
+    assert said.box.lines == [*said.missing, *said.because, *said.odds, *said.gain, *said.next]
 
 
 def test_a_single_rival_is_a_question_of_whether_it_acts():
@@ -70,7 +69,7 @@ def test_in_short_a_verdict_is_two_sentences_with_every_credible_cause(credible)
 def test_an_ambiguous_answer_gives_the_measurement_that_splits():
     said = verdict("ambiguous", [cause((POWER, SEATING))])
     because = sentences_of(found(), said, False).because[0]
-    assert "load dependent stiffness or incomplete contact" in because
+    assert "load dependent stiffness (70 %) or incomplete contact" in because
     assert because.endswith("To decide: twice the force.")
 
 
@@ -91,10 +90,60 @@ def test_what_the_records_would_not_show_is_not_called_a_cause():
     said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
     spoken = sentences_of(found(named=""), said, False)
     assert spoken.head == "S: nothing shows to be missing, some causes would not show"
-    assert spoken.missing == "The simulation explains all records within their scatter."
+    assert spoken.missing == ["The simulation explains all records within their scatter."]
     assert "Not excluded" in spoken.because[0]
     assert "load dependent stiffness or incomplete contact" in spoken.because[0]
-    assert in_short(found(named=""), said) == [spoken.missing, spoken.because[0]]
+    assert in_short(found(named=""), said) == [*spoken.missing, spoken.because[0]]
+
+
+def test_what_acts_for_sure_has_its_own_probability_and_others_beside_it():
+    sure = cause((POWER, SEATING, "none-of-these"), probability=0.995)
+    said = verdict("insufficient-data", [sure]) | {
+        "probabilities": {POWER: 0.5, f"{POWER}+none-of-these": 0.4, SEATING: 0.005, "x": 0.095}
+    }
+    text = "load dependent stiffness (more than 99 %), perhaps beside incomplete contact or a cause"
+    assert f"Possible: {text}" in in_short(found(), said)[1]
+    few = found(named="")
+    few.attrs["insufficient"] = "it explains the stick data best; to decide: twice the force"
+    few.attrs["insufficient_causes"] = POWER
+    assert sentences_of(few, said, False).odds == [
+        "Probabilities: load dependent stiffness alone 50 %; load dependent stiffness and a cause "
+        "outside the catalogue 40 %; x 10 %."
+    ]
+    # another measurement comes next
+    assert "to decide" in sentences_of(few, said, False).because[0]
+    alone = few.drop_vars("decided")
+    assert "to decide" not in sentences_of(alone, said, False).because[0]
+    assert sentences_of(alone, said, False).next == ["Measure next: twice the force."]
+
+
+def test_many_quantities_that_are_missed_are_a_line_each():
+    said = verdict(causes=[cause()])
+    few = [dict(said["shortfall"][0], quantity=name) for name in ("one", "two", "three")]
+    missing = sentences_of(found(), said | {"shortfall": few}, False).missing
+    assert [line[:5] for line in missing] == ["The s", *["\u2013 the"] * 3]
+
+
+def test_measurements_that_would_bring_nothing_are_no_table():
+    one = found().isel(stiffness=[])
+    assert next_parts([one])
+    nothing = one.assign(decided=0.0 * one["decided"], size_std=("option", [1.0, 1.0, np.nan]))
+    nothing["decided"].attrs = one["decided"].attrs
+    assert next_parts([nothing]) == []
+
+
+def test_what_is_one_record_of_each_mode_without_a_load_is_an_event():
+    names = []
+    for hold, load in ((np.repeat(range(4), 2), ""), (np.repeat([0, 1], 4), ""), (None, "torque")):
+        one = found().assign_attrs(load_name=load, load_unit="Nm" * bool(load))
+        one = one.assign(stick_force=0.0 * one["stick_force"]) if not load else one
+        if hold is not None:
+            one = one.assign(stick_hold=("stick_record", hold))
+        panels = residual_maps.records([one], False).panels
+        names.append([p.x for p in panels if p.x.endswith("in order")])
+    assert set(names[0]) == {"event, in order"}
+    assert set(names[1]) == {"clamping, in order"}
+    assert set(names[2]) <= {"clamping, in order"}
 
 
 def test_answers_without_a_cause_say_what_they_are():
@@ -104,13 +153,13 @@ def test_answers_without_a_cause_say_what_they_are():
     barred = cause(credible_set=["load-dependent-stiffness", "incomplete-contact"])
     for causes, missing in (([], "cannot be said"), ([barred], "")):  # a cause is told once
         said = sentences_of(few, verdict("insufficient-data", causes), False)
-        assert missing in said.missing
+        assert missing in said.missing[0]
         assert said.because[0].startswith("Load dependent stiffness explains the stick data best")
         assert "lacks a second mode; more axial forces." in said.because[1]
     unexplained = sentences_of(found(""), verdict("unexplained", reason="something smooth"), False)
     assert unexplained.because == ["No cause of the catalogue explains it."]
     nothing = verdict("nothing-missing")
-    quiet = sentences_of(found(named=""), nothing, False).missing
+    quiet = sentences_of(found(named=""), nothing, False).missing[0]
     assert quiet.startswith("The simulation explains all")
     alone = found(named="").assign_attrs(kind="none")
     assert in_short(alone, nothing) == ["Linear modes explain all records within their scatter."]
@@ -122,7 +171,7 @@ def test_a_fault_of_records_is_no_cause_of_what_is_unexplained():
     assert because[0].startswith("Besides: load dependent stiffness")
     assert "No cause of the catalogue explains it" in because[-1]
     alone = verdict(causes=[hum], shortfall=[])
-    assert "the records are faulty" in sentences_of(found(), alone, False).missing
+    assert "the records are faulty" in sentences_of(found(), alone, False).missing[0]
 
 
 def test_a_level_is_worth_what_the_model_s_bias_would_hide():

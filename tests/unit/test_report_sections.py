@@ -13,7 +13,7 @@ from bladeroot.figures.style import panels, plain_log_scale, svg
 from bladeroot.pooling.stick import stick_from_table
 from bladeroot.report.bad_records import bad_lines
 from bladeroot.report.integrity import integrity_section
-from bladeroot.report.measurement import stick_section
+from bladeroot.report.measurement import scatter_parts, stick_section
 from bladeroot.report.nonlinear import nonlinear_section
 from bladeroot.report.page import Box, Table
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
@@ -62,6 +62,19 @@ def judged(*unlike):
     made = {f"finding_{name}": ("finding", np.array(v, str)) for name, v in columns.items()}
     made |= {f"finding_{side}_s": ("finding", [np.nan] * len(unlike)) for side in ("from", "to")}
     return xr.Dataset({**made, "pff_agrees": ("record", [-1])}, {"record": ["r1"]})
+
+
+def test_what_is_not_repeated_has_no_scatter():
+    known = dict.fromkeys(("between_record_std", "between_hold_std", "mode_direction_difference",
+                           "mode_direction_difference_std"), 0.1)  # fmt: skip
+    for freedom, parts in ((0, 0), (3, 1)):
+        stick = xr.Dataset(
+            {name: ("level", [value]) for name, value in known.items()}
+            | {"record_freedom": ("level", [freedom]), "hold_freedom": ("level", [0])},
+            {"mode": ("level", ["m1"])},
+            {"load_name": "", "load_unit": ""},
+        )
+        assert len(scatter_parts(stick)) == parts
 
 
 def test_each_bad_record_is_a_line_up_to_ten():

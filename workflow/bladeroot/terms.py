@@ -56,4 +56,6 @@ def spelled(name: str) -> str:
 
 def length(metres: float) -> str:
     """A length in the unit that needs no exponent: `12 µm`, `2.51 mm`."""
+    if metres < 1e-8:
+        return f"{1e9 * metres:.3g} nm"
     return f"{1e3 * metres:.3g} mm" if metres >= 1e-3 else f"{1e6 * metres:.3g} µm"

@@ -54,8 +54,6 @@ def command(file, mode_Hz, channel, sampling_Hz, unit, quantity, sensitivity, pi
     record = read(file, channel=named, sampling_Hz=sampling_Hz, **given)
     duration = record.samples.size / record.sampling_Hz
     click.echo(f"  {record.quantity}, {record.sampling_Hz:g} Hz, {duration:.3g} s")
-    for note in record.notes:
-        click.echo(f"  note: {note}")
     frequency, level = spectrum(record.samples, record.sampling_Hz)
     lines = peaks(frequency, level)
     for line_Hz, decibel in lines[:SHOWN_LINES]:
@@ -117,7 +115,10 @@ def _draw(record: Recording, frequency, level, decay):
         title="its spectrum",
     )
     curve, scale = decay.curves, "log" if decay.curves.sizes["point"] else "linear"
-    for axis, name in ((rate, "frequency"), (loss, "loss_factor")):
+    for axis, name, label in (
+        (rate, "frequency", "frequency in Hz"),
+        (loss, "loss_factor", "loss factor"),
+    ):
         axis.errorbar(*(curve[k] for k in ("amplitude", name, f"{name}_std")), fmt=".")
-        axis.set(xscale=scale, xlabel="displacement amplitude in m", ylabel=name.replace("_", " "))
+        axis.set(xscale=scale, xlabel="displacement amplitude in m", ylabel=label)
     return figure

@@ -14,6 +14,14 @@ from bladeroot.runs import system_fault
 CHECKOUT = Path(__file__).resolve().parents[3]
 _DONE = re.compile(r"^(\d+) of (\d+) steps")
 _STAGE = re.compile(r"^(?:Job \d+|localrule|rule): (.+)")
+_COUNT = re.compile(r"^(\S+) {2,}(\d+)$")
+_ENDED = re.compile(r"^Finished jobid: \d+ \(Rule: (\S+)\)")
+# How many short jobs one of a rule lasts as long as: measured (results/timings.csv).
+_LONG = {
+    "accuracy": 6, "amplitude": 8, "assembly_reduced": 7, "bench": 10, "calibrate": 60, "checks": 7,
+    "diagnosis": 3, "frequency_maps": 3, "joint": 4, "matrices_reduced": 7, "nonlinear": 4,
+    "parametric": 6, "reduced": 7, "ringdown": 10, "shortfall": 2, "slider": 2,
+}  # fmt: skip
 
 
 @click.command(context_settings={"ignore_unknown_options": True})
@@ -49,16 +57,21 @@ def followed(lines: Iterable[str], show, clock=time.monotonic) -> list[str]:
     """Show how far a run is, what it does and how long it may take, as it prints; what stands
     behind its last step.
 
-    lines: of Snakemake's own output. show: takes one short line of progress. clock: time in s; the
-    steps that are left are taken to last as long as those that are done.
+    lines: of Snakemake's own output. show: takes one short line of progress. clock: time in s; what
+    is left is taken to last as what is done did, a long rule's job counting as many short ones.
     """
     rest, share, start = [], "", clock()
+    whole = past = 0
     for line in lines:
         text = line.rstrip()
         done, stage = _DONE.match(text), _STAGE.match(text)
+        if count := _COUNT.match(text):
+            whole += int(count[2]) * _long(count[1]) * (count[1] != "total")
+        if over := _ENDED.match(text):
+            past += _long(over[1])
         if done:
             ended, every = int(done[1]), int(done[2])
-            left = (clock() - start) * (every - ended) / ended
+            left = (clock() - start) * max(whole - past, 0) / max(past, 1)
             share, rest = f"{ended} of {every}, about {left / 60.0:.0f} min left", []
             if left < 60.0:
                 share = f"{ended} of {every}, about {left:.0f} s left"
@@ -70,3 +83,7 @@ def followed(lines: Iterable[str], show, clock=time.monotonic) -> list[str]:
     if fault:
         return [f"bladeroot: {fault}; the same command continues when that is put right"]
     return [text for text in rest if text and not _DONE.match(text)]
+
+
+def _long(rule: str) -> int:
+    return _LONG.get(rule.partition(".")[0], 1)

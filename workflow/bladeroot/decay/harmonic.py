@@ -78,7 +78,7 @@ def harmonic(found: Envelopes, line: int, order: int, sampling_Hz: float) -> Bes
     part = float(np.max(np.abs(phasor) / np.maximum(np.abs(found.envelope(0)), np.abs(phasor))))
     told = (
         f"a harmonic, {order} x {found.lines_Hz[line]:.5g} Hz, rings beside the mode, up to "
-        f"{100.0 * part:.2g} % of it; taken off, and the curve ends where it hides the mode"
+        f"{100.0 * part:.3g} % of it; taken off, and the curve ends where it hides the mode"
     )
     return Beside(at_Hz, wave, time / sampling_Hz, error, "harmonic", told)
 

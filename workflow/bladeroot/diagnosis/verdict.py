@@ -211,15 +211,12 @@ def insufficient(made: Diagnosis, named: Callable[[str], str] = str) -> list[str
         if name := found.insufficient:
             chance = min(100.0 * inclusion(found.probabilities, name), 99.0)
             others = [one for one in found.open if one not in (name, NONE, UNKNOWN)]
-            instead = (
-                f"; {' or '.join(map(named, others))} may act beside it or instead"
-                if others
-                else ""
-            )
+            where = "beside it" if chance > 90.0 else "beside it or instead"
+            instead = f"; {' or '.join(map(named, others))} may act {where}" if others else ""
             lines.append(
-                f"{named(name)} explains the {found.channel.name} data best (probability "
-                f"{chance:.0f} %) and is not named, for {found.known.barred[name]}{instead}; "
-                "to decide: "
+                f"{named(name)} explains the {found.channel.name} data best (it acts with a "
+                f"probability of {chance:.0f} %, alone or beside others) and is not named, for "
+                f"{found.known.barred[name]}{instead}; to decide: "
                 f"{found.alone[name].causes[0].splitter}"
             )
     return lines

@@ -157,8 +157,9 @@ def _coloured(
         options = {key: dict.fromkeys(t.switches.get(key, "") for t in traces) for key in keys}
         switch = next((key for key in keys if len(options[key]) > 1), next(iter(keys), ""))
         names = options.get(switch, {"": None})
-        places = (np.arange(len(names)) + 0.5) / len(names)
-        colour = {n: to_hex(colormaps["turbo"](p)) for n, p in zip(names, places, strict=True)}
+        # as it is, the map's middle is too bright a green to be seen on white
+        several = 0.82 * colormaps["turbo"](np.linspace(0.06, 0.94, len(names)))[:, :3]
+        colour = {name: to_hex(one) for name, one in zip(names, several, strict=True)}
     return [replace(one, colour=colour[one.switches.get(switch, "")]) for one in traces], switch
 
 

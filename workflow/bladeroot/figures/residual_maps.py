@@ -31,9 +31,10 @@ def records(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
                                 "standard deviations", zero=True, band=(-2.0, 2.0)))  # fmt: skip
             left = one["stick_residual_scaled"].sel(stage=stage).values
             traces += _scatter(one, values, left, len(panels) - 1)
+    fitted = " (fitted with the cause)" if any("after" in stage_names(one) for one in full) else ""
     return Chart(
         "What is left of each record's stick frequency, in standard deviations of "
-        "what clamping, reading and noise scatter (after the cause, both columns), over what the "
+        f"what clamping, reading and noise scatter{fitted}, over what the "
         "campaign varied. Grey: two standard deviations.",
         panels, traces, colours="mode", simulated=simulated,
     )  # fmt: skip
@@ -65,7 +66,11 @@ def _axes_of(one: xr.Dataset) -> list[tuple[str, np.ndarray]]:
     held = np.unique(hold).size
     if np.unique(force).size < held < hold.size:
         first = [time[hold == h].min() for h in range(held)]
-        over.append(("clamping, in order", np.argsort(np.argsort(first, kind="stable"))[hold] + 1))
+        modes = one["stick_mode"].values
+        single = max(np.bincount(hold[modes == mode]).max() for mode in np.unique(modes)) == 1
+        # without a load, what is one record of each mode is a motion, held as all others are
+        name = "event" if single and not load else "clamping"
+        over.append((f"{name}, in order", np.argsort(np.argsort(first, kind="stable"))[hold] + 1))
     return over
 
 

@@ -49,9 +49,18 @@ mpl.rcParams |= {
 }
 
 
+class Drawing(Figure):
+    """A figure that a notebook shows where it is a cell's last value."""
+
+    def _repr_html_(self) -> str:
+        text = svg(self)
+        style = '<svg style="max-width: 100%; height: auto" '
+        return text[text.index("<svg") :].replace("<svg ", style, 1)
+
+
 def panels(rows: int, columns: int, width: float, height: float, **kwargs):
     """A figure of a size in inches with a grid of axes (2-D array), in the project's style."""
-    drawn = Figure(figsize=(width, height), layout="constrained")
+    drawn = Drawing(figsize=(width, height), layout="constrained")
     return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
 
 

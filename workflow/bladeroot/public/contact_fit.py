@@ -55,10 +55,9 @@ class ContactFit:
 
     def plot(self):
         """68 and 95 % regions of the first interface's (kn, kt); a Figure."""
-        from matplotlib.figure import Figure
+        from bladeroot.figures.style import panels
 
-        figure = Figure(figsize=(4.5, 4.0), layout="constrained")
-        axis = figure.subplots()
+        figure, ((axis,),) = panels(1, 1, 4.5, 4.0)
         values, vectors = np.linalg.eigh(self.covariance[:2, :2])
         turn = np.linspace(0.0, 2.0 * np.pi, 200)
         circle = np.array([np.cos(turn), np.sin(turn)])
@@ -82,11 +81,11 @@ class ContactFit:
         for name in found["parameter"].values:
             one = found.sel(parameter=name)
             spread = np.exp(float(one["ln_std"]))
-            lines.append(f"  {name:<{width}}{float(one['stiffness']):.4g} N/m, factor {spread:.3g}")
+            lines.append(f"  {name:<{width}}{float(one['stiffness']):.4g} N/m, factor {spread:.2f}")
         for mode in found["mode"].values:
             one = found.sel(mode=mode)
             lines.append(
-                f"  {mode:<12}{float(one['measured']):.6g} Hz measured, "
+                f"  {mode:<{width}}{float(one['measured']):.6g} Hz measured, "
                 f"{float(one['fitted']):.6g} fitted, {float(one['misfit']):+.1f} std"
             )
         if attrs["freedom"] > 0:

@@ -14,6 +14,7 @@ from bladeroot.decay.ringdown import analyse
 from bladeroot.io.read import read
 from bladeroot.io.recording import Recording, recording, velocity
 from bladeroot.io.units import SI
+from bladeroot.terms import length
 
 Source = str | Path | xr.DataArray | Float[ndarray, " sample"]
 
@@ -61,17 +62,22 @@ class Ringdown:
 
     def __repr__(self) -> str:
         """A short table."""
-        lines = [f"ring-down of the mode near {self.curves.attrs['expected_Hz']:g} Hz"]
+        lines = [f"ring-down of the mode near {self.curves.attrs['expected_Hz']:.5g} Hz"]
         lines.append(f"  {self.verdict}")
         if self.curves.sizes["point"]:
-            for name, unit in (("amplitude", "m"), ("frequency", "Hz"), ("loss_factor", "")):
-                first, last = self.curves[name].values[[0, -1]]
-                lines.append(f"  {name:<16}{first:.6g} to {last:.6g} {unit}".rstrip())
+            ends = self.curves.isel(point=[0, -1])
+            lines += [
+                f"  amplitude       {' to '.join(map(length, ends['amplitude'].values))}",
+                "  frequency       {:.5g} to {:.5g} Hz".format(*ends["frequency"].values),
+                "  loss factor     {:.3g} to {:.3g} %".format(*100.0 * ends["loss_factor"].values),
+            ]
         value, std = self.stick_frequency
         if np.isfinite(value):
-            lines.append(f"  {'stick frequency':<16}{value:.6g} +- {std:.2g} Hz")
+            digits = max(0, 1 - int(np.floor(np.log10(std)))) if std > 0.0 else 3
+            lines.append(f"  stick frequency {value:.{digits}f} ± {std:.{digits}f} Hz")
         else:
-            lines.append(f"  plateau         {self.plateau['verdict'].item()}")
+            told = str(self.plateau["verdict"].item()).removeprefix("plateau ")
+            lines.append(f"  plateau         {told}")
         return "\n".join([*lines, *(f"  finding: {line}" for line in self.findings)])
 
 

@@ -1,6 +1,7 @@
 """A whole campaign in one process: the workflow's stages from its folder to its verdict."""
 
 import tempfile
+import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -67,8 +68,14 @@ class Verdict:
         share = {one["mechanism"]: one["probability"] for one in self.said["causes"]}
         named = [(name, share[name]) for name in self.causes]
         best = sorted(self.probabilities.items(), key=lambda pair: -pair[1])[:3]
-        lines = [f"{self.said['campaign']}: {self.answer}", f"  {self.said['reason']}"]
-        return "\n".join([*lines, *(f"  {share:6.1%}  {names}" for names, share in named or best)])
+        reason = textwrap.fill(self.said["reason"], 88, initial_indent="  ", subsequent_indent="  ")
+        lines = [f"{self.said['campaign']}: {self.answer}", reason]
+        return "\n".join([*lines, *(f"  {_chance(p)}  {names}" for names, p in named or best)])
+
+
+def _chance(probability: float) -> str:
+    """In per cent, never as certain as it cannot be."""
+    return f"{probability:6.1%}" if probability <= 0.99 else " > 99%"
 
 
 def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -> Verdict:

@@ -18,6 +18,7 @@ from bladeroot.report.verdict import (
     in_short,
     next_of,
     plain,
+    supposed,
     with_open,
 )
 from bladeroot.report.words import Words, judge_of, words_of
@@ -121,11 +122,7 @@ def _hertz(level: xr.Dataset) -> str:
 
 
 def _verdict_card(one: xr.Dataset, said: Mapping) -> tuple[str, str, list[str]]:
-    causes = [
-        f"{listed([plain(name) for name in cause['credible_set']], 'or')} "
-        f"({chance(cause['probability'])})"
-        for cause in said["causes"]
-    ]
+    causes = list(map(supposed, said["causes"]))
     head = "not this specimen" if one.attrs.get("refused") else answer_of(said)
     other = "linear modes" if judge_of(one).plural else against(one, said)
     return "verdict", head, [*causes, f"compared with {other}"]
@@ -162,10 +159,9 @@ def _stages(
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
     for said in verdicts[:1]:
         causes = listed([plain(cause["mechanism"]) for cause in said["causes"]])
-        odds = {"+".join(c["credible_set"]): c["probability"] for c in said["causes"]}
-        odds = odds or dict(list(said["probabilities"].items())[:1])
-        texts = [f"{plain(name).replace('+', ' or ')} {chance(p)}" for name, p in odds.items()]
-        sure = listed(texts) or NONE
+        odds = list(said["probabilities"].items())[:1]
+        texts = [f"{plain(name).replace('+', ' and ')} ({chance(p)})" for name, p in odds]
+        sure = "; ".join(map(supposed, said["causes"])) or listed(texts) or NONE
         name = f"diagnosis{', ' + said['structure'] if said['structure'] else ''}"
         answer = answer_of(said) + (f": {causes}" if causes else "")
         rows.append((Link(name, "diagnosis"), answer, sure))

@@ -148,6 +148,8 @@ def scatter_parts(stick: xr.Dataset) -> list:
     kinds = list(zip(stick["mode"].values.astype(str), groups.astype(str), strict=True))
     for mode, group in dict.fromkeys(kinds):
         here = stick.isel(level=kinds.index((mode, group)))
+        if not int(here["record_freedom"]) + int(here["hold_freedom"]):
+            continue  # nothing is repeated
         rows.append(
             (
                 str(mode),

@@ -70,8 +70,8 @@ def next_parts(found: Sequence[xr.Dataset]) -> list[Table]:
         for name in one["option"].values
         for here in [one.sel(option=name)]
     ]
-    if all(set(row[3:]) == {NONE} for row in rows):
-        return []
+    if all(set(row[3:]) <= {NONE, percent(0.0, 0)} for row in rows):
+        return []  # none brings anything
     sets = [
         f"{one.attrs['structure']}: {_question(one)}"
         for one in found

@@ -22,6 +22,7 @@ ANSWERS = {
 QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
 INSTEAD = {"none": "nothing at all", "none-of-these": "a cause outside the catalogue"}
+_SURE = 0.9  # probability above which a cause acts, whatever acts beside it
 NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
 _SHOWN = 0.02  # least probability of a set that is told
 CLASSES = {
@@ -51,7 +52,7 @@ class Sentences:
     """A verdict in sentences, a list a subject."""
 
     head: str
-    missing: str
+    missing: Sequence[str]
     because: Sequence[str]
     odds: Sequence[str]
     gain: Sequence[str]
@@ -60,7 +61,7 @@ class Sentences:
     @property
     def box(self) -> Box:
         """All of it."""
-        lines = [self.missing, *self.because, *self.odds, *self.gain, *self.next]
+        lines = [*self.missing, *self.because, *self.odds, *self.gain, *self.next]
         return Box(self.head, lines)
 
 
@@ -105,24 +106,18 @@ def against(one: xr.Dataset, said: Mapping) -> str:
 
 
 def in_short(one: xr.Dataset, said: Mapping) -> list[str]:
-    """The verdict in two sentences: what is missing, and why."""
+    """The verdict in short: what is missing, and why."""
     judge, words = judge_of(one), words_of(one)
     missing = _missing(said, judge)
     if not said["causes"]:
         if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
-            return [missing, *_open(said)]
+            return [*missing, *_open(said)]
         why = _because(one, said)[:1] or [f"{said['reason'].partition('. ')[0].rstrip('.')}."]
-        return [missing, *why]
-    texts = []
-    for cause in said["causes"]:
-        names = listed([plain(name) for name in cause["credible_set"]], "or")
-        kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
-        sure = f", with a probability of {chance(cause['probability'])}"
-        several = len(cause["credible_set"]) > 1
-        texts.append(f"{names} ({kind}{', the records do not tell which' if several else sure})")
+        return [*missing, *why]
+    texts = [f"{supposed(cause)}, {_kind(cause)}" for cause in said["causes"]]
     what = {"insufficient-data": "Possible", "unexplained": "Besides"}.get(said["answer"], "Cause")
     gain = [g[0].lower() + g[1:].rstrip(".") for g in _gain(said, words, judge)]
-    return [missing, "; ".join([f"{what}: {listed(texts)}", *gain]) + "."]
+    return [*missing, "; ".join([f"{what}: {'; '.join(texts)}", *gain]) + "."]
 
 
 def of_level(said: Mapping) -> bool:
@@ -153,6 +148,19 @@ def _gain(said: Mapping, words: Words, judge: Judge) -> list[str]:
     ]
 
 
+def supposed(cause: Mapping) -> str:
+    """A cause's names with its probability, and those that may act in its place, or beside it."""
+    text = f"{plain(cause['mechanism'])} ({chance(cause['probability'])})"
+    others = [plain(n) for n in cause["credible_set"] if n != cause["mechanism"]]
+    beside = ", perhaps beside " if cause["probability"] > _SURE else " or "
+    return text + beside * bool(others) + listed(others, "or")
+
+
+def _kind(cause: Mapping) -> str:
+    """The classes of a cause in words."""
+    return listed([CLASSES[kind] for kind in cause["class"].split(" or ")], "or")
+
+
 def chance(probability: float) -> str:
     """A probability in per cent, never as certain as it cannot be."""
     if probability > 0.99:
@@ -165,7 +173,14 @@ def odds(said: Mapping) -> list[str]:
     sets = [(name, p) for name, p in said["probabilities"].items() if p >= _SHOWN][:4]
     if not sets:
         return []
-    texts = [f"{listed([plain(one) for one in name.split('+')])} {chance(p)}" for name, p in sets]
+    every = [name.split("+") for name, _ in sets]
+    texts = []
+    for names, (_, p) in zip(every, sets, strict=True):
+        larger = any(set(names) < set(other) for other in every)
+        alone = larger * (" alone" if len(names) == 1 else " only")
+        texts.append(f"{listed(list(map(plain, names)))}{alone} {chance(p)}")
+    rest = sum(said["probabilities"].values()) - sum(p for _, p in sets)
+    texts += [f"all other sets together {chance(rest)}"] if rest > _SHOWN else []
     return [f"Probabilities: {'; '.join(texts)}."]
 
 
@@ -188,10 +203,12 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
     ]
 
 
-def _missing(said: Mapping, judge: Judge) -> str:
-    """What is missing: of each quantity the mode that misses most and how, and the other modes."""
+def _missing(said: Mapping, judge: Judge) -> list[str]:
+    """What is missing, of each quantity the mode that misses most and how, and the other modes: a
+    sentence, or where it is of many quantities a line each.
+    """
     if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
-        return f"{judge.does('explains', 'explain')} all records within their scatter."
+        return [f"{judge.does('explains', 'explain')} all records within their scatter."]
     rows: dict[str, list[Mapping]] = {}
     for row in sorted(said["shortfall"], key=lambda row: -abs(row["size"])):
         rows.setdefault(row["quantity"], []).append(row)
@@ -199,15 +216,16 @@ def _missing(said: Mapping, judge: Judge) -> str:
     for quantity, several in rows.items():
         others = listed([row["mode"] for row in several[1:]])
         also = f" (also in {others})" if others else ""
-        texts.append(
-            f"the {quantity} of mode {several[0]['mode']}{also}, which {several[0]['trend']}"
-        )
+        texts.append(f"the {quantity} of mode {several[0]['mode']}{also}: {several[0]['trend']}")
+    head = judge.does("does not explain", "do not explain")
+    if len(texts) > 2:
+        return [f"{head}:", *(f"\u2013 {text}" for text in texts)]
     if texts:
-        return f"{judge.does('does not explain', 'do not explain')} {'; nor '.join(texts)}."
+        return [f"{head} {'; nor '.join(texts)}."]
     if said["causes"] and all(cause["class"] == "record" for cause in said["causes"]):
         text = judge.does("misses", "miss")
-        return f"{text} nothing that these records show; the records are faulty."
-    return "Whether something is missing cannot be said."
+        return [f"{text} nothing that these records show; the records are faulty."]
+    return ["Whether something is missing cannot be said."]
 
 
 def shortfall_table(said: Mapping) -> Table:
@@ -225,27 +243,23 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
         return []
     lines = []
     for cause in said["causes"]:
-        kind = listed([CLASSES[k] for k in cause["class"].split(" or ")], "or")
-        if cause["mechanism"] in one.attrs.get("insufficient_causes", "").split(";"):
+        if _is_barred(one, cause):
             continue  # told below, with what it lacks
         if len(cause["credible_set"]) == 1:
             row = one.isel(candidate=one["candidate"].values == cause["mechanism"])
             sizes = listed([f"{plain(p['name'])} {size(p)}" for p in cause["parameters"][:1]])
             what = "Cause" if said["answer"] in ("named", "ambiguous") else "Besides"
             lines.append(
-                f"{what}: {plain(cause['mechanism'])} ({kind}), {row['sentence'].values[0]}; "
-                + sizes
+                f"{what}: {plain(cause['mechanism'])} ({_kind(cause)}), "
+                f"{row['sentence'].values[0]}; {sizes}"
                 + ("" if cause["plausible"] else ", beyond what is physically plausible")
                 + "."
             )
         else:
-            names = listed([plain(name) for name in cause["credible_set"]], "or")
             lines.append(
-                f"Cause: {names} ({kind}, {plain(cause['mechanism'])} with a probability of "
-                f"{chance(cause['probability'])}); the records do not tell which. To decide: "
-                f"{cause['splitter']}."
+                f"Cause: {supposed(cause)}, {_kind(cause)}. To decide: {cause['splitter']}."
             )
-    lines += [*_not_named(one), *_open(said)]
+    lines += [*_not_named(one, next_of(one, said)), *_open(said)]
     left = {row["quantity"] for row in said["shortfall"] if not row["explained"]}
     if said["causes"] and left and said["answer"] != "insufficient-data":
         lines.append(
@@ -258,9 +272,18 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
     return lines
 
 
-def _not_named(one: xr.Dataset) -> list[str]:
-    """What explains most and may not be named, with what it lacks."""
+def _is_barred(one: xr.Dataset, cause: Mapping) -> bool:
+    """Whether a cause may not be named, for the campaign lacks what would show it."""
+    return cause["mechanism"] in one.attrs.get("insufficient_causes", "").split(";")
+
+
+def _not_named(one: xr.Dataset, then: Sequence[str]) -> list[str]:
+    """What explains most and may not be named, with what it lacks; what decides, unless it is
+    what is to be measured next.
+    """
     text = str(one.attrs.get("insufficient", ""))
+    before, _, decide = text.rpartition("; to decide: ")
+    text = before if any(decide in line for line in then) and before else text
     return [f"{text[0].upper()}{text[1:]}."] if text else []
 
 
@@ -286,7 +309,7 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
     texts, lacks = [], {}
     for one, said in zip(found, verdicts, strict=True):
         name = against(one, said)
-        for cause in said["causes"]:
+        for cause in (cause for cause in said["causes"] if not _is_barred(one, cause)):
             rivals: dict[str, list[str]] = {}
             for rival, evidence, why in _barred_rivals(one, cause):
                 rivals.setdefault(why, []).append(f"{plain(rival)} ({fixed(evidence, 1)})")
