@@ -2,8 +2,8 @@
 
 # Priors are stated, not fitted: nats by which a cause of the catalogue is less likely than its
 # absence (with the catalogue's 18 causes, half of all campaigns have none), and something of no
-# catalogue that is smooth in one of what was varied: it may be anything, and is asked for more than
-# two causes are.
+# catalogue that is smooth in what was varied: it may be anything, and is asked for more than two
+# causes are.
 PRIOR, PRIOR_UNKNOWN = 2.9, 6.3
 # Further nats of each cause beside a first one, in whichever data: campaigns with two are rarer
 # than those of two independent causes would be.

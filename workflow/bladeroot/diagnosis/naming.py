@@ -190,9 +190,8 @@ class _Search:
                 continue
             step = self.steps.get(ids)
             gains = np.array([*step.smooth.values(), *self._impossible(model)] if step else [])
-            # Of each variable something unknown is as likely: what they explain adds up.
-            other = float(np.logaddexp.reduce(gains)) if gains.size else -np.inf
-            rows.append(Weighed(ids, model.log_evidence, other))
+            other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
+            rows.append(Weighed(ids, model.log_evidence, float(other)))
         return probabilities(rows, self.known.replicates, self.channel.trust)
 
     def best(self) -> frozenset:
