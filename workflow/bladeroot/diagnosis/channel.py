@@ -17,8 +17,10 @@ from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]
-# Length of the competitor's Ornstein-Uhlenbeck kernels: of ln F, and of the campaign's time.
-_FORCE, _TIME = 1.0, 0.5
+# Length of what the competitor may be, of ln F and of the campaign's time: a rough course
+# (Ornstein-Uhlenbeck, which finds steps), and beside it a slow one, so many times as long: to a
+# rough one alone a law's plain trend is so unlikely that any law of that variable is preferred.
+_FORCE, _TIME, _SLOW = 1.0, 0.5, 1.5
 
 
 @dataclass(frozen=True)
@@ -153,15 +155,15 @@ def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
     """Smooth functions of force, of time and of the time in a clamping, and a step by direction."""
     records, same = data.records, stick_model.same_mode(data).astype(float)
 
-    def along(values: ndarray, length: float) -> ndarray:
-        return same * np.exp(-np.abs(values[:, None] - values) / length)
+    def along(values: ndarray, length: float) -> Kernels:
+        return [(same * course, size) for course in _courses(values, length)]
 
-    found = {"force": [(along(np.log(records.force), _FORCE), size)]}
+    found = {"force": along(np.log(records.force), _FORCE)}
     if np.unique(records.force).size == 1 and data.group is not None:
         found = {}  # one condition: nothing runs with the load
     if data.time_known and records.span > 0.0:
         # Of the holds: what changes from hold to hold says nothing of records of one.
-        found["time"] = [(along(records.time - records.since, _TIME * records.span), size)]
+        found["time"] = along(records.time - records.since, _TIME * records.span)
     if data.time_known and records.hold_span > 0.0:
         share = records.since / records.hold_span
         found["time in a clamping"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
@@ -180,8 +182,15 @@ def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
         return {}
     gradient = fitted.state.facts["gradient"][:, :2].sum(axis=1)
     began = records.time - records.since
-    wander = np.exp(-np.abs(began[:, None] - began) / (_TIME * records.span))
-    return {"time, through the contact": [(np.outer(gradient, gradient) * wander, 0.1)]}
+    both = np.outer(gradient, gradient)
+    wander = _courses(began, _TIME * records.span)
+    return {"time, through the contact": [(both * course, 0.1) for course in wander]}
+
+
+def _courses(values: ndarray, length: float) -> tuple[ndarray, ndarray]:
+    """Correlation of a rough course over values, and of a slow one."""
+    rough = np.exp(-np.abs(values[:, None] - values) / length)
+    return rough, stick_model.near(values, _SLOW * length)
 
 
 def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:

@@ -25,6 +25,7 @@ REACH = 10.0**2.5  # from the largest amplitude of a level down
 # where none does and the curves begin anywhere.
 OFFSET, LOOSE = 2e-3, 2e-2
 LN_A_LENGTH, LN_F_LENGTH = 1.0, 0.8  # of a law's own errors
+AT_TOP = 3e-4  # of what is smooth in amplitude, of ln f and of the loss factor, likely beforehand
 # What the analysis of records is trusted to at best, of ln f and of the loss factor.
 BEST = (1e-6, 5e-6)
 # ln of: errors over the stated ones; floors of ln f and of the loss factor.
@@ -189,7 +190,12 @@ def law_kernel(data: CurveData) -> Float[ndarray, "datum datum"]:
 
 
 def smooth_kernels(data: CurveData) -> list[tuple[ndarray, float]]:
-    """A free smooth function of amplitude and force, one for ln f and one for the loss factor."""
-    kernel, quantity = law_kernel(data), data.quantity
-    both = [(quantity[:, None] == q) * (quantity == q) * kernel for q in (0, 1)]
-    return [(both[0], 3e-5), (both[1], 1e-4)]
+    """A free smooth function of amplitude and force, one for ln f and one for the loss factor.
+
+    Its size is in proportion to the amplitude, as whatever it is leaves the plateau slowly.
+    """
+    mode, amplitude, quantity = data.twice.mode, data.twice.amplitude, data.quantity
+    largest = np.array([amplitude[mode == m].max(initial=0.0) for m in range(len(data.modes))])
+    share = amplitude / largest[mode]
+    kernel = law_kernel(data) * np.outer(share, share)
+    return [((quantity[:, None] == q) * (quantity == q) * kernel, AT_TOP) for q in (0, 1)]

@@ -1,4 +1,8 @@
-"""Loss factors of the stuck joint: one a mode, scattering from clamping to clamping."""
+"""Loss factors of the stuck joint: one a mode, scattering from clamping to clamping.
+
+A clamping changes the losses of all modes together, and each mode's besides: taken for independent,
+they would count one chance as often as there are modes.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +18,7 @@ from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
 LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints
-SCATTER = (np.log(0.04), 0.8)  # of ln(loss factor) between clampings
+SCATTER = (np.log(0.03), 0.8)  # of ln(loss factor) between clampings: of all modes, of each one's
 NOISE = (np.log(3e-3), 1.5)  # of ln(loss factor) between records of one
 
 
@@ -58,7 +62,8 @@ def problem(
     records = data.stick.records
     n, modes = data.ln_loss.size, len(data.stick.modes)
     of_mode = np.eye(modes)[records.mode]
-    held = (data.stick.hold[:, None] == data.stick.hold) * (of_mode @ of_mode.T)
+    held = (data.stick.hold[:, None] == data.stick.hold).astype(float)
+    own_held = held * (of_mode @ of_mode.T)
     trust = [trust_kernel(data.stick, one.over) for one in mechanisms]
     prior = Prior(
         np.concatenate([np.full(modes, LEVEL[0]), *(m.start for m in mechanisms)]),
@@ -78,17 +83,16 @@ def problem(
         return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
-        scatter, noise = np.exp(2.0 * scales[0]) * held, np.full(n, np.exp(2.0 * scales[1]))
-        whole = scatter + np.diag(noise + data.std**2)
+        size = np.exp(2.0 * scales)
+        scatter, noise = (size[0] * held, size[1] * own_held), np.full(n, size[2])
+        whole = scatter[0] + scatter[1] + np.diag(noise + data.std**2)
         for e, kernel in zip(state.facts["effects"], trust, strict=True):
             whole += np.outer(TRUST**2 * e, e) * kernel
-        parts = [
-            np.exp(2.0 * scale) * unit for scale, (unit, _) in zip(scales[2:], extra, strict=True)
-        ]
+        parts = [of * unit for of, (unit, _) in zip(size[3:], extra, strict=True)]
         for part in parts:
             whole += part
-        return whole, lambda: [2.0 * part for part in (scatter, noise, *parts)]
+        return whole, lambda: [2.0 * part for part in (*scatter, noise, *parts)]
 
-    scales = [SCATTER, NOISE, *((np.log(size), 1.5) for _, size in extra)]
+    scales = [SCATTER, SCATTER, NOISE, *((np.log(size), 1.5) for _, size in extra)]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
     return Problem(data.ln_loss, predict, covariance, prior, Prior(means, stds))
