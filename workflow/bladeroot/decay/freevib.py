@@ -31,7 +31,7 @@ LOOKED_AT = 100  # blocks, evenly over the record
 EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
 # A point is given where the standard error of its frequency is less than this part of it: beyond,
 # noise or another mode may be followed.
-SURE = 0.01
+SURE = 0.005
 FEWEST = 8
 # Fall of ln A in which what waves is told from a law; fewest such stretches, and fewest that wave.
 STRETCH, FEWEST_STRETCHES, WAVING = 1.0, 4, 3

@@ -61,6 +61,7 @@ def not_cut(samples: Float[ndarray, " sample"], cycle: int) -> Float[ndarray, " 
     beside = counts[[0, 1, 3, 4]]
     usual = beside.mean()
     even = beside.min() * EVEN > usual and beside.max() < EVEN * usual
-    if not even or counts[2] * np.log(2.0) - usual < SURELY or np.mean(around**2) < APART:
+    cancel = np.sum(around**2) < APART * max(around.size, 1)
+    if not even or cancel or counts[2] * np.log(2.0) - usual < SURELY:
         return samples
     return samples + 0.5 * step * np.sign(samples) * (np.abs(samples) > 0.5 * step)
