@@ -32,9 +32,15 @@ EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
 # A point is given where the standard error of its frequency is less than this part of it: beyond,
 # noise or another mode may be followed.
 SURE = 0.005
-FEWEST = 8
-# Fall of ln A in which what waves is told from a law; fewest such stretches, and fewest that wave.
-STRETCH, FEWEST_STRETCHES, WAVING = 1.0, 4, 3
+FEWEST = 4
+# Fall of ln A in which what waves is told from a law; fewest such stretches, fewest that wave, and
+# fewest points in each.
+STRETCH, FEWEST_STRETCHES, WAVING, EACH = 1.0, 4, 3, 8
+# What else rings and the laws' bends are largest at the start, where a curve has one side only: the
+# first standard errors are larger by this part, which falls by a factor of e in so many blocks (by
+# simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
+# 2042).
+START, STARTING = 0.45, 3.0
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
@@ -124,6 +130,7 @@ def freevib(
     count = min(points, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), _std(fit, centre)
+    std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
     for order in (1, 2):
         sway = waves(value[0, 0], value[order, 0], std[order, 0])
         std[order, 0] = np.hypot(std[order, 0], sway)
@@ -173,7 +180,7 @@ def waves(
     level: ln A; rate: the derivative; std: its standard error.
     """
     stretches = int((level.max() - level.min()) / STRETCH)
-    if stretches < FEWEST_STRETCHES or level.size < FEWEST * stretches:
+    if stretches < FEWEST_STRETCHES or level.size < EACH * stretches:
         return np.zeros(level.size)
     left, noise = np.empty((2, stretches))
     parts = np.array_split(np.arange(level.size), stretches)
