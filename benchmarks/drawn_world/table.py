@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 
-from .verdicts import CLASSES
+from .verdicts import CLASSES, COUNTS
 
 CURVES = ("right", "wrong, told", "wrong in silence")  # classes with a curve that is given
 
@@ -15,13 +15,13 @@ def given(rows):
 
 def lines(rows: list[dict]) -> list[str]:
     """Text to print: classes, errors by part of the curve, faults by feature with seeds."""
-    count = Counter(row["class"] for row in rows)
-    whole = Counter(row["class, as a curve"] for row in rows)
+    counts = [Counter(row[one] for row in rows) for one in COUNTS]
     out = [f"{len(rows)} pairs of mode and sensor in {len({r['seed'] for r in rows})} events"]
-    out[0] += "; in brackets with the largest of a curve's points allowed for"
+    out[0] += "; in brackets as read, and with the largest of a curve's points allowed for"
     for name in CLASSES:
-        shares = [100 * c[name] / len(rows) for c in (count, whole)]
-        out.append(f"  {name:22s} {count[name]:5d}  {shares[0]:5.1f} %  ({shares[1]:.1f} %)")
+        shares = [100 * one[name] / len(rows) for one in counts]
+        text = f"  {name:22s} {counts[0][name]:5d}  {shares[0]:5.1f} %"
+        out.append(f"{text}  ({shares[1]:.1f} %, {shares[2]:.1f} %)")
     out.append(
         "curves given, by quantity:" + " " * 9 + "within 3 stated | chi start middle end |"
         " median error | over bound"
@@ -51,13 +51,10 @@ def lines(rows: list[dict]) -> list[str]:
 
 def summary(rows: list[dict], seeds: str, commit: str) -> dict:
     """The numbers that the README's table shows, of scored pairs."""
-    count = Counter(row["class"] for row in rows)
-    whole = Counter(row["class, as a curve"] for row in rows)
+    counts = [Counter(row[one] for row in rows) for one in COUNTS]
     made = {"seeds": seeds, "commit": commit, "pairs": len(rows)}
     made["events"] = len({row["seed"] for row in rows})
-    made["classes"] = {
-        name: [100 * one[name] / len(rows) for one in (count, whole)] for name in CLASSES
-    }
+    made["classes"] = {name: [100 * one[name] / len(rows) for one in counts] for name in CLASSES}
     weight = [row["points"] for row in given(rows)]
     for name in ("frequency", "loss_factor"):
         some = [row[name] for row in given(rows)]
@@ -75,9 +72,11 @@ def markdown(made: dict) -> list[str]:
     out = [
         f"Scored once at {made['commit']}, on seeds {made['seeds']}: {made['events']} events,",
         f"{made['pairs']} pairs of mode and sensor.", "",
-        "| class | of pairs | with the largest of a curve's points allowed for |", "|---|---|---|",
+        "| class | of pairs | as read | with the largest of a curve's points allowed for |",
+        "|---|---|---|---|",
     ]  # fmt: skip
-    out += [f"| {name} | {a:.1f} % | {b:.1f} % |" for name, (a, b) in made["classes"].items()]
+    for name, shares in made["classes"].items():
+        out.append(f"| {name} | {' | '.join(f'{share:.1f} %' for share in shares)} |")
     out += ["", "| curves given | frequency | loss factor |", "|---|---|---|"]
     both = [made["frequency"], made["loss_factor"]]
     for text, name, form in (

@@ -1,5 +1,7 @@
 """FREEVIB against known backbones, its errors against their scatter, the thesis's own check."""
 
+import importlib
+
 import numpy as np
 import pytest
 from bladeroot.decay.freevib import freevib, natural, no_decay, within_band
@@ -320,3 +322,38 @@ def test_points_out_of_the_band_are_left_out():
     assert within_band(frequency, (175.0, 325.0)) == slice(1, 5)
     with pytest.raises(ValueError, match=r"wanders from 29\.7 to 441 Hz"):
         within_band(np.array([441.0, 162.0, 250.0, 373.0, 29.7]), (175.0, 325.0))
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_gain_that_sways_is_in_the_errors(seed):
+    rng, at = np.random.default_rng(seed), np.arange(102400) / 25600.0
+    steady = START * ringing(at, 250.0, 0.004 * np.pi * 250.0)
+    sway = sum(np.sin(2 * np.pi * (f * at + rng.uniform())) for f in rng.uniform(2.0, 20.0, 6))
+    noise = 1e-4 * START
+    for gain, waves in ((1.0, False), (1.0 + 0.004 * sway, True)):
+        curve = freevib(gain * steady + noise * rng.normal(size=at.size), 25600.0, 250.0, noise)
+        z = np.abs(curve["loss_factor"].values - 0.004) / curve["loss_factor_std"].values
+        assert np.mean(z < 3.0) > 0.97
+        middle = slice(curve.sizes["point"] // 4, curve.sizes["point"] // 2)
+        stated = np.median(curve["loss_factor_std"].values[middle]) / 0.004
+        assert (stated > 0.03) == waves
+
+
+@pytest.mark.parametrize("part", [1e-4, 1e-3, 1e-2])
+def test_what_is_held_at_first_is_no_part_of_the_curve(part):
+    at, noise = np.arange(51200) / 25600.0, part * START
+    since = np.maximum(at - 0.08, 0.0)  # held for twenty cycles
+    velocity = START * ringing(at, 250.0, 0.0) * np.exp(-0.01 * np.pi * 250.0 * since)
+    velocity = velocity + noise * np.random.default_rng(4).normal(size=at.size)
+    curve = freevib(velocity, 25600.0, 250.0, noise, taken=(np.zeros(0),) * 3)
+    assert 0.08 < curve["time"].values[0] < 0.1
+    off = (curve["loss_factor"].values - 0.01)[:20]
+    assert np.abs(off / curve["loss_factor_std"].values[:20]).max() < 5.0
+
+
+def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):
+    velocity, noise, *_ = backbone(3, 60.0)
+    assert freevib(velocity, 25600.0, 247.0, noise).sizes["point"] > 100
+    monkeypatch.setattr(importlib.import_module("bladeroot.decay.freevib"), "SURE", 1e-8)
+    with pytest.raises(ValueError, match="at least 4"):
+        freevib(velocity, 25600.0, 247.0, noise)

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
@@ -14,8 +15,10 @@ from bladeroot.signal.runs import runs
 from bladeroot.signal.smooth import Spline
 
 # A free decay falls. Where ln A rises by so many standard errors, among the first blocks or later,
-# something drives it, and the deepest fall before or after is the decay.
+# something drives it, and the deepest fall before or after is the decay. So it does where among the
+# first ln A falls, as surely, by less than that part of its usual rate.
 GROWS = (3.0, 5.0)
+STILL = 0.05
 FIRST = 24  # blocks
 BEATS = 2  # what grows more often than that later is a beat, and no drive
 PARTS = 4  # times that a record is cut again
@@ -28,7 +31,16 @@ LOOKED_AT = 100  # blocks, evenly over the record
 EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
 # A point is given where the standard error of its frequency is less than this part of it: beyond,
 # noise or another mode may be followed.
-SURE = 0.01
+SURE = 0.005
+FEWEST = 4
+# Fall of ln A in which what waves is told from a law; fewest such stretches, fewest that wave, and
+# fewest points in each.
+STRETCH, FEWEST_STRETCHES, WAVING, EACH = 1.0, 4, 3, 8
+# What else rings and the laws' bends are largest at the start, where a curve has one side only: the
+# first standard errors are larger by this part, which falls by a factor of e in so many blocks (by
+# simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
+# 2042).
+START, STARTING = 0.45, 3.0
 POINT = (
     ("time", "s", "time since the start of the cut", ""),
     ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
@@ -118,6 +130,10 @@ def freevib(
     count = min(points, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), _std(fit, centre)
+    std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
+    for order in (1, 2):
+        sway = waves(value[0, 0], value[order, 0], std[order, 0])
+        std[order, 0] = np.hypot(std[order, 0], sway)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
     amplitude_std = amplitude * std[0, 0]
@@ -126,7 +142,12 @@ def freevib(
     curves = (centre + begin_s, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
     keep = frequency_std < SURE * omega_n / (2.0 * np.pi)  # and a number
-    middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi) if keep.any() else expected_Hz
+    if np.count_nonzero(keep) < FEWEST:
+        raise ValueError(
+            f"the mode's frequency is known to {100.0 * SURE:g} % in {np.count_nonzero(keep)} of "
+            f"{keep.size} cycles or groups of them, at least {FEWEST} are needed"
+        )
+    middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
     if not band[0] <= middle_Hz <= band[1]:
         raise ValueError(
             f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
@@ -145,6 +166,32 @@ def freevib(
     if damping == "viscous":
         result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
     return result
+
+
+def waves(
+    level: Float[ndarray, " point"], rate: Float[ndarray, " point"], std: Float[ndarray, " point"]
+) -> Float[ndarray, " point"]:
+    """Standard error of a derivative of ln A for what sways with it: a sensor's gain.
+
+    A law of amplitude bends a few times over a decay. What waves about a parabola in ln A in many
+    of its stretches, by more than noise lets it, is no law; a kink does so in one or two of them.
+    The error holds in a stretch and in its neighbours.
+
+    level: ln A; rate: the derivative; std: its standard error.
+    """
+    stretches = int((level.max() - level.min()) / STRETCH)
+    if stretches < FEWEST_STRETCHES or level.size < EACH * stretches:
+        return np.zeros(level.size)
+    left, noise = np.empty((2, stretches))
+    parts = np.array_split(np.arange(level.size), stretches)
+    for k, part in enumerate(parts):
+        powers = np.vander(np.linspace(-1.0, 1.0, part.size), 3)
+        off = rate[part] - powers @ np.linalg.lstsq(powers, rate[part], rcond=None)[0]
+        left[k], noise[k] = np.mean(off**2), np.mean(std[part] ** 2)
+    if np.count_nonzero(left > 2.0 * noise) < WAVING:
+        return np.zeros(level.size)
+    near = np.max(sliding_window_view(np.pad(left, 1), 3), axis=1)
+    return np.repeat(np.sqrt(near), [part.size for part in parts])
 
 
 def natural(
@@ -171,7 +218,8 @@ def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
     at = np.union1d(at, np.arange(min(FIRST, blocks.time.size)))
     time = blocks.time[at]
     slope, std = fit.value(time)[1, 0], fit.std(time)[1, 0]
-    grows = runs(slope > np.where(at < FIRST, GROWS[0], GROWS[1]) * std)
+    still = STILL * max(-float(np.median(slope)), 0.0)
+    grows = runs(np.where(at < FIRST, slope + still > GROWS[0] * std, slope > GROWS[1] * std))
     later = [span for span in grows if span[0] >= FIRST]
     if len(later) > BEATS:
         grows = grows[: len(grows) - len(later)]
@@ -179,6 +227,10 @@ def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
         return 0.0, np.inf
     level, last = blocks.log.real, blocks.time.size - 1
     starts = [0, *(min(at[b - 1] + margin, last) for _, b in grows)]
+    if len(grows) and at[grows[0][0]] < FIRST:  # a drive's end is sharper than the spline
+        driven, rate = at[grows[0][1] - 1], -float(np.median(slope)) * (time[1] - time[0])
+        low = level < level[: driven + 1].max() - margin * rate
+        starts[1] = max(starts[1], driven + int(np.argmax(low[driven:])))
     stops = [*(max(at[a] - margin, 0) for a, _ in grows), last]
     falls = [level[a] - level[b] if b > a else 0.0 for a, b in zip(starts, stops, strict=True)]
     k = int(np.argmax(falls))

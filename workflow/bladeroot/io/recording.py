@@ -11,6 +11,7 @@ from bladeroot.io.response import undoing
 from bladeroot.io.sampling import uniform
 from bladeroot.io.units import SI, motion
 from bladeroot.signal.lines import loudest, mode_Hz
+from bladeroot.signal.spectrum import not_cut
 
 # Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
 USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
@@ -157,10 +158,12 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
-    of the mode, the integration's drift, is taken off. What either does to a wave, some
+    of the mode, the integration's drift, is taken off. Samples that were cut
+    towards zero are made good first. What either does to a wave, some
     per cent with few samples a cycle, is made good for the mode's line in the loudest cycles.
     """
-    x, step = record.samples, 1.0 / record.sampling_Hz
+    step = 1.0 / record.sampling_Hz
+    x = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
     if record.response:
         x = undoing(record.response)(x, record.sampling_Hz)
     if record.quantity == "velocity":
