@@ -5,6 +5,7 @@ twice. Runs are forks of this process, so that Snakemake is loaded once.
 """
 
 import atexit
+import faulthandler
 import os
 import signal
 import sys
@@ -66,6 +67,8 @@ def run(folder, *options, before=None):
             sys.stdout = sys.stderr = os.fdopen(theirs, "w", 1, errors="backslashreplace")
             os.dup2(theirs, 1)
             os.dup2(theirs, 2)
+            # where each thread of a run that never ends stands, before the alarm ends it
+            faulthandler.dump_traceback_later(LIMIT_S - 2)
             if before:
                 before()
             profile = ["--workflow-profile", str(ROOT / "profiles" / "default")]

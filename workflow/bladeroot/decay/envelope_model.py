@@ -66,10 +66,7 @@ class Envelopes:
 
     def variance(self, line: int) -> Float[ndarray, " interval"]:
         """Variance of either part of `envelope` (the larger), for noise of unit variance."""
-        pivot = self.factor[:, 0]
-        unit = self.factor / pivot[:, None]  # L D L'
-        unit[:, 0] = pivot**2
-        inverse = inverse_band(np.ones(pivot.size), unit)
+        inverse = inverse_band(self.factor)
         count, columns = len(self.turn), self.coefficient.shape[1]
         parts = np.zeros((2, count))
         for part in (0, 1):

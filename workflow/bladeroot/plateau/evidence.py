@@ -11,15 +11,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.plateau.laws import DOUBT, HINGES, NODES, Laws, hats
-from bladeroot.plateau.likelihood import marginal, projections
-from bladeroot.plateau.stretch import (
-    FEWEST,
-    Stretch,
-    integral,
-    lengths,
-    line_of,
-    lines_below,
-)
+from bladeroot.plateau.stretch import FEWEST, Stretch, integral, line_of, lines_below
 
 
 @dataclass(frozen=True)
@@ -57,13 +49,17 @@ def framed(stretch: Stretch) -> Frame:
 class Sums:
     """What the evidence of laws needs of the groups; all for unit excess.
 
-    part: the nodes of the factor, and ln(e).
-    `tilt`: what a law's size takes off the rate, at zero shape and at the smallest amplitude.
+    part: the nodes of the factor, and ln(e). `axis`: principal axes of a law's whitened columns,
+    less their lines, in the parts' coefficients; `square`: their squares. On these axes: `alike`,
+    the size c; `right`, the data; `tilt`, what the coefficients take off the rate, at zero shape
+    and at the smallest amplitude.
     """
 
-    gram: Float[ndarray, "law part part"]
-    right: Float[ndarray, "2 law part"]
-    tilt: Float[ndarray, "2 law part"]
+    axis: Float[ndarray, "law part axis"]
+    square: Float[ndarray, "law axis"]
+    alike: Float[ndarray, "law axis"]
+    right: Float[ndarray, "2 law axis"]
+    tilt: Float[ndarray, "2 law axis"]
     rate: Float[ndarray, " 2"]
     variance: float
     groups: int
@@ -72,7 +68,9 @@ class Sums:
         """Both sets of laws, on the same groups."""
         return replace(
             self,
-            gram=np.concatenate([self.gram, other.gram]),
+            axis=np.concatenate([self.axis, other.axis]),
+            square=np.concatenate([self.square, other.square]),
+            alike=np.concatenate([self.alike, other.alike]),
             right=np.concatenate([self.right, other.right], axis=1),
             tilt=np.concatenate([self.tilt, other.tilt], axis=1),
         )
@@ -80,7 +78,12 @@ class Sums:
     def chosen(self, laws: Int[ndarray, " law"]) -> "Sums":
         """Some of the laws, in the order given."""
         return replace(
-            self, gram=self.gram[laws], right=self.right[:, laws], tilt=self.tilt[:, laws]
+            self,
+            axis=self.axis[laws],
+            square=self.square[laws],
+            alike=self.alike[laws],
+            right=self.right[:, laws],
+            tilt=self.tilt[:, laws],
         )
 
 
@@ -102,33 +105,56 @@ class Fits:
 def sums(frame: Frame, laws: Laws) -> Sums:
     """Projections of each law's columns on one another and on the data."""
     stretch = frame.stretch
-    gram, right, on_line = projections(
-        laws.shape, laws.between, laws.first, _middle(stretch), *lengths(stretch),
-        1.0 / stretch.std, np.ascontiguousarray(frame.line.T), frame.y,
-    )  # fmt: skip
-    tilt = on_line @ frame.slope
+    nodes = laws.shape[:, None] * hats(_middle(stretch), laws.first)
+    cells = np.concatenate([nodes, laws.between[:, None]], axis=1)
+    x, tilt = frame.seen(cells.reshape(-1, cells.shape[-1]))
+    x, tilt = x.reshape(*cells.shape[:2], -1), tilt.reshape(cells.shape[:2])
+    square, axis = np.linalg.eigh(x @ x.swapaxes(1, 2))
     smallest = stretch.path[np.argmin(stretch.path)]
     lowest = np.zeros_like(tilt)
     lowest[:, :NODES] = laws.lowest[:, None] * hats(np.array([smallest]), laws.first)[..., 0]
-    tilt = np.stack([tilt, tilt - lowest])
-    return Sums(gram, right, tilt, frame.rate, frame.variance, stretch.time.size)
+    on_axes = (
+        np.stack([*(x @ frame.y.T).transpose(2, 0, 1), tilt, tilt - lowest])[:, :, None] @ axis
+    )
+    alike = axis[:, :NODES].sum(axis=1)
+    return Sums(
+        axis, np.maximum(square, 0.0), alike, on_axes[:2, :, 0], on_axes[2:, :, 0], frame.rate,
+        frame.variance, stretch.time.size,
+    )  # fmt: skip
 
 
 def fits(found: Sums, channel: int, excess: float) -> Fits:
     """Evidence and rates of all laws on a channel; all variances are `excess` times the stated.
 
-    The size c has a prior as wide as its estimate, or as what one group could tell about it.
+    A node's coefficient is the size c and a part of its own, that of ln(e) a part of its own. The
+    size has a prior as wide as its estimate, or as what one group could tell about it. The parts
+    are independent, and so are the axes; the size joins them in one direction (Sherman, Morrison).
     """
-    right = np.ascontiguousarray(found.right[channel])
-    evidence, size, tilted, spread = marginal(
-        found.gram / excess,
-        right / excess,
-        np.ascontiguousarray(found.tilt),  # one layout: another is compiled for another second
-        found.groups,
-        np.array(DOUBT),
+    square, right = found.square / excess, found.right[channel] / excess
+    alike, tilt = found.alike[:, None], found.tilt[:, :, None]
+    whole = (found.alike**2 * square).sum(axis=-1, keepdims=True) + 1e-300
+    size = ((found.alike * right).sum(axis=-1, keepdims=True) / whole) ** 2
+    wide = np.maximum(size, found.groups / whole)
+    own = (size * np.array(DOUBT) ** 2 + 1e-12 * wide)[..., None]
+    square, right = square[:, None], right[:, None]
+    narrowed = 1.0 / (1.0 + own * square)
+    known = 1.0 + wide * (alike**2 * square * narrowed).sum(axis=-1)
+    shared = wide * (alike * right * narrowed).sum(axis=-1) / known
+    evidence = 0.5 * (
+        (own * right**2 * narrowed).sum(axis=-1)
+        + known * shared**2 / wide
+        - np.log(known)
+        + np.log(narrowed).sum(axis=-1)
     )
-    variance = excess * found.variance + spread
-    return Fits(evidence, found.rate[channel] - tilted, variance, size)
+    mean = own * narrowed * (right - square * alike * shared[..., None]) + alike * shared[..., None]
+    spread = (own * tilt**2 * narrowed).sum(axis=-1)
+    spread += wide / known * (tilt * alike * narrowed).sum(axis=-1) ** 2
+    return Fits(
+        evidence,
+        found.rate[channel] - (tilt * mean).sum(axis=-1),
+        excess * found.variance + spread,
+        mean @ found.axis.swapaxes(1, 2),
+    )
 
 
 def misfit(

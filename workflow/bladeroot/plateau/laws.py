@@ -13,14 +13,12 @@ all the way down, A^p with smaller p and ln A.
 """
 
 from dataclasses import dataclass
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.compiled import njit
-from bladeroot.plateau.stretch import CELLS, Stretch, over_cells
+from bladeroot.plateau.stretch import Stretch, over_cells
 
 DOUBT = (0.01, 0.1, 0.4)
 NODES, NODE_STEP = 4, 0.7  # nodes of the factor, and their distance in ln A: half to double
@@ -86,58 +84,21 @@ def hinges(
 
     Every onset has its `HINGES` shapes in turn.
     """
-    return _hinges(np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0, logs)
+    e = np.maximum(np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0, 0.0)
+    root, s = np.sqrt(e), e / (1.0 + e)
+    # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
+    # (theta - sin(2 theta) / 2) / pi
+    slider = 2.0 * (np.arctan(root) - root * (1.0 - e) / (1.0 + e) ** 2)
+    shapes = [e**0.75, e, e * root, e**2, s, s * (1.0 - s), slider]
+    rate = np.stack(shapes, axis=1)
+    if logs:
+        rate *= np.log(np.where(e > 0.0, e, 1.0))[:, None]
+    return over_cells(stretch, rate.reshape(-1, e.shape[1]))
 
 
-@njit(cache=True, error_model="numpy")
-@no_type_check
-def _hinges(e: Float[ndarray, "onset step"], logs: bool) -> Float[ndarray, "law cell"]:
-    """What `hinges` says, by Simpson's rule."""
-    onsets, steps = e.shape
-    cells = steps // CELLS
-    mean = np.zeros((onsets * HINGES, cells))
-    h = np.empty(HINGES)
-    for onset in range(onsets):
-        for step in range(steps):
-            x = e[onset, step]
-            if not x > 0.0:
-                continue
-            root = np.sqrt(x)
-            s = x / (1.0 + x)
-            h[0], h[1], h[2], h[3] = np.sqrt(x * root), x, x * root, x * x
-            h[4], h[5] = s, s * (1.0 - s)
-            # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
-            # (theta - sin(2 theta) / 2) / pi
-            h[6] = 2.0 * (np.arctan(root) - root * (1.0 - x) / (1.0 + x) ** 2)
-            # an end of a cell belongs to the one after it and to the one before it
-            place = step % CELLS
-            weight = (1.0 if place == 0 else 4.0 if place % 2 else 2.0) / (3.0 * CELLS)
-            if logs:
-                weight *= np.log(x)
-            for cell in range(step // CELLS - (place == 0), step // CELLS + 1):
-                if 0 <= cell < cells:
-                    for k in range(HINGES):
-                        mean[onset * HINGES + k, cell] += weight * h[k]
-    return mean
-
-
-@njit(cache=True)
-@no_type_check
-def hat(log: float, first: float, node: int) -> float:
-    """The factor's part that belongs to one of its nodes, at some ln A."""
-    place = min(max((log - first) / NODE_STEP, 0.0), NODES - 1.0)
-    return max(0.0, 1.0 - abs(place - node))
-
-
-@njit(cache=True)
-@no_type_check
 def hats(
     log: Float[ndarray, " value"], first: Float[ndarray, " law"]
 ) -> Float[ndarray, "law node value"]:
-    """The same for all nodes of some laws."""
-    found = np.empty((first.size, NODES, log.size))
-    for law in range(first.size):
-        for node in range(NODES):
-            for k in range(log.size):
-                found[law, node, k] = hat(log[k], first[law], node)
-    return found
+    """The factor's parts that belong to its nodes, at some ln A."""
+    place = np.clip((log - first[:, None]) / NODE_STEP, 0.0, NODES - 1.0)
+    return np.maximum(0.0, 1.0 - np.abs(place[:, None] - np.arange(NODES)[:, None]))

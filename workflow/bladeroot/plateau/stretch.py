@@ -1,13 +1,10 @@
 """The blocks of a decay, joined into groups, and what a rate integrates to over them."""
 
 from dataclasses import dataclass
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
-
-from bladeroot.compiled import njit
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
 FEWEST = 8  # groups through which a straight line is laid
@@ -92,47 +89,13 @@ def over_cells(stretch: Stretch, rate: Float[ndarray, "law step"]) -> Float[ndar
 
 def integral(stretch: Stretch, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
     """Integral over time as the groups see it, zero at the record's end, from the cells' means."""
-    total = np.empty((cells.shape[0], stretch.time.size))
-    length, bend = lengths(stretch)
-    _integrate_all(cells, length, bend, total)
-    return total
-
-
-def lengths(stretch: Stretch) -> tuple[Float[ndarray, " cell"], Float[ndarray, " group"]]:
-    """Lengths of the cells, and what a step between cells adds to the mean over a group."""
-    length = np.diff(stretch.time)
+    length, step = np.diff(stretch.time), np.diff(cells)
     gap = 0.5 * (length[1:] + length[:-1])
-    return length, 0.5 * stretch.width / np.concatenate([gap[:1], gap, gap[-1:]])
-
-
-@njit(cache=True, error_model="numpy")
-@no_type_check
-def integrate(
-    cells: Float[ndarray, " cell"],
-    length: Float[ndarray, " cell"],
-    bend: Float[ndarray, " group"],
-    total: Float[ndarray, " group"],
-) -> None:
-    """What `integral` says, of one law."""
-    last = cells.size
-    value = 0.0
-    total[last] = bend[last] * (cells[last - 1] - cells[last - 2])
-    for group in range(last - 1, 0, -1):
-        value -= cells[group] * length[group]
-        total[group] = value + bend[group] * (cells[group] - cells[group - 1])
-    total[0] = value - cells[0] * length[0] + bend[0] * (cells[1] - cells[0])
-
-
-@njit(cache=True, error_model="numpy")
-@no_type_check
-def _integrate_all(
-    cells: Float[ndarray, "law cell"],
-    length: Float[ndarray, " cell"],
-    bend: Float[ndarray, " group"],
-    total: Float[ndarray, "law group"],
-) -> None:
-    for law in range(cells.shape[0]):
-        integrate(cells[law], length, bend, total[law])
+    # what a step between cells adds to the mean over a group
+    bend = 0.5 * stretch.width / np.concatenate([gap[:1], gap, gap[-1:]])
+    total = bend * np.concatenate([step[:, :1], step, step[:, -1:]], axis=1)
+    total[:, :-1] -= np.cumsum((cells * length)[:, ::-1], axis=1)[:, ::-1]
+    return total
 
 
 def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray, " 2"]]:

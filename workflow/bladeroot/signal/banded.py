@@ -1,4 +1,4 @@
-"""Symmetric positive definite matrices of a narrow band: factor, solution, inverse in the band.
+"""Symmetric positive definite matrices of a narrow band: solution, and the inverse in the band.
 
 A matrix is stored as its lower band, row j holding the elements (j, j), (j + 1, j), ... below the
 diagonal of column j; what would lie beyond the last row is zero.
@@ -9,67 +9,45 @@ from typing import no_type_check
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
 from bladeroot.compiled import njit
 
 
-@njit(cache=True)
-@no_type_check
-def factored(
-    band: Float[ndarray, "n width"],
-) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"], bool]:
-    """What balances the matrix, L D L' of the balanced one (D on the diagonal), and success."""
+def solution(
+    band: Float[ndarray, "n width"], right: Float[ndarray, " n"]
+) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"]]:
+    """The matrix's inverse times a vector, and the inverse within the band.
+
+    LinAlgError where the matrix is not positive definite.
+    """
     n, width = band.shape
-    scale = np.empty(n)
-    for j in range(n):
-        scale[j] = 1.0 / np.sqrt(band[j, 0])
-    factor = np.zeros((n, width))
-    for j in range(n):
-        factor[j, 0] = 1.0 + 1e-13
-        for k in range(1, min(width, n - j)):
-            factor[j, k] = band[j, k] * scale[j] * scale[j + k]
-    for j in range(n):
-        pivot = factor[j, 0]
-        if not pivot > 0.0:
-            return scale, factor, False
-        last = min(width, n - j)
-        for a in range(1, last):
-            share = factor[j, a] / pivot
-            for b in range(a, last):
-                factor[j + a, b - a] -= share * factor[j, b]
-        for a in range(1, last):
-            factor[j, a] /= pivot
-    return scale, factor, True
+    if not (band[:, 0] > 0.0).all():
+        raise LinAlgError("a diagonal element is not positive")
+    scale = band[:, 0] ** -0.5
+    beside = np.pad(scale, (0, width - 1))[np.arange(n)[:, None] + np.arange(width)]
+    beside *= scale[:, None]
+    balanced = band * beside
+    balanced[:, 0] = 1.0 + 1e-13
+    factor = cholesky_banded(balanced.T, lower=True, check_finite=False)
+    x = scale * cho_solve_banded((factor, True), scale * right, check_finite=False)
+    if not np.isfinite(x).all():
+        raise LinAlgError("the matrix or the vector is not finite")
+    return x, inverse_band(factor.T) * beside
+
+
+def inverse_band(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
+    """The inverse within the band, from the lower Cholesky factor in the same storage."""
+    pivot = factor[:, 0]
+    unit = np.ascontiguousarray(factor / pivot[:, None])
+    unit[:, 0] = pivot**2
+    return _takahashi(unit)
 
 
 @njit(cache=True)
 @no_type_check
-def solved(
-    scale: Float[ndarray, " n"], factor: Float[ndarray, "n width"], right: Float[ndarray, " n"]
-) -> Float[ndarray, " n"]:
-    """The matrix's inverse times a vector."""
-    n, width = factor.shape
-    x = np.empty(n)
-    for j in range(n):
-        x[j] = right[j] * scale[j]
-    for j in range(n):
-        for k in range(1, min(width, n - j)):
-            x[j + k] -= factor[j, k] * x[j]
-    for j in range(n - 1, -1, -1):
-        x[j] /= factor[j, 0]
-        for k in range(1, min(width, n - j)):
-            x[j] -= factor[j, k] * x[j + k]
-    for j in range(n):
-        x[j] *= scale[j]
-    return x
-
-
-@njit(cache=True)
-@no_type_check
-def inverse_band(
-    scale: Float[ndarray, " n"], factor: Float[ndarray, "n width"]
-) -> Float[ndarray, "n width"]:
-    """The inverse within the band, from the last element to the first (Takahashi's equations)."""
+def _takahashi(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
+    """From L D L' with D on the diagonal, from the last element to the first (Takahashi)."""
     n, width = factor.shape
     inverse = np.zeros((n, width))
     column = np.empty(width)
@@ -87,7 +65,4 @@ def inverse_band(
         for m in range(1, last):
             inverse[j, m] = -column[m]
             inverse[j, 0] += factor[j, m] * column[m]
-    for j in range(n):
-        for k in range(min(width, n - j)):
-            inverse[j, k] *= scale[j] * scale[j + k]
     return inverse

@@ -1,13 +1,10 @@
 """The sums of a penalised spline, and the iteration by which its penalty is found."""
 
-from typing import no_type_check
-
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.compiled import njit
-from bladeroot.signal.banded import factored, inverse_band, solved
+from bladeroot.signal.banded import solution
 from bladeroot.signal.bsplines import derivative_rows
 
 DEGREE = 5
@@ -19,8 +16,6 @@ FEWEST_FREEDOM = 0.25
 STIFFEST = 50.0
 
 
-@njit(cache=True)
-@no_type_check
 def normal_sums(
     x: Float[ndarray, " value"],
     y: Float[ndarray, "part value"],
@@ -30,35 +25,23 @@ def normal_sums(
     count: int,
 ) -> tuple[Float[ndarray, "n width"], Float[ndarray, "part n"], Float[ndarray, "part 2"]]:
     """Normal equations (lower band) of the values less a straight line, and the line."""
-    parts, alive = y.shape[0], shape.shape[1]
-    gram, right, trend = np.zeros((count, alive)), np.zeros((parts, count)), np.empty((parts, 2))
-    # all by loops: sums of whole arrays take two seconds to compile
-    total = mean = spread = 0.0
-    for v in range(x.size):
-        total += 1.0 / std[v] ** 2
-        mean += 1.0 / std[v] ** 2 * x[v]
-    mean /= total
-    for v in range(x.size):
-        spread += 1.0 / std[v] ** 2 * (x[v] - mean) * (x[v] - mean)
-    for part in range(parts):
-        level = slope = 0.0
-        for v in range(x.size):
-            level += 1.0 / std[v] ** 2 * y[part, v]
-        level /= total
-        for v in range(x.size):
-            slope += 1.0 / std[v] ** 2 * (x[v] - mean) * (y[part, v] - level)
-        slope /= spread
-        trend[part, 0], trend[part, 1] = slope, level - slope * mean
-    for v in range(x.size):
-        j, weight = first[v], 1.0 / std[v] ** 2
-        for a in range(alive):
-            weighted = weight * shape[v, a]
-            for b in range(a, alive):
-                gram[j + a, b - a] += weighted * shape[v, b]
-            for part in range(parts):
-                about = weight * (y[part, v] - trend[part, 0] * x[v] - trend[part, 1])
-                right[part, j + a] += about * shape[v, a]
-    return gram, right, trend
+
+    def summed(values: Float[ndarray, " value"], a: int) -> Float[ndarray, " n"]:
+        return np.bincount(first + a, values, count)
+
+    weight = std**-2
+    mean, level = np.average(x, weights=weight), np.average(y, axis=1, weights=weight)
+    from_mean = weight * (x - mean)
+    slope = ((y - level[:, None]) * from_mean).sum(axis=1) / (from_mean * (x - mean)).sum()
+    trend = np.stack([slope, level - slope * mean], axis=1)
+    about = weight * (y - trend[:, :1] * x - trend[:, 1:])
+    alive = shape.shape[1]
+    gram = np.zeros((count, alive))
+    for a in range(alive):
+        for b in range(a, alive):
+            gram[:, b - a] += summed(weight * shape[:, a] * shape[:, b], a)
+    right = [sum(summed(own * shape[:, a], a) for a in range(alive)) for own in about]
+    return gram, np.array(right), trend
 
 
 def penalty_rows(
@@ -77,8 +60,6 @@ def penalty_rows(
     return rows * np.sqrt(spacing)[:, None], centre
 
 
-@njit(cache=True)
-@no_type_check
 def penalised(
     gram: Float[ndarray, "n width"],
     rows: Float[ndarray, "row alive"],
@@ -86,16 +67,12 @@ def penalised(
 ) -> Float[ndarray, "n width"]:
     """Lower band of gram + P' diag(precision) P, with the rows of P as of `penalty_rows`."""
     band = gram.copy()
-    for j in range(rows.shape[0]):
-        for a in range(rows.shape[1]):
-            weighted = precision[j] * rows[j, a]
-            for b in range(a, rows.shape[1]):
-                band[j + a, b - a] += weighted * rows[j, b]
+    for a in range(rows.shape[1]):
+        for b in range(a, rows.shape[1]):
+            band[a : a + len(rows), b - a] += precision * rows[:, a] * rows[:, b]
     return band
 
 
-@njit(cache=True)
-@no_type_check
 def posterior(
     gram: Float[ndarray, "n width"],
     right: Float[ndarray, " n"],
@@ -104,90 +81,67 @@ def posterior(
     log_precision: Float[ndarray, " node"],
     softest: Float[ndarray, " node"],
     iterations: int,
-) -> tuple[Float[ndarray, " node"], Float[ndarray, " n"], Float[ndarray, "n width"], bool]:
-    """Log-precisions after some steps, coefficients, their covariance in the band, and success.
+) -> tuple[Float[ndarray, " node"], Float[ndarray, " n"], Float[ndarray, "n width"]]:
+    """Log-precisions after some steps, coefficients, and their covariance in the band.
 
-    place: where each row of the penalty lies among the nodes, in nodes.
+    place: where each row of the penalty lies among the nodes, in nodes. LinAlgError where the
+    equations are singular.
     """
-    found = log_precision.copy()
+    found = log_precision
     for _ in range(iterations):
         precision = _at_rows(place, found)
-        scale, factor, good = factored(penalised(gram, rows, precision))
-        if not good:
-            break
-        inverse = inverse_band(scale, factor)
-        change, moving = _step(
-            inverse, solved(scale, factor, right), rows, place, precision, found.size
-        )
-        for k in range(found.size):
-            stiffest = softest[k] + STIFFEST
-            found[k] = min(max(found[k] + change[k], softest[k]), stiffest)
+        value, inverse = solution(penalised(gram, rows, precision), right)
+        change, moving = _step(inverse, value, rows, place, precision, found.size)
+        found = np.clip(found + change, softest, softest + STIFFEST)
         if not moving:
             break
     # where the curve bends is known no better than to a region
     precision = _at_rows(place, _spread(found))
-    scale, factor, good = factored(penalised(gram, rows, precision))
-    if not good:
-        return found, right, gram, False
-    return found, solved(scale, factor, right), inverse_band(scale, factor), True
+    return found, *solution(penalised(gram, rows, precision), right)
 
 
-@njit(cache=True)
-@no_type_check
-def _at_rows(place, log_precision):
+def _at_rows(
+    place: Float[ndarray, " row"], log_precision: Float[ndarray, " node"]
+) -> Float[ndarray, " row"]:
     """Precision of each row: its logarithm runs straight from node to node."""
-    precision = np.empty(place.size)
-    for j in range(place.size):
-        left = min(int(place[j]), log_precision.size - 2)
-        share = place[j] - left
-        precision[j] = np.exp((1.0 - share) * log_precision[left] + share * log_precision[left + 1])
-    return precision
+    return np.exp(np.interp(place, np.arange(float(log_precision.size)), log_precision))
 
 
-@njit(cache=True)
-@no_type_check
-def _step(inverse, value, rows, place, precision, nodes):
+def _step(
+    inverse: Float[ndarray, "n width"],
+    value: Float[ndarray, " n"],
+    rows: Float[ndarray, "row alive"],
+    place: Float[ndarray, " row"],
+    precision: Float[ndarray, " row"],
+    nodes: int,
+) -> tuple[Float[ndarray, " node"], bool]:
     """Fellner and Schall's step of the log-precisions, and whether it matters to the curve."""
-    freedom, roughness = np.empty(nodes), np.zeros(nodes)
-    for k in range(nodes):
-        freedom[k] = 1e-12
-    for j in range(rows.shape[0]):
-        bend, variance = 0.0, 0.0
-        for a in range(rows.shape[1]):
-            bend += rows[j, a] * value[j + a]
-            variance += rows[j, a] ** 2 * inverse[j + a, 0]
-            for b in range(a + 1, rows.shape[1]):
-                variance += 2.0 * rows[j, a] * rows[j, b] * inverse[j + a, b - a]
-        free = max(1.0 - precision[j] * variance, 0.0)
-        rough = precision[j] * bend**2
-        left = min(int(place[j]), nodes - 2)
-        share = place[j] - left
-        freedom[left] += (1.0 - share) * free
-        freedom[left + 1] += share * free
-        roughness[left] += (1.0 - share) * rough
-        roughness[left + 1] += share * rough
-    change, moving = np.empty(nodes), False
-    for k in range(nodes):
-        own = np.log(freedom[k] / max(roughness[k], 1e-30))
-        # a stretch that is straight already gains nothing by being stiffer
-        if freedom[k] < FEWEST_FREEDOM:
-            own = min(own, 0.0)
-        change[k] = min(max(2.0 * own, -4.0), 4.0)  # twice the step: it is known to creep
-        moving |= abs(change[k]) * min(freedom[k], 1.0) > 0.2
-    return change, moving
+    count, alive = rows.shape
+    bend, variance = np.zeros(count), np.zeros(count)
+    for a in range(alive):
+        bend += rows[:, a] * value[a : a + count]
+        for b in range(a, alive):
+            own = rows[:, a] * rows[:, b] * inverse[a : a + count, b - a]
+            variance += own if a == b else 2.0 * own
+    left = np.minimum(place.astype(int), nodes - 2)
+    share = place - left
+
+    def of_nodes(values: Float[ndarray, " row"]) -> Float[ndarray, " node"]:
+        right = np.bincount(left + 1, share * values, nodes)
+        return np.bincount(left, (1.0 - share) * values, nodes) + right
+
+    freedom = of_nodes(np.maximum(1.0 - precision * variance, 0.0)) + 1e-12
+    roughness = of_nodes(precision * bend**2)
+    own = np.log(freedom / np.maximum(roughness, 1e-30))
+    # a stretch that is straight already gains nothing by being stiffer
+    own = np.where(freedom < FEWEST_FREEDOM, np.minimum(own, 0.0), own)
+    change = np.clip(2.0 * own, -4.0, 4.0)  # twice the step: it is known to creep
+    return change, bool((np.abs(change) * np.minimum(freedom, 1.0) > 0.2).any())
 
 
-@njit(cache=True)
-@no_type_check
-def _spread(log_precision):
+def _spread(log_precision: Float[ndarray, " node"]) -> Float[ndarray, " node"]:
     """Intensities averaged with a half of each neighbour's."""
-    stiffest, last = log_precision[0], log_precision.size - 1
-    for k in range(1, last + 1):  # the maximum, whose own function takes long to compile
-        stiffest = max(stiffest, log_precision[k])
-    intensity, mean = np.empty(last + 1), np.empty(last + 1)
-    for k in range(last + 1):
-        intensity[k] = np.exp(stiffest - log_precision[k])
-    for k in range(last + 1):
-        beside = intensity[max(k - 1, 0)] + intensity[min(k + 1, last)]
-        mean[k] = stiffest - np.log(0.25 * beside + 0.5 * intensity[k])
-    return mean
+    stiffest = log_precision.max()
+    intensity = np.pad(np.exp(stiffest - log_precision), 1, mode="edge")
+    mean = 0.25 * (intensity[:-2] + intensity[2:]) + 0.5 * intensity[1:-1]
+    return stiffest - np.log(mean)

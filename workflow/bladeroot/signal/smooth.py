@@ -12,14 +12,14 @@ bends. The cost does not grow with the number of values but for the sums over th
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.interpolate import PPoly
+from scipy.linalg import LinAlgError
 
-from bladeroot.compiled import njit
-from bladeroot.signal.bsplines import alive_splines, derivative_rows, polynomials
+from bladeroot.signal.bsplines import alive_splines, derivative_rows
 from bladeroot.signal.penalty import DEGREE, normal_sums, penalty_rows, posterior
 
 # The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
@@ -55,10 +55,8 @@ class Spline:
 
     def value(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """The curves and their first two derivatives."""
-        start, power = self._polynomials
         x = (time - self.origin) / self.scale
-        cell = np.clip(np.searchsorted(start, x, side="right") - 1, 0, start.size - 1)
-        value = _horner(x - start[cell], cell, power)
+        value = np.array([[part(x, order) for part in self._polynomials] for order in range(3)])
         value[0] += self.trend[:, :1] * x + self.trend[:, 1:]
         value[1] += self.trend[:, :1]
         value[1] /= self.scale
@@ -66,8 +64,8 @@ class Spline:
         return value
 
     @cached_property
-    def _polynomials(self) -> tuple[ndarray, ndarray]:
-        return polynomials(self.knots, self.coefficient, DEGREE)
+    def _polynomials(self) -> list[PPoly]:
+        return [PPoly.from_spline((self.knots, part, DEGREE)) for part in self.coefficient]
 
     def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """Standard errors of `value`."""
@@ -80,43 +78,24 @@ class Spline:
         return CALIBRATION[:, None, None] * error
 
 
-@njit(cache=True)
-@no_type_check
-def _errors(value, first, rows, covariance):
-    """Standard errors (part, point) of a derivative: splines alive, and what makes it of ours."""
-    parts, _, width = covariance.shape
-    error, shape = np.empty((parts, first.size)), np.empty(width)
-    for p in range(first.size):
-        shape[:] = 0.0
-        for a in range(value.shape[1]):
-            for b in range(rows.shape[1]):
-                shape[a + b] += value[p, a] * rows[first[p] + a, b]
-        for part in range(parts):
-            total = 0.0
-            for a in range(width):
-                own = covariance[part, first[p] + a]
-                total += shape[a] ** 2 * own[0]
-                for b in range(a + 1, width):
-                    total += 2.0 * shape[a] * shape[b] * own[b - a]
-            error[part, p] = np.sqrt(max(total, 0.0))
-    return error
-
-
-@njit(cache=True)
-@no_type_check
-def _horner(s, cell, power):
-    """Polynomials and their first two derivatives, (order, part, point)."""
-    terms, parts, _ = power.shape
-    value = np.empty((3, parts, s.size))
-    for part in range(parts):
-        for p in range(s.size):
-            level = slope = bend = 0.0
-            for k in range(terms - 1, -1, -1):
-                bend = bend * s[p] + 2.0 * slope
-                slope = slope * s[p] + level
-                level = level * s[p] + power[k, part, cell[p]]
-            value[0, part, p], value[1, part, p], value[2, part, p] = level, slope, bend
-    return value
+def _errors(
+    value: Float[ndarray, "point alive"],
+    first: Int[ndarray, " point"],
+    rows: Float[ndarray, "row wide"],
+    covariance: Float[ndarray, "part coefficient width"],
+) -> Float[ndarray, "part point"]:
+    """Standard errors of a derivative: splines alive, and what makes it of ours."""
+    width = covariance.shape[-1]
+    shape = np.zeros((first.size, width))
+    for a in range(value.shape[1]):
+        shape[:, a : a + rows.shape[1]] += value[:, a, None] * rows[first + a]
+    total = np.zeros((covariance.shape[0], first.size))
+    for a in range(width):
+        own = covariance[:, first + a]
+        total += shape[:, a] ** 2 * own[..., 0]
+        for b in range(a + 1, width):
+            total += 2.0 * shape[:, a] * shape[:, b] * own[..., b - a]
+    return np.sqrt(np.maximum(total, 0.0))
 
 
 def coarse(
@@ -193,12 +172,14 @@ def _fit(
     gram, right, trend = normal_sums(x, y, std, shape, first, count)
     penalty, centre = penalty_rows(knots)
     place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
-    found = [
-        posterior(gram, own, penalty, place, before, softest, iterations)
-        for own, before, softest in zip(right, prior.log_precision, prior.softest, strict=True)
-    ]
-    if not all(good for *_, good in found):
-        raise ValueError("the spline's equations are singular: values without finite errors?")
+    try:
+        found = [
+            posterior(gram, own, penalty, place, before, softest, iterations)
+            for own, before, softest in zip(right, prior.log_precision, prior.softest, strict=True)
+        ]
+    except LinAlgError:
+        problem = "the spline's equations are singular: values without finite errors?"
+        raise ValueError(problem) from None
     log_precision, coefficient, covariance = (
         np.stack([part[k] for part in found]) for k in range(3)
     )
