@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 
 GOLDEN = Path(__file__).parent / "golden.json"
-# Sentences, what sums up all else, and what moves with every prior.
+# Sentences, what sums up all else, what moves with every prior, and what is the form's own: two
+# forms of the slip explain these records alike, and which leads hangs on a wave of 1e-4 in them
+# that another processor's finite elements make.
 NOT_AGREED = {"reason", "trend", "splitter", "next", "log_evidence", "probabilities", "possible",
-              "checksum"}  # fmt: skip
-# A number may move by a quarter of its own error, or by so much of itself where it has none.
-PART_OF_STD, PART = 0.25, 0.05
+              "checksum", "form", "parameters", "after"}  # fmt: skip
+# A number may move by so much of its own error, or of itself where it has none; and an error.
+PART_OF_STD, PART, OF_ERRORS = 1.5, 0.05, 0.3
 
 
 def fields(said):
@@ -44,9 +46,10 @@ def expected_of(value):
     """The agreed value, with its tolerance where it is a number."""
     if isinstance(value, dict):
         std = value.get("std")
-        near = {"abs": PART_OF_STD * std} if std else {"rel": PART}
+        near = {"std": {"rel": OF_ERRORS}}
+        near["value"] = {"abs": PART_OF_STD * std} if std else {"rel": PART}
         return {
-            name: pytest.approx(one, **near) if name == "value" else expected_of(one)
+            name: pytest.approx(one, **near[name]) if name in near else expected_of(one)
             for name, one in value.items()
         }
     if isinstance(value, list):

@@ -32,7 +32,10 @@ def test_a_reduction_by_sectors_is_the_whole_one(beam):
         quick = craig_bampton(model.stiffness, mass, held, 5, mirrors)
         static = slice(0, len(held))
         np.testing.assert_allclose(quick.columns[:, static], plain.columns[:, static], atol=1e-9)
-        np.testing.assert_allclose(quick.eigenvalues, plain.eigenvalues, rtol=1e-9)
+        whole = plain.eigenvalues[-1]  # what rounding is a part of
+        np.testing.assert_allclose(
+            quick.eigenvalues, plain.eigenvalues, rtol=1e-9, atol=1e-11 * whole
+        )
         overlap = quick.columns[:, len(held) :].T @ (mass @ plain.columns[:, len(held) :])
         np.testing.assert_allclose(np.abs(overlap), np.eye(5), atol=1e-6)
 
