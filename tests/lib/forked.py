@@ -47,7 +47,10 @@ def forked(
 def _settle(folder: Path, environment: Mapping[str, str] | None) -> None:
     for name in [name for name in sys.modules if name.split(".")[0] == "bladeroot"]:
         del sys.modules[name]
-    sys.path[:] = [one for one in sys.path if not one.startswith(str(ROOT))]
+    # what is installed stays, also where the environment stands in the checkout
+    sys.path[:] = [
+        one for one in sys.path if "site-packages" in one or not Path(one).is_relative_to(ROOT)
+    ]
     kinds = [(one if isinstance(one, type) else type(one)).__module__ for one in sys.meta_path]
     sys.meta_path[:] = [
         one for one, kind in zip(sys.meta_path, kinds, strict=True) if "jaxtyping" not in kind
