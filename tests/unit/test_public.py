@@ -21,6 +21,17 @@ def samples(seed=1):
     return 0.01 * np.exp(-rate * t) * np.cos(2 * np.pi * MODE * t) + noise
 
 
+def test_samples_that_were_cut_towards_zero_are_made_good_and_it_is_said():
+    step = 5e-6
+    cut, rounded = (
+        br.ringdown(step * form(samples() / step), mode_Hz=210.0, sampling_Hz=RATE)
+        for form in (np.trunc, np.round)
+    )
+    assert "cut towards zero" in " ".join(cut.findings)
+    assert "cut towards zero" not in " ".join(rounded.findings)
+    assert np.median(cut.curves["loss_factor"]) == pytest.approx(LOSS, rel=0.02)
+
+
 def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path):
     v = samples()
     time = np.arange(v.size) / RATE

@@ -10,7 +10,7 @@ from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
 from bladeroot.io.overrides import windowed
-from bladeroot.io.recording import Recording, velocity
+from bladeroot.io.recording import Recording, uncut, velocity
 from bladeroot.quality.integrity import bridged, judge
 from bladeroot.signal.lines import TOLERANCE, magnitudes
 
@@ -34,14 +34,15 @@ def free_decay(
     Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: start and end (s in
     the recording) that a person gives, None where the cut's own holds.
     """
-    motion = velocity(recording, expected_Hz)
+    whole = uncut(recording, expected_Hz)
+    motion = velocity(whole, expected_Hz)
     rate = recording.sampling_Hz
     clear = bridged(motion, rate, expected_Hz)
     steps = _steps(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps)
     decay = windowed(seen, clear, *window)
     struck = onset(clear, rate / expected_Hz)
-    asked = expected_Hz, modes_Hz, recording.notes, recording
+    asked = expected_Hz, modes_Hz, whole.notes, recording
     several = _several(decay)
     if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, *asked)
@@ -51,8 +52,8 @@ def free_decay(
         how = "hammer"
     parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     if not parts.lines_Hz and parts.velocity is clear:
-        whole = judge(decay, motion, *asked, None, several)
-        return _with_widening(whole, parts)
+        judged = judge(decay, motion, *asked, None, several)
+        return _with_widening(judged, parts)
     release = Release(parts.first / rate, 0.0, how)
     alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if alone.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them

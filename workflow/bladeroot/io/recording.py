@@ -153,17 +153,24 @@ def _roughness(x: ndarray) -> float:
     return float(np.mean(np.diff(x) ** 2) / power) if power > 0.0 else np.inf
 
 
+def uncut(record: Recording, expected_Hz: float) -> Recording:
+    """The recording; where its samples were cut towards zero, made good, with a note of it."""
+    samples = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
+    if samples is record.samples:
+        return record
+    note = "the samples were cut towards zero, not rounded; the half step that is missing is added"
+    return replace(record, samples=samples, notes=(*record.notes, note))
+
+
 def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]:
     """The recording as velocity in m/s, exact for the mode; a response of the sensor is undone.
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
-    of the mode, the integration's drift, is taken off. Samples that were cut
-    towards zero are made good first. What either does to a wave, some
+    of the mode, the integration's drift, is taken off. What either does to a wave, some
     per cent with few samples a cycle, is made good for the mode's line in the loudest cycles.
     """
-    step = 1.0 / record.sampling_Hz
-    x = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
+    x, step = record.samples, 1.0 / record.sampling_Hz
     if record.response:
         x = undoing(record.response)(x, record.sampling_Hz)
     if record.quantity == "velocity":

@@ -12,7 +12,7 @@ from numpy import ndarray
 from bladeroot.decay.cut import decay_starts
 from bladeroot.decay.ringdown import analyse
 from bladeroot.io.read import read
-from bladeroot.io.recording import Recording, recording, velocity
+from bladeroot.io.recording import Recording, recording, uncut, velocity
 from bladeroot.io.units import SI
 from bladeroot.terms import length
 
@@ -152,7 +152,8 @@ def of_recording(
 
 def starts(taken: Recording, mode_Hz: float) -> list[float]:
     """When each decay of a mode in a recording begins, s after its first sample."""
-    return decay_starts(velocity(taken, mode_Hz), taken.sampling_Hz, mode_Hz)
+    motion = velocity(uncut(taken, mode_Hz), mode_Hz)
+    return decay_starts(motion, taken.sampling_Hz, mode_Hz)
 
 
 def _recording(
