@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from answers import Tags
+from bladeroot import artifacts
 
 
 def load(house, name):
@@ -28,6 +29,7 @@ def test_every_artifact_says_what_made_it_and_what_its_numbers_are(house):
     for path in (house.folder / "results").rglob("*.nc"):
         with xr.open_dataset(path) as artifact:
             assert artifact.attrs["bladeroot_version"], path
+            assert artifact.attrs["schema"] == artifacts.SCHEMA, path
             assert "settings" in artifact.attrs, path
             for name, variable in artifact.data_vars.items():
                 assert "units" in variable.attrs, f"{path}: {name}"

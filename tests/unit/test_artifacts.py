@@ -23,7 +23,7 @@ def test_what_is_saved_is_loaded_with_its_provenance(tmp_path):
     xr.testing.assert_equal(loaded, SAMPLE)
     assert loaded.attrs == {
         "mode": "1B", "bladeroot_version": __version__, "campaign": "rig", "simulated": 1,
-        "settings": '{"a":1}', "environment": environment(),
+        "settings": '{"a":1}', "environment": environment(), "schema": artifacts.SCHEMA,
     }  # fmt: skip
     assert loaded["x"].attrs["units"] == "m"
 

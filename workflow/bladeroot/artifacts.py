@@ -21,6 +21,10 @@ import xarray as xr
 from bladeroot import __version__, checksum
 from bladeroot.provenance import environment
 
+# Of names, units and dimensions of all artifacts (docs/artifacts.md); the number rises with a
+# change that a reader of an older one would stumble over.
+SCHEMA = "bladeroot-artifact-1"
+
 
 def load(path: str | Path) -> xr.Dataset:
     """Read a whole artifact into memory and close its file.
@@ -84,6 +88,7 @@ def save(
     stamped = dataset.assign_attrs(
         campaign=source["campaign"],
         simulated=source["simulated"],
+        schema=SCHEMA,
         bladeroot_version=__version__,
         environment=environment(),
         settings=settings,
