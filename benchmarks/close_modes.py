@@ -15,7 +15,7 @@ import secrets
 from collections import Counter
 
 import numpy as np
-from bladeroot.decay.ringdown import analyse
+from bladeroot.decay.record import analyse
 from bladeroot.io.recording import recording
 
 WRONG_PPM = 500.0

@@ -14,8 +14,8 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from bladeroot.decay.ringdown import analyse
-from bladeroot.io.recording import Recording
+from bladeroot.decay.record import analyse
+from bladeroot.signal.recording import Recording
 from drawn_world.verdicts import NOT_OF_THE_CURVE, TOLERANCE, wrong_points
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from bladeroot.decay.estimate import estimate
-from bladeroot.decay.ringdown import ringdown
+from bladeroot.decay.record import from_file
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"estimator": "blocks", "damping": "hysteretic"}
@@ -40,7 +40,7 @@ def analysed(entry: dict) -> Answer:
     """The ring-down stage on an entry of `sheet.campaign`."""
     start = time.process_time()
     try:
-        judged, decay, _ = ringdown(Path(entry["raw"]), entry["facts"], CUTTING, ESTIMATION)
+        judged, decay, _ = from_file(Path(entry["raw"]), entry["facts"], CUTTING, ESTIMATION)
     except Exception as error:  # a crash is a result of the product under test
         return Answer("crash", [], "", {}, time.process_time() - start, repr(error)[:300])
     spent = time.process_time() - start

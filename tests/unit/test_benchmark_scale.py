@@ -1,7 +1,7 @@
 """The campaigns of the benchmark of scale are sound, and their records are what they say."""
 
 import scale
-from bladeroot.decay.ringdown import ringdown
+from bladeroot.decay.record import from_file
 from bladeroot.io.campaign import load_campaign
 
 
@@ -13,7 +13,7 @@ def test_a_campaign_is_sound_and_a_record_of_it_is_analysed(tmp_path):
     row = campaign.records[0]
     mode = campaign.description["modes"][row["mode"]]
     known = {**row, **mode, "other_modes_Hz": [520.0], "simulated": False}
-    _, curves, plateau = ringdown(
+    _, curves, plateau = from_file(
         campaign.folder / row["file"],
         known,
         {"end": "noise"},

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.band import in_band
-from bladeroot.decay.ringdown import analyse
+from bladeroot.decay.overrides import in_band
+from bladeroot.decay.record import analyse
 from bladeroot.io.overrides import overruled
-from bladeroot.io.recording import Recording, part
+from bladeroot.io.recording import part
+from bladeroot.signal.recording import Recording
 
 RATE, F, DECAY = 2000.0, 50.0, 3.0
 KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction": "", "load": 0.0,

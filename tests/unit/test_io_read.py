@@ -4,7 +4,8 @@ import netCDF4
 import numpy as np
 import pytest
 from bladeroot.io.read import formats, read
-from bladeroot.io.recording import recording, velocity
+from bladeroot.io.recording import recording
+from bladeroot.signal.recording import velocity
 
 RATE = 5120.0
 TIME = np.arange(2000) / RATE

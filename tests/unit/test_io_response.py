@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bladeroot.io.channel import SHORTEST
-from bladeroot.io.recording import recording, velocity
+from bladeroot.io.recording import recording
 from bladeroot.io.response import undoing
+from bladeroot.signal.recording import velocity
 from scipy.signal import bilinear, lfilter
 
 RATE, MODE, CORNER = 2000.0, 6.0, 4.5
@@ -40,5 +41,5 @@ def test_a_recording_with_a_response_is_undone_before_it_becomes_velocity():
     samples = np.random.default_rng(0).standard_normal(SHORTEST + 100)
 
     record = recording(samples, "m/s", "a", sampling_Hz=RATE)
-    undone = velocity(replace(record, response="high-pass 4.5 Hz"), MODE)
+    undone = velocity(replace(record, undone=undoing("high-pass 4.5 Hz")), MODE)
     assert undone == pytest.approx(undoing("high-pass 4.5 Hz")(record.samples, RATE))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.cut import cut, rejected
-from bladeroot.io.recording import Recording, velocity
 from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
+from bladeroot.signal.recording import Recording, velocity
 from bladeroot.signal.spectrum import white_noise
 from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
 from hypothesis import given, settings

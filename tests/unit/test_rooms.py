@@ -12,7 +12,7 @@ LIBRARY = Path(__file__).resolve().parents[2] / "workflow" / "bladeroot"
 ALLOWED = {
     "signal": set(),
     "io": {"signal"},
-    "quality": {"signal", "io"},
+    "quality": {"signal"},
     "plateau": {"signal"},
     "decay": {"signal", "io", "quality", "plateau"},
     "pooling": {"plateau"},
@@ -42,6 +42,7 @@ ALLOWED = {
         "artifacts",
         "figures",
         "io",
+        "signal",
         "decay",
         "pooling",
         "fem",
@@ -94,6 +95,11 @@ def test_every_room_is_listed():
 def test_a_room_imports_only_what_it_may(room):
     shared = set() if room == "bench" else SHARED
     assert imported_rooms(room) <= ALLOWED[room] | shared | COMPILER
+
+
+def test_the_analysis_of_samples_reads_no_file():
+    readers = [path for path in (LIBRARY / "decay").glob("*.py") if "io" in rooms_of(path)]
+    assert [path.name for path in readers] == ["record.py"]
 
 
 def test_nothing_but_its_own_script_uses_the_bench():

@@ -28,10 +28,10 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
         if known["record"] in current:
             statement.renew(part)
             continue
-        from bladeroot.decay.ringdown import not_analysed, ringdown
+        from bladeroot.decay.record import from_file, not_analysed
 
         try:
-            made = ringdown(path, known, cutting, estimation)
+            made = from_file(path, known, cutting, estimation)
         except MemoryError:
             raise  # the batch is asked for again with more
         except Exception as error:

@@ -7,7 +7,6 @@ import numpy as np
 
 from bladeroot.io.channel import moving
 from bladeroot.io.read import as_stated, channels, read, stated_unit
-from bladeroot.io.recording import Recording
 from bladeroot.io.units import RAW, normal_unit
 from bladeroot.signal.spectral_peaks import peaks, spectrum
 

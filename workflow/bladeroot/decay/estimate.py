@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.agreement import compare
-from bladeroot.decay.band import in_band
+from bladeroot.decay.curves import curves, later, used
 from bladeroot.decay.error_bounds import published
-from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.freevib import freevib
 from bladeroot.decay.pff import no_peaks, peak_fit
 from bladeroot.decay.thesis_filters import thesis_freevib
 
@@ -24,10 +24,8 @@ def estimate(
     """Curves of a record with its peaks beside them and their differences.
 
     Args:
-        cut: free decay as from `decay.cut.cut`, with `expected_Hz` in its attributes.
+        cut, damping, band_Hz: as of `decay.curves.curves`.
         estimator: "blocks" (`freevib`) or "thesis" (`thesis_freevib`).
-        damping: law of damping, "hysteretic" or "viscous".
-        band_Hz: a person's band, outside which nothing counts.
 
     Returns:
         Variables of `freevib`, `peak_fit` and `compare`, and the bounds of Appendix F; attributes
@@ -35,52 +33,15 @@ def estimate(
     """
     if estimator not in ESTIMATORS:
         raise ValueError(f"estimator must be {' or '.join(ESTIMATORS)}, got {estimator!r}")
-    facts = dict(cut.attrs)
-    curves, peaks = no_decay(), no_peaks()
+    made = curves(cut, damping, band_Hz, ESTIMATORS[estimator])
+    facts, peaks = made.attrs, no_peaks()
     if facts["verdict"] == "usable":
-        velocity, usable = cut["velocity"].values.astype(float), cut["usable"].values.astype(bool)
-        if band_Hz is not None:
-            try:
-                velocity, lost = in_band(
-                    velocity, facts["sampling_Hz"], band_Hz, facts["expected_Hz"]
-                )
-            except ValueError as error:
-                rejected = cut.assign_attrs(verdict="rejected", reason=str(error))
-                return estimate(rejected, estimator, damping)
-            usable = usable.copy()
-            usable[:lost] = usable[velocity.size - lost :] = False
-        first = int(np.argmax(usable))  # a start that is masked is no part of the decay
-        begin_s = first / facts["sampling_Hz"]
-        record = (
-            velocity[first:],
-            facts["sampling_Hz"],
-            facts["expected_Hz"],
-            facts["noise_velocity"],
-        )
-        options = {"damping": damping, "usable": usable[first:]}
-        ours = dict(options)
-        if estimator == "blocks" and "widening" in cut:
-            time = cut["widening_time"].values - begin_s
-            ours["taken"] = (time, cut["widening"].values, cut["doubt"].values)
-        try:
-            curves = _later(ESTIMATORS[estimator](*record, **ours), begin_s)
-            if "taken" in ours:
-                curves.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
-            peaks = _later(peak_fit(*record, **options), begin_s)
-        except ValueError as error:
-            facts |= {"verdict": "rejected", "reason": str(error)}
-    bounds = _published_bounds(curves, facts["noise_velocity"])
-    whole = curves.assign(
-        {**peaks.variables, **compare(curves, peaks).variables, **bounds.variables}
-    )
-    return whole.assign_attrs({**facts, "estimator": estimator, "damping": damping})
-
-
-def _later(curves: xr.Dataset, seconds: float) -> xr.Dataset:
-    """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
-    times = [name for name in ("time", "block_time", "pff_time") if name in curves]
-    moved = {name: (curves[name] + seconds).assign_attrs(curves[name].attrs) for name in times}
-    return curves.assign(moved)
+        velocity, usable, begin_s = used(cut, band_Hz)
+        known = (facts[name] for name in ("sampling_Hz", "expected_Hz", "noise_velocity"))
+        peaks = later(peak_fit(velocity, *known, usable=usable, damping=damping), begin_s)
+    bounds = _published_bounds(made, facts["noise_velocity"])
+    whole = made.assign({**peaks.variables, **compare(made, peaks).variables, **bounds.variables})
+    return whole.assign_attrs(estimator=estimator)
 
 
 def _published_bounds(curves: xr.Dataset, noise: float) -> xr.Dataset:

@@ -8,11 +8,11 @@ from numpy import ndarray
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
+from bladeroot.decay.overrides import windowed
 from bladeroot.decay.release import Release
-from bladeroot.io.overrides import windowed
-from bladeroot.io.recording import Recording, uncut, velocity
 from bladeroot.quality.integrity import bridged, judge
 from bladeroot.signal.lines import TOLERANCE, magnitudes
+from bladeroot.signal.recording import Recording, uncut, velocity
 
 # Of a line so many times as loud as the mode, the release is taken where the mode shows none.
 LOUDER = 3.0

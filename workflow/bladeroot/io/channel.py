@@ -7,7 +7,8 @@ from pathlib import Path
 
 from numpy import ndarray
 
-from bladeroot.io.units import SI, USUAL, normal_unit, quantity_of, seconds
+from bladeroot.io.units import USUAL, normal_unit, quantity_of, seconds
+from bladeroot.signal.recording import SI
 
 SHORTEST = 64
 _LISTED = 12

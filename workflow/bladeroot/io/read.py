@@ -10,10 +10,12 @@ from pathlib import Path
 
 from bladeroot.io import readers
 from bladeroot.io.channel import Channel, ChannelError, Entry, split_name
-from bladeroot.io.recording import Recording, recording
+from bladeroot.io.recording import recording
+from bladeroot.io.response import undoing
 from bladeroot.io.sampling import usual_rate
 from bladeroot.io.statements import FORCES_APART, NO_UNIT, RATES_APART, one_unit
-from bladeroot.io.units import SI, motion, normal_unit, quantity_of, same
+from bladeroot.io.units import motion, normal_unit, quantity_of, same
+from bladeroot.signal.recording import SI, Recording
 
 # How far a file's sampling frequency may lie from the sheet's before it is another one, and
 # from where on the difference is told.
@@ -88,9 +90,8 @@ def read(
         error = error if found.time is None else 0.0
         rate = _sampling(rate, sampling_Hz, error, where, notes)
     notes += record.notes
-    return dataclasses.replace(
-        record, sampling_Hz=rate, notes=tuple(notes), response=response or ""
-    )
+    undone = undoing(response) if response else None
+    return dataclasses.replace(record, sampling_Hz=rate, notes=tuple(notes), undone=undone)
 
 
 def as_stated(path: str | Path, channel: str | None = None, quantity: str | None = None) -> Channel:

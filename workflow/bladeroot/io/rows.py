@@ -12,7 +12,8 @@ from bladeroot.io.overrides import overruled
 from bladeroot.io.read import formats, read
 from bladeroot.io.response import undoing
 from bladeroot.io.sheet import REMARK
-from bladeroot.io.units import SI, USUAL, motion, sensitivity_of
+from bladeroot.io.units import USUAL, motion, sensitivity_of
+from bladeroot.signal.recording import SI
 
 RECORD_COLUMNS = (
     "record", "file", "mode", *COLUMNS, "clamping", "hold", "event", "group", "direction", "time_s",

@@ -8,7 +8,8 @@ import math
 import re
 from functools import cache
 
-SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
+from bladeroot.signal.recording import SI
+
 # quantity and factor to SI of the usual spellings
 USUAL = {
     "m/s": ("velocity", 1.0),

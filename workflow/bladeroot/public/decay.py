@@ -10,10 +10,10 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.cut import decay_starts
-from bladeroot.decay.ringdown import analyse
+from bladeroot.decay.record import analyse
 from bladeroot.io.read import read
-from bladeroot.io.recording import Recording, recording, uncut, velocity
-from bladeroot.io.units import SI
+from bladeroot.io.recording import recording
+from bladeroot.signal.recording import SI, Recording, uncut, velocity
 from bladeroot.terms import length
 
 Source = str | Path | xr.DataArray | Float[ndarray, " sample"]

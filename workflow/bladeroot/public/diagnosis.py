@@ -149,7 +149,7 @@ def _analysed(
     campaign: Campaign, config: Mapping, reduced: Reduced
 ) -> Iterator[tuple[xr.Dataset, ...]]:
     """Free decay, curves and plateau of each record, in the order of names."""
-    from bladeroot.decay.ringdown import ringdown
+    from bladeroot.decay.record import from_file
 
     with tempfile.TemporaryDirectory() as made:
         for row in sorted(campaign.records, key=lambda row: row["record"]):
@@ -157,7 +157,7 @@ def _analysed(
             if campaign.simulated:
                 raw = _simulated(campaign, row, reduced, Path(made))
             facts = record_facts(campaign, row)
-            yield ringdown(campaign.folder / raw, facts, config["record"], config["decay"])
+            yield from_file(campaign.folder / raw, facts, config["record"], config["decay"])
 
 
 def _simulated(campaign: Campaign, row: Mapping, reduced: Reduced, folder: Path) -> Path:

@@ -11,12 +11,12 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.io.recording import Recording
 from bladeroot.quality import findings
 from bladeroot.quality.finding import Finding
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.findings.sampling_rate import outside
 from bladeroot.quality.sight import Sight
+from bladeroot.signal.recording import Recording
 
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from bladeroot.io.recording import Recording
-from bladeroot.io.units import SI
 from bladeroot.quality.finding import Finding
 from bladeroot.quality.sight import Sight
+from bladeroot.signal.recording import SI, Recording
 from bladeroot.signal.runs import joined, runs
 from bladeroot.signal.spectrum import white_noise
 

@@ -1,0 +1,64 @@
+"""One raw record to all its artifacts: read, as a person overrules it, with a second opinion."""
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from bladeroot.decay.cut import rejected
+from bladeroot.decay.estimate import estimate
+from bladeroot.decay.ringdown import ringdown, with_curves
+from bladeroot.io.overrides import overruled
+from bladeroot.io.read import read
+from bladeroot.io.recording import part
+from bladeroot.quality.integrity import judge
+from bladeroot.signal.recording import Recording
+
+# What the sheet says of a raw file; the file may contradict it.
+SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response", "mode", "force_N")
+
+
+def from_file(
+    raw: str | Path, known: Mapping, cutting: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Free decay, curves over amplitude and plateau of a record in a file.
+
+    Args:
+        raw: its file.
+        known: what the sheet says of it: SAID, and what `decay.ringdown.ringdown` takes.
+        cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
+        estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
+
+    A record that cannot be read or used comes back without points, rejected with a reason.
+    """
+    try:
+        recording = read(raw, **{name: known.get(name) for name in SAID})
+        recording = part(recording, known.get("from_s"), known.get("to_s"), str(raw))
+    except ValueError as error:
+        return not_analysed(known, str(error), estimation)
+    return analyse(recording, known, cutting, estimation)
+
+
+def analyse(
+    recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """The same of a recording in SI units, for which `known` need not hold SAID."""
+    return ringdown(recording, _with_words(known), cutting, _estimating(known, estimation))
+
+
+def not_analysed(
+    known: Mapping, reason: str, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """The same for a record that has no recording: rejected for that reason."""
+    decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"])
+    return with_curves(decay, _with_words(known), _estimating(known, estimation))
+
+
+def _with_words(known: Mapping) -> dict:
+    return {**known, "overruled": overruled(known)}
+
+
+def _estimating(known: Mapping, estimation: Mapping) -> partial:
+    return partial(estimate, **estimation, band_Hz=known.get("band_Hz"))
