@@ -4,14 +4,11 @@ A matrix is stored as its lower band, row j holding the elements (j, j), (j + 1,
 diagonal of column j; what would lie beyond the last row is zero.
 """
 
-from typing import no_type_check
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
-
-from bladeroot.compiled import njit
+from scipy.linalg.lapack import dtrtri
 
 
 def solution(
@@ -36,33 +33,31 @@ def solution(
     return x, inverse_band(factor.T) * beside
 
 
-def inverse_band(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
-    """The inverse within the band, from the lower Cholesky factor in the same storage."""
-    pivot = factor[:, 0]
-    unit = np.ascontiguousarray(factor / pivot[:, None])
-    unit[:, 0] = pivot**2
-    return _takahashi(unit)
+def inverse_band(factor: Float[ndarray, "n width"], least: int = 16) -> Float[ndarray, "n width"]:
+    """The inverse within the band, from the lower Cholesky factor in the same storage.
 
-
-@njit(cache=True)
-@no_type_check
-def _takahashi(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
-    """From L D L' with D on the diagonal, from the last element to the first (Takahashi)."""
+    Blocks as long as the band is wide (or `least`) see but the next one; from the last to the
+    first, a block of the inverse follows from the one behind it (Takahashi).
+    """
     n, width = factor.shape
-    inverse = np.zeros((n, width))
-    column = np.empty(width)
-    for j in range(n - 1, -1, -1):
-        last = min(width, n - j)
-        column[:] = 0.0
-        for m in range(1, last):  # along rows, which lie side by side in memory
-            share, rest, row = factor[j, m], factor[j, m:], inverse[j + m]
-            total = share * row[0]
-            for k in range(1, last - m):
-                column[m + k] += share * row[k]
-                total += rest[k] * row[k]
-            column[m] += total
-        inverse[j, 0] = 1.0 / factor[j, 0]
-        for m in range(1, last):
-            inverse[j, m] = -column[m]
-            inverse[j, 0] += factor[j, m] * column[m]
-    return inverse
+    size = max(width, least)
+    blocks = -(-n // size)
+    # beyond the end, an identity
+    padded = np.zeros(((blocks + 1) * size, width))
+    padded[:n], padded[n:, 0] = factor, 1.0
+    down, across = np.arange(2 * size)[:, None], np.arange(size)
+    lag = down - across
+    inside = (lag >= 0) & (lag < width)
+    lag = np.where(inside, lag, 0)
+    rows = np.arange(blocks)[:, None, None] * size + across
+    whole = np.where(inside, padded[rows, lag], 0.0)
+    later, inverse = np.eye(size), np.empty((blocks, 2 * size, size))
+    for k in range(blocks - 1, -1, -1):
+        pivot = dtrtri(whole[k, :size], lower=1)[0]
+        ratio = whole[k, size:] @ pivot
+        beside = -later @ ratio
+        later = pivot.T @ pivot - ratio.T @ beside
+        inverse[k] = np.concatenate([later, beside])
+    at = np.minimum(np.arange(width) + across[:, None], 2 * size - 1)
+    found = inverse[:, at, across[:, None]].reshape(-1, width)[:n]
+    return np.where(np.arange(n)[:, None] + np.arange(width) < n, found, 0.0)

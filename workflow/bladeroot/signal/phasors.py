@@ -9,13 +9,10 @@ is then ordinary weighted regression.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
-
-from bladeroot.compiled import njit
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4
@@ -131,36 +128,23 @@ def corrected(
 
     rate, change: first and second derivative of the log-phasor in the middle of each frame.
     """
-    delta = rate - 1j * frames.omega[near]
-    return _corrected(frames.phasor[near], frames.own[near], frames.image[near], delta, change)
-
-
-@njit(cache=True)
-@no_type_check
-def _corrected(phasor, own, image, delta, change):
-    true = np.empty_like(phasor)
-    for k in range(phasor.size):
-        d, c = delta[k], change[k]
-        if phasor[k] == 0.0:
-            true[k] = 0.0
-            continue
-        square = d * d
-        terms = (
-            d,
-            square + c,
-            d * (square + 3.0 * c),
-            square * (square + 6.0 * c) + 3.0 * c * c,
-        )
-        grown, mirrored = 1.0 + 0.0j, 0.0j
-        for power in range(TAYLOR):
-            grown += own[k, power] * terms[power]
-            mirrored += image[k, power] * terms[power].conjugate()
-        share = grown
-        for _ in range(2):
-            guess = phasor[k] / share
-            share = grown + mirrored * guess.conjugate() / guess
-        true[k] = phasor[k] / share
-    return true
+    d, phasor = rate - 1j * frames.omega[near], frames.phasor[near]
+    square = d * d
+    terms = (
+        d,
+        square + change,
+        d * (square + 3.0 * change),
+        square * (square + 6.0 * change) + 3.0 * change * change,
+    )
+    terms = np.stack(terms, axis=1)
+    grown = 1.0 + (frames.own[near] * terms).sum(axis=1)
+    mirrored = (frames.image[near] * terms.conj()).sum(axis=1)
+    known = np.where(phasor == 0.0, 1.0, phasor)
+    share = grown
+    for _ in range(2):
+        guess = known / share
+        share = grown + mirrored * guess.conj() / guess
+    return phasor / share
 
 
 def gather(
@@ -201,19 +185,17 @@ def gather(
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]
 
 
-@njit(cache=True)
-@no_type_check
-def _edges(share, level, target, fewest):
+def _edges(
+    share: Float[ndarray, " frame"], level: Float[ndarray, " frame"], target: float, fewest: int
+) -> Int[ndarray, " edge"]:
     """First frames of the blocks and one past the last: each as long as its first frame asks."""
+    own = np.arange(share.size)
+    before, after = np.maximum(own - 1, 0), np.minimum(own + 1, share.size - 1)
+    fall = (level[before] - level[after]) / np.maximum(after - before, 1)
+    length = np.minimum((share / target) ** 2, 0.4 / np.maximum(fall, 1e-12))
+    asked = np.maximum(np.ceil(length), fewest).tolist()
     edges = [0]
-    last = share.size - 1
-    while edges[-1] <= last:
-        k = edges[-1]
-        before, after = max(k - 1, 0), min(k + 1, last)
-        fall = (level[before] - level[after]) / max(after - before, 1)
-        length = min((share[k] / target) ** 2, 0.4 / max(fall, 1e-12))
-        length = max(np.ceil(length), fewest)
-        if not k + length <= last + 1:  # nor where an error is no number
-            break
-        edges.append(k + int(length))
+    # nor where an error is no number
+    while edges[-1] < share.size and edges[-1] + asked[edges[-1]] <= share.size:
+        edges.append(edges[-1] + int(asked[edges[-1]]))
     return np.array(edges)

@@ -1,12 +1,8 @@
 """Runs of samples, and what is done with samples block by block."""
 
-from typing import no_type_check
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
-
-from bladeroot.compiled import njit
 
 
 def medians(rows: Float[ndarray, "*row k"]) -> Float[ndarray, "*row"] | np.float64:
@@ -67,23 +63,12 @@ def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
     return np.stack([first, last], axis=1)
 
 
-@njit(cache=True)
-@no_type_check
-def missed(
-    x: Float[ndarray, " k"], weights: Float[ndarray, " reach"], some: int = 1024
-) -> Float[ndarray, " k"]:
+def missed(x: Float[ndarray, " k"], weights: Float[ndarray, " reach"]) -> Float[ndarray, " k"]:
     """What each value differs from the weighted sums of its neighbours on both sides by.
 
-    Zero where there are too few neighbours. As many values as a cache holds at a time.
+    Zero where there are too few neighbours.
     """
-    reach = weights.size
     miss = np.zeros(x.size)
-    for first in range(reach, x.size - reach, some):
-        left = miss[first : min(first + some, x.size - reach)]
-        for at in range(left.size):  # not by slices, whose assignment takes two seconds to compile
-            left[at] = x[first + at]
-        for k in range(1, reach + 1):
-            before, after = x[first - k :], x[first + k :]
-            for at in range(left.size):
-                left[at] -= weights[k - 1] * (before[at] + after[at])
+    taps = np.concatenate([-weights[::-1], [1.0], -weights])
+    miss[weights.size : x.size - weights.size] = np.convolve(x, taps, mode="valid")
     return miss

@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
-
-from bladeroot.compiled import njit
+from numpy.lib.stride_tricks import sliding_window_view
 
 
 def clean_falls(
@@ -41,21 +39,27 @@ def clean_falls(
     return sorted(found, key=lambda fall: level[fall[1]] - level[fall[0]])
 
 
-@njit(cache=True)
-@no_type_check
 def _pieces(
     level: Float[ndarray, " frame"], rise: float, broken: Bool[ndarray, " frame"]
 ) -> list[tuple[int, int]]:
     """Peak and trough of every piece of the record, in order."""
     pieces = [(0, 0)]
     peak = trough = 0
-    for k in range(level.size):
-        if broken[k] or level[k] > level[trough] + rise or level[k] > level[peak]:
-            if level[peak] > level[trough]:
+    high = low = float(level[0])
+    # between the ends of its falls and rises a level decides nothing
+    turns = np.diff(np.sign(np.diff(level)), prepend=2.0, append=2.0) != 0.0
+    turns |= broken
+    turns[1:] |= broken[:-1]
+    turns[:-1] |= broken[1:]
+    at = np.flatnonzero(turns)
+    for k, now, struck in zip(*(x.tolist() for x in (at, level[at], broken[at])), strict=True):
+        if struck or now > low + rise or now > high:
+            if high > low:
                 pieces.append((k, k))
             peak = trough = k
-        elif level[k] < level[trough]:
-            trough = k
+            high = low = now
+        elif now < low:
+            trough, low = k, now
         pieces[-1] = (peak, trough)
     return pieces
 
@@ -98,10 +102,14 @@ def kinks(
         none = np.zeros(0)
         return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
     basis, sizes, off = _weights(reach)
-    seen = np.stack([_sums(log_phasor, row) for row in basis])
+    # a window a row, its real and its imaginary part
+    both = np.stack([log_phasor.real, log_phasor.imag])
+    seen = (sliding_window_view(both, 2 * reach, axis=1) @ basis.T).T
+    seen = seen[..., 0] + 1j * seen[..., 1]
     explained = (seen.real**2 + seen.imag**2).sum(axis=0)
     step, bend = sizes @ seen
-    scatter = _squares(log_phasor, off) * correlation / (2.0 * (reach - 3))
+    left = sliding_window_view(both, reach, axis=1) @ off.T
+    scatter = (left**2).sum(axis=(0, 2)) * correlation / (2.0 * (reach - 3))
     known = np.convolve(std**2, np.full(reach, 1.0 / reach), mode="valid")
     early, late = slice(0, place.size), slice(reach, reach + place.size)
     smooth_part, other = (late, early) if smooth_side > 0 else (early, late)
@@ -115,33 +123,6 @@ def kinks(
         step_std=np.sqrt(2.0 * variance * (sizes[0] @ sizes[0])),
         bend=bend,
     )
-
-
-@njit(cache=True)
-@no_type_check
-def _sums(
-    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, " wide"]
-) -> Complex[ndarray, " window"]:
-    """Weighted sum over each window of the points."""
-    total = np.zeros(log_phasor.size - weights.size + 1, np.complex128)
-    for k in range(weights.size):
-        for window in range(total.size):
-            total[window] += weights[k] * log_phasor[window + k]
-    return total
-
-
-@njit(cache=True)
-@no_type_check
-def _squares(
-    log_phasor: Complex[ndarray, " point"], rows: Float[ndarray, "row wide"]
-) -> Float[ndarray, " window"]:
-    """Sum of the squares of several weighted sums over each window."""
-    total = np.zeros(log_phasor.size - rows.shape[1] + 1)
-    for row in range(rows.shape[0]):
-        one = _sums(log_phasor, rows[row])
-        for window in range(total.size):
-            total[window] += one[window].real ** 2 + one[window].imag ** 2
-    return total
 
 
 def expected_gain(bend: float, std: float, reach: int) -> float:
