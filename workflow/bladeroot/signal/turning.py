@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
-from numpy.lib.stride_tricks import sliding_window_view
 
 
 def clean_falls(
@@ -102,14 +101,14 @@ def kinks(
         none = np.zeros(0)
         return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
     basis, sizes, off = _weights(reach)
-    # a window a row, its real and its imaginary part
-    both = np.stack([log_phasor.real, log_phasor.imag])
-    seen = (sliding_window_view(both, 2 * reach, axis=1) @ basis.T).T
-    seen = seen[..., 0] + 1j * seen[..., 1]
+    seen = np.stack([_sums(log_phasor, row) for row in basis])
     explained = (seen.real**2 + seen.imag**2).sum(axis=0)
     step, bend = sizes @ seen
-    left = sliding_window_view(both, reach, axis=1) @ off.T
-    scatter = (left**2).sum(axis=(0, 2)) * correlation / (2.0 * (reach - 3))
+    left = np.zeros(log_phasor.size - reach + 1)
+    for row in off:
+        one = _sums(log_phasor, row)
+        left += one.real**2 + one.imag**2
+    scatter = left * correlation / (2.0 * (reach - 3))
     known = np.convolve(std**2, np.full(reach, 1.0 / reach), mode="valid")
     early, late = slice(0, place.size), slice(reach, reach + place.size)
     smooth_part, other = (late, early) if smooth_side > 0 else (early, late)
@@ -123,6 +122,17 @@ def kinks(
         step_std=np.sqrt(2.0 * variance * (sizes[0] @ sizes[0])),
         bend=bend,
     )
+
+
+def _sums(
+    log_phasor: Complex[ndarray, " point"], weights: Float[ndarray, " wide"]
+) -> Complex[ndarray, " window"]:
+    """Weighted sum over each window of the points."""
+    real, imaginary = (
+        np.convolve(part, weights[::-1], mode="valid")
+        for part in (log_phasor.real, log_phasor.imag)
+    )
+    return real + 1j * imaginary
 
 
 def expected_gain(bend: float, std: float, reach: int) -> float:
