@@ -15,7 +15,7 @@ import tracemalloc
 import numpy as np
 import xarray as xr
 from bladeroot.decay.cut import cut
-from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
+from bladeroot.quality.integrity import bridged, checks, examine, examined, judge
 from scipy.interpolate import CubicSpline
 from scipy.signal import hilbert
 
@@ -153,7 +153,7 @@ def statistics(velocity, rate, f, modes=()):
     found = cut(bridged(velocity, rate, f), rate, f)
     if found.attrs["verdict"] != "usable":
         return None, found.attrs["findings"]
-    return dict(examine(sight(found, velocity, f, modes))), ""
+    return dict(examine(examined(found, velocity, f, modes))), ""
 
 
 def joint(rng):

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from bladeroot.plateau.evidence import fits, framed, sums
 from bladeroot.plateau.laws import DOUBT, HINGES, NODES, hats, hinge_laws, smooth_laws
-from bladeroot.plateau.stretch import grouped
+from bladeroot.plateau.segment import grouped
 from scipy.stats import multivariate_normal
 
 
-def stretch_of(noise):
+def segment_of(noise):
     """A decay whose frequency leaves a constant at ln A = -1, straight in A."""
     rng = np.random.default_rng(3)
     time = np.linspace(0.0, 1.0, 240)
@@ -23,19 +23,19 @@ def stretch_of(noise):
 @pytest.mark.parametrize("noise", [1e-1, 1e-3])
 @pytest.mark.parametrize("excess", [1.0, 2.5])
 def test_evidence_of_laws_is_that_of_the_model_written_out(noise, excess):
-    stretch = stretch_of(noise)
-    frame = framed(stretch)
-    laws = smooth_laws(stretch).joined(hinge_laws(stretch, np.array([-2.0, -1.0])))
-    middle = 0.5 * (stretch.log[1:] + stretch.log[:-1])
+    segment = segment_of(noise)
+    frame = framed(segment)
+    laws = smooth_laws(segment).joined(hinge_laws(segment, np.array([-2.0, -1.0])))
+    middle = 0.5 * (segment.log[1:] + segment.log[:-1])
     found = fits(sums(frame, laws), 1, excess)
-    unit = np.eye(stretch.time.size)
+    unit = np.eye(segment.time.size)
     for law in (0, 4, 8, 12, 20):
         cells = hats(middle, laws.first[law : law + 1])[0] * laws.shape[law]
         x = frame.seen(np.vstack([cells, laws.between[law]]))[0].T / np.sqrt(excess)
         y = frame.y[1] / np.sqrt(excess)
         whole = x[:, :NODES].sum(axis=1)
         square = (whole @ y / (whole @ whole)) ** 2
-        wide = max(square, stretch.time.size / (whole @ whole))
+        wide = max(square, segment.time.size / (whole @ whole))
         for k, doubt in enumerate(DOUBT):
             prior = (square * doubt**2 + 1e-12 * wide) * np.eye(NODES + 1)
             prior[:NODES, :NODES] += wide
@@ -45,9 +45,9 @@ def test_evidence_of_laws_is_that_of_the_model_written_out(noise, excess):
 
 
 def test_the_true_shape_has_the_highest_evidence():
-    stretch = stretch_of(1e-4)
+    segment = segment_of(1e-4)
     onsets = np.array([-1.5, -1.0, -0.7])
-    found = fits(sums(framed(stretch), hinge_laws(stretch, onsets)), 1, 1.0)
+    found = fits(sums(framed(segment), hinge_laws(segment, onsets)), 1, 1.0)
     best = int(np.argmax(found.evidence[:, 0]))  # by laws taken nearly at their word
     assert onsets[best // HINGES] == -1.0
     assert best % HINGES == 1  # straight in A above the onset

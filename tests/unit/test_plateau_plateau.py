@@ -8,7 +8,7 @@ from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.mixture import NORMAL, Mixture
 from bladeroot.plateau.plateau import plateau
 from bladeroot.plateau.record import record_plateau
-from bladeroot.plateau.stretch import grouped, integral, lines_below, over_cells
+from bladeroot.plateau.segment import grouped, integral, lines_below, over_cells
 from decay_bench import ring_down, ringing, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
 from hypothesis import given, settings
@@ -205,10 +205,10 @@ def test_stated_range_is_below_the_onset():
 def test_integral_of_groups_is_that_of_time():
     time = np.linspace(0.0, 1.0, 2000)
     y = np.stack([np.sin(3.0 * time), np.cos(3.0 * time)])
-    stretch = grouped(time, y, np.full(time.size, 1e-3), -3.0 * time)
-    turn = -stretch.path  # three times the time
+    segment = grouped(time, y, np.full(time.size, 1e-3), -3.0 * time)
+    turn = -segment.path  # three times the time
     rates = np.stack([3.0 * np.cos(turn), -3.0 * np.sin(turn)])
-    off = stretch.y - integral(stretch, over_cells(stretch, rates))
+    off = segment.y - integral(segment, over_cells(segment, rates))
     np.testing.assert_allclose(off - off.mean(axis=1, keepdims=True), 0.0, atol=1e-6)
 
 
@@ -217,10 +217,10 @@ def test_lines_below_an_onset_are_least_squares():
     time = np.linspace(0.0, 1.0, 300)
     std = np.exp(-3.0 * (1.0 - time)) * 1e-3
     y = np.stack([-3.0 * time, 40.0 * time]) + std * rng.standard_normal((2, 300))
-    stretch = grouped(time, y, std, -3.0 * time)
-    slope, variance = lines_below(stretch, np.array([-1.0, -2.9999]))
-    under = stretch.below(-1.0)
-    under = stretch.below(under.log[0] - 1e-6)  # less the group that may reach above the onset
+    segment = grouped(time, y, std, -3.0 * time)
+    slope, variance = lines_below(segment, np.array([-1.0, -2.9999]))
+    under = segment.below(-1.0)
+    under = segment.below(under.log[0] - 1e-6)  # less the group that may reach above the onset
     for k in range(2):
         fit, covariance = np.polyfit(under.time, under.y[k], 1, w=1 / under.std, cov="unscaled")
         assert slope[k, 0] == pytest.approx(fit[0], rel=1e-8)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from bladeroot.decay.cut import cut, rejected
 from bladeroot.quality.findings.sampling_rate import RATIOS
-from bladeroot.quality.integrity import bridged, checks, examine, judge, sight
+from bladeroot.quality.integrity import bridged, checks, examine, examined, judge
 from bladeroot.signal.recording import Recording, velocity
 from bladeroot.signal.spectrum import white_noise
 from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
@@ -368,8 +368,8 @@ def test_the_unit_of_the_velocity_does_not_matter(exponent, seed):
     first = cut(velocity, RATE, 250.0)
     scaled = 10.0**exponent * velocity
     second = cut(scaled, RATE, 250.0)
-    one = dict(examine(sight(first, velocity, 250.0)))
-    two = dict(examine(sight(second, scaled, 250.0)))
+    one = dict(examine(examined(first, velocity, 250.0)))
+    two = dict(examine(examined(second, scaled, 250.0)))
     assert one.keys() == two.keys()
     for name in one:
         assert two[name].statistic == pytest.approx(one[name].statistic, rel=1e-3, abs=1e-3), name

@@ -19,7 +19,7 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
     """PFF minus FREEVIB, relative: the median over the times that both describe, and the worst.
 
     The median is weighted by the peaks' squared errors, and its standard error counts the
-    stretches that do not overlap. What cancels over a record, or is short, shows in the stretch
+    segments that do not overlap. What cancels over a record, or is short, shows in the segment
     where the two differ most. Both methods see the same noise, and the difference of an
     efficient estimate and a less efficient one has at most the variance of the latter (Hausman
     1978), but FREEVIB's errors know also of what was taken off: both are added. The difference is
@@ -65,8 +65,8 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
 
 
 @dataclass(frozen=True)
-class _Stretch:
-    """The stretch with the largest difference (z, in standard errors), and what z is asked for."""
+class _Segment:
+    """The segment with the largest difference (z, in standard errors), and what z is asked for."""
 
     time: float
     difference: float
@@ -76,8 +76,8 @@ class _Stretch:
 
 def _difference(
     curves: xr.Dataset, peaks: xr.Dataset, name: str
-) -> tuple[float, float, _Stretch | None]:
-    """Weighted median of the relative difference, its standard error, and the worst stretch."""
+) -> tuple[float, float, _Segment | None]:
+    """Weighted median of the relative difference, its standard error, and the worst segment."""
     time, at = curves["time"].values, peaks["pff_time"].values
     both = (at >= time[0]) & (at <= time[-1]) if time.size > 1 else np.zeros(at.size, dtype=bool)
     if both.sum() < 3:
@@ -88,7 +88,7 @@ def _difference(
     own_std = np.interp(at, time, curves[f"{name}_std"].values)
     both_std = np.hypot(peaks[f"pff_{name}_std"].values[both], own_std)
     scatter = np.hypot(both_std / np.abs(ours), FLOOR[name])
-    part = np.minimum(np.gradient(at) / window, 1.0)  # of a stretch
+    part = np.minimum(np.gradient(at) / window, 1.0)  # of a segment
     weight = part / scatter**2
     # a median scatters more than a mean by the square root of pi / 2
     std = np.hypot(np.sqrt(0.5 * np.pi / weight.sum()), FLOOR[name])
@@ -101,10 +101,10 @@ def _worst(
     difference: Float[ndarray, " peak"],
     scatter: Float[ndarray, " peak"],
     passed: Float[ndarray, " peak"],
-) -> _Stretch:
-    """Of the stretches that do not overlap, the one with the largest difference.
+) -> _Segment:
+    """Of the segments that do not overlap, the one with the largest difference.
 
-    passed: how many stretches lie before each peak.
+    passed: how many segments lie before each peak.
     """
     count = max(int(passed[-1]), 1)
     number = np.minimum((passed * count / passed[-1]).astype(int), count - 1)
@@ -114,8 +114,8 @@ def _worst(
         middle = float(np.median(difference[inside]))
         # one error for all: that of a single peak may be small by luck
         z = middle / np.sqrt((scatter[inside] ** 2).mean())
-        found.append(_Stretch(float(at[inside].mean()), middle, float(z), float(limit)))
-    return max(found, key=lambda stretch: abs(stretch.z))
+        found.append(_Segment(float(at[inside].mean()), middle, float(z), float(limit)))
+    return max(found, key=lambda segment: abs(segment.z))
 
 
 def _mean_around(

@@ -21,7 +21,7 @@ class Beside:
     time: Float[ndarray, " interval"]
     error: Float[ndarray, " interval"]
     finding: str
-    told: str
+    remark: str
 
     def over(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
         """Its error over the mode, at times."""

@@ -18,7 +18,7 @@ APART, SAME = 0.17, 0.1
 # Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
 # that is its skirt, where it is chirping.
 SKIRT, FAINT = 0.35, 0.03
-# Cycles of the mode in the first stretch that is searched (samples, at least); each next one ends
+# Cycles of the mode in the first segment that is searched (samples, at least); each next one ends
 # that many times later, so that what is steady is seen beside what then is left of the mode.
 # Lines that are added at a time.
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
@@ -30,7 +30,7 @@ AUDIBLE = 0.08
 # are expected (relative), from this part of the loudest on, in so many of their beats.
 CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
 # A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
-# is over the median one by that factor (by the other one half a stretch later), and swings the
+# is over the median one by that factor (by the other one half a segment later), and swings the
 # logarithm by that much.
 BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
 CLEAR_BEAT, AGAIN, SWING = 10.0, 3.0, 0.01
@@ -80,7 +80,7 @@ def _peaks(
     sampling_Hz: float,
     slowest_Hz: float,
 ) -> list[tuple[float, float]]:
-    """Clear lines of a stretch as (harm, Hz): amplitude over the mode's, by root of the length."""
+    """Clear lines of a segment as (harm, Hz): amplitude over the mode's, by root of the length."""
     own_Hz, size = float(found.lines_Hz[0]), rest.size
     spectrum = fft.rfft(rest)
     level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])) * (2.0 / size)  # Hann
@@ -93,7 +93,7 @@ def _peaks(
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
     peak &= frequency < 0.48 * sampling_Hz
-    # within the resolution of a stretch what leaks from the mode looks like a line
+    # within the resolution of a segment what leaks from the mode looks like a line
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
     peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
@@ -114,7 +114,7 @@ def _peaks(
     return made
 
 
-def told_apart(
+def lines_by_name(
     x: Float[ndarray, " sample"],
     sampling_Hz: float,
     expected_Hz: float,

@@ -15,10 +15,10 @@ from bladeroot.decay.component_lines import (
     LEAST,
     beating_line,
     elsewhere_first,
+    lines_by_name,
     meant,
     more_lines,
     moved,
-    told_apart,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.decay.harmonic import harmonics
@@ -67,7 +67,7 @@ class Separated:
 
     `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
     start) and `doubt`: by how much (relative) the mode's phasor depends on how smooth the others
-    are taken to be, as an error of independent cycles. `told`: findings, by id. `models`: of all
+    are taken to be, as an error of independent cycles. `remarks`: findings, by id. `models`: of all
     components, and of the mode alone.
     """
 
@@ -76,7 +76,7 @@ class Separated:
     lines_Hz: list[float]
     time: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
-    told: tuple[tuple[str, str], ...] = ()
+    remarks: tuple[tuple[str, str], ...] = ()
     models: tuple[Envelopes, ...] = ()
 
     @cached_property
@@ -84,8 +84,8 @@ class Separated:
         """By how much the standard error of the mode's phasor is larger than if it were alone."""
         if not self.models:
             return np.zeros(0)
-        together, alone = (one.variance(0) for one in self.models)
-        return np.sqrt(np.maximum(together / alone, 1.0))
+        together, single = (one.variance(0) for one in self.models)
+        return np.sqrt(np.maximum(together / single, 1.0))
 
 
 def separated(
@@ -100,7 +100,7 @@ def separated(
     """A record whose decay begins at a sample, without all that is not the mode, nor noise.
 
     velocity: m/s; as it is, if nothing else is found. It ends where the mode has drowned in the
-    noise. modes_Hz: where other modes are expected; those close to this one are told from it.
+    noise. modes_Hz: where other modes are expected; close ones are separated from it.
     first: the sample in which the decay begins, moved on (so many `blows` times at most) where
     what is left over shows that something still acts: a blow's contact, a drive that fades, a
     second blow.
@@ -116,7 +116,7 @@ def separated(
         if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another mode's is not this one's
             level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
     own_Hz = mode_Hz(frequency, level, expected_Hz)
-    lines = np.array(told_apart(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
+    lines = np.array(lines_by_name(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
     # it has moved so far that others may be its own
     far = abs(own_Hz / expected_Hz - 1.0) > APART
@@ -206,10 +206,10 @@ def separated(
     left[first:] -= found.waves(others)
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
     taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
-    told = [(one.finding, one.told) for one in near]
+    remarks = [(one.finding, one.remark) for one in near]
     if close:
-        told.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
-    return Separated(left, first, taken_Hz, time, doubt, tuple(told), (found, single))
+        remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
+    return Separated(left, first, taken_Hz, time, doubt, tuple(remarks), (found, single))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

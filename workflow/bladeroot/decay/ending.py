@@ -14,8 +14,8 @@ from bladeroot.signal.turning import kinks
 STRIKE, HARMFUL = 5.0, 0.005
 # The shaker's tip touches the beam again: a kink counts with GAIN over noise (see `release.GAIN`;
 # larger here, where every place of a record is tested) and BARE over noise and the ripple after
-# it, or with ALONE over noise where it is abrupt.
-GAIN, BARE, ALONE = 30.0, 10.0, 60.0
+# it, or with ALL_AT_ONCE over noise where it is abrupt.
+GAIN, BARE, ALL_AT_ONCE = 30.0, 10.0, 60.0
 # Least step of the log-phasor, or bend times the reach, of a kink. A joint that begins to stick has
 # neither. As much is reached by the beat of a close mode of 8 %, by a frequency that changes at
 # once by 0.7 % (over two dozen cycles), and by one that changes by 0.17 % (over a hundred).
@@ -120,7 +120,7 @@ def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | N
         moved = np.maximum(np.abs(tested.step), np.abs(tested.bend) * reach)
         fall = log.real[tested.place - reach] - log.real[tested.place - 1]
         kinked = (tested.gain > GAIN) & (tested.bare > BARE) & (fall < STEEPEST)
-        kinked |= (tested.gain > ALONE) & (fall < ABRUPT)
+        kinked |= (tested.gain > ALL_AT_ONCE) & (fall < ABRUPT)
         real = np.flatnonzero(kinked & (moved > MOVED))
         if real.size:
             near = slice(real[0], real[0] + 2 * reach)

@@ -57,7 +57,7 @@ class Envelopes:
         return self.phase[: self.intervals]
 
     def waves(self, lines: list[int] | None = None, base: bool = True) -> Float[ndarray, " sample"]:
-        """The sum of some lines (all, unless told), and of the baseline."""
+        """The sum of some lines (all, unless projected), and of the baseline."""
         kept = np.zeros(self.coefficient.shape[1], bool)
         kept[0] = base
         for k in range(self.lines_Hz.size) if lines is None else lines:
@@ -131,9 +131,9 @@ def demodulated(
         own = design[weight[k]]
         _add(band[k * columns :], own.T @ own)
     right = np.zeros((knots, columns))
-    told = (padded @ design).reshape(intervals, ALIVE, columns)
+    projected = (padded @ design).reshape(intervals, ALIVE, columns)
     for a in range(ALIVE):
-        right[a : a + intervals] += told[:, a]
+        right[a : a + intervals] += projected[:, a]
     every = lines_Hz if beside is None else np.concatenate([lines_Hz, beside])
     stiffness = _stiffness(every, spacing, sampling_Hz, base_Hz)[:columns]
     ratio = np.ones((columns, knots), complex)

@@ -74,10 +74,10 @@ def limit(
     unbiased estimate, also one through `FREEVIB`, has at least these standard errors.
     """
     node, weight = np.polynomial.legendre.leggauss(64)
-    place = 0.5 * (node + 1.0)  # of the stretch
+    place = 0.5 * (node + 1.0)  # of the segment
     power = 0.5 * weight * np.exp(-2.0 * np.pi * loss_factor * periods * place)
     mean = (power @ place) / power.sum()
     spread = power @ (place - mean) ** 2
-    # of phase and log-amplitude over the stretch: a sample of V cos(phi) tells V^2 / 2 of either
+    # of phase and log-amplitude over the segment: a sample of V cos(phi) tells V^2 / 2 of either
     total = ratio * np.sqrt(2.0 / (periods * samples_a_period * spread))
     return Errors(frequency_Hz * total / (2.0 * np.pi * periods), total / (np.pi * periods))

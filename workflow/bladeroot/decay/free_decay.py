@@ -55,15 +55,15 @@ def free_decay(
         judged = judge(decay, motion, *asked, None, several)
         return _with_widening(judged, parts)
     release = Release(parts.first / rate, 0.0, how)
-    alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
-    if alone.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
-        after = slice(round(alone.attrs["end_s"] * rate), parts.velocity.size)
+    freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+    if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
+        after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
         if np.std(clear[after] - parts.velocity[after]) > steps:
-            alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
-    if parts.velocity.size < clear.size and alone.attrs["end_reason"] == "end of the record":
-        alone.attrs["end_reason"] = "the noise"
-    alone = windowed(alone, parts.velocity, *window)
-    judged = judge(alone, motion, *asked, parts.velocity, several + parts.told)
+            freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
+    if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
+        freed.attrs["end_reason"] = "the noise"
+    freed = windowed(freed, parts.velocity, *window)
+    judged = judge(freed, motion, *asked, parts.velocity, several + parts.remarks)
     return _with_widening(judged, parts)
 
 
@@ -86,8 +86,8 @@ def _let_go(
     """
     loudest = _of_the_loudest(velocity, sampling_Hz, expected_Hz)
     if decay.attrs["excitation"] == "shaker" and loudest is None:
-        alone = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
-        loudest = decay if alone is velocity else cut(alone, sampling_Hz, expected_Hz)
+        freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
+        loudest = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
     if loudest is None or loudest.attrs["excitation"] != "shaker":
         return 0
     return round(loudest.attrs["start_s"] * sampling_Hz)

@@ -33,9 +33,9 @@ EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
 # noise or another mode may be followed.
 SURE = 0.005
 FEWEST = 4
-# Fall of ln A in which what waves is told from a law; fewest such stretches, fewest that wave, and
-# fewest points in each.
-STRETCH, FEWEST_STRETCHES, WAVING, EACH = 1.0, 4, 3, 8
+# Fall of ln A in which what waves is distinguished from a law; fewest such segments, fewest that
+# wave, and fewest points in each.
+SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
 # What else rings and the laws' bends are largest at the start, where a curve has one side only: the
 # first standard errors are larger by this part, which falls by a factor of e in so many blocks (by
 # simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
@@ -109,13 +109,13 @@ def freevib(
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
     begin_s, others = 0.0, []
     if taken is None:
-        alone = separated(velocity, sampling_Hz, expected_Hz, usable=usable)
-        begin_s, others = alone.first / sampling_Hz, alone.lines_Hz
+        parts = separated(velocity, sampling_Hz, expected_Hz, usable=usable)
+        begin_s, others = parts.first / sampling_Hz, parts.lines_Hz
         velocity, usable = (
-            None if x is None else x[alone.first : alone.velocity.size]
-            for x in (alone.velocity, usable)
+            None if x is None else x[parts.first : parts.velocity.size]
+            for x in (parts.velocity, usable)
         )
-        taken = alone.time - begin_s, alone.widening, alone.doubt
+        taken = parts.time - begin_s, parts.widening, parts.doubt
     for _ in range(PARTS):
         blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
         began, ended = _free(blocks, fit)
@@ -174,16 +174,16 @@ def waves(
     """Standard error of a derivative of ln A for what sways with it: a sensor's gain.
 
     A law of amplitude bends a few times over a decay. What waves about a parabola in ln A in many
-    of its stretches, by more than noise lets it, is no law; a kink does so in one or two of them.
-    The error holds in a stretch and in its neighbours.
+    of its segments, by more than noise lets it, is no law; a kink does so in one or two of them.
+    The error holds in a segment and in its neighbours.
 
     level: ln A; rate: the derivative; std: its standard error.
     """
-    stretches = int((level.max() - level.min()) / STRETCH)
-    if stretches < FEWEST_STRETCHES or level.size < EACH * stretches:
+    segments = int((level.max() - level.min()) / SEGMENT)
+    if segments < FEWEST_SEGMENTS or level.size < EACH * segments:
         return np.zeros(level.size)
-    left, noise = np.empty((2, stretches))
-    parts = np.array_split(np.arange(level.size), stretches)
+    left, noise = np.empty((2, segments))
+    parts = np.array_split(np.arange(level.size), segments)
     for k, part in enumerate(parts):
         powers = np.vander(np.linspace(-1.0, 1.0, part.size), 3)
         off = rate[part] - powers @ np.linalg.lstsq(powers, rate[part], rcond=None)[0]

@@ -76,11 +76,11 @@ def harmonic(found: Envelopes, line: int, order: int, sampling_Hz: float) -> Bes
     # further from the windows that see it, its law is less sure
     error = law.error * np.hypot(1.0, 0.5 * (np.log(size) - law.centre)) * np.abs(phasor)
     part = float(np.max(np.abs(phasor) / np.maximum(np.abs(found.envelope(0)), np.abs(phasor))))
-    told = (
+    remark = (
         f"a harmonic, {order} x {found.lines_Hz[line]:.5g} Hz, rings beside the mode, up to "
         f"{100.0 * part:.3g} % of it; taken off, and the curve ends where it hides the mode"
     )
-    return Beside(at_Hz, wave, time / sampling_Hz, error, "harmonic", told)
+    return Beside(at_Hz, wave, time / sampling_Hz, error, "harmonic", remark)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ The peaks of the filtered displacement are located one by one, the frequency fol
 spacing and the damping from their decline (Jin, Chen, Brake, Song, J. Vib. Acoust. 142(5), 2020:
 051111). Nothing here is shared with `freevib`, so that a fault of either shows as a difference.
 
-Known systematic effects. A curve is averaged over the stretch in which it was fitted: where slip
+Known systematic effects. A curve is averaged over the segment in which it was fitted: where slip
 sets in, frequency and damping are rounded over about half of `pff_window`. A mode closer than
 about a third of the frequency passes the filter and beats.
 """
@@ -30,8 +30,8 @@ from bladeroot.decay.peaks import (
 )
 
 DEGREE = 3  # of the polynomials in time and log-amplitude
-FALL = 0.5  # of ln A in the stretch that one polynomial describes
-FEWEST, MOST = 24, 400  # peaks in a stretch
+FALL = 0.5  # of ln A in the segment that one polynomial describes
+FEWEST, MOST = 24, 400  # peaks in a segment
 CLEAR = 8.0  # a peak's height over the noise in the band
 PEAK = {
     "pff_time": ("s", "time since the start of the cut"),
@@ -40,7 +40,7 @@ PEAK = {
     "pff_loss_factor": ("1", "loss factor from the decline of peaks"),
     "pff_frequency_std": ("Hz", "standard error of pff_frequency"),
     "pff_loss_factor_std": ("1", "standard error of pff_loss_factor"),
-    "pff_window": ("s", "length of the stretch in which the peaks were fitted"),
+    "pff_window": ("s", "length of the segment in which the peaks were fitted"),
 }
 
 
@@ -80,7 +80,7 @@ def peak_fit(
         points: largest number of points.
 
     Returns:
-        Dataset with dim `peak` (0 long where no stretch has enough peaks), variables as in `PEAK`.
+        Dataset with dim `peak` (0 long where no segment has enough peaks), variables as in `PEAK`.
     """
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
@@ -98,7 +98,7 @@ def peak_fit(
     in_band = noise * np.sqrt(2.0 * noise_bandwidth() * centre_Hz / sampling_Hz)
     drowned = np.flatnonzero((size < CLEAR * in_band / (2.0 * np.pi * centre_Hz)) & keep)
     keep[drowned[0] if drowned.size else keep.size :] = False
-    pieces = _stretches(np.flatnonzero(keep), time, centre_Hz)
+    pieces = _segments(np.flatnonzero(keep), time, centre_Hz)
     total = sum(piece.size for piece in pieces)
     rows = [
         _curve(time[piece], size[piece], centre_Hz, max(2, points * piece.size // total), damping)
@@ -116,7 +116,7 @@ def no_peaks() -> xr.Dataset:
     return _dataset(np.empty((len(PEAK), 0)))
 
 
-def _stretches(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> list[ndarray]:
+def _segments(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> list[ndarray]:
     """Runs of neighbouring peaks half a cycle apart, long enough to be fitted."""
     if keep.size < FEWEST:
         return []
@@ -128,7 +128,7 @@ def _stretches(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> 
 def _curve(
     time: ndarray, size: ndarray, centre_Hz: float, points: int, damping: str
 ) -> Float[ndarray, "column point"]:
-    """Rows of `PEAK` for one stretch of peaks."""
+    """Rows of `PEAK` for one segment of peaks."""
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
@@ -197,8 +197,8 @@ def _fitted(
         piece = np.lib.stride_tricks.sliding_window_view(y, count, axis=1)[:, start]
         origin = piece[..., :1]
         piece = piece - origin
-        told = piece @ basis
-        piece -= told @ basis.T
+        projected = piece @ basis
+        piece -= projected @ basis.T
         left = np.einsum("ypw,ypw->yp", piece, piece)
         place = (at[which] - start - half) / half
         curve = place[:, None] ** powers
@@ -208,13 +208,13 @@ def _fitted(
             inverse = np.linalg.inv(triangle[:terms, :terms])[1:]
             row = tangent[:, : terms - 1] @ inverse
             own = covariance[:terms, :terms]
-            slope[k][:, which] = (told[..., :terms] * row).sum(axis=-1)
-            misfit = left + (told[..., terms:] ** 2).sum(axis=-1)
+            slope[k][:, which] = (projected[..., :terms] * row).sum(axis=-1)
+            misfit = left + (projected[..., terms:] ** 2).sum(axis=-1)
             spread = ((row @ own) * row).sum(axis=1)
             variance[k][:, which] = misfit / max(count - np.trace(own), 1.0) * spread
             if k == 0:
                 row = curve[:, : terms - 1] @ inverse
-                value[:, which] = origin[..., 0] + (told[..., :terms] * row).sum(axis=-1)
+                value[:, which] = origin[..., 0] + (projected[..., :terms] * row).sum(axis=-1)
     by_noise = np.maximum(variance[1] - variance[0], 0.0)
     bias = np.maximum((slope[1] - slope[0]) ** 2 - by_noise, 0.0)
     return _Fit(value, slope[0], np.sqrt(variance[0] + bias))

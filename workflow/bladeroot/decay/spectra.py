@@ -31,15 +31,15 @@ def before_and_after(
     Returns:
         dim line: frequency (Hz) and the spectra `whole`, `mode` and `rest` in m/s, each the largest
         of the transform's lines (2/N sum v e^-iwt) within a step of `frequency`. All three are of
-        the longest stretch that is usable and where the mode is known (attributes `from_s` and
+        the longest segment that is usable and where the mode is known (attributes `from_s` and
         `to_s` since the start of the cut), or of the whole decay where no mode was followed:
         `mode` and `rest` are NaN then. The first and last cycles are faded: a decay that starts at
         once would hide everything under its own skirts.
     """
     mode = followed_mode(velocity.size, sampling_Hz, decay)
     known = np.isfinite(mode) if usable is None else np.isfinite(mode) & usable
-    stretch = _longest(known) if known.any() else slice(0, velocity.size)
-    velocity, mode = velocity[stretch], mode[stretch]
+    segment = _longest(known) if known.any() else slice(0, velocity.size)
+    velocity, mode = velocity[segment], mode[segment]
     raw = fft.rfftfreq(velocity.size, 1.0 / sampling_Hz)
     step = max(1, raw.size // lines)
     starts = np.arange(0, raw.size - step + 1, step)
@@ -54,7 +54,7 @@ def before_and_after(
         spectra[name] = ("line", np.maximum.reduceat(level, starts), attrs)
     centre = raw[starts] + 0.5 * (step - 1) * raw[1]
     spectra["frequency"] = ("line", centre, {"units": "Hz", "long_name": "frequency"})
-    span = {"from_s": stretch.start / sampling_Hz, "to_s": stretch.stop / sampling_Hz}
+    span = {"from_s": segment.start / sampling_Hz, "to_s": segment.stop / sampling_Hz}
     return xr.Dataset(spectra, attrs=decay.attrs | span)
 
 

@@ -5,7 +5,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.signal.carrier import rough_phasors, strongest_line
-from bladeroot.signal.phasors import Frames, Phasors, Stretch, corrected, fit_frames, gather
+from bladeroot.signal.phasors import Frames, Phasors, Segment, corrected, fit_frames, gather
 from bladeroot.signal.scatter import noise_ratio, without_knocks
 from bladeroot.signal.smooth import Spline, coarse, fine
 
@@ -24,8 +24,8 @@ def follow(
     """Block log-phasors of the strongest mode in a band, and their spline."""
     line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
     blocks, fit = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
-    stretches = _cut_frames(fit, blocks, velocity.size, sampling_Hz)
-    frames = fit_frames(velocity, sampling_Hz, noise, stretches, usable)
+    segments = _cut_frames(fit, blocks, velocity.size, sampling_Hz)
+    frames = fit_frames(velocity, sampling_Hz, noise, segments, usable)
     blocks = _gathered(frames, blocks, fit, taken)
     duration = velocity.size / sampling_Hz
     before, fit = fit, coarse(blocks.time, parts(blocks.log), blocks.std, duration, fit.prior)
@@ -61,7 +61,7 @@ def _roughly(
     return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
 
 
-def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[Stretch]:
+def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[Segment]:
     """The record cut into frames of a cycle, anew where the frequency has moved."""
     grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
@@ -70,7 +70,7 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
     step = 0.02
     class_ = np.round(np.log(omega / np.median(omega)) / step)
     change = np.flatnonzero(np.diff(class_)) + 1
-    found: list[Stretch] = []
+    found: list[Segment] = []
     first = 0
     starts = np.concatenate([[0], change])
     ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
@@ -79,7 +79,7 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
         length = max(round(2.0 * np.pi / angle), 8)
         frames = int(min(end, samples) - first) // length
         if frames > 0:
-            found.append(Stretch(first, length, frames, angle))
+            found.append(Segment(first, length, frames, angle))
             first += frames * length
     return found
 

@@ -1,6 +1,6 @@
 """A second mode that dies before it beats: two exponentials against one mode that bends.
 
-Over a stretch of intervals the mode's envelope is fitted as the sum of two exponentials (by the
+Over a segment of intervals the mode's envelope is fitted as the sum of two exponentials (by the
 rotation of its signal subspace, ESPRIT: Roy & Kailath 1989), and as one whose logarithm is a cubic,
 which has as many unknowns and is what a mode with laws of its own looks like.
 """
@@ -14,15 +14,15 @@ from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.envelope_model import SHARE, Envelopes
 
-# Intervals in a stretch; the mode has not fallen to the other part of its largest in it.
-STRETCHES, ALIVE = (12, 18, 27, 40), 0.02
+# Intervals in a segment; the mode has not fallen to the other part of its largest in it.
+SEGMENTS, ALIVE = (12, 18, 27, 40), 0.02
 # Two exponentials leave so many times less than one that bends; either keeps that part of itself
 # over an interval (what is shorter is a transient), and one differs from the other by that many
-# turns over the stretch (less is a bend of the mode's own).
+# turns over the segment (less is a bend of the mode's own).
 CLEAR, LIVES, TURNS = 5.0, 0.5, 0.4
 # Part of what is taken off that is left as a standard error: its own laws are not known.
 DOUBT = 0.5
-TOLD = (
+REMARK = (
     "two modes ring near {:.5g} and {:.5g} Hz until one is gone: the first is taken for the one "
     "that is asked for, the other, {:.2g} times as large at first, is taken off as a plain "
     "exponential; the sheet had better name both"
@@ -35,7 +35,7 @@ def twofold(
     """Frequency (Hz) of the mode that is meant and what rings beside it; None if it is one mode."""
     z = found.envelope(0)
     best, pair = CLEAR, None
-    for count in STRETCHES:
+    for count in SEGMENTS:
         part = z[:count]
         if z.size < count or abs(part[-1]) < ALIVE * np.abs(part).max():
             break
@@ -62,9 +62,9 @@ def twofold(
     middle = np.arange(z.size)
     cycles = own_Hz / (SHARE * abs(line[1] - line[0]))  # that err alike
     error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle * np.sqrt(cycles)
-    told = TOLD.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
+    remark = REMARK.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
     time = (middle + 0.5) * step_s
-    return float(own_Hz), Beside(float(line[k]), wave, time, error, "close-mode", told)
+    return float(own_Hz), Beside(float(line[k]), wave, time, error, "close-mode", remark)
 
 
 def _exponentials(

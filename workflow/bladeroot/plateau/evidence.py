@@ -1,4 +1,4 @@
-"""The evidence of laws on a stretch of a decay, and the rates that they give.
+"""The evidence of laws on a segment of a decay, and the rates that they give.
 
 All unknowns of a law but its shape are linear (`bladeroot.plateau.laws`), so its marginal
 likelihood is closed, and hundreds of laws cost milliseconds.
@@ -11,18 +11,18 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.plateau.laws import DOUBT, HINGES, NODES, Laws, hats
-from bladeroot.plateau.stretch import FEWEST, Stretch, integral, line_of, lines_below
+from bladeroot.plateau.segment import FEWEST, Segment, integral, line_of, lines_below
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A stretch made ready: the data in standard errors, less a straight line in time.
+    """A segment made ready: the data in standard errors, less a straight line in time.
 
     line, slope: the basis of such lines, and the row that gives their slope, as of `line_of`.
     rate and variance: the slopes of the data's own lines.
     """
 
-    stretch: Stretch
+    segment: Segment
     line: Float[ndarray, "group 2"]
     slope: Float[ndarray, " 2"]
     y: Float[ndarray, "2 group"]
@@ -31,18 +31,18 @@ class Frame:
 
     def seen(self, cells: Float[ndarray, "column cell"]) -> tuple[ndarray, ndarray]:
         """What rates, as means over the cells, make of the data, and of their lines' slopes."""
-        x = integral(self.stretch, cells) / self.stretch.std
+        x = integral(self.segment, cells) / self.segment.std
         on_line = x @ self.line
         return x - on_line @ self.line.T, on_line @ self.slope
 
 
-def framed(stretch: Stretch) -> Frame:
-    """A stretch with its data apart from a straight line."""
-    line, slope = line_of(stretch)
-    y = (stretch.y - stretch.y.mean(axis=1, keepdims=True)) / stretch.std
+def framed(segment: Segment) -> Frame:
+    """A segment with its data apart from a straight line."""
+    line, slope = line_of(segment)
+    y = (segment.y - segment.y.mean(axis=1, keepdims=True)) / segment.std
     on_line = y @ line
     rate = on_line @ slope
-    return Frame(stretch, line, slope, y - on_line @ line.T, rate, float(slope @ slope))
+    return Frame(segment, line, slope, y - on_line @ line.T, rate, float(slope @ slope))
 
 
 @dataclass(frozen=True)
@@ -104,13 +104,13 @@ class Fits:
 
 def sums(frame: Frame, laws: Laws) -> Sums:
     """Projections of each law's columns on one another and on the data."""
-    stretch = frame.stretch
-    nodes = laws.shape[:, None] * hats(_middle(stretch), laws.first)
+    segment = frame.segment
+    nodes = laws.shape[:, None] * hats(_middle(segment), laws.first)
     cells = np.concatenate([nodes, laws.between[:, None]], axis=1)
     x, tilt = frame.seen(cells.reshape(-1, cells.shape[-1]))
     x, tilt = x.reshape(*cells.shape[:2], -1), tilt.reshape(cells.shape[:2])
     square, axis = np.linalg.eigh(x @ x.swapaxes(1, 2))
-    smallest = stretch.path[np.argmin(stretch.path)]
+    smallest = segment.path[np.argmin(segment.path)]
     lowest = np.zeros_like(tilt)
     lowest[:, :NODES] = laws.lowest[:, None] * hats(np.array([smallest]), laws.first)[..., 0]
     on_axes = (
@@ -119,7 +119,7 @@ def sums(frame: Frame, laws: Laws) -> Sums:
     alike = axis[:, :NODES].sum(axis=1)
     return Sums(
         axis, np.maximum(square, 0.0), alike, on_axes[:2, :, 0], on_axes[2:, :, 0], frame.rate,
-        frame.variance, stretch.time.size,
+        frame.variance, segment.time.size,
     )  # fmt: skip
 
 
@@ -161,7 +161,7 @@ def misfit(
     frame: Frame, law: Laws, size: Float[ndarray, " part"], channel: int
 ) -> Float[ndarray, " group"]:
     """What one law leaves over of a channel, in stated standard errors."""
-    factor = size[:NODES] @ hats(_middle(frame.stretch), law.first)[0]
+    factor = size[:NODES] @ hats(_middle(frame.segment), law.first)[0]
     cells = factor * law.shape + size[NODES] * law.between
     return frame.y[channel] - frame.seen(cells)[0][0]
 
@@ -176,16 +176,16 @@ def excess_variance(rest: Float[ndarray, " group"]) -> float:
     return max(1.0, float(square) / max(rest.size - 4, 1)) * (1.0 + alike) / (1.0 - alike)
 
 
-def creep(stretch: Stretch) -> tuple[float, float]:
-    """By how much the rate of phase (rad/s) changes along a stretch, and that over its error.
+def creep(segment: Segment) -> tuple[float, float]:
+    """By how much the rate of phase (rad/s) changes along a segment, and that over its error.
 
     A parabola of time in the phase; zero where the groups are too few to tell.
     """
-    if stretch.time.size < FEWEST:
+    if segment.time.size < FEWEST:
         return 0.0, 0.0
-    frame = framed(stretch)
-    about = stretch.time - stretch.time.mean()
-    bow = about**2 / stretch.std
+    frame = framed(segment)
+    about = segment.time - segment.time.mean()
+    bow = about**2 / segment.std
     bow = bow - (bow @ frame.line) @ frame.line.T
     size = bow @ frame.y[1] / (bow @ bow)
     error = np.sqrt(excess_variance(frame.y[1] - size * bow) / (bow @ bow))
@@ -193,17 +193,17 @@ def creep(stretch: Stretch) -> tuple[float, float]:
 
 
 def with_lines_below(
-    found: Fits, stretch: Stretch, onsets: Float[ndarray, " onset"], channel: int
+    found: Fits, segment: Segment, onsets: Float[ndarray, " onset"], channel: int
 ) -> Fits:
     """The same, but for laws with an onset: their rates by a straight line below it.
 
     What happens above tells where the constant ends. For the rate itself no law is exact enough,
     as there it may stand out of the noise a million times.
     """
-    slope, variance = lines_below(stretch, onsets)
+    slope, variance = lines_below(segment, onsets)
     hinges = slice(found.evidence.shape[0] - HINGES * onsets.size, None)
     best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGES]
-    under = stretch.below(best)
+    under = segment.below(best)
     if under.time.size >= FEWEST:
         variance = variance * excess_variance(framed(under).y[channel])
     known = np.repeat(np.isfinite(variance), HINGES)[:, None]
@@ -213,6 +213,6 @@ def with_lines_below(
     return replace(found, rate=rate, variance=spread)
 
 
-def _middle(stretch: Stretch) -> Float[ndarray, " cell"]:
+def _middle(segment: Segment) -> Float[ndarray, " cell"]:
     """Ln A in the cells."""
-    return 0.5 * (stretch.log[1:] + stretch.log[:-1])
+    return 0.5 * (segment.log[1:] + segment.log[:-1])

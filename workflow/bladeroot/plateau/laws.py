@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.plateau.stretch import Stretch, over_cells
+from bladeroot.plateau.segment import Segment, over_cells
 
 DOUBT = (0.01, 0.1, 0.4)
 NODES, NODE_STEP = 4, 0.7  # nodes of the factor, and their distance in ln A: half to double
@@ -29,7 +29,7 @@ HINGES = 7  # shapes at one onset
 
 @dataclass(frozen=True)
 class Laws:
-    """Laws on a stretch: means over its cells of the shapes, and of the same times ln(e).
+    """Laws on a segment: means over its cells of the shapes, and of the same times ln(e).
 
     first: ln A of the factor's lowest node. lowest: the shape at the smallest amplitude.
     """
@@ -40,7 +40,7 @@ class Laws:
     lowest: Float[ndarray, " law"]
 
     def joined(self, other: "Laws") -> "Laws":
-        """Both sets of laws, on the same stretch."""
+        """Both sets of laws, on the same segment."""
         return Laws(
             np.concatenate([self.shape, other.shape]),
             np.concatenate([self.between, other.between]),
@@ -54,37 +54,37 @@ class Laws:
         return Laws(self.shape[here], self.between[here], self.first[here], self.lowest[here])
 
 
-def smooth_laws(stretch: Stretch) -> Laws:
+def smooth_laws(segment: Segment) -> Laws:
     """Laws without an onset, `BENDING` then `FLAT`.
 
     The logarithm is zero at the smallest amplitude, as it has no limit; the others at A = 0.
     """
-    high = stretch.path.max()
+    high = segment.path.max()
     power = np.array(BENDING + FLAT)[:, None]
-    log = stretch.path - stretch.path.min()
-    shape = np.where(power > 0.0, np.exp(power * (stretch.path - high)), log)
-    cells = over_cells(stretch, shape)
+    log = segment.path - segment.path.min()
+    shape = np.where(power > 0.0, np.exp(power * (segment.path - high)), log)
+    cells = over_cells(segment, shape)
     first = np.full(power.size, high - (NODES - 1) * NODE_STEP)
-    return Laws(cells, np.zeros_like(cells), first, shape[:, np.argmin(stretch.path)])
+    return Laws(cells, np.zeros_like(cells), first, shape[:, np.argmin(segment.path)])
 
 
-def hinge_laws(stretch: Stretch, onsets: Float[ndarray, " onset"]) -> Laws:
+def hinge_laws(segment: Segment, onsets: Float[ndarray, " onset"]) -> Laws:
     """`HINGES` laws at each onset (ln A0), which are also their lowest nodes.
 
     Every onset lies above the smallest amplitude.
     """
-    shape, between = (hinges(stretch, onsets, logs) for logs in (False, True))
+    shape, between = (hinges(segment, onsets, logs) for logs in (False, True))
     return Laws(shape, between, np.repeat(onsets, HINGES), np.zeros(HINGES * onsets.size))
 
 
 def hinges(
-    stretch: Stretch, onsets: Float[ndarray, " onset"], logs: bool = False
+    segment: Segment, onsets: Float[ndarray, " onset"], logs: bool = False
 ) -> Float[ndarray, "law cell"]:
     """Means over the cells of the hinges at each onset (ln A0); of the same times ln(e) if `logs`.
 
     Every onset has its `HINGES` shapes in turn.
     """
-    e = np.maximum(np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0, 0.0)
+    e = np.maximum(np.exp(segment.path) * np.exp(-onsets)[:, None] - 1.0, 0.0)
     root, s = np.sqrt(e), e / (1.0 + e)
     # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
     # (theta - sin(2 theta) / 2) / pi
@@ -93,7 +93,7 @@ def hinges(
     rate = np.stack(shapes, axis=1)
     if logs:
         rate *= np.log(np.where(e > 0.0, e, 1.0))[:, None]
-    return over_cells(stretch, rate.reshape(-1, e.shape[1]))
+    return over_cells(segment, rate.reshape(-1, e.shape[1]))
 
 
 def hats(

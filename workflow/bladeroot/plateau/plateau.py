@@ -4,7 +4,7 @@ On the plateau the log-phasor of the displacement is a straight line in time: it
 omega, its log-amplitude by A'/A. What the rates do above is not known, so a catalogue of laws is
 weighed by evidence on the independent blocks of cycles (`bladeroot.plateau.laws`, `.weigh`), where
 least squares is efficient and its errors hold; the rates of laws with an onset come from below it.
-A record has a plateau when at least four fifths of the weight is on laws with a constant stretch of
+A record has a plateau when at least four fifths of the weight is on laws with a constant segment of
 a factor of two or more in amplitude, or without any slope at small amplitude (A^2 and flatter), and
 the rest of the laws' spread is in the standard error; and when its onset, if it has one, lies that
 factor above the smallest amplitude. Otherwise the plateau is not reached: the
@@ -20,7 +20,7 @@ from bladeroot.plateau.capture import sudden_onset
 from bladeroot.plateau.evidence import creep
 from bladeroot.plateau.mixture import NORMAL, Mixture
 from bladeroot.plateau.posterior import SHORTEST, Weighed
-from bladeroot.plateau.stretch import Stretch, cubic, grouped
+from bladeroot.plateau.segment import Segment, cubic, grouped
 from bladeroot.plateau.weigh import SHOWN, weigh
 
 NUMBERS = (
@@ -46,7 +46,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         onset_low to onset_high (NaN when the record never leaves the plateau, or never reaches
         it); onset_time, when the amplitude falls to it; and onset_bound, the largest amplitude
         seen, when it never leaves;
-        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant stretch; creep,
+        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant segment; creep,
         by how much the frequency changes in time on it, NaN where nothing shows, which is then in
         the standard error;
         plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
@@ -71,14 +71,14 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     # the curve is sharper than a block, but for where it rounds off a sudden end of slip
     rounded = np.abs(both[0] - smooth) > np.maximum(5.0 * blocks["std"], 0.003)
     log = np.where(rounded | (blocks["std"] < 1e-3), both[0], smooth)
-    stretch = grouped(blocks["time"], both, blocks["std"], log)
-    if stretch.time.size < 12:
+    segment = grouped(blocks["time"], both, blocks["std"], log)
+    if segment.time.size < 12:
         return result | {"verdict": "rejected: too few cycles of falling amplitude"}
-    found = weigh(stretch)
+    found = weigh(segment)
     sudden = sudden_onset(blocks["time"], both[0], blocks["std"], found.decline.mean()[0])
-    if sudden and stretch.below(sudden[2]).time.size >= 12:
+    if sudden and segment.below(sudden[2]).time.size >= 12:
         # what follows a capture needs no law of the slip before it
-        after = weigh(stretch.below(sudden[2]))
+        after = weigh(segment.below(sudden[2]))
         onset = Mixture(*(np.array([one]) for one in (1.0, sudden[0], sudden[1] ** 2)))
         found = replace(after, onset=onset, departs=1.0)
     omega, omega_std = found.phase.mean()
@@ -93,7 +93,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
     lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
     bound = _natural(lowest, alpha, damping)[0]
-    if not (_seen(stretch, lowest) and _in_band(bound, decay)):
+    if not (_seen(segment, lowest) and _in_band(bound, decay)):
         return dict.fromkeys(NUMBERS, np.nan) | {
             "plateau_reached": 0,
             "verdict": "rejected: too few cycles are sharp enough",
@@ -111,7 +111,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         }
     result |= ends
     verdict, high = "plateau", result["plateau_high_amplitude"]
-    change, clear = creep(stretch.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
+    change, clear = creep(segment.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
     if clear > CREEPS:
         omega_std = float(np.hypot(omega_std, change / np.sqrt(12.0)))
         result["creep"] = change / (2.0 * np.pi)
@@ -126,15 +126,15 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     }
 
 
-def _seen(stretch: Stretch, omega: float, parts: int = 8) -> bool:
+def _seen(segment: Segment, omega: float, parts: int = 8) -> bool:
     """Whether the phase shows a rate (rad/s) that a law has at its end.
 
     A law may go on from what parts of the record advance by, but not beyond all that they span.
     """
-    edge = np.linspace(0, stretch.time.size - 1, parts + 1).astype(int)
-    length = np.diff(stretch.time[edge])
-    advance = np.diff(stretch.y[1, edge]) / length
-    error = np.hypot(stretch.std[edge[1:]], stretch.std[edge[:-1]]) / length
+    edge = np.linspace(0, segment.time.size - 1, parts + 1).astype(int)
+    length = np.diff(segment.time[edge])
+    advance = np.diff(segment.y[1, edge]) / length
+    error = np.hypot(segment.std[edge[1:]], segment.std[edge[:-1]]) / length
     span = np.ptp(advance) + 3.0 * error.max()
     return bool(advance.min() - span <= omega <= advance.max() + span)
 
@@ -159,7 +159,7 @@ def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:
 
 
 def _ends(found: Weighed, largest: float) -> dict[str, float]:
-    """Onset amplitude, and where the constant stretch begins and ends."""
+    """Onset amplitude, and where the constant segment begins and ends."""
     lowest = float(np.exp(found.lowest))
     if found.onset is None or found.departs < 0.5:
         ends = {"plateau_low_amplitude": lowest, "plateau_high_amplitude": largest}

@@ -15,7 +15,7 @@ from bladeroot.plateau.evidence import Fits
 from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES
 from bladeroot.plateau.mixture import Mixture
 
-SHORTEST = np.log(2.0)  # a constant stretch that is no shorter, in ln A, counts as shown
+SHORTEST = np.log(2.0)  # a constant segment that is no shorter, in ln A, counts as shown
 # error of ln A0, over the doubt about a law, by a slip between its shapes, as in simulation
 BETWEEN = 0.005
 EXACT = 1e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
@@ -77,7 +77,7 @@ class Weighed:
 class Catalogue:
     """The laws that were fitted: `SMOOTH` ones, then `HINGES` at each onset (ln A0, rising).
 
-    low, high: ends of the stretch in ln A.
+    low, high: ends of the segment in ln A.
     """
 
     onsets: Float[ndarray, " onset"]
@@ -86,7 +86,7 @@ class Catalogue:
 
     @property
     def prior(self) -> Float[ndarray, " onset"]:
-        """Of each onset: the share of the stretch that is nearest to it."""
+        """Of each onset: the share of the segment that is nearest to it."""
         middle = 0.5 * (self.onsets[1:] + self.onsets[:-1])
         edge = np.concatenate([[self.low], middle, [self.high]])
         return np.maximum(np.diff(edge) / (self.high - self.low), 1e-12)
@@ -105,10 +105,10 @@ def combined(
     bent: misfit's variance of the law that bends all the way down best, taken at its word, over
     that of the best of all.
     """
-    alone = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
-    by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in alone]
+    by_channel = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
+    by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in by_channel]
     channels = []
-    for one, (smooth, hinge) in enumerate(alone):
+    for one, (smooth, hinge) in enumerate(by_channel):
         # an onset of the other channel speaks for the same one here
         other = by_onset[1 - one]
         tie = 1.0 - 0.5 * other.sum() + 0.5 * other / catalogue.prior

@@ -1,6 +1,6 @@
-"""Which laws a decay follows: the stretch that tells, and the search for the onset on it.
+"""Which laws a decay follows: the segment that tells, and the search for the onset on it.
 
-The laws (`bladeroot.plateau.laws`) are weighed on the stretch from the smallest amplitude to a few
+The laws (`bladeroot.plateau.laws`) are weighed on the segment from the smallest amplitude to a few
 times the one at which the record shows that it leaves a constant.
 """
 
@@ -21,7 +21,7 @@ from bladeroot.plateau.evidence import (
 )
 from bladeroot.plateau.laws import BENDING, HINGES, hinge_laws, hinges, smooth_laws
 from bladeroot.plateau.posterior import DOUBTS, NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
-from bladeroot.plateau.stretch import Stretch, first_departure
+from bladeroot.plateau.segment import Segment, first_departure
 
 SHOWN = 0.8  # weight of laws with a plateau at which it is stated: see benchmarks/plateau.py
 DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
@@ -31,7 +31,7 @@ NO_DEPARTURE, NOTHING = 30.0, 10.0
 MISFIT = 20.0  # excess variance about all laws from which the record does not speak for a constant
 
 
-def weigh(stretch: Stretch) -> Weighed:
+def weigh(segment: Segment) -> Weighed:
     """Weights of all laws on the informative part of a record.
 
     That part is the longest of a few on which the laws hold without their greatest doubt. A plateau
@@ -41,16 +41,16 @@ def weigh(stretch: Stretch) -> Weighed:
     """
     detection = DETECTION
     while True:
-        top = first_departure(stretch, detection)
+        top = first_departure(segment, detection)
         if top is None:
-            return _weighed(stretch)[0]
-        found, excess = _weighed(stretch.below(top + REACH[0]))
+            return _weighed(segment)[0]
+        found, excess = _weighed(segment.below(top + REACH[0]))
         shown, unsure = found.phase.plateau, True
         for reach in REACH[1:]:
             unsure &= found.phase.doubtful > 0.5
             if max(found.phase.doubtful, found.decline.doubtful) <= 0.5 or shown < SHOWN:
                 break
-            found, _ = _weighed(stretch.below(top + reach))
+            found, _ = _weighed(segment.below(top + reach))
             shown = min(shown, found.phase.plateau) if unsure else shown
         found = replace(found, phase=replace(found.phase, plateau=shown))
         if min(found.phase.constant, found.decline.constant) < 0.5:
@@ -58,7 +58,7 @@ def weigh(stretch: Stretch) -> Weighed:
         detection *= 2.0 * excess
 
 
-def _weighed(window: Stretch) -> tuple[Weighed, float]:
+def _weighed(window: Segment) -> tuple[Weighed, float]:
     """Weights on one window, by a search for the onset that refines itself; largest excess."""
     low, high = float(window.log.min()), float(window.log.max())
     onsets, frame = np.empty(0), framed(window)
@@ -73,13 +73,13 @@ def _weighed(window: Stretch) -> tuple[Weighed, float]:
         total = more if total is None else total.joined(more)
         onsets = np.concatenate([onsets, new])
         for channel in range(2):
-            alone = fits(more, channel, 1.0)
-            law, doubt = _best(alone.evidence)
-            if alone.evidence[law, doubt] > best[channel]:
-                best[channel] = float(alone.evidence[law, doubt])
-                rest = misfit(frame, laws.one(law), alone.size[law, doubt], channel)
+            own = fits(more, channel, 1.0)
+            law, doubt = _best(own.evidence)
+            if own.evidence[law, doubt] > best[channel]:
+                best[channel] = float(own.evidence[law, doubt])
+                rest = misfit(frame, laws.one(law), own.size[law, doubt], channel)
                 excess[channel] = excess_variance(rest)
-            highest = alone.evidence.max(axis=1)
+            highest = own.evidence.max(axis=1)
             evidence[channel] = np.concatenate([evidence[channel], highest])
         new = [_finer(onsets, evidence[k][SMOOTH:] / excess[k], low, high) for k in range(2)]
         new = np.setdiff1d(np.concatenate(new), onsets)
@@ -113,7 +113,7 @@ def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndar
     A law that holds exactly may show on a range of onsets that a coarse search steps over.
     """
     onsets = np.linspace(low, high, count + 2)[1:-1]
-    columns = frame.seen(hinges(frame.stretch, onsets))[0]
+    columns = frame.seen(hinges(frame.segment, onsets))[0]
     size = np.einsum("lg,lg->l", columns, columns)
     gain = (frame.y @ columns.T) ** 2 / np.maximum(size, 1e-300)
     gain = gain.reshape(2, count, HINGES)

@@ -12,10 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.quality import findings
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.findings import clipping
-from bladeroot.quality.findings.sampling_rate import outside
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.recording import Recording
 
 # FREEVIB needs eight cycles of a decay.
@@ -47,8 +44,8 @@ def judge(
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
-    alone: Float[ndarray, " alone"] | None = None,
-    told: tuple[tuple[str, str], ...] = (),
+    freed: Float[ndarray, " whole"] | None = None,
+    remarks: tuple[tuple[str, str], ...] = (),
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
 
@@ -64,11 +61,11 @@ def judge(
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
-        alone: `whole` with the mode by itself (`decay.components`), if others were taken off.
-        told: findings of that separation, by id, which warn.
+        freed: `whole` with the mode by itself (`decay.components`), if others were taken off.
+        remarks: findings of that separation, by id, which warn.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
-    found += [(name, _fact(text, "warn")) for name, text in told]
+    found += [(name, _fact(text, "warn")) for name, text in remarks]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     if decay.attrs["findings"]:
@@ -76,20 +73,23 @@ def judge(
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
         if whole.size and np.isfinite(decay.attrs["sampling_Hz"]):
             rate = decay.attrs["sampling_Hz"]
-            told = outside(Sight(velocity, rate, expected_Hz, 0.0, whole))
-            if told:
-                found.append(("sampling-rate", _fact(told, "warn")))
+            seen = Examined(velocity, rate, expected_Hz, 0.0, whole)
+            for name, module in checks().items():
+                text = module.without_decay(seen) if hasattr(module, "without_decay") else ""
+                found += [(name, _fact(text, "warn"))] if text else []
     else:
-        seen = sight(decay, whole, expected_Hz, modes_Hz)
-        own = seen if alone is None else sight(decay, alone, expected_Hz, modes_Hz)
-        examined = examine(seen, own)
+        seen = examined(decay, whole, expected_Hz, modes_Hz)
+        own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz)
+        candidates = examine(seen, own)
         decay = decay.assign_attrs(noise_velocity=own.noise_around)
         if recording is not None and recording.quantity != "velocity":
-            examined.append(("clipping", clipping.find_in(recording, seen)))
-        for name, finding in examined:
+            for name, module in checks().items():
+                if hasattr(module, "find_in"):
+                    candidates.append((name, module.find_in(recording, seen)))
+        for name, finding in candidates:
             if not finding.counts:
                 continue
-            if alone is not None and name in OF_THE_COURSE and finding.consequence in HARD:
+            if freed is not None and name in OF_THE_COURSE and finding.consequence in HARD:
                 # what separation leaves of other modes looks alike; the errors know of it
                 what = finding.text.partition(";")[0]
                 text = f"{what}; or what other modes leave: nothing masked"
@@ -119,7 +119,7 @@ def bridged(
     """
     if expected_Hz >= 0.45 * sampling_Hz or velocity.size * expected_Hz < 40 * sampling_Hz:
         return velocity
-    seen = Sight(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
+    seen = Examined(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
     found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]
     spans = tuple(
         (first, stop)
@@ -131,16 +131,16 @@ def bridged(
     return mended(seen, spans).velocity if spans else velocity
 
 
-def sight(
+def examined(
     decay: xr.Dataset,
     whole: Float[ndarray, " whole"],
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
-) -> Sight:
+) -> Examined:
     """What the checks look at: the samples of the cut as they were recorded."""
     rate = float(decay.attrs["sampling_Hz"])
     first = round(decay.attrs["start_s"] * rate)
-    return Sight(
+    return Examined(
         velocity=whole[first : first + decay.sizes["time"]],
         sampling_Hz=rate,
         expected_Hz=float(expected_Hz),
@@ -151,27 +151,27 @@ def sight(
     )
 
 
-def examine(seen: Sight, alone: Sight | None = None) -> list[tuple[str, Finding]]:
+def examine(seen: Examined, freed: Examined | None = None) -> list[tuple[str, Finding]]:
     """Every check's candidate, whether it counts or not.
 
-    alone: the same decay without what else rings; then only the checks that say so (`MIXED`) look
+    freed: the same decay without what else rings; then only the checks that say so (`MIXED`) look
     at the decay as it was recorded.
     """
     found = []
-    alone = seen if alone is None else replace(alone, mixed=seen)
+    freed = seen if freed is None else replace(freed, mixed=seen)
     first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
     for name, module in checks().items():
         if name not in first and first:
             spans = tuple(s for _, f in found if f.counts for s in f.spans)
-            alone, first = mended(alone, spans), []
-            seen = alone if alone.mixed is None else mended(seen, spans)
-        finding = module.find(seen if hasattr(module, "MIXED") else alone)
+            freed, first = mended(freed, spans), []
+            seen = freed if freed.mixed is None else mended(seen, spans)
+        finding = module.find(seen if hasattr(module, "MIXED") else freed)
         if finding is not None:
             found.append((finding.name or name, finding))
     return found
 
 
-def mended(seen: Sight, spans: tuple[tuple[int, int], ...]) -> Sight:
+def mended(seen: Examined, spans: tuple[tuple[int, int], ...]) -> Examined:
     """The record with spans bridged: by straight lines, or by the mode over long ones."""
     if not spans:
         return seen

@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.signal.phasors import Frames, Phasors, Stretch, fit_frames, gather
+from bladeroot.signal.phasors import Frames, Phasors, Segment, fit_frames, gather
 
 
 def strongest_line(
@@ -53,7 +53,7 @@ def rough_phasors(
             f"{velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
-    frames = fit_frames(velocity, sampling_Hz, noise, [Stretch(0, length, count, angle)], usable)
+    frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)
     if frames.time.size < 8:
         raise ValueError(
             f"expected at least 8 usable cycles near {line_Hz:.4g} Hz, got {frames.time.size}"
@@ -88,8 +88,8 @@ def _turning(frames: Frames) -> Float[ndarray, " frame"]:
     detune = np.angle(near) / step.min()
     if lost.size and lost[0] > 4:  # beyond, as it was last
         last = int(lost[0])
-        stretch = slice(max(0, last - max(last // 5, 4)), last)
-        detune[last:] = np.angle(advance[stretch].sum()) / step.min()
+        segment = slice(max(0, last - max(last // 5, 4)), last)
+        detune[last:] = np.angle(advance[segment].sum()) / step.min()
     elif lost.size:
         detune[:] = np.angle(advance.sum()) / step.min()
     turn = np.concatenate([[0.0], np.cumsum(detune * step)])

@@ -9,7 +9,7 @@ from bladeroot.signal.bsplines import derivative_rows
 
 DEGREE = 5
 ORDER = 3
-# A region is made no stiffer once it has fewer degrees of freedom: the errors of a stretch that
+# A region is made no stiffer once it has fewer degrees of freedom: the errors of a segment that
 # looks exactly straight would come out too small.
 FEWEST_FREEDOM = 0.25
 # Furthest that the log-precision of a region is moved above its softest.
@@ -133,7 +133,7 @@ def _step(
     freedom = of_nodes(np.maximum(1.0 - precision * variance, 0.0)) + 1e-12
     roughness = of_nodes(precision * bend**2)
     own = np.log(freedom / np.maximum(roughness, 1e-30))
-    # a stretch that is straight already gains nothing by being stiffer
+    # a segment that is straight already gains nothing by being stiffer
     own = np.where(freedom < FEWEST_FREEDOM, np.minimum(own, 0.0), own)
     change = np.clip(2.0 * own, -4.0, 4.0)  # twice the step: it is known to creep
     return change, bool((np.abs(change) * np.minimum(freedom, 1.0) > 0.2).any())

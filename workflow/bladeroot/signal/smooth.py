@@ -22,7 +22,7 @@ from scipy.linalg import LinAlgError
 from bladeroot.signal.bsplines import alive_splines, derivative_rows
 from bladeroot.signal.penalty import DEGREE, normal_sums, penalty_rows, posterior
 
-# The posterior's errors are those of a curve as rough as the prior; most stretches are smoother.
+# The posterior's errors are those of a curve as rough as the prior; most segments are smoother.
 # For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
 # 80 dB (benchmarks/decays.py).
 CALIBRATION = np.array([1.0, 0.88, 0.88])
@@ -137,7 +137,7 @@ def sites(
     fall = (lowest[0] - lowest) / max(lowest[0] - lowest[-1], 1e-9)
     clock = 0.5 * fall + 0.5 * np.linspace(0.0, 1.0, time.size)
     count = max(min(most, time.size // 2), 4)
-    # a stretch that grows has no fall, and its clock would end early
+    # a segment that grows has no fall, and its clock would end early
     return np.interp(np.linspace(0.0, clock[-1], count), clock, time)
 
 

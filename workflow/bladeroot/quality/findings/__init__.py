@@ -1,10 +1,11 @@
 """The checks of a decay, one file a finding.
 
-A file `x_y.py` defines the finding `x-y` by one function, `find(sight) -> Finding | None`: the
+A file `x_y.py` defines the finding `x-y` by one function, `find(seen) -> Finding | None`: the
 strongest candidate with its statistic (which `quality.integrity` compares with the threshold), or
 None where the record is too short to judge. Beside it stand `THRESHOLD` and `STATISTIC`, what
 the statistic is in a phrase. A file with `FIRST = True` is run before the others, which then see
 the record with what it masked bridged. One with `MIXED = True` looks at all that rings; the others
 see the mode by itself. One that other modes' leftovers may set off is listed in `OF_THE_COURSE` of
-`quality.integrity`.
+`quality.integrity`. `find_in(recording, seen)` looks at the sensor's own samples,
+`without_decay(seen)` has a line for a record in which none was found.
 """

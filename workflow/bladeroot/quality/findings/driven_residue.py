@@ -4,8 +4,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 
 STATISTIC = (
     "decay rate from a half to 80 % of the fall (of ln A) over that of the last tenth; "
@@ -18,9 +17,9 @@ THRESHOLD = 3.0
 SLOWS, STEADY = 0.6, 0.3
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """Compare slopes of ln A; what lies below five times the last amplitude is masked."""
-    frames = sight.frames
+    frames = seen.frames
     level = frames.log.real[: frames.clear]
     if level.size < 80:
         return None
@@ -40,10 +39,10 @@ def find(sight: Sight) -> Finding | None:
     begin = int(np.argmax(level < last + np.log(5.0)))
     start = int(frames.centre[begin])
     text = (
-        f"driven residue: from {sight.seconds(frames.centre[tail.start]):.4g} s on the amplitude "
-        f"stays at {np.exp(last):.2g} m/s; masked from {sight.seconds(start):.4g} s"
+        f"driven residue: from {seen.seconds(frames.centre[tail.start]):.4g} s on the amplitude "
+        f"stays at {np.exp(last):.2g} m/s; masked from {seen.seconds(start):.4g} s"
     )
-    return Finding(statistic, THRESHOLD, "mask", text, ((start, sight.velocity.size),))
+    return Finding(statistic, THRESHOLD, "mask", text, ((start, seen.velocity.size),))
 
 
 def _steepest(

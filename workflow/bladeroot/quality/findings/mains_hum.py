@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 
 STATISTIC = (
     "largest steady line at a multiple of 50 or 60 Hz (to the 7th, or to twice the mode), in "
@@ -29,30 +28,30 @@ _AWAY = np.linalg.qr(np.vander(np.arange(-REACH, REACH + 1.0) / REACH, 3, increa
 UNEVEN = 0.12
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """Steady lines in the decay, or in what was taken off it with all else that rings."""
-    found = steady_lines(sight)
-    if sight.mixed is None or (found is not None and found.counts):
+    found = steady_lines(seen)
+    if seen.mixed is None or (found is not None and found.counts):
         return found
-    gone = steady_lines(sight.mixed)
+    gone = steady_lines(seen.mixed)
     return replace(gone, excess=None) if gone is not None and gone.counts else found
 
 
-def steady_lines(sight: Sight) -> Finding | None:
+def steady_lines(seen: Examined) -> Finding | None:
     """Lines that both halves of the decay show alike; they are fitted and taken off.
 
     Around each multiple a line and a smooth background are fitted to the spectra of both halves.
     A line that decays, or one of the mode's own, differs between the halves.
     """
-    if 0.5 * sight.velocity.size / sight.sampling_Hz * MAINS_HZ[0] < FEWEST:
+    if 0.5 * seen.velocity.size / seen.sampling_Hz * MAINS_HZ[0] < FEWEST:
         return None
-    frequency, spectra, count = sight.halves
-    rate = sight.sampling_Hz / sight.few
-    orders = [int(np.clip(2.0 * sight.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
+    frequency, spectra, count = seen.halves
+    rate = seen.sampling_Hz / seen.few
+    orders = [int(np.clip(2.0 * seen.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
     mains = np.repeat(MAINS_HZ, orders)
     nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
-    near = 7.0 * rate / count + 0.01 * sight.own_Hz
-    clear = np.abs(nominal - sight.own_Hz) > near
+    near = 7.0 * rate / count + 0.01 * seen.own_Hz
+    clear = np.abs(nominal - seen.own_Hz) > near
     clear &= (nominal / frequency[1] > REACH // 2) & (nominal < frequency[-REACH - 2])
     if not clear.any():
         return None
@@ -64,13 +63,13 @@ def steady_lines(sight: Sight) -> Finding | None:
     if not found.size:
         return Finding(strongest, THRESHOLD, "subtract", "")
     # of the means over a few samples, back to the samples
-    phasor /= np.sinc(at / rate) / np.sinc(at / sight.sampling_Hz)
-    time = (np.arange(float(sight.velocity.size)) - 0.5 * (sight.few - 1)) / sight.sampling_Hz
+    phasor /= np.sinc(at / rate) / np.sinc(at / seen.sampling_Hz)
+    time = (np.arange(float(seen.velocity.size)) - 0.5 * (seen.few - 1)) / seen.sampling_Hz
     excess = np.zeros(time.size)
     for k in found:
         excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
-    told = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
-    return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {told}; taken off", (), excess)
+    listed = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
+    return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {listed}; taken off", (), excess)
 
 
 def _steady(

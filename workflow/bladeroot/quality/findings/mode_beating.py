@@ -7,8 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
@@ -40,13 +39,13 @@ class _Line:
     finding: Finding
 
     def agrees(self, other: "_Line") -> bool:
-        """Whether another stretch shows the same line."""
+        """Whether another segment shows the same line."""
         shortest = min(self.count, other.count)
         clear = min(self.finding.statistic, other.finding.statistic) > AGAIN
         return clear and abs(self.turns - other.turns) * shortest < 1.5
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """The strongest line within a sixth of the mode's frequency, in all or in a part.
 
     Where the mode's frequency changes much with amplitude, only the later half shows a line.
@@ -55,16 +54,16 @@ def find(sight: Sight) -> Finding | None:
     lines on one side of zero only; laws of frequency and damping change it smoothly, and bend it
     but once.
     """
-    count = min(sight.frames.clear, 4096)
+    count = min(seen.frames.clear, 4096)
     if count < 40:
         return None
-    later = _line(sight, slice(count // 2, count), SHORTER)
+    later = _line(seen, slice(count // 2, count), SHORTER)
     early = [
-        _line(sight, slice(2, 2 + length), SHORTER, EARLY_FEWEST, EARLY_DEGREE)
+        _line(seen, slice(2, 2 + length), SHORTER, EARLY_FEWEST, EARLY_DEGREE)
         for length in EARLY
         if length < count // 2
     ]
-    lines = [line for line in (_line(sight, slice(2, count)), later, *early) if line is not None]
+    lines = [line for line in (_line(seen, slice(2, count)), later, *early) if line is not None]
     found = [
         line.finding
         for line in lines
@@ -75,14 +74,14 @@ def find(sight: Sight) -> Finding | None:
 
 
 def _line(
-    sight: Sight,
+    seen: Examined,
     used: slice,
     shorter: float = 1.0,
     fewest: float = FEWEST,
     degree: int = DEGREE,
 ) -> _Line | None:
     """The strongest line over some frames, its statistic divided by `shorter`."""
-    frames = sight.frames
+    frames = seen.frames
     log = frames.log[used].copy()
     whole = frames.whole[used]
     if np.count_nonzero(whole) < 38:
@@ -96,7 +95,7 @@ def _line(
     rest = (log - trend @ fit) * taper
     line = fft.fft(rest, 2 * log.size) / taper.sum()
     turns = fft.fftfreq(line.size)  # per hop
-    cycle = sight.sampling_Hz / sight.own_Hz / frames.hop
+    cycle = seen.sampling_Hz / seen.own_Hz / frames.hop
     # the frames' own taper weakens a line at this distance from the mode
     local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
     span = np.abs(turns) * cycle
@@ -108,13 +107,13 @@ def _line(
     other = float(np.abs(line[-k]))
     usual = float(medians(np.abs(line[inside])))
     carrier = (
-        2.0 * np.pi / sight.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * sight.own_Hz)
+        2.0 * np.pi / seen.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * seen.own_Hz)
     )
     gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
     size = float(level[k] / max(gain, 0.2))
     one_sided = level[k] > 2.5 * other
     statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) / shorter if one_sided else 0.0
-    distance = turns[k] * sight.sampling_Hz / frames.hop
+    distance = turns[k] * seen.sampling_Hz / frames.hop
     text = (
         f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
         f"{100 * size:.2g} %"

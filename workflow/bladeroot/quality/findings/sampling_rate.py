@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.lines import TOLERANCE, magnitudes
 
 MIXED = True
@@ -19,31 +18,31 @@ CLOSE = 0.01
 TELLING = 1.2
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """The strongest lines of the record against the modes that the campaign knows.
 
     One mode alone cannot tell a wrong clock from a wrong expectation; two can.
     """
-    modes = np.array([sight.expected_Hz, *sight.modes_Hz])
+    modes = np.array([seen.expected_Hz, *seen.modes_Hz])
     if modes.size < 2:
         return None
-    lines = _lines(sight)
+    lines = _lines(seen)
     at_one = _matches(lines, modes, 1.0)
     telling = [ratio for ratio in RATIOS if abs(np.log(ratio)) > np.log(TELLING)]
     scored = [(_matches(lines, modes, ratio), ratio) for ratio in telling]
     most, ratio = max(scored, key=lambda pair: (pair[0], -abs(np.log(pair[1]))))
     text = (
         f"sampling rate: {most} modes lie at {ratio:.4g} times their expected frequencies; "
-        f"{sight.sampling_Hz:.6g} Hz may be wrong by that"
+        f"{seen.sampling_Hz:.6g} Hz may be wrong by that"
     )
     return Finding(float(most - at_one), THRESHOLD, "drop", text)
 
 
-def outside(sight: Sight) -> str:
+def without_decay(seen: Examined) -> str:
     """For a record without its mode: what the strongest line would be at another sampling rate."""
-    frequency, level = magnitudes(sight.whole, sight.sampling_Hz)
+    frequency, level = magnitudes(seen.whole, seen.sampling_Hz)
     line = float(frequency[np.argmax(level)])
-    expected, rate = sight.expected_Hz, sight.sampling_Hz
+    expected, rate = seen.expected_Hz, seen.sampling_Hz
     if abs(line / expected - 1.0) < TOLERANCE:
         return ""
     alias = abs(expected - rate * round(expected / rate))
@@ -58,9 +57,9 @@ def outside(sight: Sight) -> str:
     return f"the strongest line is at {line:.5g} Hz"
 
 
-def _lines(sight: Sight, most: int = 12) -> np.ndarray:
+def _lines(seen: Examined, most: int = 12) -> np.ndarray:
     """Frequencies of the strongest distinct lines of the decay's first part."""
-    frequency, level = sight.early
+    frequency, level = seen.early
     peaks = np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])) + 1
     peaks = peaks[level[peaks] > max(0.003 * level.max(), 8.0 * np.median(level))]
     chosen: list[float] = []

@@ -10,9 +10,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.quality.finding import Finding
+from bladeroot.quality.examined import JUMP_APART, JUMP_REACH, Examined, Finding
 from bladeroot.quality.findings import wrong_mode
-from bladeroot.quality.sight import JUMP_APART, JUMP_REACH, Sight
 from bladeroot.signal.runs import joined, runs
 
 STATISTIC = "largest step of ln A + i phase beyond its smooth course, in its usual size"
@@ -46,11 +45,11 @@ class Step:
     def gap(self) -> bool:
         """Whether the step is in phase alone, and as large as only missing samples make it."""
         size = abs(self.size.imag)
-        alone = abs(self.size.real) < 0.1 * size
-        return alone and (size > TOUCH or (size > LEAST and self.lost != 0))
+        pure = abs(self.size.real) < 0.1 * size
+        return pure and (size > TOUCH or (size > LEAST and self.lost != 0))
 
     @property
-    def told(self) -> str:
+    def words(self) -> str:
         """The step in words."""
         if self.gap:
             lost = self.size.imag / (2.0 * np.pi) % 1.0 * self.cycle
@@ -66,17 +65,17 @@ class Step:
         )
 
 
-def find(sight: Sight) -> Finding:
+def find(seen: Examined) -> Finding:
     """The largest step; the decay is used on that side of the steps where it falls furthest."""
-    step = largest(sight)
+    step = largest(seen)
     if step is not None and step.statistic > THRESHOLD:
-        return step_finding(sight, step)
-    beside = at_ends(sight)
+        return step_finding(seen, step)
+    beside = at_ends(seen)
     if beside is not None:
         step, moment, span = beside
-        text = f"{step.told} at {moment:.4g} s, where the decay was cut"
+        text = f"{step.words} at {moment:.4g} s, where the decay was cut"
         return _finding(step, text, (span,))
-    return _slight(sight)
+    return _slight(seen)
 
 
 def _finding(step: Step, text: str, spans: tuple[tuple[int, int], ...]) -> Finding:
@@ -84,58 +83,58 @@ def _finding(step: Step, text: str, spans: tuple[tuple[int, int], ...]) -> Findi
     return Finding(step.statistic, THRESHOLD, "mask", text, spans, name=name)
 
 
-def _slight(sight: Sight) -> Finding:
+def _slight(seen: Examined) -> Finding:
     """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
-    step = largest(sight, SLIGHT)
+    step = largest(seen, SLIGHT)
     if step is None or step.statistic <= THRESHOLD:
         return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
-    frames, reach = sight.frames, BESIDE * sight.frames.hop
-    places = joined(runs(_ratio(sight, SLIGHT) > THRESHOLD), 10)
+    frames, reach = seen.frames, BESIDE * seen.frames.hop
+    places = joined(runs(_ratio(seen, SLIGHT) > THRESHOLD), 10)
     spans = tuple(
         (
             max(int(frames.centre[first]) - reach, 0),
-            min(int(frames.centre[last - 1]) + reach, sight.velocity.size),
+            min(int(frames.centre[last - 1]) + reach, seen.velocity.size),
         )
         for first, last in places
     )
-    moments = ", ".join(f"{sight.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
-    text = f"{step.told} at {moments} s; {BESIDE} cycles on either side are masked"
+    moments = ", ".join(f"{seen.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
+    text = f"{step.words} at {moments} s; {BESIDE} cycles on either side are masked"
     return _finding(step, text, spans)
 
 
-def _ratio(sight: Sight, least: float = LEAST) -> Float[ndarray, " frame"]:
+def _ratio(seen: Examined, least: float = LEAST) -> Float[ndarray, " frame"]:
     """Steps in their usual size, or in what makes one of `least` significant."""
-    step, scale = sight.jumps
+    step, scale = seen.jumps
     return np.abs(step) / np.maximum(scale, least / THRESHOLD)
 
 
-def at_ends(sight: Sight) -> tuple[Step, float, tuple[int, int]] | None:
+def at_ends(seen: Examined) -> tuple[Step, float, tuple[int, int]] | None:
     """A step for which the decay was cut, its time, and the samples at the cut.
 
     Looked for at the end and at the start; the decay's own side goes no further than the cut.
     """
-    count, margin = sight.velocity.size, 3 * sight.frames.hop
-    reach = int(35 * sight.sampling_Hz / sight.own_Hz)
-    start, stop = sight.first, sight.first + count
+    count, margin = seen.velocity.size, 3 * seen.frames.hop
+    reach = int(35 * seen.sampling_Hz / seen.own_Hz)
+    start, stop = seen.first, seen.first + count
     ends = (
         (max(stop - reach, start), stop + reach, (count - margin, count)),
         (start - reach, min(start + reach, stop), (0, margin)),
     )
     for low, high, span in ends:
-        if low >= 0 and high <= sight.whole.size:
-            beside = _beside(sight, low, high)
+        if low >= 0 and high <= seen.whole.size:
+            beside = _beside(seen, low, high)
             if beside is not None and beside[0].statistic > THRESHOLD:
                 return *beside, span
     return None
 
 
-def _beside(sight: Sight, low: int, high: int) -> tuple[Step, float] | None:
+def _beside(seen: Examined, low: int, high: int) -> tuple[Step, float] | None:
     """A step between two samples, with free decay on both sides, and its time.
 
     The cut begins and ends where something strikes. If that is the release, the mode did not fall
     before; if it is the tip's return for good, the mode dies at once.
     """
-    near = replace(sight, velocity=sight.whole[low:high], blind=())
+    near = replace(seen, velocity=seen.whole[low:high], blind=())
     frames = near.frames
     if frames.clear < frames.log.size:
         return None
@@ -156,20 +155,20 @@ def _beside(sight: Sight, low: int, high: int) -> tuple[Step, float] | None:
     free = slopes[1] < 0.0 and 0.4 < slopes[0] / slopes[1] < 2.5
     if not free:
         return None
-    moment = sight.seconds(low - sight.first + frames.centre[at])
+    moment = seen.seconds(low - seen.first + frames.centre[at])
     return _step(near, at, size, float(ratio[at])), moment
 
 
-def _lost(sight: Sight, at: int, size: complex) -> int:
+def _lost(seen: Examined, at: int, size: complex) -> int:
     """Fewest missing samples that make a step: the decay goes on as it would so much later."""
-    frames, log = sight.frames, sight.frames.log
+    frames, log = seen.frames, seen.frames.log
     before, after = log[at - JUMP_REACH : at - JUMP_APART + 1], log[at + JUMP_APART :][:JUMP_REACH]
     slope = 0.5 * sum((side[-1] - side[0]) / (side.size - 1) for side in (before, after))
     count = np.arange(-LONGEST, LONGEST + 1)
-    made = count * (slope / frames.hop + 2j * np.pi * frames.frequency_Hz / sight.sampling_Hz)
+    made = count * (slope / frames.hop + 2j * np.pi * frames.frequency_Hz / seen.sampling_Hz)
     level = made.real - size.real
     phase = np.mod(made.imag - size.imag + np.pi, 2.0 * np.pi) - np.pi
-    scale = sight.jumps[1][at]
+    scale = seen.jumps[1][at]
     # twice the step's usual error, and what the slopes on both sides do not tell of the gap
     fits = np.abs(level) < 2.0 * scale + 0.06 * abs(size.real)
     fits &= (np.abs(phase) < 2.0 * scale + 0.02 * abs(size.imag)) & (count != 0)
@@ -177,10 +176,10 @@ def _lost(sight: Sight, at: int, size: complex) -> int:
     return int(found[np.argmin(np.abs(found))]) if found.size else 0
 
 
-def largest(sight: Sight, least: float = LEAST) -> Step | None:
+def largest(seen: Examined, least: float = LEAST) -> Step | None:
     """The largest step; one below `least` is not significant."""
-    other = wrong_mode.find(sight)
-    step, ratio = sight.jumps[0], _ratio(sight, least)
+    other = wrong_mode.find(seen)
+    step, ratio = seen.jumps[0], _ratio(seen, least)
     if not ratio.any() or (other is not None and other.counts):
         return None
     at = int(np.argmax(ratio))
@@ -193,18 +192,18 @@ def largest(sight: Sight, least: float = LEAST) -> Step | None:
     if len(like) > MOST:
         return None
     size = complex(step[at])
-    return _step(sight, at, size, float(ratio.max()))
+    return _step(seen, at, size, float(ratio.max()))
 
 
-def _step(sight: Sight, at: int, size: complex, statistic: float) -> Step:
-    cycle = sight.sampling_Hz / sight.own_Hz
-    return Step(at, size, statistic, _lost(sight, at, size), cycle)
+def _step(seen: Examined, at: int, size: complex, statistic: float) -> Step:
+    cycle = seen.sampling_Hz / seen.own_Hz
+    return Step(at, size, statistic, _lost(seen, at, size), cycle)
 
 
-def step_finding(sight: Sight, found: Step) -> Finding:
+def step_finding(seen: Examined, found: Step) -> Finding:
     """A step: the lesser side of it is masked, with three cycles around it."""
-    frames = sight.frames
-    over = np.flatnonzero(_ratio(sight) > THRESHOLD)
+    frames = seen.frames
+    over = np.flatnonzero(_ratio(seen) > THRESHOLD)
     edges = [0]
     for k in over:  # steps more than ten cycles apart are different ones
         if k - edges[-1] > 10:
@@ -217,9 +216,9 @@ def step_finding(sight: Sight, found: Step) -> Finding:
     margin = 3 * frames.hop
     first = 0 if best == 0 else int(frames.centre[bounds[best]]) + margin
     final = best == len(fall) - 1
-    last = sight.velocity.size if final else int(frames.centre[bounds[best + 1]]) - margin
-    spans = tuple(s for s in ((0, first), (last, sight.velocity.size)) if s[1] > s[0])
-    moment = sight.seconds(frames.centre[found.at])
-    kept = f"from {sight.seconds(first):.4g} to {sight.seconds(last):.4g} s"
-    text = f"{found.told} at {moment:.4g} s; only the decay {kept} is used"
+    last = seen.velocity.size if final else int(frames.centre[bounds[best + 1]]) - margin
+    spans = tuple(s for s in ((0, first), (last, seen.velocity.size)) if s[1] > s[0])
+    moment = seen.seconds(frames.centre[found.at])
+    kept = f"from {seen.seconds(first):.4g} to {seen.seconds(last):.4g} s"
+    text = f"{found.words} at {moment:.4g} s; only the decay {kept} is used"
     return _finding(found, text, spans)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.runs import joined, runs
 
 FIRST = True
@@ -15,13 +14,13 @@ CROWD = 6
 MOST = 400
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """Samples that their neighbours contradict."""
-    left = sight.residual
+    left = seen.residual
     ratio = np.abs(left.miss) / left.scale
     reach = left.response.size // 2
     over = joined(runs(ratio > THRESHOLD), 2 * reach)
-    cycle = sight.sampling_Hz / sight.own_Hz
+    cycle = seen.sampling_Hz / seen.own_Hz
     spans, largest = [], 0.0
     for first, last in _lonely(over, 10.0 * cycle)[:MOST]:
         at = _single(left.miss, left.scale, left.response, int(first), int(last))
@@ -31,7 +30,7 @@ def find(sight: Sight) -> Finding | None:
     if not spans:
         # what the largest lonely miss is, below the threshold or of another kind
         return Finding(min(float(ratio.max()), THRESHOLD), THRESHOLD, "mask", "")
-    where = ", ".join(f"{sight.seconds(first):.6g}" for first, _ in spans[:3])
+    where = ", ".join(f"{seen.seconds(first):.6g}" for first, _ in spans[:3])
     text = (
         f"{len(spans)} wrong samples at {where}{' ...' if len(spans) > 3 else ''} s: up to "
         f"{largest:.3g} times the local noise off their neighbours; masked"

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from bladeroot.quality.finding import Finding
-from bladeroot.quality.findings.sampling_rate import outside
-from bladeroot.quality.sight import Sight
+from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.findings.sampling_rate import without_decay
 from bladeroot.signal.lines import TOLERANCE, peak_Hz, peaks
 
 STATISTIC = (
@@ -21,54 +20,54 @@ SECOND, NEARER = 0.5, 0.1
 FAR = 0.06
 
 
-def find(sight: Sight) -> Finding | None:
+def find(seen: Examined) -> Finding | None:
     """Lines of the loud first part of the decay, in and out of the band."""
-    frequency, level = sight.early
-    inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    frequency, level = seen.early
+    inside = np.abs(frequency / seen.expected_Hz - 1.0) <= TOLERANCE
     if not inside.any():
         return None
     strongest = float(level[inside].max())
-    own = float(level[np.argmin(np.abs(frequency - sight.own_Hz))])
-    low, high = ((1.0 + sign * TOLERANCE) * sight.expected_Hz for sign in (-1, 1))
+    own = float(level[np.argmin(np.abs(frequency - seen.own_Hz))])
+    low, high = ((1.0 + sign * TOLERANCE) * seen.expected_Hz for sign in (-1, 1))
     ratio = float(level.max()) / max(strongest, 1e-300)
-    if sight.mixed is not None and ratio <= THRESHOLD:
-        frequency, level = sight.mixed.early
-        inside = np.abs(frequency / sight.expected_Hz - 1.0) <= TOLERANCE
+    if seen.mixed is not None and ratio <= THRESHOLD:
+        frequency, level = seen.mixed.early
+        inside = np.abs(frequency / seen.expected_Hz - 1.0) <= TOLERANCE
     within = np.where(inside, level, 0.0)
-    apart = np.abs(frequency / sight.own_Hz - 1.0) > max(
-        0.06, 6.0 * sight.sampling_Hz / (sight.own_Hz * max(sight.velocity.size // 4, 1))
+    apart = np.abs(frequency / seen.own_Hz - 1.0) > max(
+        0.06, 6.0 * seen.sampling_Hz / (seen.own_Hz * max(seen.velocity.size // 4, 1))
     )
     second = np.where(apart & peaks(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
-    off = abs(sight.own_Hz - sight.expected_Hz)
-    theirs = min((abs(sight.own_Hz - mode) for mode in sight.modes_Hz), default=np.inf)
-    close = np.where(np.abs(frequency - sight.expected_Hz) < 0.5 * off, second, 0.0)
+    off = abs(seen.own_Hz - seen.expected_Hz)
+    theirs = min((abs(seen.own_Hz - mode) for mode in seen.modes_Hz), default=np.inf)
+    close = np.where(np.abs(frequency - seen.expected_Hz) < 0.5 * off, second, 0.0)
     nearer = float(close.max()) / max(own, 1e-300)
     if ratio <= THRESHOLD and (rival > SECOND or nearer > NEARER):
         statistic = THRESHOLD * max(rival / SECOND, nearer / NEARER)
         shown, part = (close, nearer) if nearer > NEARER else (second, rival)
         text = (
-            f"two modes in the band: {sight.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
+            f"two modes in the band: {seen.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
             f"the second {part:.2g} times as loud"
         )
         if nearer <= NEARER:
             return Finding(statistic, THRESHOLD, "warn", text)
-        text += f", but nearer to the expected {sight.expected_Hz:.5g} Hz"
+        text += f", but nearer to the expected {seen.expected_Hz:.5g} Hz"
         # the strongest may be the mode all the same, unless the sheet has another one there
         return Finding(statistic, THRESHOLD, "drop" if theirs < off else "warn", text)
     if ratio <= THRESHOLD and theirs < off:
         text = (
-            f"the mode at {sight.own_Hz:.5g} Hz is nearer to another one of the sheet than to the "
-            f"one that is asked for, at {sight.expected_Hz:.5g} Hz"
+            f"the mode at {seen.own_Hz:.5g} Hz is nearer to another one of the sheet than to the "
+            f"one that is asked for, at {seen.expected_Hz:.5g} Hz"
         )
         return Finding(THRESHOLD * off / max(theirs, 1e-9 * off), THRESHOLD, "drop", text)
-    if ratio <= THRESHOLD and off > FAR * sight.expected_Hz:
-        text = f"the mode lies at {sight.own_Hz:.5g} Hz, expected at {sight.expected_Hz:.5g} Hz"
-        return Finding(THRESHOLD * off / (FAR * sight.expected_Hz), THRESHOLD, "warn", text)
+    if ratio <= THRESHOLD and off > FAR * seen.expected_Hz:
+        text = f"the mode lies at {seen.own_Hz:.5g} Hz, expected at {seen.expected_Hz:.5g} Hz"
+        return Finding(THRESHOLD * off / (FAR * seen.expected_Hz), THRESHOLD, "warn", text)
     text = (
         f"another mode dominates: the strongest line is at {peak_Hz(frequency, level):.6g} Hz, "
         f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"
     )
     if ratio > THRESHOLD:
-        text += f"; {outside(sight)}"
+        text += f"; {without_decay(seen)}"
     return Finding(ratio, THRESHOLD, "drop", text)

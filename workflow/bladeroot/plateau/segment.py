@@ -11,7 +11,7 @@ FEWEST = 8  # groups through which a straight line is laid
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Segment:
     """Groups of blocks in time order; `y` holds log-amplitude and phase, `log` ln A for the laws.
 
     `width` is the variance of the times in a group, whose mean is not the value at its middle.
@@ -33,10 +33,10 @@ class Stretch:
         """The groups from which on amplitudes, given as ln A, are not exceeded any more."""
         return np.searchsorted(-np.maximum.accumulate(self.log[::-1])[::-1], -log - 1e-9)
 
-    def below(self, log: float) -> "Stretch":
+    def below(self, log: float) -> "Segment":
         """The groups from which on an amplitude, given as ln A, is not exceeded any more."""
         first = int(self.firsts_below(np.array([log]))[0])
-        return Stretch(
+        return Segment(
             self.time[first:], self.y[:, first:], self.std[first:], self.width[first:],
             self.path[CELLS * first :],
         )  # fmt: skip
@@ -48,7 +48,7 @@ def grouped(
     std: Float[ndarray, " block"],
     log: Float[ndarray, " block"],
     most: int = 200,
-) -> Stretch:
+) -> Segment:
     """Neighbouring blocks joined so that every group falls by about the same in ln A."""
     fallen = np.maximum.accumulate(log[0] - log)
     step = max(fallen[-1] / most, 1e-9)
@@ -63,7 +63,7 @@ def grouped(
     width = np.maximum(mean(time**2) - centre**2, 0.0)
     number = np.arange(CELLS * (centre.size - 1) + 1) / CELLS
     steps = np.interp(number, np.arange(centre.size), centre)
-    return Stretch(centre, mean(y), total**-0.5, width, cubic(steps, time, log))
+    return Segment(centre, mean(y), total**-0.5, width, cubic(steps, time, log))
 
 
 def cubic(
@@ -79,39 +79,39 @@ def cubic(
     return y[left] + s * (rise + (1.0 - s) * ((1.0 - s) * (start - rise) - s * (end - rise)))
 
 
-def over_cells(stretch: Stretch, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:
+def over_cells(segment: Segment, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:
     """Mean over time from each group to the next, by Simpson's rule."""
     share = np.where(np.arange(CELLS) % 2, 4.0, 2.0) / (3.0 * CELLS)
-    inner = rate[:, :-1].reshape(-1, stretch.time.size - 1, CELLS) @ share
+    inner = rate[:, :-1].reshape(-1, segment.time.size - 1, CELLS) @ share
     rate = rate[:, ::CELLS]
     return inner + (rate[:, 1:] - rate[:, :-1]) / (3.0 * CELLS)
 
 
-def integral(stretch: Stretch, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
+def integral(segment: Segment, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
     """Integral over time as the groups see it, zero at the record's end, from the cells' means."""
-    length, step = np.diff(stretch.time), np.diff(cells)
+    length, step = np.diff(segment.time), np.diff(cells)
     gap = 0.5 * (length[1:] + length[:-1])
     # what a step between cells adds to the mean over a group
-    bend = 0.5 * stretch.width / np.concatenate([gap[:1], gap, gap[-1:]])
+    bend = 0.5 * segment.width / np.concatenate([gap[:1], gap, gap[-1:]])
     total = bend * np.concatenate([step[:, :1], step, step[:, -1:]], axis=1)
     total[:, :-1] -= np.cumsum((cells * length)[:, ::-1], axis=1)[:, ::-1]
     return total
 
 
-def line_of(stretch: Stretch) -> tuple[Float[ndarray, "group 2"], Float[ndarray, " 2"]]:
+def line_of(segment: Segment) -> tuple[Float[ndarray, "group 2"], Float[ndarray, " 2"]]:
     """Orthonormal basis of constants and straight lines in the whitened groups.
 
     Also the row by which a whitened series projected on that basis gives its slope in time.
     """
-    scale = 1.0 / stretch.std
+    scale = 1.0 / segment.std
     weight = scale**2
-    from_middle = stretch.time - (stretch.time @ weight) / weight.sum()
+    from_middle = segment.time - (segment.time @ weight) / weight.sum()
     length = np.sqrt(np.array([weight.sum(), from_middle**2 @ weight]))
     return np.stack([scale, from_middle * scale], axis=1) / length, np.array([0.0, 1.0 / length[1]])
 
 
 def lines_below(
-    stretch: Stretch, onsets: Float[ndarray, " onset"]
+    segment: Segment, onsets: Float[ndarray, " onset"]
 ) -> tuple[Float[ndarray, "2 onset"], Float[ndarray, " onset"]]:
     """Slopes of straight lines through the groups below each onset (ln A0), and their variance.
 
@@ -119,39 +119,39 @@ def lines_below(
     """
     # what lies below an onset begins after the last group above it, and one more, which may hold
     # blocks from above
-    first = np.minimum(stretch.firsts_below(onsets) + 1, stretch.time.size - FEWEST)
-    weight = stretch.std**-2.0
-    time = stretch.time - stretch.time[-1]
-    y = stretch.y - stretch.y[:, -1:]
+    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - FEWEST)
+    weight = segment.std**-2.0
+    time = segment.time - segment.time[-1]
+    y = segment.y - segment.y[:, -1:]
     terms = np.stack([np.ones_like(time), time, time**2, *y, *(y * time)]) * weight
     one, t, tt, *rest = np.cumsum(terms[:, ::-1], axis=1)[:, ::-1][:, first]
     y, ty = np.stack(rest[:2]), np.stack(rest[2:])
     spread = np.maximum(tt - t**2 / one, 1e-300)
-    few = stretch.log[first - 1] > onsets
+    few = segment.log[first - 1] > onsets
     return (ty - t * y / one) / spread, np.where(few, np.inf, 1.0 / spread)
 
 
-def first_departure(stretch: Stretch, detection: float) -> float | None:
+def first_departure(segment: Segment, detection: float) -> float | None:
     """Smallest ln A up to which the record shows that it leaves a constant rate, or None.
 
     From the smallest amplitude upwards, windows of growing amplitude are tested for a straight
     hinge anywhere in them, against a chi-square gain of `detection` in either channel.
     """
-    low, high = stretch.log.min(), stretch.log.max()
+    low, high = segment.log.min(), segment.log.max()
     onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
     tops = onsets[3:][onsets[3:] >= low + 0.4]
-    first = stretch.firsts_below(tops)
-    tops, first = tops[stretch.time.size - first >= 10], first[stretch.time.size - first >= 10]
-    hinges = np.maximum(0.0, np.exp(stretch.path) * np.exp(-onsets)[:, None] - 1.0)
-    x = integral(stretch, over_cells(stretch, hinges))
-    line, _ = line_of(stretch)
-    y = stretch.y - stretch.y[:, -1:]
-    y = y - (y / stretch.std) @ line @ line.T * stretch.std
-    time = stretch.time - stretch.time[-1]
+    first = segment.firsts_below(tops)
+    tops, first = tops[segment.time.size - first >= 10], first[segment.time.size - first >= 10]
+    hinges = np.maximum(0.0, np.exp(segment.path) * np.exp(-onsets)[:, None] - 1.0)
+    x = integral(segment, over_cells(segment, hinges))
+    line, _ = line_of(segment)
+    y = segment.y - segment.y[:, -1:]
+    y = y - (y / segment.std) @ line @ line.T * segment.std
+    time = segment.time - segment.time[-1]
 
     def over(terms: Float[ndarray, "*part group"]) -> Float[ndarray, "*part window"]:
         """Weighted sums over the groups of each window."""
-        return np.cumsum((terms * stretch.std**-2.0)[..., ::-1], axis=-1)[..., ::-1][..., first]
+        return np.cumsum((terms * segment.std**-2.0)[..., ::-1], axis=-1)[..., ::-1][..., first]
 
     whole, late = over(np.ones_like(time)), over(time)
     spread = over(time**2) - late**2 / whole

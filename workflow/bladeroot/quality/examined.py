@@ -1,4 +1,4 @@
-"""What the checks of a decay look at: frames of its mode, its residual, its spectra."""
+"""What the checks of a decay look at, frames of its mode, its residual, its spectra, and return."""
 
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -23,6 +23,29 @@ JUMP_REACH, JUMP_APART = 7, 2
 COLOURED = 6.0
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
 BAND, BAND_HZ = 16.0, 4000.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A candidate fault of a decay: it counts where `statistic` exceeds `threshold`.
+
+    `consequence` is warn, subtract, mask or drop. `spans` are the samples concerned, as pairs of
+    first and one past the last, which lose their weight where it masks; `excess` is what it
+    subtracts from the velocity. `name` is the finding's id, if not that of its check.
+    """
+
+    statistic: float
+    threshold: float
+    consequence: str
+    text: str
+    spans: tuple[tuple[int, int], ...] = ()
+    excess: Float[ndarray, " sample"] | None = None
+    name: str = ""
+
+    @property
+    def counts(self) -> bool:
+        """Whether the statistic exceeds the threshold."""
+        return bool(self.statistic > self.threshold)
 
 
 @dataclass(frozen=True)
@@ -68,7 +91,7 @@ class Residual:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Examined:
     """A cut decay and views of it, each made once when first asked for.
 
     `velocity` is the cut decay, `whole` the raw record, `first` where
@@ -88,7 +111,7 @@ class Sight:
     modes_Hz: tuple[float, ...] = ()
     blind: tuple[tuple[int, int], ...] = ()
     unit: str = "m/s"
-    mixed: "Sight | None" = None
+    mixed: "Examined | None" = None
 
     @cached_property
     def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
@@ -137,11 +160,11 @@ class Sight:
             log=np.log(size) + 1j * np.unwrap(np.angle(phasor) - carrier),
             std=self.floor * np.linalg.norm(solver[0]) / size,
             row=row,
-            whole=self.seen(centre - 0.5 * width, centre + 0.5 * width),
+            whole=self.free(centre - 0.5 * width, centre + 0.5 * width),
         )
 
-    def seen(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
-        """Whether stretches of samples are free of long blind spans."""
+    def free(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
+        """Whether segments of samples are free of long blind spans."""
         clear = np.ones(first.size, bool)
         for start, stop in self.blind:
             if stop - start > 0.1 * self.sampling_Hz / self.expected_Hz:
