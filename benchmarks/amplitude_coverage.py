@@ -32,7 +32,7 @@ from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.joint import parts
 from bladeroot.diagnosis.observations import Gauge, observations
 from bladeroot.inference.sampling import sample
-from bladeroot.plateau.record import RECORD
+from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.stick import stick_from_records
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness.amplitude import level_names

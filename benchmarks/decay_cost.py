@@ -29,8 +29,8 @@ from bladeroot.decay.cut import cut
 from bladeroot.decay.freevib import freevib
 from bladeroot.decay.record import analyse
 from bladeroot.plateau.plateau import plateau
+from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording
-from bladeroot.signal.spectrum import white_noise
 from scipy import signal
 from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
 

@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 import xarray as xr
-from bladeroot.plateau.record import RECORD
+from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.curves import mean_curves
 from bladeroot.pooling.groups import group_differences
 from bladeroot.pooling.stick import stick_from_records

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
-from bladeroot.signal.spectrum import white_noise
+from bladeroot.signal.lines import white_noise
 from bound import decaying_sinusoid
 from scipy.optimize import brentq
 

@@ -11,7 +11,7 @@ import numpy as np
 import peers
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.plateau.plateau import plateau
-from bladeroot.signal.spectrum import white_noise
+from bladeroot.signal.lines import white_noise
 from bound import plateau_bound
 from synthetic import EXPECTED_HZ, HIGHEST, LOWEST, SAMPLING_HZ, Case
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from bladeroot import artifacts
 from bladeroot.decay.estimate import estimate
-from bladeroot.plateau.record import record_plateau
+from bladeroot.plateau.plateau import record_plateau
 from decay_bench import START, ring_down
 
 

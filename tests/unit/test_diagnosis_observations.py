@@ -11,7 +11,7 @@ from bladeroot.diagnosis.observations import (
     observations,
     reading_step,
 )
-from bladeroot.plateau.record import RECORD
+from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
 GAUGE = Gauge(1253.0, 0.01, 179.0)

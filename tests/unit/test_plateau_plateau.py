@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib
-from bladeroot.plateau.mixture import NORMAL, Mixture
-from bladeroot.plateau.plateau import plateau
-from bladeroot.plateau.record import record_plateau
+from bladeroot.plateau.plateau import plateau, record_plateau
+from bladeroot.plateau.posterior import NORMAL, Mixture
 from bladeroot.plateau.segment import grouped, integral, lines_below, over_cells
 from decay_bench import ring_down, ringing, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.plateau.record import RECORD
+from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.components import pool
 from bladeroot.pooling.scatter_of_table import scatter_about_law
 from bladeroot.pooling.stick import stick_from_records, stick_from_table

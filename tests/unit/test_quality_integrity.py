@@ -9,8 +9,8 @@ import xarray as xr
 from bladeroot.decay.cut import cut, rejected
 from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, checks, examine, examined, judge
+from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording, velocity
-from bladeroot.signal.spectrum import white_noise
 from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as st

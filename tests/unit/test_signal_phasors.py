@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.track import noise_ratio, without_knocks
 from bladeroot.signal.phasors import Segment, corrected, fit_frames, gather
-from bladeroot.signal.scatter import noise_ratio, without_knocks
 
 RATE = 25600.0
 SEGMENTS = [Segment(0, 104, 40, 2 * np.pi / 104.0), Segment(4160, 102, 60, 2 * np.pi / 102.0)]

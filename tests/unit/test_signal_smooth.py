@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 from bladeroot.signal.banded import solution
-from bladeroot.signal.bsplines import alive_splines, derivative_rows
-from bladeroot.signal.penalty import normal_sums, penalised, penalty_rows
+from bladeroot.signal.penalty import (
+    alive_splines,
+    derivative_rows,
+    normal_sums,
+    penalised,
+    penalty_rows,
+)
 from bladeroot.signal.smooth import coarse, fine
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.signal.spectrum import not_cut
+from bladeroot.signal.lines import not_cut
 
 
 def decay(frequency, start, seed=1, noise=0.3, phase=0.7):

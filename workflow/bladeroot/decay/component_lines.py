@@ -6,7 +6,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import TOLERANCE, magnitudes, one_sided, peaks
+from bladeroot.signal.lines import TOLERANCE, lines_of, magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
@@ -82,10 +82,8 @@ def _peaks(
 ) -> list[tuple[float, float]]:
     """Clear lines of a segment as (harm, Hz): amplitude over the mode's, by root of the length."""
     own_Hz, size = float(found.lines_Hz[0]), rest.size
-    spectrum = fft.rfft(rest)
-    level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])) * (2.0 / size)  # Hann
+    frequency, level = lines_of(rest, sampling_Hz)
     width = sampling_Hz / size
-    frequency = np.arange(1, level.size + 1) * width
     chunk = min(64, level.size)
     floor = np.repeat(medians(level[: level.size // chunk * chunk].reshape(-1, chunk)), chunk)
     floor = np.concatenate([floor, np.full(level.size - floor.size, floor[-1])])

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.beside import Beside
+from bladeroot.decay.beside import Beside, harmonics
 from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
@@ -21,7 +21,6 @@ from bladeroot.decay.component_lines import (
     moved,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
-from bladeroot.decay.harmonic import harmonics
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import loudest, mode_Hz
 

@@ -15,7 +15,7 @@ from numpy import ndarray
 from bladeroot.decay.ending import RISE, find_end, running_power, strikes
 from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
-from bladeroot.signal.spectrum import quantum, white_noise
+from bladeroot.signal.lines import quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 
 # FREEVIB needs eight cycles of a decay.

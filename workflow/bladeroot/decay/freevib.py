@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors
-from bladeroot.signal.runs import runs
+from bladeroot.signal.runs import longest, runs
 from bladeroot.signal.smooth import Spline
 
 # A free decay falls. Where ln A rises by so many standard errors, among the first blocks or later,
@@ -267,16 +267,13 @@ def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, fl
 
     Raises ValueError where more of the points lie out of that run than in it.
     """
-    outside = (frequency_Hz < band_Hz[0]) | (frequency_Hz > band_Hz[1])
-    edges = np.concatenate([[-1], np.flatnonzero(outside), [frequency_Hz.size]])
-    longest = int(np.argmax(np.diff(edges)))
-    first, stop = int(edges[longest]) + 1, int(edges[longest + 1])
-    if 2 * (stop - first) < frequency_Hz.size:
+    part = longest((frequency_Hz >= band_Hz[0]) & (frequency_Hz <= band_Hz[1]))
+    if 2 * (part.stop - part.start) < frequency_Hz.size:
         raise ValueError(
             f"the frequency wanders from {frequency_Hz.min():.6g} to {frequency_Hz.max():.6g} Hz, "
             f"out of {band_Hz[0]:.6g} to {band_Hz[1]:.6g} Hz: no mode can be followed"
         )
-    return slice(first, stop)
+    return part
 
 
 def _between(times: Float[ndarray, " block"], points: Float[ndarray, " point"]) -> slice:

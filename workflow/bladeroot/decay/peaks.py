@@ -12,6 +12,8 @@ from jaxtyping import Bool, Complex, Float, Inexact, Int
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.signal.runs import runs
+
 ORDER, QUALITY = 4, 2.5  # of the band-pass: -3 dB width = frequency / QUALITY
 REACH = 6.0 * QUALITY  # cycles ahead that the filter still sees
 BRIDGE = 1.0 / 24.0  # of a cycle: a gap as short as this is bridged by a straight line
@@ -74,9 +76,8 @@ def bridged(
     """Gaps filled by straight lines; those up to `shortest` samples long count as usable."""
     at = np.arange(velocity.size)
     filled = np.where(usable, velocity, np.interp(at, at[usable], velocity[usable]))
-    ends = np.flatnonzero(np.diff(usable, prepend=True, append=True))
     good = usable.copy()
-    for first, stop in ends.reshape(-1, 2):
+    for first, stop in runs(~usable):
         good[first:stop] |= stop - first <= shortest
     return filled, good
 

@@ -7,7 +7,7 @@ import xarray as xr
 from bladeroot.decay.curves import curves
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.overrides import kept, with_override
-from bladeroot.plateau.record import record_plateau
+from bladeroot.plateau.plateau import record_plateau
 from bladeroot.signal.recording import Recording
 
 # What the sheet says of a record, for all who read its artifacts; what it does not is left out.

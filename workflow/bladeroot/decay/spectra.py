@@ -7,6 +7,8 @@ from numpy import ndarray
 from scipy import fft
 from scipy.interpolate import CubicSpline
 
+from bladeroot.signal.runs import longest
+
 PARTS = {
     "whole": "the free decay as it was cut",
     "mode": "the mode that was followed",
@@ -38,7 +40,7 @@ def before_and_after(
     """
     mode = followed_mode(velocity.size, sampling_Hz, decay)
     known = np.isfinite(mode) if usable is None else np.isfinite(mode) & usable
-    segment = _longest(known) if known.any() else slice(0, velocity.size)
+    segment = longest(known) if known.any() else slice(0, velocity.size)
     velocity, mode = velocity[segment], mode[segment]
     raw = fft.rfftfreq(velocity.size, 1.0 / sampling_Hz)
     step = max(1, raw.size // lines)
@@ -56,14 +58,6 @@ def before_and_after(
     spectra["frequency"] = ("line", centre, {"units": "Hz", "long_name": "frequency"})
     span = {"from_s": segment.start / sampling_Hz, "to_s": segment.stop / sampling_Hz}
     return xr.Dataset(spectra, attrs=decay.attrs | span)
-
-
-def _longest(known: Bool[ndarray, " sample"]) -> slice:
-    """The longest run of samples that are known."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]])))
-    first, stop = edges[::2], edges[1::2]
-    longest = int(np.argmax(stop - first))
-    return slice(int(first[longest]), int(stop[longest]))
 
 
 def followed_mode(samples: int, sampling_Hz: float, decay: xr.Dataset) -> Float[ndarray, " sample"]:

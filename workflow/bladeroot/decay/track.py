@@ -1,12 +1,16 @@
-"""Follow one mode through a record that holds no other."""
+"""Follow one mode through a record that holds no other.
+
+A rough log-phasor tells where its cycles lie and how fast it decays (`rough_phasors`); frames
+of whole cycles are then fitted anew until what the mode does within them is known (`follow`), with
+errors as the blocks scatter (`noise_ratio`, `without_knocks`).
+"""
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.signal.carrier import rough_phasors, strongest_line
+from bladeroot.signal.lines import strongest_line
 from bladeroot.signal.phasors import Frames, Phasors, Segment, corrected, fit_frames, gather
-from bladeroot.signal.scatter import noise_ratio, without_knocks
 from bladeroot.signal.smooth import Spline, coarse, fine
 
 # Of what was taken off before: times (s), factor of a phasor's standard error, and one to add.
@@ -153,3 +157,148 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
     rate = now.value(blocks.time)[1]
     change = np.abs(before.value(blocks.time)[1] - rate).max(axis=0) / (2.0 * rate[1])
     return bool((change < 0.5 * blocks.std).all())
+
+
+# Squares of normal values beyond 2.5 standard errors are cut to that; this is then their mean.
+_LIMIT = 2.5
+_CUT_MEAN = 0.9765
+
+
+def noise_ratio(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    most: int = 12,
+    least: int = 80,
+) -> Float[ndarray, " block"]:
+    """Observed over assumed standard error of the blocks, running along the record.
+
+    From second differences of what a smooth curve misses: noise near the mode that is not that of
+    the full band, remains of other modes and a wrong noise level all show here. Windows, at
+    most `most` and of at least `least` blocks, since a scatter known too roughly spoils every
+    standard error that rests on it; knocks are cut off.
+    """
+    count = std.size - 2
+    if count < 10:
+        return np.ones(std.size)
+    scaled = miss / std
+    square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
+    windows = int(np.clip(count // least, 1, most))
+    length = count // windows
+    near = square[:, : windows * length].reshape(-1, windows, length)
+    near = near.transpose(1, 0, 2).reshape(windows, -1)
+    mean = np.median(near, axis=1, keepdims=True) / 0.4549
+    for _ in range(3):
+        mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
+    centre = (np.arange(windows) + 0.5) * length + 0.5
+    return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))
+
+
+def without_knocks(
+    miss: Float[ndarray, "part block"],
+    std: Float[ndarray, " block"],
+    window: int = 9,
+    limit: float = 6.0,
+) -> Float[ndarray, " block"]:
+    """Larger standard errors for the few blocks that a knock or a glitch threw off.
+
+    Such a block lies far from the straight line through its neighbours (by medians), on what a
+    smooth curve misses. At the ends the window shifts inwards.
+    """
+    count = std.size
+    jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
+    if count < 2 * window or not (jump > limit * std[1:-1]).any():
+        return std
+    own = np.arange(count)
+    start = np.clip(own - window // 2, 0, count - window)
+    near = miss[:, start[:, None] + np.arange(window)]
+    slope = np.median(np.diff(near, axis=2), axis=2)
+    level = np.median(near - slope[:, :, None] * np.arange(window), axis=2)
+    off = np.abs(miss - level - slope * (own - start)).max(axis=0)
+    return np.where(off > limit * std, np.maximum(off, std), std)
+
+
+def rough_phasors(
+    velocity: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    line_Hz: float,
+    noise: float,
+    usable: Bool[ndarray, " sample"] | None = None,
+) -> tuple[Phasors, Float[ndarray, " block"]]:
+    """Log-phasors of blocks of the mode near a frequency, good to some per cent of a radian.
+
+    And their phases less a smoothed advance, in which their scatter shows.
+
+    Raises ValueError where fewer than eight cycles can be followed.
+    """
+    cycle = sampling_Hz / line_Hz
+    length = round(np.ceil(12.0 / cycle) * cycle)  # enough samples for the fit's three columns
+    count = velocity.size // length
+    if count < 8:
+        raise ValueError(
+            f"expected at least 8 whole cycles near {line_Hz:.4g} Hz to follow the mode, got "
+            f"{velocity.size / cycle:.3g}"
+        )
+    angle = 2.0 * np.pi * line_Hz / sampling_Hz
+    frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)
+    if frames.time.size < 8:
+        raise ValueError(
+            f"expected at least 8 usable cycles near {line_Hz:.4g} Hz, got {frames.time.size}"
+        )
+    turn = _turning(frames)
+    still = frames.phasor * np.exp(-1j * turn)
+    envelope, last = _envelope(frames, still)
+    level = np.log(np.maximum(envelope, 1e-3 * frames.std))
+    blocks, miss = gather(
+        frames.time[:last], frames.phasor[:last], frames.std[:last], (level + 1j * turn)[:last]
+    )
+    if blocks.time.size < 8:
+        raise ValueError(
+            f"expected at least 8 cycles near {line_Hz:.4g} Hz above the noise, got "
+            f"{blocks.time.size}"
+        )
+    return blocks, miss.imag
+
+
+def _turning(frames: Frames) -> Float[ndarray, " frame"]:
+    """The phase as the smoothed advance from frame to frame adds it up."""
+    base = frames.phasor * np.exp(-1j * frames.omega * frames.time)
+    step = np.diff(frames.time)
+    advance = base[1:] * base[:-1].conj()
+    apart = step > 1.5 * step.min()  # across a gap the advance is ambiguous
+    advance[apart] = 0.0
+    reach = int(np.clip(step.size // 100, 1, 10))
+    near = _moving_sum(advance, reach)
+    noise = _moving_sum(frames.std[1:] ** 2 * 2.0 * np.abs(base[1:] * base[:-1]), reach)
+    clear = np.abs(near) > 3.0 * np.sqrt(noise * frames.std.min() ** 2 + 1e-300)
+    lost = np.flatnonzero(~clear)
+    detune = np.angle(near) / step.min()
+    if lost.size and lost[0] > 4:  # beyond, as it was last
+        last = int(lost[0])
+        segment = slice(max(0, last - max(last // 5, 4)), last)
+        detune[last:] = np.angle(advance[segment].sum()) / step.min()
+    elif lost.size:
+        detune[:] = np.angle(advance.sum()) / step.min()
+    turn = np.concatenate([[0.0], np.cumsum(detune * step)])
+    return turn + frames.omega * frames.time
+
+
+def _envelope(frames: Frames, still: ndarray) -> tuple[Float[ndarray, " frame"], int]:
+    """Amplitude of the frames, from ever more of them as the mode fades; where it has drowned."""
+    found, last = np.abs(still), still.size
+    for reach in (2, 8, 32):
+        weak = found < 6.0 * frames.std
+        if 4 * reach > found.size or not weak.any():
+            break
+        count = _moving_sum(np.ones(found.size), reach)
+        wider = np.abs(_moving_sum(still, reach)) / count
+        drowned = np.flatnonzero(weak & (wider < 3.0 * frames.std / np.sqrt(count)))
+        last = int(drowned[0]) if drowned.size else still.size
+        found = np.where(weak, wider, found)
+    return found, max(last, min(8, still.size))
+
+
+def _moving_sum(values: ndarray, reach: int) -> ndarray:
+    """Sum over `reach` neighbours on either side."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    own = np.arange(values.size)
+    return total[np.minimum(own + reach + 1, values.size)] - total[np.maximum(own - reach, 0)]

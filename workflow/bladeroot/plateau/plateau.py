@@ -18,10 +18,10 @@ import xarray as xr
 
 from bladeroot.plateau.capture import sudden_onset
 from bladeroot.plateau.evidence import creep
-from bladeroot.plateau.mixture import NORMAL, Mixture
-from bladeroot.plateau.posterior import SHORTEST, Weighed
+from bladeroot.plateau.posterior import NORMAL, SHORTEST, Mixture, Weighed
 from bladeroot.plateau.segment import Segment, cubic, grouped
 from bladeroot.plateau.weigh import SHOWN, weigh
+from bladeroot.variables import dataset, names
 
 NUMBERS = (
     "stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std",
@@ -175,3 +175,22 @@ def _ends(found: Weighed, largest: float) -> dict[str, float]:
         "plateau_low_amplitude": lowest,
         "plateau_high_amplitude": float(low),
     }
+
+
+RECORD = names("plateau/record")
+OTHERS = "other modes ring in the record and add to the slip: a lower bound for this mode alone"
+
+
+def record_plateau(decay: xr.Dataset) -> xr.Dataset:
+    """Stick frequency, loss factor, onset and verdict of one decay, with its attributes.
+
+    Variables are the scalars of `bladeroot.plateau.plateau.plateau`; NaN where there is none.
+    """
+    found = plateau(decay)
+    made = dataset("plateau/record", {name: found[name] for name in RECORD})
+    if decay.attrs.get("damping") == "viscous":
+        made["loss_factor"].attrs["long_name"] = "twice the damping ratio of the stick plateau"
+    if np.size(decay.attrs.get("other_modes_Hz", ())):
+        made["onset_amplitude"].attrs["note"] = OTHERS
+    verdict = dataset("plateau/verdict", {"verdict": found["verdict"]})
+    return made.assign(verdict).assign_attrs(decay.attrs)

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy import ndarray
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
-from bladeroot.plateau.record import RECORD
+from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.components import Pooled, pool
 from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
 from bladeroot.variables import dataset, registered
@@ -32,7 +32,7 @@ TABLE_COLUMNS = (
 def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     """Stick frequency and damping of every record, and of every mode at every force.
 
-    Each plateau (`bladeroot.plateau.record`) carries `mode`, its load and optionally `record`,
+    Each plateau (`bladeroot.plateau.plateau`) carries `mode`, its load and optionally `record`,
     `hold`, `direction`, `event`, `group` and `sensor` in its attributes. Groups are pooled apart;
     records of one event are one motion (`by_event`). Records at one force are pooled
     (`bladeroot.pooling.components`): the unit of replication is the clamping, records without one

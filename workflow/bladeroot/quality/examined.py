@@ -8,9 +8,8 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz
+from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
 from bladeroot.signal.runs import block_scale, in_frames, medians, missed
-from bladeroot.signal.spectrum import quantum
 
 FRAME_CYCLES = 4
 # What is smaller than this part of the largest sample harms no curve.

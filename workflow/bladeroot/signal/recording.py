@@ -7,8 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.signal.lines import loudest, mode_Hz
-from bladeroot.signal.spectrum import not_cut
+from bladeroot.signal.lines import loudest, mode_Hz, not_cut
 
 SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
 # Cycles of the mode over which acceleration's integral is averaged to find its drift.

@@ -53,6 +53,12 @@ def runs(at: Bool[ndarray, " k"]) -> Int[ndarray, "run 2"]:
     return np.flatnonzero(bounded[1:] != bounded[:-1]).reshape(-1, 2)
 
 
+def longest(at: Bool[ndarray, " k"]) -> slice:
+    """The longest run of true values; empty where there is none."""
+    found = runs(at)
+    return slice(*map(int, found[np.argmax(np.diff(found))])) if len(found) else slice(0, 0)
+
+
 def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
     """Spans less than `reach` apart as one."""
     if len(spans) < 2:

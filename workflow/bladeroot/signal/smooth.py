@@ -19,8 +19,14 @@ from numpy import ndarray
 from scipy.interpolate import PPoly
 from scipy.linalg import LinAlgError
 
-from bladeroot.signal.bsplines import alive_splines, derivative_rows
-from bladeroot.signal.penalty import DEGREE, normal_sums, penalty_rows, posterior
+from bladeroot.signal.penalty import (
+    DEGREE,
+    alive_splines,
+    derivative_rows,
+    normal_sums,
+    penalty_rows,
+    posterior,
+)
 
 # The posterior's errors are those of a curve as rough as the prior; most segments are smoother.
 # For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.lines import TOLERANCE, magnitudes
+from bladeroot.signal.lines import TOLERANCE, magnitudes, peaks
 
 MIXED = True
 STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
@@ -60,10 +60,10 @@ def without_decay(seen: Examined) -> str:
 def _lines(seen: Examined, most: int = 12) -> np.ndarray:
     """Frequencies of the strongest distinct lines of the decay's first part."""
     frequency, level = seen.early
-    peaks = np.flatnonzero((level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])) + 1
-    peaks = peaks[level[peaks] > max(0.003 * level.max(), 8.0 * np.median(level))]
+    tops = np.flatnonzero(peaks(level))
+    tops = tops[level[tops] > max(0.003 * level.max(), 8.0 * np.median(level))]
     chosen: list[float] = []
-    for k in peaks[np.argsort(level[peaks])[::-1]]:
+    for k in tops[np.argsort(level[tops])[::-1]]:
         if all(abs(frequency[k] - f) > 0.03 * f for f in chosen):
             chosen.append(float(frequency[k]))
         if len(chosen) == most:
