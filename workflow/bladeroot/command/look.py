@@ -8,6 +8,7 @@ import numpy as np
 from bladeroot.io.channel import moving
 from bladeroot.io.read import as_stated, channels, read, stated_unit
 from bladeroot.io.units import RAW, normal_unit
+from bladeroot.signal.recording import Recording
 from bladeroot.signal.spectral_peaks import peaks, spectrum
 
 SHOWN_LINES = 8
