@@ -56,8 +56,9 @@ CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
     "the other is taken off; the sheet had better name both"
 )
-# A course falls by no more than this (of ln A) below its top: what is lower is noise.
-DEEPEST = 12.0
+# A course falls by no more than this (of ln A) below its top: what is lower is noise. Its slope is
+# a mean over so many intervals on either side.
+DEEPEST, SLOPE_REACH = 12.0, 2
 
 
 @dataclass(frozen=True)
@@ -325,10 +326,10 @@ def _followed(
     return demodulated(velocity, sampling_Hz, lines, spacing, usable, base_Hz)
 
 
-def _course(found: Envelopes, line: int, reach: int = 2) -> Complex[ndarray, " knot"]:
+def _course(found: Envelopes, line: int) -> Complex[ndarray, " knot"]:
     """The logarithm of a line's envelope at the knots, its slope averaged over some intervals."""
     z = found.envelope(line)
-    inner, around = slice(reach, reach + z.size - 1), np.ones(2 * reach + 1)
+    inner, around = slice(SLOPE_REACH, SLOPE_REACH + z.size - 1), np.ones(2 * SLOPE_REACH + 1)
     step = np.convolve(z[1:] * z[:-1].conj(), around)[inner]
     power = np.maximum(np.convolve(np.abs(z[:-1]) ** 2, around)[inner], 1e-300)
     rate = np.log(np.maximum(np.abs(step) / power, 0.05)) + 1j * np.angle(step)

@@ -24,6 +24,9 @@ BEATS = 2  # what grows more often than that later is a beat, and no drive
 PARTS = 4  # times that a record is cut again
 LEFT = 16.0  # cycles that a cut leaves at least
 LOOKED_AT = 100  # blocks, evenly over the record
+MARGIN = 2  # blocks between a drive and the decay
+# Largest number of points of the curves, and of those at which their errors are worked out.
+POINTS, SHARP = 500, 120
 # So many first blocks are no free decay where a parabola through twice as many later ones, that
 # goes on backwards, misses them by more than this (mean square in errors: noise's, and a part of
 # what it differs by from a straight line). As on drawn records: of those that are right from their
@@ -64,7 +67,6 @@ def freevib(
     expected_Hz: float,
     noise: float,
     tolerance: float = 0.3,
-    points: int = 500,
     usable: Bool[ndarray, " sample"] | None = None,
     damping: str = "hysteretic",
     taken: Taken | None = None,
@@ -86,7 +88,6 @@ def freevib(
         expected_Hz: the mode is looked for within `tolerance` (relative) of it.
         noise: rms of the sensor's noise in m/s; corrected by what the blocks themselves show.
         tolerance: relative half-width of the search band.
-        points: largest number of points of the curves.
         usable: False where a sample has no weight (a gap is bridged, with larger errors).
         damping: "hysteretic" or "viscous".
         taken: for what was taken off before: times (s), factors by which a cycle's standard
@@ -127,7 +128,7 @@ def freevib(
         taken = taken[0] - first / sampling_Hz, *taken[1:]
         begin_s += first / sampling_Hz
     own = np.arange(blocks.time.size)
-    count = min(points, own.size)
+    count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), _std(fit, centre)
     std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
@@ -212,7 +213,7 @@ def natural(
     return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
 
 
-def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
+def _free(blocks: Phasors, fit: Spline) -> tuple[float, float]:
     """First and last time (s) of the deepest fall between times at which the amplitude grows."""
     at = np.unique(np.linspace(0, blocks.time.size - 1, LOOKED_AT).round().astype(int))
     at = np.union1d(at, np.arange(min(FIRST, blocks.time.size)))
@@ -226,12 +227,12 @@ def _free(blocks: Phasors, fit: Spline, margin: int = 2) -> tuple[float, float]:
     if not len(grows):
         return 0.0, np.inf
     level, last = blocks.log.real, blocks.time.size - 1
-    starts = [0, *(min(at[b - 1] + margin, last) for _, b in grows)]
+    starts = [0, *(min(at[b - 1] + MARGIN, last) for _, b in grows)]
     if len(grows) and at[grows[0][0]] < FIRST:  # a drive's end is sharper than the spline
         driven, rate = at[grows[0][1] - 1], -float(np.median(slope)) * (time[1] - time[0])
-        low = level < level[: driven + 1].max() - margin * rate
+        low = level < level[: driven + 1].max() - MARGIN * rate
         starts[1] = max(starts[1], driven + int(np.argmax(low[driven:])))
-    stops = [*(max(at[a] - margin, 0) for a, _ in grows), last]
+    stops = [*(max(at[a] - MARGIN, 0) for a, _ in grows), last]
     falls = [level[a] - level[b] if b > a else 0.0 for a, b in zip(starts, stops, strict=True)]
     k = int(np.argmax(falls))
     return (
@@ -301,14 +302,14 @@ def search_band(
     return low, min(high, 0.49 * sampling_Hz)
 
 
-def _std(fit: Spline, time: Float[ndarray, " point"], most: int = 120) -> ndarray:
+def _std(fit: Spline, time: Float[ndarray, " point"]) -> ndarray:
     """Standard errors of the curves at some of the points, and between them in proportion."""
-    if time.size <= most:
+    if time.size <= SHARP:
         return fit.std(time)
-    some = np.linspace(time[0], time[-1], most)
+    some = np.linspace(time[0], time[-1], SHARP)
     known = np.log(fit.std(some))
-    place = (time - time[0]) * ((most - 1) / (time[-1] - time[0]))
-    left = np.minimum(place.astype(int), most - 2)
+    place = (time - time[0]) * ((SHARP - 1) / (time[-1] - time[0]))
+    left = np.minimum(place.astype(int), SHARP - 2)
     share = place - left
     return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
 

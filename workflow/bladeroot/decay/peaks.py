@@ -16,6 +16,7 @@ from bladeroot.signal.runs import runs
 
 ORDER, QUALITY = 4, 2.5  # of the band-pass: -3 dB width = frequency / QUALITY
 REACH = 6.0 * QUALITY  # cycles ahead that the filter still sees
+LAGS = 60  # half cycles over which filtered noise is alike
 BRIDGE = 1.0 / 24.0  # of a cycle: a gap as short as this is bridged by a straight line
 _POLES = np.exp(1j * np.pi * (2 * np.arange(1, ORDER + 1) + ORDER - 1) / (2 * ORDER))
 _POLYNOMIAL = np.poly(_POLES).real
@@ -96,11 +97,11 @@ def undisturbed(
 
 
 @cache
-def correlation(reach: int = 60) -> Float[ndarray, " lag"]:
-    """Correlation of filtered white noise over lags of -reach..reach half cycles."""
+def correlation() -> Float[ndarray, " lag"]:
+    """Correlation of filtered white noise over lags of up to LAGS half cycles either way."""
     ratio = np.linspace(0.4, 2.4, 251)
     power = np.abs(_gain(ratio)) ** 2 / ratio**2
-    wave = np.cos(np.pi * (ratio[:, None] - 1.0) * np.arange(-reach, reach + 1))
+    wave = np.cos(np.pi * (ratio[:, None] - 1.0) * np.arange(-LAGS, LAGS + 1))
     return power @ wave / power.sum()
 
 

@@ -15,7 +15,7 @@ PARTS = {
     "rest": "what the mode leaves over",
 }
 
-FADE_CYCLES = 10
+FADE_CYCLES, LINES = 10, 1500
 
 
 def before_and_after(
@@ -23,7 +23,6 @@ def before_and_after(
     sampling_Hz: float,
     decay: xr.Dataset,
     usable: Bool[ndarray, " sample"] | None = None,
-    lines: int = 1500,
 ) -> xr.Dataset:
     """Amplitude spectra before and after the mode was separated.
 
@@ -43,7 +42,7 @@ def before_and_after(
     segment = longest(known) if known.any() else slice(0, velocity.size)
     velocity, mode = velocity[segment], mode[segment]
     raw = fft.rfftfreq(velocity.size, 1.0 / sampling_Hz)
-    step = max(1, raw.size // lines)
+    step = max(1, raw.size // LINES)
     starts = np.arange(0, raw.size - step + 1, step)
     fade = np.ones(velocity.size)
     rise = min(int(FADE_CYCLES * sampling_Hz / decay.attrs["expected_Hz"]), velocity.size // 4)

@@ -15,6 +15,13 @@ from bladeroot.signal.smooth import Spline, coarse, fine
 
 # Of what was taken off before: times (s), factor of a phasor's standard error, and one to add.
 Taken = tuple[Float[ndarray, " knot"], Float[ndarray, " knot"], Float[ndarray, " knot"]]
+# Squares of normal values beyond 2.5 standard errors are cut to that; this is then their mean.
+_LIMIT = 2.5
+_CUT_MEAN = 0.9765
+# Windows of the scatter along a record at most, and blocks in each at least.
+MOST_WINDOWS, LONG = 12, 80
+# A knock lies so many standard errors off the line through so many blocks around it.
+KNOCK, WINDOW = 6.0, 9
 
 
 def follow(
@@ -135,16 +142,16 @@ def _gathered(
     return Phasors(blocks.time[free], blocks.log[free], doubted[free])
 
 
-def _shaped(knocked: Bool[ndarray, " block"], reach: int = 9, gap: int = 4) -> int:
+def _shaped(knocked: Bool[ndarray, " block"]) -> int:
     """Number of blocks before the transient that a filter leaves at a record's end.
 
     Two of the last blocks are then thrown off. It grows towards the end, so it is taken to
     begin as far again before the first of those. One that the curve can follow is not seen.
     """
     at = np.flatnonzero(knocked)
-    if np.count_nonzero(knocked[-reach:]) < 2:
+    if np.count_nonzero(knocked[-WINDOW:]) < 2:
         return knocked.size
-    far = np.flatnonzero(np.diff(at) > gap)
+    far = np.flatnonzero(np.diff(at) > WINDOW // 2)
     first = 2 * int(at[far[-1] + 1 if far.size else 0]) - knocked.size
     return first if first > 0.75 * knocked.size else knocked.size
 
@@ -159,22 +166,15 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
     return bool((change < 0.5 * blocks.std).all())
 
 
-# Squares of normal values beyond 2.5 standard errors are cut to that; this is then their mean.
-_LIMIT = 2.5
-_CUT_MEAN = 0.9765
-
-
 def noise_ratio(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
-    most: int = 12,
-    least: int = 80,
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
     From second differences of what a smooth curve misses: noise near the mode that is not that of
     the full band, remains of other modes and a wrong noise level all show here. Windows, at
-    most `most` and of at least `least` blocks, since a scatter known too roughly spoils every
+    most MOST_WINDOWS and of at least LONG blocks, since a scatter known too roughly spoils every
     standard error that rests on it; knocks are cut off.
     """
     count = std.size - 2
@@ -182,7 +182,7 @@ def noise_ratio(
         return np.ones(std.size)
     scaled = miss / std
     square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
-    windows = int(np.clip(count // least, 1, most))
+    windows = int(np.clip(count // LONG, 1, MOST_WINDOWS))
     length = count // windows
     near = square[:, : windows * length].reshape(-1, windows, length)
     near = near.transpose(1, 0, 2).reshape(windows, -1)
@@ -196,8 +196,6 @@ def noise_ratio(
 def without_knocks(
     miss: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
-    window: int = 9,
-    limit: float = 6.0,
 ) -> Float[ndarray, " block"]:
     """Larger standard errors for the few blocks that a knock or a glitch threw off.
 
@@ -206,15 +204,15 @@ def without_knocks(
     """
     count = std.size
     jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
-    if count < 2 * window or not (jump > limit * std[1:-1]).any():
+    if count < 2 * WINDOW or not (jump > KNOCK * std[1:-1]).any():
         return std
     own = np.arange(count)
-    start = np.clip(own - window // 2, 0, count - window)
-    near = miss[:, start[:, None] + np.arange(window)]
+    start = np.clip(own - WINDOW // 2, 0, count - WINDOW)
+    near = miss[:, start[:, None] + np.arange(WINDOW)]
     slope = np.median(np.diff(near, axis=2), axis=2)
-    level = np.median(near - slope[:, :, None] * np.arange(window), axis=2)
+    level = np.median(near - slope[:, :, None] * np.arange(WINDOW), axis=2)
     off = np.abs(miss - level - slope * (own - start)).max(axis=0)
-    return np.where(off > limit * std, np.maximum(off, std), std)
+    return np.where(off > KNOCK * std, np.maximum(off, std), std)
 
 
 def rough_phasors(

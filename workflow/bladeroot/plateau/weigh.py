@@ -28,6 +28,7 @@ DETECTION = 30.0  # chi-square gain of a hinge that shows a departure
 REACH = np.log([4.0, 2.0, 1.5])  # how far above it, in ln A, the laws are weighed, if they hold
 # prior weight of a constant over that of any other kind, where no law's ln evidence gets to that
 NO_DEPARTURE, NOTHING = 30.0, 10.0
+SEEDS = 60  # onsets at which each shape is tried first
 MISFIT = 20.0  # excess variance about all laws from which the record does not speak for a constant
 
 
@@ -107,17 +108,17 @@ def _best(evidence: Float[ndarray, "law doubt"]) -> tuple[int, int]:
     return divmod(int(np.argmax(evidence[:, :-1])), DOUBTS - 1)
 
 
-def _seeds(frame: Frame, low: float, high: float, count: int = 60) -> Float[ndarray, " onset"]:
+def _seeds(frame: Frame, low: float, high: float) -> Float[ndarray, " onset"]:
     """Best onset (ln A0) of each shape, taken at its word, in either channel.
 
     A law that holds exactly may show on a range of onsets that a coarse search steps over.
     """
-    onsets = np.linspace(low, high, count + 2)[1:-1]
+    onsets = np.linspace(low, high, SEEDS + 2)[1:-1]
     columns = frame.seen(hinges(frame.segment, onsets))[0]
     size = np.einsum("lg,lg->l", columns, columns)
     gain = (frame.y @ columns.T) ** 2 / np.maximum(size, 1e-300)
-    gain = gain.reshape(2, count, HINGES)
-    best = np.clip(gain.argmax(axis=1), 1, count - 2)
+    gain = gain.reshape(2, SEEDS, HINGES)
+    best = np.clip(gain.argmax(axis=1), 1, SEEDS - 2)
     around = [np.take_along_axis(gain, best[:, None] + k, axis=1)[:, 0] for k in (-1, 0, 1)]
     bend = around[0] - 2.0 * around[1] + around[2]
     bend = np.where(bend < -1e-9 * np.abs(around[1]), bend, -np.inf)

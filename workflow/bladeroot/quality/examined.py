@@ -9,11 +9,9 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
-from bladeroot.signal.runs import block_scale, in_frames, medians, missed
+from bladeroot.signal.runs import block_scale, in_frames
 
 FRAME_CYCLES = 4
-# What is smaller than this part of the largest sample harms no curve.
-SMALL = 1e-5
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
 # Frames on either side of a step, of which the nearest are left out.
@@ -74,19 +72,6 @@ class Frames:
     def amplitude(self) -> Float[ndarray, " frame"]:
         """Velocity amplitude."""
         return np.exp(self.log.real)
-
-
-@dataclass(frozen=True)
-class Residual:
-    """What a symmetric interpolation from 2 x 16 neighbours misses, and its local rms.
-
-    All steady or slowly changing oscillations are interpolated, at any frequency; noise is left
-    as it is, and a defect of single samples in full. `response` is what a unit defect leaves.
-    """
-
-    miss: Float[ndarray, " sample"]
-    scale: Float[ndarray, " sample"]
-    response: Float[ndarray, " tap"]
 
 
 @dataclass(frozen=True)
@@ -205,29 +190,6 @@ class Examined:
     def floor(self) -> float:
         """Rms of the noise, at least what the digitiser makes."""
         return max(self.noise, self.quantum / np.sqrt(12.0), 1e-9 * np.abs(self.velocity).max())
-
-    @cached_property
-    def residual(self) -> Residual:
-        """The record less what its neighbours tell of each sample."""
-        x = self.velocity
-        reach = min(16, (x.size - 1) // 6)
-        view = np.lib.stride_tricks.sliding_window_view(x, 2 * reach + 1)
-        rows = view[np.linspace(0, len(view) - 1, 1500).astype(int)]
-        pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
-        middle = rows[:, reach]
-        keep = np.ones(middle.size, bool)
-        for _ in range(2):  # rows with a defect in them must not shape the interpolation
-            a = pairs[keep]
-            gram = a.T @ a
-            gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
-            weights = np.linalg.solve(gram, a.T @ middle[keep])
-            left = np.abs(middle - pairs @ weights)
-            keep = left <= 5.0 * medians(left) + 1e-300
-        response = np.concatenate([-weights[::-1], [1.0], -weights])
-        miss = missed(x, weights)
-        least = max(0.5 * self.quantum, SMALL * float(np.abs(x).max()))
-        scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
-        return Residual(miss, scale, response)
 
     @cached_property
     def few(self) -> int:

@@ -10,6 +10,9 @@ from numpy import ndarray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.linalg.lapack import dtrtri
 
+# Rows of a block at least: calls of small ones cost more than their arithmetic.
+LEAST = 16
+
 
 def solution(
     band: Float[ndarray, "n width"], right: Float[ndarray, " n"]
@@ -33,14 +36,14 @@ def solution(
     return x, inverse_band(factor.T) * beside
 
 
-def inverse_band(factor: Float[ndarray, "n width"], least: int = 16) -> Float[ndarray, "n width"]:
+def inverse_band(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
     """The inverse within the band, from the lower Cholesky factor in the same storage.
 
-    Blocks as long as the band is wide (or `least`) see but the next one; from the last to the
+    Blocks as long as the band is wide (or LEAST) see but the next one; from the last to the
     first, a block of the inverse follows from the one behind it (Takahashi).
     """
     n, width = factor.shape
-    size = max(width, least)
+    size = max(width, LEAST)
     blocks = -(-n // size)
     # beyond the end, an identity
     padded = np.zeros(((blocks + 1) * size, width))

@@ -16,6 +16,8 @@ from numpy import ndarray
 
 # Powers of time within a frame up to which growth and chirp of the mode are allowed for.
 TAYLOR = 4
+# Standard error of a block that is wanted, and the worst of one that is kept.
+TARGET, WORST = 0.1, 0.3
 _NO_PHASOR = -100.0  # ln of one that is exactly none: lost, and no overflow
 
 
@@ -152,21 +154,19 @@ def gather(
     phasor: Complex[ndarray, " frame"],
     std: Float[ndarray, " frame"],
     guess: Complex[ndarray, " frame"],
-    target: float = 0.1,
-    worst: float = 0.3,
     most: int = 1500,
 ) -> tuple[Phasors, Complex[ndarray, " block"]]:
     """Log-phasors of blocks of frames, and what `guess` misses of them.
 
     guess: the log-phasor as far as it is known; its amplitude, not the noisy one, sets the
     errors. A block is one frame (or the frames over `most`), and grows where the mode is weak
-    until its standard error is about `target`, but not beyond a drop of the envelope by 0.4. The
-    blocks end where the mode is lost: where that is not enough for `worst`. Raises ValueError
+    until its standard error is about TARGET, but not beyond a drop of the envelope by 0.4. The
+    blocks end where the mode is lost: where that is not enough for WORST. Raises ValueError
     where it is lost from the start.
     """
     guess = np.maximum(guess.real, _NO_PHASOR) + 1j * guess.imag
     share = std * np.exp(-guess.real)
-    edges = _edges(share, guess.real, target, -(-time.size // most))
+    edges = _edges(share, guess.real, -(-time.size // most))
     stop = edges[-1]
     if stop <= 0:  # nothing, or errors that are no numbers
         raise ValueError("expected a mode that stands out of the noise, got none from the start")
@@ -180,19 +180,19 @@ def gather(
     centre = centre / total
     miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
     spread = total**-0.5
-    lost = np.flatnonzero(spread > worst)
+    lost = np.flatnonzero(spread > WORST)
     keep = slice(0, int(lost[0]) if lost.size else None)
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]
 
 
 def _edges(
-    share: Float[ndarray, " frame"], level: Float[ndarray, " frame"], target: float, fewest: int
+    share: Float[ndarray, " frame"], level: Float[ndarray, " frame"], fewest: int
 ) -> Int[ndarray, " edge"]:
     """First frames of the blocks and one past the last: each as long as its first frame asks."""
     own = np.arange(share.size)
     before, after = np.maximum(own - 1, 0), np.minimum(own + 1, share.size - 1)
     fall = (level[before] - level[after]) / np.maximum(after - before, 1)
-    length = np.minimum((share / target) ** 2, 0.4 / np.maximum(fall, 1e-12))
+    length = np.minimum((share / TARGET) ** 2, 0.4 / np.maximum(fall, 1e-12))
     asked = np.maximum(np.ceil(length), fewest).tolist()
     edges = [0]
     # nor where an error is no number

@@ -32,6 +32,9 @@ from bladeroot.signal.penalty import (
 # For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
 # 80 dB (benchmarks/decays.py).
 CALIBRATION = np.array([1.0, 0.88, 0.88])
+# Knots of the second pass, regions with an intensity of their own, and places at which the local
+# width is looked at.
+FINE_KNOTS, REGIONS, GRID = 90, 18, 200
 
 
 @dataclass(frozen=True)
@@ -127,12 +130,10 @@ def fine(
     y: Float[ndarray, "part value"],
     std: Float[ndarray, " value"],
     before: Spline,
-    knots: int = 90,
-    iterations: int = 2,
 ) -> Spline:
     """Penalised splines with knots where an earlier, coarse fit bends."""
-    where = _bending(time, std, sites(time, y[0], 50), before, knots)
-    return _fit(time, y, std, before.scale, where, before.prior, iterations)
+    where = _bending(time, std, sites(time, y[0], 50), before, FINE_KNOTS)
+    return _fit(time, y, std, before.scale, where, before.prior, 2)
 
 
 def sites(
@@ -147,11 +148,9 @@ def sites(
     return np.interp(np.linspace(0.0, clock[-1], count), clock, time)
 
 
-def _even(
-    time: ndarray, std: ndarray, clock: ndarray, duration: float, parts: int, regions: int = 18
-) -> Prior:
+def _even(time: ndarray, std: ndarray, clock: ndarray, duration: float, parts: int) -> Prior:
     """A prior that weighs about as much as the data on the spacing of the clock."""
-    regions = min(regions, clock.size)
+    regions = min(REGIONS, clock.size)
     node = np.interp(np.linspace(0.0, 1.0, regions), np.linspace(0.0, 1.0, clock.size), clock)
     width = np.gradient(clock / duration)
     at = np.interp(node, clock, width)
@@ -196,10 +195,10 @@ def _fit(
 
 
 def _bending(
-    time: ndarray, std: ndarray, clock: ndarray, fit: Spline, count: int, grid: int = 200
+    time: ndarray, std: ndarray, clock: ndarray, fit: Spline, count: int
 ) -> Float[ndarray, " site"]:
     """Knots as dense as the spline's own local width, not denser than half the values."""
-    even = np.linspace(0.0, 1.0, grid)
+    even = np.linspace(0.0, 1.0, GRID)
     at = np.interp(even, np.linspace(0.0, 1.0, clock.size), clock)
     x = (at - fit.origin) / fit.scale
     reached = np.interp(at, time, np.arange(time.size))

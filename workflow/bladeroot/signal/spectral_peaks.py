@@ -42,8 +42,8 @@ def peaks(
     return [(float(frequency[k]), float(level[k])) for k in order]
 
 
-def common(lists: Sequence[Sequence[tuple[float, float]]], least: float = 0.5) -> list[float]:
-    """Frequencies that at least this part of the records show, ascending."""
+def common(lists: Sequence[Sequence[tuple[float, float]]]) -> list[float]:
+    """Frequencies that at least half of the records show, ascending."""
     every = sorted((frequency, k) for k, lines in enumerate(lists) for frequency, _ in lines)
     groups: list[list[tuple[float, int]]] = []
     for line in every:
@@ -51,5 +51,5 @@ def common(lists: Sequence[Sequence[tuple[float, float]]], least: float = 0.5) -
             groups[-1].append(line)
         else:
             groups.append([line])
-    kept = [group for group in groups if len({k for _, k in group}) >= least * len(lists)]
+    kept = [group for group in groups if len({k for _, k in group}) >= 0.5 * len(lists)]
     return [float(np.median([frequency for frequency, _ in group])) for group in kept]
