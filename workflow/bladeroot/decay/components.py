@@ -39,8 +39,6 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # times the median, and that part of the mode; looked for in so many first spacings. The start is
 # moved so many times.
 STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
-# A free decay grows by no more than this factor, and so many times the noise of an interval.
-GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
@@ -50,8 +48,6 @@ ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
-# A mode whose frequency moves looks like two lines, of which one grows by that factor.
-BORN = 1.3
 CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
     "the other is taken off; the sheet had better name both"
@@ -127,13 +123,6 @@ def separated(
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz, known)
-        size = np.abs(found.envelope(0))
-        if (
-            close and size.max() > BORN * size[0]
-        ):  # one mode that moves, not two: one dies, one grows
-            lines, close = before, []
-            own_Hz = float(lines[0])
-            continue
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         if not near and not trimmed:
             near = harmonics(found, sampling_Hz, APART)
@@ -152,7 +141,6 @@ def separated(
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz, _seen(found, known))
             if close:
-                before = lines
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
                 own_Hz, close = float(lines[0]), [float(lines[-1])]
                 continue
@@ -178,7 +166,7 @@ def separated(
         return Separated(velocity, first, [], *np.zeros((2, 0)))
     found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = _rest(x, found, known)
-    struck = _struck(found, rest) or _grows(found, rest, known)
+    struck = _struck(found, rest)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
@@ -284,19 +272,6 @@ def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
         return whole
     share = usable[: whole * found.spacing].reshape(whole, -1).mean(axis=1)
     return int(np.argmax(share < 0.5)) if (share < 0.5).any() else whole
-
-
-def _grows(
-    found: Envelopes, rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
-) -> int:
-    """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
-    half = found.samples // found.spacing // 2
-    size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
-    if not size.size:
-        return 0
-    top = int(np.argmax(size))
-    noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
-    return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
 
 
 def _sways(found: Envelopes) -> bool:

@@ -19,8 +19,6 @@ OVERLAP = 4.0
 # 18 degrees of freedom, so 15 comes up once in 100,000 places), and when its step is 2 % or its
 # bend this part of the decay rate: less does no harm, and a curved backbone does as much.
 GAIN, STEP, BEND = 15.0, 0.02, 0.6
-# A driven mode falls by less than this part of what it falls by once it is let go.
-HELD = 0.1
 # A tip that chatters or a hammer that bounces knocks so many times at most.
 MOST_KNOCKS = 5
 # A fall of this many frames and this ln between two kinks is a free decay, no chatter.
@@ -117,23 +115,7 @@ def _last_kink(
         for size, finer in zip(sizes, [*sizes[1:], 0], strict=True)
         if not finer or expected_gain(finer / pace, error / finer**0.5, REACH) <= 3.0 * GAIN
     ]
-    found = _at_scales(seen, noise, first, low, pace, fine)
-    if found is not None or fine == sizes:
-        return found
-    # another mode's ripple may hide it there; a joint's own bend looks alike at coarser scales,
-    # but only a drive keeps the mode from falling before
-    found = _at_scales(seen, noise, first, low, pace, sizes)
-    return found if found is not None and _held(seen, found.clean, pace) else None
-
-
-def _held(seen: Envelope, clean: int, pace: float) -> bool:
-    """Whether the mode hardly fell before a kink beside how it falls from frame `clean` on."""
-    length = int(max(REACH, 0.2 * pace))
-    last = clean - 2 * FRAME_STEPS
-    if last < length or clean + length >= seen.level.size:
-        return False
-    before = seen.level[last - length] - seen.level[last]
-    return bool(before < HELD * (seen.level[clean] - seen.level[clean + length]))
+    return _at_scales(seen, noise, first, low, pace, fine)
 
 
 def _at_scales(
