@@ -39,6 +39,8 @@ RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
 # times the median, and that part of the mode; looked for in so many first spacings. The start is
 # moved so many times.
 STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
+# A free decay grows by no more than this factor, and so many times the noise of an interval.
+GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
 # fewest cycles that are left to a decay.
@@ -162,15 +164,17 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
-    if lines.size == 1 and not base_Hz and not near and not _sways(found):
-        return Separated(velocity, first, [], *np.zeros((2, 0)))
-    found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
+    if not lone:
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = _rest(x, found, known)
-    struck = _struck(found, rest)
+    struck = _struck(found, rest) or _grows(found, rest, known)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
         return separated(*again)
+    if lone:
+        return Separated(velocity, first, [], *np.zeros((2, 0)))
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
@@ -272,6 +276,19 @@ def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
         return whole
     share = usable[: whole * found.spacing].reshape(whole, -1).mean(axis=1)
     return int(np.argmax(share < 0.5)) if (share < 0.5).any() else whole
+
+
+def _grows(
+    found: Envelopes, rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
+) -> int:
+    """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
+    half = found.samples // found.spacing // 2
+    size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
+    if not size.size:
+        return 0
+    top = int(np.argmax(size))
+    noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
+    return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
 
 
 def _sways(found: Envelopes) -> bool:
