@@ -29,16 +29,6 @@ LIBRARY = Path(br.__file__).parent
 POINT = np.array([np.log(2e9), np.log(2e9), 12e3])
 
 
-def record():
-    """A decay of 4 s at 25.6 kHz that softens by 0.4 %, a second mode beside it."""
-    t = np.arange(102_400) / 25_600.0
-    a = 0.05 * np.exp(-np.pi * 540.0 * 0.003 * t)
-    turn = 2.0 * np.pi * np.cumsum(540.0 * (1.0 - 0.004 * a / (a + 0.005))) / 25_600.0
-    v = a * np.cos(turn) + 0.01 * np.exp(-9.1 * t) * np.cos(2.0 * np.pi * 1450.0 * t)
-    v += 5e-6 * np.random.default_rng(1).standard_normal(t.size)
-    br.ringdown(v, 540.0, sampling_Hz=25_600.0, other_modes_Hz=(1450.0,))
-
-
 def curve(method):
     """Ten amplitudes of the coarse dovetail's 1B with friction at all its flanks."""
     system = system_of(coarse_joint(), POINT, "1B", 0.0)
@@ -47,7 +37,6 @@ def curve(method):
 
 
 WORK = {
-    "a record": record,
     "a curve by harmonic balance": lambda: curve("harmonic-balance"),
     "a curve by loading": lambda: curve("quasi-static"),
     "a simulated record of a small bench": lambda: simulate(toy_bench(), parts(toy_reduced()), ROW),
