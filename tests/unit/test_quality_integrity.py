@@ -275,6 +275,16 @@ def test_hum_far_below_the_mode_is_taken_off_once_and_is_no_mode():
         assert np.abs(left).max() < 0.01 * size
 
 
+def test_noise_is_reckoned_with_as_it_is_around_the_mode():
+    clean = decay()
+    rng = np.random.default_rng(2)
+    white = np.fft.rfft(rng.standard_normal(clean.size))
+    white[np.fft.rfftfreq(clean.size, 1 / RATE) > 600.0] = 0.0
+    before = judged(clean).attrs["noise_velocity"]
+    found = judged(clean + 10 * before * np.fft.irfft(white, clean.size))
+    assert found.attrs["noise_velocity"] == pytest.approx(10 * before, rel=0.25)
+
+
 @pytest.mark.parametrize("ratio", [1.28, 1.0 / 1.28])
 def test_wrong_sampling_rate_shifts_all_modes(ratio):
     velocity = decay(second=0.3)

@@ -6,8 +6,9 @@ from functools import cache, cached_property
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
+from scipy import fft
 
-from bladeroot.signal.lines import loudest, mode_Hz, quantum
+from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
 from bladeroot.signal.runs import block_scale, in_frames
 
 FRAME_CYCLES = 4
@@ -15,6 +16,10 @@ FRAME_CYCLES = 4
 MISSED_BEND = 0.15
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
+# Noise around the mode counts as coloured from so many standard errors and twice the power on.
+COLOURED = 6.0
+# Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
+BAND, BAND_HZ = 16.0, 4000.0
 
 
 @dataclass(frozen=True)
@@ -185,6 +190,45 @@ class Examined:
     def floor(self) -> float:
         """Rms of the noise, at least what the digitiser makes."""
         return max(self.noise, self.quantum / np.sqrt(12.0), 1e-9 * np.abs(self.velocity).max())
+
+    @cached_property
+    def few(self) -> int:
+        """Samples whose mean is as good as each of them, for what is no faster than the mode."""
+        return max(1, int(self.sampling_Hz / max(BAND * self.own_Hz, BAND_HZ)))
+
+    @cached_property
+    def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
+        """Frequencies and spectra of both halves of the means over `few` samples; means in each.
+
+        Scaled so that a steady line A cos(w t + p), t from the first mean, shows A exp(i p) in
+        both (Blackman-Harris). White noise stays white, with a variance that is `few` times less.
+        """
+        count = self.velocity.size // (2 * self.few)
+        samples = self.velocity[: 2 * count * self.few].reshape(-1, self.few)
+        means = samples @ np.full(self.few, 1.0 / self.few)
+        taper = blackman_harris(count)
+        padded = fft.next_fast_len(count, real=True)
+        spectra = 2.0 / taper.sum() * fft.rfft(means.reshape(2, count) * taper, padded, axis=1)
+        return fft.rfftfreq(padded, self.few / self.sampling_Hz), spectra, count
+
+    @cached_property
+    def noise_around(self) -> float:
+        """Rms of the white noise that has the power around the mode, where that is the larger.
+
+        The median from 0.3 to 0.8 and 1.3 to 1.8 of the mode's frequency in the later half, where
+        modes have died down most: what remains of them cannot raise it.
+        """
+        frequency, spectra, count = self.halves
+        relative = frequency / self.own_Hz
+        around = ((relative > 0.3) & (relative < 0.8)) | ((relative > 1.3) & (relative < 1.8))
+        around &= frequency < 0.9 * frequency[-1]
+        if around.sum() < 24:
+            return self.noise
+        # of white noise through a Blackman-Harris taper (2.004 lines wide), median of chi2_2
+        white = 4.0 * np.log(2.0) * 2.0044 * self.floor**2 / (count * self.few)
+        excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
+        sure = max(COLOURED * 1.2 / np.sqrt(around.sum() / 2.0), np.log(2.0))
+        return float(self.floor * np.exp(0.5 * excess)) if excess > sure else self.noise
 
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""

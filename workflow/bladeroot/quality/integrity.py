@@ -51,8 +51,8 @@ def judge(
 
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
-    hum is taken off `velocity`. A record is rejected where a finding drops it or masks leave fewer
-    than eight cycles.
+    hum is taken off `velocity`, and `noise_velocity` is what noise amounts to around the mode. A
+    record is rejected where a finding drops it or masks leave fewer than eight cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -81,6 +81,7 @@ def judge(
         seen = examined(decay, whole, expected_Hz, modes_Hz)
         own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz)
         candidates = examine(seen, own)
+        decay = decay.assign_attrs(noise_velocity=own.noise_around)
         if recording is not None and recording.quantity != "velocity":
             for name, module in checks().items():
                 if hasattr(module, "find_in"):

@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
-from scipy import fft
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.lines import blackman_harris
 
 STATISTIC = (
     "largest steady line at a multiple of 50 or 60 Hz (to the 7th, or to twice the mode), in "
@@ -24,9 +22,6 @@ WANDER = 0.0015
 REACH = 6
 # Each half of the decay must hold so many periods of 50 Hz, or lines cannot be told apart.
 FEWEST = 6
-# Lowest rate, over the mode's frequency and in Hz, at which hum is looked for: more samples than
-# that are averaged.
-BAND, BAND_HZ = 16.0, 4000.0
 # Smooth backgrounds over these lines: constant, straight and bent.
 _AWAY = np.linalg.qr(np.vander(np.arange(-REACH, REACH + 1.0) / REACH, 3, increasing=True))[0]
 # The two halves show the same line if they differ by less than this part of it.
@@ -50,9 +45,8 @@ def steady_lines(seen: Examined) -> Finding | None:
     """
     if 0.5 * seen.velocity.size / seen.sampling_Hz * MAINS_HZ[0] < FEWEST:
         return None
-    few = max(1, int(seen.sampling_Hz / max(BAND * seen.own_Hz, BAND_HZ)))
-    frequency, spectra, count = _halves(seen, few)
-    rate = seen.sampling_Hz / few
+    frequency, spectra, count = seen.halves
+    rate = seen.sampling_Hz / seen.few
     orders = [int(np.clip(2.0 * seen.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
     mains = np.repeat(MAINS_HZ, orders)
     nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
@@ -70,29 +64,12 @@ def steady_lines(seen: Examined) -> Finding | None:
         return Finding(strongest, THRESHOLD, "subtract", "")
     # of the means over a few samples, back to the samples
     phasor /= np.sinc(at / rate) / np.sinc(at / seen.sampling_Hz)
-    time = (np.arange(float(seen.velocity.size)) - 0.5 * (few - 1)) / seen.sampling_Hz
+    time = (np.arange(float(seen.velocity.size)) - 0.5 * (seen.few - 1)) / seen.sampling_Hz
     excess = np.zeros(time.size)
     for k in found:
         excess += (phasor[k] * np.exp(2j * np.pi * np.mod(at[k] * time, 1.0))).real
     listed = ", ".join(f"{abs(phasor[k]):.2g} m/s at {at[k]:.5g} Hz" for k in found)
     return Finding(strongest, THRESHOLD, "subtract", f"mains hum: {listed}; taken off", (), excess)
-
-
-def _halves(
-    seen: Examined, few: int
-) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
-    """Frequencies and spectra of both halves of the means over some samples; means in each.
-
-    Scaled so that a steady line A cos(w t + p), t from the first mean, shows A exp(i p) in
-    both (Blackman-Harris).
-    """
-    count = seen.velocity.size // (2 * few)
-    samples = seen.velocity[: 2 * count * few].reshape(-1, few)
-    means = samples @ np.full(few, 1.0 / few)
-    taper = blackman_harris(count)
-    padded = fft.next_fast_len(count, real=True)
-    spectra = 2.0 / taper.sum() * fft.rfft(means.reshape(2, count) * taper, padded, axis=1)
-    return fft.rfftfreq(padded, few / seen.sampling_Hz), spectra, count
 
 
 def _steady(
