@@ -36,8 +36,8 @@ def test_a_person_sets_where_the_decay_begins_and_ends():
 
 
 def test_keep_makes_findings_warn_and_shows_it():
-    short = ring(seconds=0.7, begin=0.5)
-    dropped, kept = made(short)[0], made(short, keep=True, start_s=0.5, end_s=0.69)[0]
+    short = ring(seconds=0.2, begin=0.0)  # ten cycles of a decay that nobody saw begin
+    dropped, kept = made(short)[0], made(short, keep=True, start_s=0.0, end_s=0.19)[0]
     assert dropped.attrs["verdict"] == "rejected"
     assert kept.attrs["verdict"] == "usable"
     assert "drop" not in kept["finding_consequence"].values
