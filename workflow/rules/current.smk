@@ -15,6 +15,10 @@ from bladeroot.runs import system_fault
 # Snakemake's own checksums of inputs only prevent jobs, whichever profile is used: files whose content is
 # another count as the same where a record says so. Contents are compared here.
 DAGSettings.max_checksum_file_size = property(lambda _: 0, lambda *_: None)
+# A limit of jobs per second is a cluster's. Here it would wake the scheduler once a second more for each choice made,
+# and keep the run from ending for a second.
+if workflow.local_exec:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 # Nor does `rerun-triggers: mtime` of somebody's own profile hide changed settings and code.
 DAGSettings.rerun_triggers = property(lambda _: RerunTrigger.all(), lambda *_: None)
 

@@ -9,7 +9,8 @@ import xarray as xr
 from bladeroot.decay.cut import rejected
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.io.overrides import kept, overruled, with_override
+from bladeroot.decay.overrides import kept, with_override
+from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
 from bladeroot.io.recording import Recording, part
 from bladeroot.plateau.record import record_plateau

@@ -2,11 +2,6 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-import xarray as xr
-from jaxtyping import Float
-from numpy import ndarray
-
 NAMES = ("start_s", "end_s", "band_Hz", "keep")
 
 
@@ -23,74 +18,3 @@ def overruled(row: Mapping) -> str:
         return ""
     note = row.get("note", "")
     return f"{', '.join(said)} of records.csv" + (f" ({note})" if note else ": no note says why")
-
-
-def windowed(
-    decay: xr.Dataset,
-    whole: Float[ndarray, " whole"],
-    start_s: float | None,
-    end_s: float | None,
-) -> xr.Dataset:
-    """A cut with the start and the end (s in the raw record) that a person gives.
-
-    decay: from `bladeroot.decay.cut.cut`; a side that is not given stays, or is the record's own
-    where nothing was found. whole: the record it was cut from, m/s. What the cut found amiss is
-    then a person's to judge, unless nothing is left.
-    """
-    rate = float(decay.attrs["sampling_Hz"])
-    if (start_s is None and end_s is None) or not (np.isfinite(rate) and whole.size):
-        return decay
-    known = decay.sizes["time"] > 0
-    begin = decay.attrs["start_s"] if known else 0.0
-    finish = decay.attrs["end_s"] if known else (whole.size - 1) / rate
-    begin = begin if start_s is None else start_s
-    finish = finish if end_s is None else end_s
-    first = int(np.clip(np.ceil(begin * rate), 0, whole.size))
-    stop = int(np.clip(np.floor(finish * rate) + 1, first, whole.size))
-    piece = whole[first:stop]
-    made = decay.drop_vars(["velocity", "time"]).assign(
-        velocity=("time", piece, decay["velocity"].attrs)
-    )
-    made = made.assign_coords(
-        time=("time", np.arange(float(piece.size)) / rate, decay["time"].attrs)
-    )
-    finding = "" if piece.any() else f"nothing between {begin:g} and {finish:g} s of records.csv"
-    facts = {"start_s": first / rate, "end_s": max(stop - 1, first) / rate,
-             "end_reason": decay.attrs["end_reason"] if end_s is None else "records.csv",
-             "verdict": "rejected" if finding else "usable", "findings": finding}  # fmt: skip
-    if start_s is not None:
-        facts |= {"release_s": first / rate, "release_std_s": 0.0}
-    if not decay.attrs["excitation"]:
-        facts["excitation"] = "begins in the decay"
-    return made.assign_attrs(facts)
-
-
-def kept(judged: xr.Dataset) -> xr.Dataset:
-    """A judged record whose findings warn and no longer drop; without samples there is nothing."""
-    if judged.attrs["verdict"] == "usable" or not judged.sizes["time"]:
-        return judged
-    consequence = judged["finding_consequence"]
-    warn = xr.where(consequence == "drop", "warn", consequence).astype(str)
-    return judged.assign(finding_consequence=warn.assign_attrs(consequence.attrs)).assign_attrs(
-        verdict="usable", reason=""
-    )
-
-
-def with_override(judged: xr.Dataset, text: str) -> xr.Dataset:
-    """A judged record with the overrides as its first finding, so that every table shows them."""
-    if not text:
-        return judged
-    own = f"overruled: {text}"
-    first = {"id": "override", "statistic": 1.0, "threshold": 0.0, "consequence": "warn",
-             "text": own, "from_s": np.nan, "to_s": np.nan}  # fmt: skip
-    names = [f"finding_{name}" for name in first]
-    columns = {
-        name: xr.Variable(
-            "finding",
-            np.array([value, *judged[name].values.tolist()], type(value)),
-            judged[name].attrs,
-        )
-        for name, value in zip(names, first.values(), strict=True)
-    }
-    said = "; ".join(filter(None, (own, judged.attrs["findings"])))
-    return judged.drop_vars(names).assign(columns).assign_attrs(findings=said, overruled=text)

@@ -11,7 +11,6 @@ from bladeroot.io.response import undoing
 from bladeroot.io.sampling import uniform
 from bladeroot.io.units import SI, motion
 from bladeroot.signal.lines import loudest, mode_Hz
-from bladeroot.signal.spectrum import not_cut
 
 # Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
 USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
@@ -155,6 +154,8 @@ def _roughness(x: ndarray) -> float:
 
 def uncut(record: Recording, expected_Hz: float) -> Recording:
     """The recording; where its samples were cut towards zero, made good, with a note of it."""
+    from bladeroot.signal.spectrum import not_cut  # late: who checks a sheet imports this module
+
     samples = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
     if samples is record.samples:
         return record
