@@ -8,8 +8,8 @@ from numpy import ndarray
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
-from bladeroot.decay.release import Release
 from bladeroot.decay.overrides import windowed
+from bladeroot.decay.release import Release
 from bladeroot.io.recording import Recording, uncut, velocity
 from bladeroot.quality.integrity import bridged, judge
 from bladeroot.signal.lines import TOLERANCE, magnitudes
