@@ -5,6 +5,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.checks import checks
 from bladeroot.rom.comparison import checks_dataset, row
+from bladeroot.rom.reduction import reduce_structure
 from structure_coarse import ROOT, coarse_structure
 
 TABLES = ("table_2_2", "table_4_1", "table_4_2", "table_4_4")
@@ -25,7 +26,8 @@ def result(tables):
 def _checks(tables, **changes):
     structure = coarse_structure(**changes)
     mesh = build_mesh(structure)
-    return checks(structure, mesh, prestress(structure, mesh), tables)
+    stress = prestress(structure, mesh)
+    return checks(structure, mesh, stress, reduce_structure(structure, mesh, stress), tables)
 
 
 def test_tables_are_as_printed(tables):

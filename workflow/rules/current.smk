@@ -6,7 +6,7 @@ import shutil
 
 from snakemake.logging import logger
 from snakemake.settings.enums import RerunTrigger
-from snakemake.settings.types import DAGSettings
+from snakemake.settings.types import DAGSettings, SchedulingSettings
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from bladeroot import runs, statement
@@ -17,6 +17,12 @@ from bladeroot.runs import system_fault
 DAGSettings.max_checksum_file_size = property(lambda _: 0, lambda *_: None)
 # Nor does `rerun-triggers: mtime` of somebody's own profile hide changed settings and code.
 DAGSettings.rerun_triggers = property(lambda _: RerunTrigger.all(), lambda *_: None)
+# A limit of jobs a second is for a cluster. Here each choice of jobs would wake the scheduler every second from
+# then on, and the run would wait a second for that at its end.
+SchedulingSettings.max_jobs_per_timespan = property(
+    lambda asked: None if workflow.local_exec else vars(asked)["limit"],
+    lambda asked, limit: vars(asked).update(limit=limit),
+)
 
 RESULTS = Path("results")
 CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")

@@ -75,7 +75,6 @@ localrules:
     ledger,
     stiffness,
     theory,
-    thesis_search,
     verdict,
 
 

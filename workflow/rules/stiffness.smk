@@ -2,50 +2,56 @@
 import json
 
 
-def search_results(campaign, structure):
+def search_results(campaign):
     return [
         f"results/{campaign.name}/stiffness/{structure}/{force}.nc"
+        for structure in structures_of(campaign)
         for force in forces_of(campaign)
     ]
 
 
-# All forces of a structure are one job, with a rule of its own: an output can't be a list that grows.
-for campaign in CAMPAIGNS.values():
-    for structure in structures_of(campaign):
+def thesis_search_results(campaign):
+    return [
+        f"results/{campaign.name}/thesis_search/{structure}.nc"
+        for structure in structures_of(campaign)
+    ]
 
-        rule:
-            name:
-                f"search.{campaign.name}.{structure}"
-            input:
-                maps=artifacts_at_forces(structure, "map", forces_of(campaign)),
-                fe_forces=f"results/{campaign.name}/fe_forces.nc",
-            output:
-                stiffness=search_results(campaign, structure),
-            log:
-                f"results/logs/search/{campaign.name}/{structure}.log",
-            benchmark:
-                f"results/benchmarks/search/{campaign.name}/{structure}.tsv"
-            threads: 1
-            resources:
-                **needs("search"),
-            params:
-                settings=settings("search"),
-                code=code("search"),
-            message:
-                f"kn, kt of {campaign.name} with {structure} at each force (5.8-5.24)"
-            shell:
-                "{PYTHON:q} {SCRIPTS:q}/search.py --maps {input.maps:q}"
-                " --fe_forces {input.fe_forces:q} --settings {params.settings:q}"
-                " --outputs {output.stiffness:q} > {log} 2>&1"
+
+# All forces and structures of a campaign are one job, with a rule of its own: an output can't be a list that grows.
+for campaign in filter(structures_of, CAMPAIGNS.values()):
+
+    rule:
+        name:
+            f"search.{campaign.name}"
+        input:
+            maps=[
+                path
+                for structure in structures_of(campaign)
+                for path in artifacts_at_forces(structure, "map", forces_of(campaign))
+            ],
+            fe_forces=f"results/{campaign.name}/fe_forces.nc",
+        output:
+            stiffness=search_results(campaign),
+        log:
+            f"results/logs/search/{campaign.name}.log",
+        benchmark:
+            f"results/benchmarks/search/{campaign.name}.tsv"
+        threads: 1
+        resources:
+            **needs("search"),
+        params:
+            settings=settings("search"),
+            code=code("search"),
+        message:
+            f"kn, kt of {campaign.name} with each structure at each force (5.8-5.24)"
+        shell:
+            "{PYTHON:q} {SCRIPTS:q}/search.py --maps {input.maps:q}"
+            " --fe_forces {input.fe_forces:q} --settings {params.settings:q}"
+            " --outputs {output.stiffness:q} > {log} 2>&1"
 
 
 def searches(wildcards):
-    campaign = CAMPAIGNS[wildcards.campaign]
-    return [
-        path
-        for structure in structures_of(campaign)
-        for path in search_results(campaign, structure)
-    ]
+    return search_results(CAMPAIGNS[wildcards.campaign])
 
 
 def joint_facts(wildcards):
@@ -117,43 +123,45 @@ rule stiffness:
         " --output {output.stiffness} > {log} 2>&1"
 
 
-rule thesis_search:
-    input:
-        parametric=rules.parametric_equal_nodes.output.parametric,
-        fe_forces=rules.fe_forces.output.fe_forces,
-        tables=given(
-            expand(
-                ROOT / "resources" / "thesis" / "{name}.csv",
-                name=["table_5_1", "table_5_2"],
-            )
-        ),
-    output:
-        search="results/{campaign}/thesis_search/{structure}.nc",
-    log:
-        "results/logs/thesis_search/{campaign}/{structure}.log",
-    benchmark:
-        "results/benchmarks/thesis_search/{campaign}/{structure}.tsv"
-    threads: 1
-    resources:
-        **needs("thesis_search"),
-    params:
-        settings=settings("search"),
-        code=code("thesis_search"),
-    message:
-        "the thesis's own search of {wildcards.campaign} with {wildcards.structure} (5.8-5.24)"
-    shell:
-        "{PYTHON:q} {SCRIPTS:q}/thesis_search.py --parametric {input.parametric:q}"
-        " --fe_forces {input.fe_forces:q} --tables {input.tables:q}"
-        " --settings {params.settings:q} --output {output.search} > {log} 2>&1"
+for campaign in filter(structures_of, CAMPAIGNS.values()):
+
+    rule:
+        name:
+            f"thesis_search.{campaign.name}"
+        input:
+            parametrics=[
+                f"results/structures/{structure}/parametric_equal_nodes.nc"
+                for structure in structures_of(campaign)
+            ],
+            fe_forces=f"results/{campaign.name}/fe_forces.nc",
+            tables=given(
+                expand(
+                    ROOT / "resources" / "thesis" / "{name}.csv",
+                    name=["table_5_1", "table_5_2"],
+                )
+            ),
+        output:
+            searches=thesis_search_results(campaign),
+        log:
+            f"results/logs/thesis_search/{campaign.name}.log",
+        benchmark:
+            f"results/benchmarks/thesis_search/{campaign.name}.tsv"
+        localrule: True
+        threads: 1
+        resources:
+            **needs("thesis_search"),
+        params:
+            settings=settings("search"),
+            code=code("thesis_search"),
+        message:
+            f"the thesis's own search of {campaign.name} with each structure (5.8-5.24)"
+        shell:
+            "{PYTHON:q} {SCRIPTS:q}/thesis_search.py --parametrics {input.parametrics:q}"
+            " --fe_forces {input.fe_forces:q} --tables {input.tables:q}"
+            " --settings {params.settings:q} --outputs {output.searches:q} > {log} 2>&1"
 
 
 def thesis_searches(wildcards):
     """One for each structure, of campaigns that stand beside the thesis's tables."""
     campaign = CAMPAIGNS[wildcards.campaign]
-    if not of_the_thesis(campaign):
-        return []
-    return made(
-        rules.thesis_search.output.search,
-        campaign=campaign.name,
-        structure=structures_of(campaign),
-    )
+    return thesis_search_results(campaign) if of_the_thesis(campaign) else []

@@ -54,6 +54,7 @@ rule checks:
         structure=structure_file,
         mesh=rules.reduced.output.mesh,
         prestress=rules.reduced.output.prestress,
+        reduced=rules.reduced.output.reduced,
         tables=given(
             expand(
                 ROOT / "resources" / "thesis" / "table_{table}.csv",
@@ -76,4 +77,5 @@ rule checks:
         "{wildcards.structure} against the thesis's Tables 2.2, 4.1, 4.2 and 4.4"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/checks.py --structure {input.structure:q} --mesh {input.mesh:q}"
-        " --prestress {input.prestress:q} --tables {input.tables:q} --output {output.checks} > {log} 2>&1"
+        " --prestress {input.prestress:q} --reduced {input.reduced:q} --tables {input.tables:q}"
+        " --output {output.checks} > {log} 2>&1"

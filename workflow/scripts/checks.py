@@ -9,9 +9,9 @@ from bladeroot.rom.checks import checks
 from bladeroot.rom.file import load_structure
 
 
-def main(structure, mesh, prestress, tables, output):
+def main(structure, mesh, prestress, reduced, tables, output):
     published = {Path(table).stem: pd.read_csv(table) for table in tables}
-    made = (artifacts.load(mesh), artifacts.load(prestress))
+    made = map(artifacts.load, (mesh, prestress, reduced))
     artifacts.save(checks(load_structure(structure), *made, published), output)
 
 
@@ -21,6 +21,7 @@ if __name__ == "__main__":
         structure="structure file (YAML)",
         mesh="mesh.nc",
         prestress="prestress.nc",
+        reduced="reduced.nc",
         tables="many: published tables as printed (CSV)",
         output="checks.nc",
     )

@@ -11,7 +11,6 @@ import pandas as pd
 import yaml
 from _cli import run
 from bladeroot import __version__, artifacts
-from bladeroot.decay.spectra import FADE_CYCLES, before_and_after
 from bladeroot.figures.records import worth_showing
 from bladeroot.io.campaign import load_campaign
 from bladeroot.provenance import environment
@@ -87,6 +86,8 @@ def _published(forces, stiffness):
 
 def _of_records(batches, folder):
     """The decays, and the raw records that are worth showing with their spectra."""
+    from bladeroot.decay.spectra import FADE_CYCLES, before_and_after  # late: of records alone
+
     decays = artifacts.load_records(batches, "decay")
     found = {decay.attrs["record"]: decay for decay in decays}
     told = worth_showing(

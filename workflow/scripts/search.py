@@ -1,4 +1,4 @@
-"""kn and kt with one structure at each axial force -> stiffness/<structure>/<force>.nc."""
+"""kn and kt with each structure at each axial force -> stiffness/<structure>/<force>.nc."""
 
 import json
 
@@ -21,7 +21,7 @@ def main(maps, fe_forces, settings, outputs):
 if __name__ == "__main__":
     run(
         main,
-        maps="many: maps of the structure, one a force",
+        maps="many: maps of the structures, one a force",
         fe_forces="fe_forces.nc",
         settings="section `search` of the configuration (JSON)",
         outputs="many: stiffness files to write, in the same order",

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.signal import fftconvolve
 
 # Half the filter's length, in inverse widths of the band: shorter lets the neighbours in, longer
 # loses more of the decay's ends.
@@ -99,6 +98,8 @@ def in_band(
         ValueError: the mode is not in the band, the band is not below half the sampling frequency,
             or the decay is too short for it.
     """
+    from scipy.signal import fftconvolve  # late: few records have a band
+
     low, high = band_Hz
     if not low < own_Hz < high:
         raise ValueError(f"band_Hz must hold the mode's {own_Hz:g} Hz, got {low:g} to {high:g}")

@@ -2,13 +2,15 @@
 
 import io
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
@@ -70,19 +72,23 @@ def svg(drawn: Figure) -> str:
     A dollar sign in a text is one: names of records and clampings are no mathematics. The library's
     own powers of ten at ticks are; names at ticks are `plain`.
     """
-    ticks = {
-        label
-        for axes in drawn.axes
-        for line in (axes.xaxis, axes.yaxis)
-        for label in (*line.get_ticklabels(), *line.get_ticklabels(minor=True))
-    }
-    for label in drawn.findobj(Text):
-        if label not in ticks:
-            label.set_parse_math(False)
+    for label in _beside_ticks(drawn):
+        label.set_parse_math(False)
     text = io.StringIO()
     # `savefig` draws everything once more, to no end
     FigureCanvasSVG(drawn).print_svg(text, metadata={"Date": None})
     return text.getvalue()
+
+
+def _beside_ticks(artist: Artist) -> Iterator[Text]:
+    """All texts but those of ticks, which are only made as the figure is drawn."""
+    if isinstance(artist, Axis):
+        yield from (artist.label, artist.offsetText)
+        return
+    if isinstance(artist, Text):
+        yield artist
+    for child in artist.get_children():
+        yield from _beside_ticks(child)
 
 
 def plain(text: str) -> str:

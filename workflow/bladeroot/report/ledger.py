@@ -129,14 +129,15 @@ def _values(ledger: xr.Dataset, index: int) -> list[tuple[str, ...]]:
     one = _of_row(ledger, index)
     if one.sizes["value"] < 2:
         return []
-    names = ("printed", "computed", "difference", "tolerance")
+    names = ("label", "printed", "computed", "difference", "tolerance", "within")
+    columns = [one[f"value_{name}"].values.tolist() for name in names]
     lines = []
-    for i in range(one.sizes["value"]):
-        value = one.isel(value=i)
-        printed, computed, difference, allowed = (float(value[f"value_{n}"]) for n in names)
-        within = ("no", "yes")[int(value["value_within"])] if np.isfinite(computed) else NONE
+    for i, (label, printed, computed, difference, allowed, holds) in enumerate(
+        zip(*columns, strict=True), 1
+    ):
+        within = ("no", "yes")[int(holds)] if np.isfinite(computed) else NONE
         lines.append(
-            (str(one["where"].values), str(value["value_label"].values) or str(i + 1),
+            (str(one["where"].values), str(label) or str(i),
              _plain(printed, 6), _plain(computed, 5), significant(difference, 2),
              significant(allowed, 2), within)
         )  # fmt: skip

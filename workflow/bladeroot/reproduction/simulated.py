@@ -87,28 +87,33 @@ def normal_fixed(evidence: Evidence, axis: str, number: int) -> Computed:
     """
     forces = 1e3 * evidence.tables["4_3"].query("mode == '1B'")["force_kN"].to_numpy()
     return {
-        name: np.array([_sliding_frequency(own, force, axis, number) for force in forces])
+        name: _sliding_frequencies(own, forces, axis, number)
         for name, own in evidence.reduced.items()
     }
 
 
-def _sliding_frequency(reduced: xr.Dataset, force: float, axis: str, number: int) -> float:
+def _sliding_frequencies(
+    reduced: xr.Dataset, forces: Float[ndarray, " force"], axis: str, number: int
+) -> Float[ndarray, " force"]:
     pairs = reduced.sizes["pair"]
     turn = np.eye(reduced.sizes["beam_dof"])
     for pair, flank in enumerate(reduced["pair_flank"].values):
         place = slice(3 * pair, 3 * pair + 3)
         turn[place, place] = reduced["flank_frame"].values[flank].T
     free = np.delete(turn, 3 * np.arange(pairs), axis=1)  # the first local axis is the normal
-    stiffness = reduced["beam_stiffness"] + force * reduced["beam_geometric_stiffness"].values
-    values, shapes = scipy.linalg.eigh(
-        free.T @ stiffness.values @ free,
-        free.T @ reduced["beam_mass"].values @ free,
-        subset_by_index=[0, 9],
+    stiffness, per_newton, mass = (
+        free.T @ reduced[f"beam_{part}"].values @ free
+        for part in ("stiffness", "geometric_stiffness", "mass")
     )
-    energy = ((reduced["display_shape"].values @ (free @ shapes)) ** 2).sum(axis=0)
-    along = reduced["axis"].values[energy.argmax(axis=0)]
-    elastic = values[(along == axis) & (values > 1e3)]
-    return float(np.sqrt(elastic[number - 1]) / (2.0 * np.pi))
+    shown = reduced["display_shape"].values @ free
+    found = []
+    for force in forces:
+        matrix = stiffness + force * per_newton
+        values, shapes = scipy.linalg.eigh(matrix, mass, subset_by_index=[0, 9])
+        along = reduced["axis"].values[((shown @ shapes) ** 2).sum(axis=0).argmax(axis=0)]
+        elastic = values[(along == axis) & (values > 1e3)]
+        found.append(np.sqrt(elastic[number - 1]) / (2.0 * np.pi))
+    return np.array(found)
 
 
 def nodes_of_a_flank(evidence: Evidence) -> Computed:

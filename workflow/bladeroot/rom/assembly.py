@@ -96,12 +96,10 @@ def find_modes(
     shown = np.einsum("daq,qm->dam", assembly.display_shape.values, shapes)
     alike = _flanks_alike(assembly, shapes)
     every = np.full(shapes.shape[1], True)
-    families = {"B": (2, every), "L": (1, alike), "T": (1, ~alike)}
+    families = {"B": every, "L": alike, "T": ~alike}
     found = {}
     for name in names:
-        if not re.fullmatch(r"[1-9]\d*[BLT]", name):
-            raise ValueError(f"a mode's name must be a number and B, L or T, got {name!r}")
-        number, (axis, family) = int(name[:-1]), families[name[-1]]
+        axis, number, family = axis_of(name), int(name[:-1]), families[name[-1]]
         sign = 1 if number % 2 else -1
         good = of_parity(assembly.display_position.values, shown, axis, sign)
         good = good[family[good]]
@@ -112,6 +110,13 @@ def find_modes(
             )
         found[name] = int(good[(number - 1) // 2])
     return found
+
+
+def axis_of(name: str) -> int:
+    """Along which axis a named mode moves the middle line; ValueError if it is no such name."""
+    if not re.fullmatch(r"[1-9]\d*[BLT]", name):
+        raise ValueError(f"a mode's name must be a number and B, L or T, got {name!r}")
+    return 2 if name[-1] == "B" else 1
 
 
 def of_parity(

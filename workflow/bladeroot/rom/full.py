@@ -28,7 +28,7 @@ from bladeroot.fem.symmetry import (
     that_keep,
     whole_shapes,
 )
-from bladeroot.rom.assembly import find_modes
+from bladeroot.rom.assembly import axis_of, find_modes
 from bladeroot.rom.reduction import beam_model, contact_dofs, force_stiffness
 
 _MODES = 12
@@ -176,7 +176,7 @@ def full_modes(
     if a mode is not found or does not converge.
     """
     low, high = np.min(points, axis=0), np.max(points, axis=0)
-    parts = sectors(full.mirrors, full.mass.shape[0])
+    parts = [one for one in sectors(full.mirrors, full.mass.shape[0]) if _shows(full, one, names)]
     within = [_within(full, one) for one in parts]
     middle = (*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
     problems = [(_stiffness(one, *middle), one.mass) for one in within]
@@ -201,6 +201,16 @@ def full_modes(
         (value, whole_shapes(parts, list(shape)))
         for value, shape in zip(values, shapes, strict=True)
     ]
+
+
+def _shows(full: FullJoint, part: Sector, names: Sequence[str]) -> bool:
+    """Whether a sector's motions can be those of a named mode: they move what it is known by."""
+    if "mode_shape" in full.seen:
+        return True
+    shape = full.seen.display_shape.values
+    shown = sp.csr_array(shape.reshape(-1, shape.shape[2])) @ part.columns[full.view]
+    moved = abs(shown).max(axis=1).toarray().reshape(shape.shape[:2]).max(axis=0)
+    return any(moved[axis_of(name)] > 0.0 for name in names)
 
 
 @dataclass(frozen=True)

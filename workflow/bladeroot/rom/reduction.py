@@ -144,17 +144,28 @@ def reduce_structure(structure: Structure, mesh: xr.Dataset, prestress: xr.Datas
     """
     model = beam_model(structure, mesh, prestress)
     basis = beam_basis(model, mesh, structure.beam_modes)
-    return reduced_dataset(
+    shapes = basis.columns.reshape(-1, 3, basis.columns.shape[1])
+    reduced = reduced_dataset(
         mesh,
         (
             project(model.mass, basis),
             project_stiffness(model.stiffness, basis),
             project(model.geometric, basis),
         ),
-        basis.columns.reshape(-1, 3, basis.columns.shape[1])[mesh.display_node.values],
+        shapes[mesh.display_node.values],
         _reduce_slots(structure, mesh),
         {"beam_modes": structure.beam_modes, "slot_modes": structure.slot_modes},
     )
+    # single precision: modes are only named by it
+    sides = {"side_shape": shapes[side_nodes(model.mesh)].astype(np.float32)}
+    return reduced.merge(dataset("rom/reduced", sides))
+
+
+def side_nodes(beam: Mesh) -> Int[ndarray, " side"]:
+    """Corners of elements on the beam's two sides, where every mode's parities can be seen."""
+    corners = np.unique(beam.elements[:, [0, 2, 6, 8, 18, 20, 24, 26]])
+    across = np.abs(beam.nodes[corners, 1])
+    return corners[across > across.max() - 1e-9]
 
 
 def reduced_dataset(

@@ -221,14 +221,25 @@ def share_within(
     share of the draws exceeds. The density is a kernel estimate, which smooths a thin valley to a
     wider one; the share is counted among the draws, and stays right.
     """
-    from scipy.stats import gaussian_kde
-
     # Weighted draws come several times: a draw's density is that of all others, copies left out.
     draws, copies = np.unique(draws, axis=0, return_counts=True)
     weight = copies / copies.sum()
-    kernel = gaussian_kde(draws.T, weights=weight)
-    peak = 1.0 / np.sqrt(np.linalg.det(2.0 * np.pi * kernel.covariance))
-    own = (kernel(draws.T) - weight * peak) / (1.0 - weight)
+    # Scott's width; a density counts in units of a kernel's peak
+    width = (weight**2).sum() ** (1.0 / (draws.shape[1] + 4))
+    root = width * np.linalg.cholesky(np.cov(draws.T, aweights=weight))
+    places, asked = (np.linalg.solve(root, some.T).T for some in (draws, points))
+    own = (_density(places, weight, places) - weight) / (1.0 - weight)
     order = np.argsort(own)
     below = np.concatenate([[0.0], np.cumsum(weight[order])])
-    return 1.0 - below[np.searchsorted(own[order], kernel(points.T))]
+    return 1.0 - below[np.searchsorted(own[order], _density(places, weight, asked))]
+
+
+def _density(
+    draws: Float[ndarray, "draw axis"],
+    weight: Float[ndarray, " draw"],
+    points: Float[ndarray, "point axis"],
+) -> Float[ndarray, " point"]:
+    """Sum of the draws' unit Gaussian kernels at points."""
+    parts = np.array_split(points, 1 + len(points) // 500)  # bounds the memory
+    away = (((part[:, None] - draws) ** 2).sum(axis=2) for part in parts)
+    return np.concatenate([np.exp(-0.5 * square) @ weight for square in away])

@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
-from scipy.optimize import least_squares
 
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.surface import all_frequencies
@@ -89,6 +88,8 @@ def nearest_point(
     log_axis: Float[ndarray, " k"],
 ) -> Float[ndarray, " 2"]:
     """Point of the box whose frequencies miss the target least, in units of `std` (Hz)."""
+    from scipy.optimize import least_squares  # late: most maps have roots
+
     miss = np.sum(((drawn - target[:, None, None]) / std[:, None, None]) ** 2, axis=0)
     start = log_axis[list(np.unravel_index(np.argmin(miss), miss.shape))]
     inside = np.clip(start, log_axis[0] + 1e-9, log_axis[-1] - 1e-9)
