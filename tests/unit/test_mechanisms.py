@@ -230,6 +230,18 @@ def test_slip_laws_are_masings_loops_about_their_backbones(form, shape, backbone
     assert effect.loss[0] * left / share == pytest.approx(abs(loss), rel=0.03)
 
 
+def test_a_zero_that_creeps_comes_to_rest_and_without_time_is_a_constant():
+    (one,) = (one for one in catalogue() if one.id == "force-offset")
+    law = one.of_form("creeping").stick
+    values = np.array([2000.0, -0.2, 0.3])
+    off = law(RECORDS, values).changes["force"]
+    assert off[0] == pytest.approx(1600.0)
+    assert (np.diff(off) > 0.0).all()
+    assert (np.diff(off)[1:] / np.diff(RECORDS.time)[1:] < np.diff(off)[0] / 400.0).all()
+    still = replace(RECORDS, time=np.zeros(4), span=0.0)
+    assert law(still, values).changes["force"] == pytest.approx(1600.0)
+
+
 @pytest.mark.parametrize("form", ["steady", "ever faster"])
 def test_a_crack_lowers_each_mode_by_its_own_part(form):
     """With every clamping, and by as much from the first to the last in either form."""

@@ -12,7 +12,7 @@ def stick(records: Records, values: np.ndarray) -> StickEffect:
 
 
 def creeping(records: Records, values: np.ndarray) -> StickEffect:
-    """An offset at the end that was another at first: the zero creeps, fast and then ever slower."""
+    """An offset that was another at first: the zero creeps, fast and then ever slower."""
     offset, first, time = values
     begun = records.time / records.span if records.span > 0.0 else 0.0 * records.time
     late = time / (time + begun)
