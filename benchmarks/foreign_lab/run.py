@@ -151,22 +151,20 @@ _DROPPED = ("records", "plateau")
 
 
 def _analyse(folder: Path, results: Path) -> None:
+    stage("ringdown")  # the library's path
     from bladeroot.io.campaign import load_campaign
+    from bladeroot.io.facts import record_facts
 
     campaign, config = load_campaign(folder), configuration()
-    modes = campaign.description["modes"]
-    facts = []
-    for row in campaign.records:
-        others = [modes[m]["expected_Hz"] for m in modes if m != row["mode"]]
-        facts.append({**row, **modes[row["mode"]], "other_modes_Hz": others, "simulated": False})
     settings = {part: json.dumps(config[part]) for part in ("record", "decay", "stick")}
     batch = results / BATCH
     stage("ringdown")(
         [folder / row["file"] for row in campaign.records],
-        json.dumps(facts),
+        json.dumps([record_facts(campaign, row) for row in campaign.records]),
         campaign.name,
         settings["record"],
         settings["decay"],
+        "",
         results,
         batch,
     )
@@ -193,11 +191,10 @@ def judge(seen: xr.Dataset, model: xr.Dataset, independent: Sequence[dict] = ())
     return {**verdict, "seconds": {"diagnosis": time.process_time() - clock}}
 
 
-def _judged(seen: Path, parametric: Path, facts: dict, results: Path) -> dict:
+def _judged(seen: Path, parametric: Path, settings: str, results: Path) -> dict:
     from bladeroot import artifacts
 
-    config, said = configuration(), []
-    settings = json.dumps({**config["diagnosis"], **config["search"], **facts})
+    said = []
     keep, artifacts.save_json = artifacts.save_json, lambda verdict, _: said.append(verdict)
     try:
         stage("diagnosis")(seen, [str(parametric)], settings, results / "d.nc", results, None)
@@ -208,6 +205,7 @@ def _judged(seen: Path, parametric: Path, facts: dict, results: Path) -> dict:
 
 def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
     from bladeroot.io.campaign import load_campaign
+    from bladeroot.io.facts import diagnosis_facts, observation_facts
 
     campaign = load_campaign(folder)
     batch = results / BATCH
@@ -216,21 +214,8 @@ def _diagnose(folder: Path, results: Path, parametric: Path) -> dict:
         batch.write_text("".join(f"{row['record']}\n" for row in campaign.records))
     integrity, stick = results / "integrity.nc", results / "stick.nc"
     seen = results / "observations.nc"
-    stage("observations")(stick, [batch], [integrity], json.dumps(_observed_facts(campaign)), seen)
-    facts = {
-        "full_contact_from_kN": campaign.description.get("full_contact_from_kN", 0),
-        "independent": campaign.description.get("independent", []),
-    }
-    return _judged(seen, parametric, facts, results)
-
-
-def _observed_facts(campaign) -> dict:
-    """As `workflow/rules/diagnosis.smk` gives them."""
-    modes, load = campaign.description["modes"], campaign.load
-    return {
-        "same_everywhere": load.same_everywhere,
-        "of_reading": load.of_reading,
-        "scale": load.scale,
-        "laser_x": {mode: campaign.laser_x(mode) for mode in modes},
-        "time": {r["record"]: r["time_s"] for r in campaign.records if r["time_s"] is not None},
-    }
+    stage("observations")(
+        stick, [batch], [integrity], json.dumps(observation_facts(campaign)), seen
+    )
+    facts = diagnosis_facts(campaign, configuration())
+    return _judged(seen, parametric, json.dumps(facts), results)

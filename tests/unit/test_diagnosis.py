@@ -129,6 +129,15 @@ def test_an_effect_on_stick_frequencies_is_named_and_gains(model, effect, size, 
     assert said["gain"]["log_score"]["after"] > said["gain"]["log_score"]["before"]
 
 
+def test_what_is_of_no_catalogue_may_be_a_contact_that_any_load_changes(stiffening):
+    """It competes with laws of the contact; each mode for itself comes tens of nats behind."""
+    (found,) = (one for one in stiffening[0].found if one.channel.name == "stick")
+    step = found.steps[0]
+    law = step.mechanisms["load-dependent-stiffness"]
+    assert law - 5.0 < step.smooth["force, through the contact"] < law
+    assert step.smooth["force"] < step.smooth["force, through the contact"] - 5.0
+
+
 def test_a_load_dependent_stiffness_is_named_and_halves_the_error_between_forces(stiffening):
     _, said = stiffening
     assert names(said) == ["load-dependent-stiffness"]

@@ -91,6 +91,31 @@ def test_as_a_model_of_noise_a_law_explains_nothing():
     assert named(search(loose, Known())) == set()
 
 
+def test_a_right_law_is_not_noise_where_its_error_took_what_the_rest_explains(shapes):
+    """Beside the law's error it pays to leave a free parameter near its prior; without it, not."""
+    a, _, c, _ = shapes
+    free = np.column_stack([a, c])
+
+    def problem(mechanisms):
+        def predict(theta):
+            size = theta[2:]
+            effects = np.outer(size, a + 0.5 * c)
+            slope = np.column_stack([free, *([a + 0.5 * c] * size.size)])
+            return State(slope @ theta, slope, {"effects": effects})
+
+        def covariance(state, scales):
+            crude = np.diag((state.facts["effects"] ** 2).sum(axis=0))
+            return np.exp(2.0 * scales[0]) * np.eye(SIZE) + crude, lambda: [2.0 * np.eye(SIZE)]
+
+        std = np.array([10.0, 30.0, *[1e3] * mechanisms])
+        scales = Prior(np.zeros(1), np.array([1e-3]))
+        return Problem(200.0 * a, predict, covariance, Prior(np.zeros(std.size), std), scales)
+
+    without, with_it = fit(problem(0)), fit(problem(1), np.array([0.0, 0.0, 200.0]))
+    assert with_it.log_evidence > without.log_evidence + 50.0
+    assert explained_by_law(without, with_it) > 50.0
+
+
 def test_what_a_looser_law_explains_better_is_no_certain_name():
     """One law explains two points by its mean, another all of them as a model of noise."""
     scatter = 20.0 * np.tile([1.0, 1.0, -1.0, -1.0], SIZE // 4)

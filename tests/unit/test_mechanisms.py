@@ -16,7 +16,7 @@ FIXED = {
     "joint-slip": "amplitude", "normal-load-variation": "amplitude",
     "geometric-hardening": "amplitude", "quadratic-drag": "amplitude",
     "cubic-softening": "amplitude", "force-dependent-damping": "force-law",
-    "damping-drift": "time", "ageing": "time", "gauge-friction": "direction",
+    "damping-drift": "time", "ageing": "time", "crack": "time", "gauge-friction": "direction",
     "load-dependent-stiffness": "force-law", "incomplete-contact": "force-law",
     "force-gain": "force-law", "force-offset": "level", "added-mass": "level",
     "modulus-density": "level", "rig-compliance": "level", "drift": "time",
@@ -107,9 +107,7 @@ def test_derivatives_of_curve_effects(mechanism):
 
 
 @pytest.mark.parametrize(
-    "mechanism",
-    [one for one in of_kind("curve") + of_kind("damping") if any(p.ratio for p in one.parameters)],
-    ids=named,
+    "mechanism", [one for one in EVERY if any(p.ratio for p in one.parameters)], ids=named
 )
 def test_a_third_mode_has_ratios_of_its_own(mechanism):
     """The second mode's law with other numbers; one and two modes keep theirs; slopes follow."""
@@ -126,6 +124,9 @@ def test_a_third_mode_has_ratios_of_its_own(mechanism):
     wide = replace(given, mode=np.where(given.mode == 1, 2, 0))
 
     def law(one, rows, at):
+        if one.stick is not None:
+            effect = one.stick(rows, at)
+            return effect.changes["ln_f"], effect.slopes["ln_f"]
         if one.curve is None:
             return one.damping(rows, at)
         effect = one.curve(rows, at)
@@ -227,6 +228,31 @@ def test_slip_laws_are_masings_loops_about_their_backbones(form, shape, backbone
     left = np.exp(2.0 * effect.ln_f[0])
     assert (1.0 - left) / share == pytest.approx(1.0 - stiffness, rel=0.02, abs=1e-4)
     assert effect.loss[0] * left / share == pytest.approx(abs(loss), rel=0.03)
+
+
+def test_a_zero_that_creeps_comes_to_rest_and_without_time_is_a_constant():
+    (one,) = (one for one in catalogue() if one.id == "force-offset")
+    law = one.of_form("creeping").stick
+    values = np.array([2000.0, -0.2, 0.3])
+    off = law(RECORDS, values).changes["force"]
+    assert off[0] == pytest.approx(1600.0)
+    assert (np.diff(off) > 0.0).all()
+    assert (np.diff(off)[1:] / np.diff(RECORDS.time)[1:] < np.diff(off)[0] / 400.0).all()
+    still = replace(RECORDS, time=np.zeros(4), span=0.0)
+    assert law(still, values).changes["force"] == pytest.approx(1600.0)
+
+
+@pytest.mark.parametrize("form", ["steady", "ever faster"])
+def test_a_crack_lowers_each_mode_by_its_own_part(form):
+    """With every clamping, and by as much from the first to the last in either form."""
+    (one,) = (one for one in catalogue() if one.id == "crack")
+    order = np.arange(12.0)
+    rows = replace(
+        RECORDS, mode=np.repeat([0, 1], 6), time=np.tile(order[:6], 2), since=np.zeros(12), span=5.0
+    )
+    ln_f = one.of_form(form).stick(rows, np.array([4e-3, 0.5])).changes["ln_f"].reshape(2, 6)
+    assert (np.diff(ln_f, axis=1) < 0.0).all()
+    assert ln_f[:, 0] - ln_f[:, -1] == pytest.approx([4e-3, 2e-3])
 
 
 def test_forms_of_a_load_law_have_one_slope_and_one_seating_force():

@@ -176,15 +176,17 @@ def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
 
 
 def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
-    """Contact stiffness, kn and kt alike, that wanders from hold to hold."""
-    records = data.records
-    if not data.time_known or records.span <= 0.0:
-        return {}
-    gradient = fitted.state.facts["gradient"][:, :2].sum(axis=1)
-    began = records.time - records.since
-    both = np.outer(gradient, gradient)
-    wander = _courses(began, _TIME * records.span)
-    return {"time, through the contact": [(both * course, 0.1) for course in wander]}
+    """Contact stiffness, kn and kt alike, that is any function of the load, or wanders from hold to
+    hold.
+    """
+    records, gradient = data.records, fitted.state.facts["gradient"][:, :2].sum(axis=1)
+    both, found = np.outer(gradient, gradient), {}
+    if np.unique(records.force).size > 1:
+        found["force, through the contact"] = _courses(np.log(records.force), _FORCE)
+    if data.time_known and records.span > 0.0:
+        began = records.time - records.since
+        found["time, through the contact"] = _courses(began, _TIME * records.span)
+    return {name: [(both * one, 0.1) for one in courses] for name, courses in found.items()}
 
 
 def _courses(values: ndarray, length: float) -> tuple[ndarray, ndarray]:

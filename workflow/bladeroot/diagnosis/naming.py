@@ -33,7 +33,7 @@ from bladeroot.mechanisms.mechanism import Mechanism
 
 # The class of mechanisms whose laws run in what a remainder is smooth in, by its first word.
 _CLASS_OF = {
-    "force": "load-law", "time": "time", "time,": "time",
+    "force": "force-law", "force,": "force-law", "time": "time", "time,": "time",
     "direction": "direction", "amplitude": "amplitude",
 }  # fmt: skip
 

@@ -101,16 +101,22 @@ def explained_by_law(current: Fit, fitted: Fit) -> float:
     """Nats of misfit and prior that the last cause of a fit takes away by its mean alone.
 
     The error that its own law is allowed is left out: as a mere model of noise it explains nothing.
+    What else is free is fitted again beside its mean (the model made straight), for that error has
+    had its part of what the rest can explain.
     """
     effects = fitted.state.facts["effects"].copy()
     effects[-1] = 0.0
     strict = replace(fitted.state, facts={**fitted.state.facts, "effects": effects})
     covariance, _ = fitted.problem.covariance(strict, fitted.scales)
-    factor = cho_factor(covariance)
+    rest = current.parameters.size
 
     def cost(at: Fit) -> float:
-        miss = at.problem.data - at.state.mean
-        off = (at.parameters - at.problem.prior.mean) / at.problem.prior.std
-        return 0.5 * float(miss @ cho_solve(factor, miss) + off @ off)
+        prior = at.problem.prior
+        off = at.parameters - prior.mean
+        miss = at.problem.data - at.state.mean + at.state.slope[:, :rest] @ off[:rest]
+        free = at.state.slope[:, :rest] * prior.std[:rest]
+        whole = cho_factor(covariance + free @ free.T)
+        own = off[rest:] / prior.std[rest:]
+        return 0.5 * float(miss @ cho_solve(whole, miss) + own @ own)
 
     return cost(current) - cost(fitted)

@@ -20,6 +20,7 @@ def of_records(
     along = {
         "force": np.log(records.force),
         "time": records.time,
+        "force, through the contact": np.log(records.force),
         "time, through the contact": records.time,
         "time in a clamping": records.since,
         "direction": records.sign,

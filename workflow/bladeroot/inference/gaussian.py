@@ -14,7 +14,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import lapack
 
-_STEPS, _FIRST_STEPS, _HALVINGS = 30, 6, 5
+_STEPS, _HALVINGS = 30, 5
+_FIRST_STEPS, _LEFT = (2, 4), 3  # from each of several starts, and how many of these go on at least
 _NO_GAIN = 3e-3  # nats a step
 # Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
 # steps do not know, has its own say in the rest.
@@ -305,11 +306,14 @@ def best_fit(
     scales: ndarray | None = None,
     least: float = _NO_GAIN,
 ) -> Fit:
-    """The fit from the start that is best after a few steps at fixed scales."""
+    """The fit from the start that is best after a few steps at fixed scales, which those that are
+    far behind after the first do not make.
+    """
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
     points = [_point(problem, np.asarray(start, float), scales) for start in starts]
-    if len(points) > 1:
-        points = [_iterated(problem, point, _FIRST_STEPS, free=False) for point in points]
+    for steps in _FIRST_STEPS if len(points) > 1 else ():
+        points = [_iterated(problem, point, steps, free=False) for point in points]
+        points = sorted(points, key=lambda point: point.cost)[: max(_LEFT, len(points) // 3)]
     at = min(points, key=lambda point: point.cost)
     return _finish(problem, _iterated(problem, at, _STEPS, least=least))
 

@@ -11,6 +11,15 @@ def stick(records: Records, values: np.ndarray) -> StickEffect:
     return StickEffect({"force": values[0] * one}, {"force": one[:, None]})
 
 
+def creeping(records: Records, values: np.ndarray) -> StickEffect:
+    """An offset that was another at first: the zero creeps, fast and then ever slower."""
+    offset, first, time = values
+    begun = records.time / records.span if records.span > 0.0 else 0.0 * records.time
+    late = time / (time + begun)
+    slopes = [1.0 + first * late, offset * late, offset * first * begun / (time + begun) ** 2]
+    return StickEffect({"force": offset * slopes[0]}, {"force": np.column_stack(slopes)})
+
+
 MECHANISM = Mechanism(
     id="force-offset",
     kind="level",
@@ -25,4 +34,14 @@ MECHANISM = Mechanism(
     stick=stick,
     measured_by="load cell zero",
     starts=((3000.0,), (-1000.0,)),
+    form="constant",
+).also(
+    "creeping",
+    Parameter(
+        "first", "1", 0.0, 0.3, -1.0, 1.0,
+        "of the offset, at first besides: a zero moves by tenths of its error as a gauge warms",
+    ),
+    Parameter("time", "1", 0.3, 0.7, 0.02, 3.0, "of the campaign: hours, as of a rig", log=True),
+    stick=creeping,
+    starts=((3000.0, -0.2, float(np.log(0.3))), (-2000.0, -0.2, float(np.log(0.3)))),
 )  # fmt: skip
