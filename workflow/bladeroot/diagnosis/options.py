@@ -23,8 +23,8 @@ COSTS = {
     "rig stiffness": 2.0,
     "pressure film": 3.0,
 }
-# Tests beside the campaign: a phrase, in which `{size}` is a load that it names, and by the mechanism
-# whose first parameter each measures how well.
+# Tests beside the campaign: a phrase, in which `{size}` is a load, and by the mechanism whose first
+# parameter each measures how well.
 FACTS = {
     "load cell": (
         "{second_measure}, up and down (to 0.5 % and {size})",

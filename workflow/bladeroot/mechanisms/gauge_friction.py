@@ -36,7 +36,8 @@ def _effect(records: Records, values: np.ndarray, lag: np.ndarray) -> StickEffec
 MECHANISM = Mechanism(
     id="gauge-friction",
     kind="direction",
-    sentence="friction in the loading line: the true {force} lags behind the {gauge}'s, up and down",
+    sentence="friction in the loading line: the true {force} lags behind the {gauge}'s, "
+    "up and down",
     parameters=(
         Parameter(
             "friction", "1", 0.0, 0.08, 0.0, 0.4, "over the force: seals of a cylinder 2 to 20 %"
