@@ -91,6 +91,18 @@ def test_a_mode_by_itself_is_left_as_it_is():
         assert not separated(slider(), 51200.0, expected_Hz).lines_Hz
 
 
+@pytest.mark.parametrize("zeta", [0.03, 0.06, 0.12])
+def test_a_mode_that_lasts_a_few_cycles_has_its_curve_and_no_others_beside_it(zeta):
+    for seed in range(4):  # where it has died, noise beside its envelope's band is no line
+        judged, found = curve(blow([(80.0, zeta, 0.07)], 0.1, seed=seed), 80.5)
+        assert not judged.attrs["components_Hz"]
+        amplitude = found["amplitude"].values
+        assert zeta > 0.1 or amplitude[0] > 0.8 * 0.07 / (2.0 * np.pi * 80.0)
+        loud = amplitude > 0.02 * amplitude[0]
+        assert np.abs(found["frequency"].values[loud] / 80.0 - 1.0).max() < 2e-3
+        assert np.abs(found["loss_factor"].values[loud] / (2.0 * zeta) - 1.0).max() < 0.05
+
+
 @pytest.mark.parametrize(("close_Hz", "size"), [(86.0, 0.3), (75.0, 0.2)])
 def test_a_close_mode_that_nobody_knows_is_told_by_its_beat(close_Hz, size):
     velocity = blow([(80.0, 0.0015, 0.05), (close_Hz, 0.002, 0.05 * size)])

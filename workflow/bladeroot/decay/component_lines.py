@@ -86,9 +86,7 @@ def _peaks(
     level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])) * (2.0 / size)  # Hann
     width = sampling_Hz / size
     frequency = np.arange(1, level.size + 1) * width
-    chunk = min(64, level.size)
-    floor = np.repeat(medians(level[: level.size // chunk * chunk].reshape(-1, chunk)), chunk)
-    floor = np.concatenate([floor, np.full(level.size - floor.size, floor[-1])])
+    floor = _floor(level, frequency, found, sampling_Hz)
     peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
@@ -112,6 +110,28 @@ def _peaks(
         shift = 0.5 * (before - after) / (before - 2.0 * at + after)
         made.append((float(harm[k] * np.sqrt(size)), float(frequency[k] + shift * width)))
     return made
+
+
+def _floor(
+    level: Float[ndarray, " line"],
+    frequency: Float[ndarray, " line"],
+    found: Envelopes,
+    sampling_Hz: float,
+) -> Float[ndarray, " line"]:
+    """Median level around each frequency; beside what the known lines' envelopes take, the noise's.
+
+    They follow the noise about their lines, too, as fast as their knots lie: that band is quieter
+    than the noise, and noise at its edges would look like lines.
+    """
+    taken = np.abs(np.subtract.outer(frequency, [0.0, *found.lines_Hz])).min(axis=1)
+    floor = np.zeros(level.size)
+    for bins in (np.arange(level.size), np.flatnonzero(taken > 0.5 * sampling_Hz / found.spacing)):
+        chunk = min(64, bins.size)
+        if chunk:
+            rows = bins[: bins.size // chunk * chunk].reshape(-1, chunk)
+            middle, around = frequency[rows].mean(axis=1), medians(level[rows])
+            floor = np.maximum(floor, np.interp(frequency, middle, around))
+    return floor
 
 
 def told_apart(

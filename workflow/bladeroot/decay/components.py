@@ -174,15 +174,17 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
-    if lines.size == 1 and not base_Hz and not near and not _sways(found):
-        return Separated(velocity, first, [], *np.zeros((2, 0)))
-    found = _followed(x, sampling_Hz, lines, base_Hz, known)
+    lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
+    if not lone:
+        found = _followed(x, sampling_Hz, lines, base_Hz, known)
     rest = _rest(x, found, known)
     struck = _struck(found, rest) or _grows(found, rest, known)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
         return separated(*again)
+    if lone:
+        return Separated(velocity, first, [], *np.zeros((2, 0)))
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)

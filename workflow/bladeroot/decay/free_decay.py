@@ -51,10 +51,13 @@ def free_decay(
     if struck and how == "begins in the decay":
         how = "hammer"
     parts = separated(clear, rate, expected_Hz, modes_Hz, first)
-    if not parts.lines_Hz and parts.velocity is clear:
-        judged = judge(decay, motion, *asked, None, several)
-        return _with_widening(judged, parts)
     release = Release(parts.first / rate, 0.0, how)
+    lone = not parts.lines_Hz and parts.velocity is clear
+    if lone:
+        if struck:
+            sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
+            decay = windowed(sooner, clear, *window)
+        return _with_widening(judge(decay, motion, *asked, None, several), parts)
     alone = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if alone.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(alone.attrs["end_s"] * rate), parts.velocity.size)

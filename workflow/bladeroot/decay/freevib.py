@@ -29,6 +29,8 @@ LOOKED_AT = 100  # blocks, evenly over the record
 # what it differs by from a straight line). As on drawn records: of those that are right from their
 # first block on, one of thirty is above.
 EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
+# Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
+PLAIN = 2.0
 # A point is given where the standard error of its frequency is less than this part of it: beyond,
 # noise or another mode may be followed.
 SURE = 0.005
@@ -249,6 +251,8 @@ def _settled(blocks: Phasors) -> float:
         return 0.0
     early, later = slice(EARLY), slice(EARLY, 3 * EARLY)
     time, log, std = (one[: 3 * EARLY] for one in (blocks.time, blocks.log, blocks.std))
+    if log[0].real - log[-1].real > PLAIN:
+        return 0.0
     x = (time - time[EARLY]) / (time[-1] - time[EARLY])
     misses = []
     for terms in (2, 3):
