@@ -98,6 +98,9 @@ def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effec
     check(json.loads(json.dumps(said)), "verdict", "linear modes")
     assert names(said) == wanted
     assert (said["structure"], extension) == (None, None)
+    assert "smooth in bolt torque" in made["candidate"].values
+    ranked = [str(name) for name in made["candidate"].values if str(name).startswith("smooth")]
+    assert not re.search(r"\bforce\b", " ".join([*ranked, said["reason"], str(said["next"])]))
     assert "force-gain" not in said["reason"]
     assert made["stick_force"].values.max() == pytest.approx(seen["force"].values.max())
 

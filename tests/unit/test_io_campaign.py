@@ -191,6 +191,7 @@ def test_both_sheets_or_none(folder):
     ("old", "new", "told"),
     [
         ("expected_Hz: 540", "expected_Hz: 5.4e2", "modes.1B.expected_Hz"),
+        ("expected_Hz: 1450", "expected_Hz: 540", "1B and 2B have the same expected_Hz, 540"),
         ("full_scale_bar: 700", "full_scale_bar: -1", "force"),
         ("title: a test", "titel: a test", "titel"),
         ("structure: [dovetail-HB]", "structure: []", "structure"),

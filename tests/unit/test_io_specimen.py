@@ -238,6 +238,11 @@ def test_a_table_is_a_simulation(folder):
             "r1: 30 Nm lies outside the table's loads of mode first, 5",
         ),
         (
+            SIMULATED + SIMULATED.split("\n", 1)[1].replace("first", "second"),
+            "r1,a.csv,first,30\nr2,a.csv,second,30\nr3,a.csv,second,2",
+            "r1 and 2 more: 2, 30 Nm lie outside the table's loads of modes first, second, 5",
+        ),
+        (
             SIMULATED,
             "r1,a.csv,second,12",
             "r1: the table has no mode second; expected one of first",
@@ -265,6 +270,7 @@ def test_what_a_table_cannot_say_is_one_line(folder, table, sheet, told):
     with pytest.raises(CampaignError) as caught:
         with_table(folder, table, f"record,file,mode,torque_Nm\n{sheet}\n")
     lines = str(caught.value).splitlines()
+    assert len(lines) == 1
     assert told in lines[0]
     assert ".csv" in lines[0]
 

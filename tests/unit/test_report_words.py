@@ -2,16 +2,27 @@
 
 import re
 
+import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.diagnosis.options import FACTS
+from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.figures.curves import means
+from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.pooling.groups import group_differences
 from bladeroot.report.groups import groups_section
 from bladeroot.report.page import Table
 from bladeroot.report.words import CUTS, SPECTRA, gauge_sentence, words_of
+from bladeroot.terms import Terms
+from lap_coarse import lap_model
 from pooling_bench import drawn
 from report_bench import curves
 
+# Words of one machine, the blade root's rig.
+OF_THE_RIG = re.compile(
+    r"\b(gauge|load cell|cylinder|bar|flanks?|axial|slots?|beam|blade|rig|tip)\b|\bkN\b|[{}]"
+)
 FORBIDDEN = re.compile(r"forces?\b|gauge|structure|flank|axial|kN\b", re.IGNORECASE)
 
 
@@ -24,6 +35,28 @@ def test_captions_of_a_specimen_without_a_load():
         assert not FORBIDDEN.search(caption), caption
     assert (words.at_one, words.value(0.0), words.header) == ("", "–", "load")
     assert gauge_sentence({}) == []
+
+
+@pytest.mark.parametrize(
+    ("terms", "simulated"),
+    [
+        (Terms("bolt torque"), of_assembly(lap_model(), {}, {}, 0.005)),
+        (Terms("speed", simulated=False), Linear(("sway", "twist"), np.array([3.0, 5.0]), True)),
+        (Terms("", simulated=False), Linear(("sway", "twist"), np.array([3.0, 5.0]), False)),
+    ],
+)
+def test_causes_and_proposals_of_another_specimen_say_no_word_of_the_rig(terms, simulated):
+    judged = [one for one in catalogue() if not simulated.silent(one)]
+    assert len(judged) > 10
+    told = [text for one in judged for text in (one.sentence, one.splitter)]
+    told += [simulated.silent(one) for one in catalogue()]
+    known = {one.id for one in judged}
+    told += [what for what, facts in FACTS.values() if known & set(facts)]
+    for text in told:
+        said = terms.say(text).replace("{size}", "3 Nm")
+        assert not OF_THE_RIG.search(said), said
+        if not terms.load:
+            assert not re.search(r"\bforces?\b", said), said
 
 
 def test_captions_name_the_load_that_there_is():

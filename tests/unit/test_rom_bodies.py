@@ -8,6 +8,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse as sp
 import yaml
+from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.fem import elasticity
 from bladeroot.fem.lap_joint import half_beam, lap_joint_of, patch
 from bladeroot.fem.linear import lowest_eigenpairs
@@ -175,6 +176,20 @@ def test_slopes_are_those_of_differences():
     up, down = (ln_frequencies(solved, point + sign * steps)[0] for sign in (1, -1))
     numeric = (up - down).T / (2.0 * np.diag(steps))
     np.testing.assert_allclose(slope[0], numeric, rtol=1e-4, atol=1e-10)
+
+
+def test_an_assembly_that_no_load_stiffens_serves_any_load_in_any_unit():
+    model = parametric_structure(reduce_bodies(three_bodies()), {"force_kN": (0.0, 30.0)})
+    low, high = of_assembly(model, {}, {}, 0.005).load_range
+    assert (low < -1e6, high > 1e6) == (True, True)
+    solved = solved_of(model)
+    points = np.tile(0.5 * (solved.low + solved.high), (2, 1))
+    points[:, -1] = 0.0, 6e4  # a speed in 1/min
+    value, slope = ln_frequencies(solved, points)
+    np.testing.assert_allclose(value[0], value[1], atol=1e-12)
+    assert not slope[:, :, -1].any()
+    stiffened = parametric_structure(lap_reduced(), {"force_kN": (0.0, 30.0)})
+    assert of_assembly(stiffened, {}, {}, 0.005).load_range == (0.0, 30e3)
 
 
 @pytest.fixture(scope="module")

@@ -32,10 +32,12 @@ class Terms:
         made = {"load": name, "loads": several, "force": name, "forces": several}
         made |= {"beam": "specimen", "rig": "specimen", "beam_and_rig": "the specimen"}
         made |= {"flanks": "joint's surfaces", "stuck_joint": "plateau", "tip": "exciter"}
+        made |= {"gauge": "reading", "second_measure": f"a second measure of the {name}"}
         if self.load == AXIAL_FORCE and self.simulated:
             made |= {"force": "force", "forces": "forces", "beam": "beam", "rig": "rig"}
             made |= {"beam_and_rig": "beam and rig", "flanks": "flanks"}
-            made |= {"stuck_joint": "stuck joint", "tip": "shaker's tip"}
+            made |= {"stuck_joint": "stuck joint", "tip": "shaker's tip", "gauge": "gauge"}
+            made |= {"second_measure": "a load cell in the line of force"}
         judge = _OF_SIMULATION if self.simulated else _OF_MODES
         return made | dict(zip(("it_explains", "without_it", "than_simulated"), judge, strict=True))
 

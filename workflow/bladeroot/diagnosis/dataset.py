@@ -152,9 +152,10 @@ def _ranking(made: Diagnosis) -> xr.Dataset:
             rows.append((one.id, one.kind, found.channel.name, step.mechanisms[one.id],
                          one.id in named, made.terms.say(barred.get(one.id, ""))))  # fmt: skip
         rows += [
-            (f"smooth in {name}", "smooth", found.channel.name, value, False, "no mechanism")
+            (made.terms.say(f"smooth in {name.replace('force', '{force}')}"), "smooth",
+             found.channel.name, value, False, "no mechanism")
             for name, value in step.smooth.items()
-        ]
+        ]  # fmt: skip
     rows += [
         (one.mechanism.id, "record", "record", one.log_odds, one.named, "") for one in made.faulty
     ]

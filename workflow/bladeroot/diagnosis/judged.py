@@ -164,7 +164,9 @@ def _in_own(
     made = diagnose(scaled, simulated, asked, candidates, terms=terms)
     factor, unit, _ = shown(_load(seen))
     further = next_measurements(
-        made, lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip()
+        made,
+        lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip(),
+        lambda size: f"{size / own.per_load:.2g} {own.unit}".strip(),
     )
     said = verdict(made)
     whole = dataset_in_own(dataset(made, said).merge(further), own)

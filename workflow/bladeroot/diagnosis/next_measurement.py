@@ -52,7 +52,16 @@ def kilonewtons(force: float) -> str:
     return f"{force / 1e3:.3g} kN"
 
 
-def next_measurements(made: Diagnosis, as_text: Callable[[float], str] = kilonewtons) -> xr.Dataset:
+def newtons(force: float) -> str:
+    """A small difference of a load as text."""
+    return f"{force:.3g} N"
+
+
+def next_measurements(
+    made: Diagnosis,
+    as_text: Callable[[float], str] = kilonewtons,
+    as_size: Callable[[float], str] = newtons,
+) -> xr.Dataset:
     """What each possible measurement is expected to decide, the best for its hours first.
 
     dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
@@ -74,7 +83,7 @@ def next_measurements(made: Diagnosis, as_text: Callable[[float], str] = kilonew
     def rate(row: Mapping) -> float:
         return float(np.nan_to_num(row["decided"] / row["hours"]))
 
-    tests = sorted(of_facts(made), key=lambda one: -rate(row(one)))
+    tests = sorted(of_facts(made, as_size), key=lambda one: -rate(row(one)))
     together = accumulate(tests, lambda some, one: some.with_test(one, made))
     others = [*{one.what: row(one) for one in (*tests, *together)}.values()]
     others += [max(map(row, some), key=rate) for some in of_records(made, as_text)]

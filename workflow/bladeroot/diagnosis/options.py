@@ -23,21 +23,21 @@ COSTS = {
     "rig stiffness": 2.0,
     "pressure film": 3.0,
 }
-# Tests beside the campaign: a phrase, and by the mechanism whose first parameter each measures how
-# well.
+# Tests beside the campaign: a phrase, in which `{size}` is a load, and by the mechanism whose first
+# parameter each measures how well.
 FACTS = {
     "load cell": (
-        "a load cell in the line of force, up and down (to 0.5 % and 50 N)",
+        "{second_measure}, up and down (to 0.5 % and {size})",
         {"force-gain": 0.005, "force-offset": 50.0, "gauge-friction": 0.005},
     ),
     "rig stiffness": (
         "a tap test of the empty rig (slots' stiffness to 1 %)",
         {"rig-compliance": 0.01},
     ),
-    "weighing": ("weighing the beam as tested (to 1 g)", {"added-mass": 1e-3}),
-    "free-free": ("a free-free test of the beam (modulus to 0.2 %)", {"modulus-density": 2e-3}),
+    "weighing": ("weighing the {beam} as tested (to 1 g)", {"added-mass": 1e-3}),
+    "free-free": ("a free-free test of the {beam} (modulus to 0.2 %)", {"modulus-density": 2e-3}),
     "pressure film": (
-        "pressure-sensitive film in the contact (seating force to 500 N)",
+        "pressure-sensitive film in the contact (seating {force} to {size})",
         {"incomplete-contact": 500.0},
     ),
 }
@@ -74,7 +74,7 @@ def _hours(made: Diagnosis) -> dict[str, float]:
     return COSTS | dict(made.settings.costs)
 
 
-def of_facts(made: Diagnosis) -> list[Option]:
+def of_facts(made: Diagnosis, as_size: Callable[[float], str]) -> list[Option]:
     """Tests beside the campaign of mechanisms that are judged and not measured yet."""
     hours = _hours(made)
     open_ = {
@@ -87,7 +87,9 @@ def of_facts(made: Diagnosis) -> list[Option]:
     for kind, (what, facts) in FACTS.items():
         useful = {name: std for name, std in facts.items() if name in open_}
         if useful:
-            options.append(Option(kind, what, hours["visit"] + hours[kind], facts=useful))
+            size = as_size(max(facts.values()))
+            said = made.terms.say(what).replace("{size}", size)
+            options.append(Option(kind, said, hours["visit"] + hours[kind], facts=useful))
     return options
 
 

@@ -37,7 +37,7 @@ def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> l
         )
     if data.ln_f.size < guards.RECORDS:
         lacks.append(
-            f"{FEW}: {data.ln_f.size} where some {guards.RECORDS} tell gauge and level effects "
+            f"{FEW}: {data.ln_f.size} where some {guards.RECORDS} tell {{gauge}} and level effects "
             "from the scatter of clampings"
             if of_load
             else f"{FEW}: {data.ln_f.size} where some {guards.RECORDS} tell levels from scatter"

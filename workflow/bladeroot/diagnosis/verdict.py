@@ -302,5 +302,6 @@ def _reason(made: Diagnosis, answer: str) -> str:
         holds = ", ".join(made.data.jumped)
         lines.append(f"a stick frequency jumps within {holds}: counted as two clampings")
     if made.lacks:
-        lines.append(f"no statement on gauge and level effects: it lacks {'; '.join(made.lacks)}")
+        lacks = "; ".join(made.lacks)
+        lines.append(f"no statement on {{gauge}} and level effects: it lacks {lacks}")
     return ". ".join(lines)

@@ -124,7 +124,7 @@ def load_campaign(folder: str | Path) -> Campaign:
     except ValueError as error:
         raise CampaignError(str(error)) from error
     warnings: list[str] = []
-    faults += _unplaced(description, load, folder)
+    faults += _unplaced(description, load, folder) + _alike(description, folder)
     checks = (folder, path, description, load, faults, warnings)
     records: tuple[dict, ...] = ()
     stick: tuple[dict, ...] = ()
@@ -154,6 +154,17 @@ def _once(faults: list[str]) -> list[str]:
         lines.setdefault(_ROW.sub("", fault), []).append(fault)
     return [
         f"{first[:-1]} and {len(more)} more)" if more else first for first, *more in lines.values()
+    ]
+
+
+def _alike(description: dict, folder: Path) -> list[str]:
+    """Faults of modes of one expected frequency: one peak would be taken for two modes."""
+    first: dict[float, str] = {}
+    return [
+        f"modes: {first[f]} and {mode} have the same expected_Hz, {f:g} "
+        f"({folder / 'campaign.yaml'})"
+        for mode, f in ((m, float(one["expected_Hz"])) for m, one in description["modes"].items())
+        if first.setdefault(f, mode) != mode
     ]
 
 

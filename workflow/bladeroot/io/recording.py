@@ -51,7 +51,7 @@ def recording(
     if quantity is not None and quantity != found:
         raise ValueError(
             f"quantity {quantity!r} needs a unit such as "
-            f"{SI.get(quantity, 'm/s, m or m/s^2')}, got {unit!r}, a {found} ({where})"
+            f"{SI.get(quantity, 'm/s, m or m/s^2')}, got {unit!r} of {found} ({where})"
         )
     raw = np.asarray(samples)
     if raw.ndim != 1:

@@ -221,7 +221,7 @@ class RecordRows(Cells):
                     fitting = [name for name, (of, _) in USUAL.items() if of == quantity]
                     self.fault(
                         f"unit of {quantity} must be one such as {', '.join(fitting)}, got "
-                        f"{unit!r}, a {found}",
+                        f"{unit!r} of {found}",
                         row,
                     )
         elif sensitivity:

@@ -48,7 +48,8 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
         for name in own:
             line[name] = cells.number(row, values, name)
         place = (line["mode"], line["load"], line.get("amplitude_m"))
-        cells.once(row, place, first, "the combination of mode, load and amplitude")
+        if None not in place[:2]:  # nor is a row that has a fault another one's double
+            cells.once(row, place, first, "the combination of mode, load and amplitude")
         made.append(line)
     if not made:
         faults.append(f"no usable row ({path})")
@@ -63,10 +64,12 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
 def outside(
     table: pd.DataFrame, modes: list[str], loads: list[float], load: Load | None
 ) -> list[tuple[int, str]]:
-    """Number of each record that the table cannot speak of, and why; modes, loads: by record."""
+    """Number of each record that the table cannot speak of, and why, the same words for all that
+    lie outside one range; modes, loads: by record.
+    """
     spans = table.groupby("mode")["load"].agg(["min", "max"])
     unit = load.unit if load else ""
-    found = []
+    found, beyond = [], {}
     for k, (mode, value) in enumerate(zip(modes, loads, strict=True)):
         if mode not in spans.index:
             known = ", ".join(spans.index)
@@ -74,11 +77,17 @@ def outside(
             continue
         low, high = spans.loc[mode]
         if not low <= value <= high:
-            found.append(
-                (k, f"{value:g} {unit} lies outside the table's loads of mode {mode}, {low:g} to "
-                 f"{high:g} {unit}")
-            )  # fmt: skip
-    return found
+            beyond.setdefault((low, high), []).append((k, mode, value))
+    for (low, high), some in beyond.items():
+        numbers, names, values = zip(*some, strict=True)
+        names, values = list(dict.fromkeys(names)), sorted(set(values))
+        text = (
+            f"{', '.join(f'{value:g}' for value in values)} {unit} "
+            f"{'lies' if len(values) == 1 else 'lie'} outside the table's loads of "
+            f"mode{'s' * (len(names) > 1)} {', '.join(names)}, {low:g} to {high:g} {unit}"
+        )
+        found += [(k, text) for k in numbers]
+    return sorted(found)
 
 
 def _header(path: Path) -> list[str]:

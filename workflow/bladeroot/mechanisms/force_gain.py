@@ -38,14 +38,14 @@ def two_ranges(records: Records, values: np.ndarray) -> StickEffect:
 MECHANISM = Mechanism(
     id="force-gain",
     kind="force-law",
-    sentence="the {load} is a constant part larger or smaller than the gauge says",
+    sentence="the {load} is a constant part larger or smaller than the {gauge} says",
     parameters=(
         Parameter(
             "gain", "1", 0.0, 0.12, -0.5, 0.5,
             "a piston area or a strain gauge's section taken wrong, a seal's friction",
         ),
     ),
-    splitter="a load cell in the line of {force}, or strain gauges on the {beam}",
+    splitter="{second_measure}",
     stick=constant,
     measured_by="load cell scale",
     form="constant",

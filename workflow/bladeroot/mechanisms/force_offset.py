@@ -23,14 +23,14 @@ def creeping(records: Records, values: np.ndarray) -> StickEffect:
 MECHANISM = Mechanism(
     id="force-offset",
     kind="level",
-    sentence="the {load} differs from what the gauge says by the same amount at all {forces}",
+    sentence="the {load} differs from what the {gauge} says by the same amount at all {forces}",
     parameters=(
         Parameter(
             "offset", "N", 0.0, 2500.0, -10e3, 10e3,
             "a pressure gauge is good to 1 % of full scale, 1253 N; weight and seal friction add",
         ),
     ),
-    splitter="a load cell in the line of {force}; the frequency without any {load}",
+    splitter="{second_measure}; the frequency without any {load}",
     stick=stick,
     measured_by="load cell zero",
     starts=((3000.0,), (-1000.0,)),

@@ -36,13 +36,14 @@ def _effect(records: Records, values: np.ndarray, lag: np.ndarray) -> StickEffec
 MECHANISM = Mechanism(
     id="gauge-friction",
     kind="direction",
-    sentence="friction in the loading line: the true {force} lags behind the gauge's, up and down",
+    sentence="friction in the loading line: the true {force} lags behind the {gauge}'s, "
+    "up and down",
     parameters=(
         Parameter(
             "friction", "1", 0.0, 0.08, 0.0, 0.4, "over the force: seals of a cylinder 2 to 20 %"
         ),
     ),
-    splitter="a load cell between cylinder and specimen, up and down",
+    splitter="{second_measure}, up and down",
     stick=proportional,
     measured_by="load cell hysteresis",
     over=("sign", "force"),

@@ -10,7 +10,7 @@ from bladeroot.report.next_measurement import next_sentence
 from bladeroot.report.numbers import fixed, listed, percent
 from bladeroot.report.page import Box, Table
 from bladeroot.report.words import Judge, Words, judge_of, words_of
-from bladeroot.terms import spelled
+from bladeroot.terms import Terms, spelled
 
 ANSWERS = {
     "nothing-missing": "nothing is missing",
@@ -322,9 +322,11 @@ def cautions(found: Sequence[xr.Dataset], verdicts: Sequence[Mapping]) -> list[s
             ]
         if said["causes"] and lacks_of(one) and one.attrs.get("kind") != "none":
             lacks.setdefault("; ".join(lacks_of(one)), []).append(name)
-    loads = f"{words_of(found[0]).short or 'load'}s"
+    words = words_of(found[0])
+    loads = f"{words.short or 'load'}s"
+    gauge = Terms(words.load).say("{gauge}")
     texts += [
-        f"With {listed(names)} nothing is said on the gauge's errors and on what is the same at "
+        f"With {listed(names)} nothing is said on the {gauge}'s errors and on what is the same at "
         f"all {loads}. The campaign lacks {lack}."
         for lack, names in lacks.items()
     ]

@@ -75,7 +75,8 @@ class Assembly:
     display: body and node of the points that show the modes and carry the sensors. modes: by name,
     `order` among the elastic modes, `parity` (with `axis` and `number`) along x, or `shape` at the
     display points, each in the middle of the box. kept: fixed-interface modes of each body.
-    load_range: of the loads that the model serves, if not the configuration's.
+    load_range: of the loads that the model serves, if not the configuration's (in N) or, where no
+    load changes a stiffness, any.
     """
 
     name: str

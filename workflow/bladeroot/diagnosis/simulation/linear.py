@@ -58,7 +58,7 @@ class Linear:
             return ""
         changed = acts_on(one)
         if changed == {"force"} and "since" not in one.over and "time" not in one.over:
-            return "the line over the load is free, and with it the gauge's scale and zero"
+            return "the line over the load is free, and with it the {gauge}'s scale and zero"
         if not self.load and (changed == {"force"} or one.over == ("force",)):
             return "the campaign states no load"
         return ""
