@@ -40,6 +40,7 @@ from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, models_of
 from bladeroot.stiffness.model import map_estimate
+from bladeroot.stiffness.posterior import SHARES, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
 

@@ -50,7 +50,7 @@ class JointSpread:
     """
 
     force: float
-    bonded: Float[ndarray, "mode"]
+    bonded: Float[ndarray, " mode"]
     bonded_jacobian: Float[ndarray, "mode parameter"]
     ln_stiffness: Float[ndarray, "2 parameter"]
 
