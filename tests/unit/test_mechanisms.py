@@ -246,9 +246,9 @@ def test_a_zero_that_creeps_comes_to_rest_and_without_time_is_a_constant():
 def test_a_crack_lowers_each_mode_by_its_own_part(form):
     """With every clamping, and by as much from the first to the last in either form."""
     (one,) = (one for one in catalogue() if one.id == "crack")
-    order = np.arange(12.0)
-    rows = replace(
-        RECORDS, mode=np.repeat([0, 1], 6), time=np.tile(order[:6], 2), since=np.zeros(12), span=5.0
+    none = np.zeros(12)
+    rows = Records(
+        np.repeat([0, 1], 6), none, none, np.tile(np.arange(6.0), 2), none, span=5.0, hold_span=0.0
     )
     ln_f = one.of_form(form).stick(rows, np.array([4e-3, 0.5])).changes["ln_f"].reshape(2, 6)
     assert (np.diff(ln_f, axis=1) < 0.0).all()

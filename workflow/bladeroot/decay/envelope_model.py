@@ -126,7 +126,7 @@ def demodulated(
     band = np.zeros((knots * columns, wide))
     whole, gram = weight.all(axis=1), design.T @ design
     for first, stop in runs(whole):
-        _add(band[first * columns :], gram, stop - first)
+        _add(band[first * columns :], gram, int(stop - first))
     for k in np.flatnonzero(~whole):
         own = design[weight[k]]
         _add(band[k * columns :], own.T @ own)

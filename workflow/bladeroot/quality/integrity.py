@@ -44,7 +44,7 @@ def judge(
     modes_Hz: tuple[float, ...] = (),
     notes: tuple[str, ...] = (),
     recording: Recording | None = None,
-    freed: Float[ndarray, " whole"] | None = None,
+    freed: Float[ndarray, " kept"] | None = None,
     remarks: tuple[tuple[str, str], ...] = (),
 ) -> xr.Dataset:
     """A cut decay with its findings and its mask.
@@ -61,7 +61,8 @@ def judge(
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
         notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
-        freed: `whole` with the mode by itself (`decay.components`), if others were taken off.
+        freed: `whole` with the mode by itself (`decay.components`), if others were taken off; it
+            may end earlier, where the mode has drowned.
         remarks: findings of that separation, by id, which warn.
     """
     found = [("reader", _fact(note, "warn")) for note in notes]
