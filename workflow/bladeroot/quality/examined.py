@@ -12,6 +12,8 @@ from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
 from bladeroot.signal.runs import block_scale, in_frames
 
 FRAME_CYCLES = 4
+# Frames that a trend is taken off, at least; no frame is believed to be surer than that.
+FEWEST_WHOLE, LEAST_STD = 38, 3e-4
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
 # Frames on either side of a step, of which the nearest are left out.
@@ -72,6 +74,21 @@ class Frames:
     def amplitude(self) -> Float[ndarray, " frame"]:
         """Velocity amplitude."""
         return np.exp(self.log.real)
+
+    def weight(self, used: slice) -> Float[ndarray, " frame"]:
+        """One over the standard error of some frames; zero where they are not whole."""
+        return self.whole[used] / np.maximum(self.std[used], LEAST_STD)
+
+    def without_trend(self, used: slice, degree: int) -> Complex[ndarray, " frame"] | None:
+        """Tapered `log` of some frames less a polynomial; None where too few are whole."""
+        log, whole = self.log[used], self.whole[used]
+        if np.count_nonzero(whole) < FEWEST_WHOLE:
+            return None
+        trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), degree)
+        weight = self.weight(used)
+        weighted = trend * weight[:, None]
+        fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
+        return (log - trend @ fit) * np.hanning(log.size) * whole
 
 
 @dataclass(frozen=True)
