@@ -39,7 +39,7 @@ AFTER = {"plateau": "freevib", "integrity": "cut"}  # stages that need another's
 # Targets: seconds for the shortest, records' own memory, exponent of growth.
 COST_S, MEMORY, SLOPE = 0.15, 10.0, 1.05
 KNOWN = {"expected_Hz": EXPECTED_HZ, "other_modes_Hz": (), "simulated": True}
-SETTINGS = {"end": "noise"}, {"estimator": "blocks", "damping": "hysteretic"}
+SETTINGS = {"end": "noise"}, {"damping": "hysteretic"}
 
 
 def make(count: int, grow: str, seed: int = 0) -> tuple[np.ndarray, float]:

@@ -13,6 +13,7 @@ edges; here they are in Hz and from the record. Added to it, because nothing wor
 The ends, half as long as all filters together, are lost.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +21,9 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.error_bounds import two_points
-from bladeroot.decay.freevib import POINT, decay_dataset, natural
+from bladeroot.decay.freevib import POINT, decay_dataset, freevib, natural
 from bladeroot.decay.peaks import BRIDGE, bridged
+from bladeroot.reproduction.error_bounds import two_points
 
 RIPPLE_DB = 80.0
 TRAPEZOID = (1 / 12, 11 / 720, 191 / 60480)  # corrections in even differences
@@ -47,6 +48,12 @@ class Filters:
     def bandwidth_Hz(self) -> float:
         """Width of the ideal band that passes as much white noise."""
         return float(0.5 * self.rate_Hz * (self.band @ self.band))
+
+
+def estimation(settings: Mapping) -> dict:
+    """Section `decay` of the configuration, with an estimator for its name."""
+    named = {"blocks": freevib, "thesis": thesis_freevib}
+    return {**settings, "estimator": named[settings["estimator"]]}
 
 
 def thesis_freevib(
