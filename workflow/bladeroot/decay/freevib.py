@@ -8,7 +8,6 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors
 from bladeroot.signal.runs import longest, runs
@@ -82,7 +81,7 @@ def freevib(
     A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
     lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
     lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis. What else rings is taken off first (`decay.components`), unless `taken` says it was.
+    thesis. What else rings is taken off before (`decay.components`).
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
@@ -110,15 +109,7 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    begin_s, others = 0.0, []
-    if taken is None:
-        parts = separated(velocity, sampling_Hz, expected_Hz, usable=usable)
-        begin_s, others = parts.first / sampling_Hz, parts.lines_Hz
-        velocity, usable = (
-            None if x is None else x[parts.first : parts.velocity.size]
-            for x in (parts.velocity, usable)
-        )
-        taken = parts.time - begin_s, parts.widening, parts.doubt
+    begin_s = 0.0
     for _ in range(PARTS):
         blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
         began, ended = _free(blocks, fit)
@@ -127,7 +118,7 @@ def freevib(
         if stop - first == velocity.size or (stop - first) * expected_Hz < LEFT * sampling_Hz:
             break
         velocity, usable = (None if x is None else x[first:stop] for x in (velocity, usable))
-        taken = taken[0] - first / sampling_Hz, *taken[1:]
+        taken = None if taken is None else (taken[0] - first / sampling_Hz, *taken[1:])
         begin_s += first / sampling_Hz
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
@@ -164,7 +155,6 @@ def freevib(
         [blocks.time[own] + begin_s, blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
-    result.attrs["other_modes_Hz"] = others
     result.attrs["damping"] = damping
     if damping == "viscous":
         result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
