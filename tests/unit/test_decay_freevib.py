@@ -48,21 +48,6 @@ def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():
     assert np.abs(found["loss_factor"].values[:20] / loss - 1.0).max() < 0.05
 
 
-def test_what_a_filter_leaves_at_the_end_is_no_part_of_the_curve():
-    velocity, noise, _, truth = ring_down(5, noise_db=70, eta=(0.001, 0.0015), second=0.0)
-    left_s = (velocity.size - np.arange(velocity.size)) / 25600.0
-    shaped = 0.2 * np.abs(velocity[-200:]).max() * np.exp(-left_s / 0.01)
-    shaped *= np.cos(2 * np.pi * 270.0 * left_s + 1.0)
-    clean, found = (
-        separated_curves(one, 25600.0, 247.0, noise) for one in (velocity, velocity + shaped)
-    )
-    assert clean["block_time"][-1] > 1.99
-    assert 1.85 < found["block_time"][-1] < 1.97
-    frequency, loss = truth(found["amplitude"].values[-20:])
-    assert np.abs(found["frequency"].values[-20:] / frequency - 1.0).max() < 1e-4
-    assert np.abs(found["loss_factor"].values[-20:] / loss - 1.0).max() < 0.05
-
-
 @pytest.mark.parametrize(
     ("noise_db", "ppm", "per_cent"), [(60, 20, 1.0), (40, 60, 6.0)], ids=["60 dB", "40 dB"]
 )
@@ -341,18 +326,6 @@ def test_a_gain_that_sways_is_in_the_errors(seed):
         middle = slice(curve.sizes["point"] // 4, curve.sizes["point"] // 2)
         stated = np.median(curve["loss_factor_std"].values[middle]) / 0.004
         assert (stated > 0.03) == waves
-
-
-@pytest.mark.parametrize("part", [1e-4, 1e-3, 1e-2])
-def test_what_is_held_at_first_is_no_part_of_the_curve(part):
-    at, noise = np.arange(51200) / 25600.0, part * START
-    since = np.maximum(at - 0.08, 0.0)  # held for twenty cycles
-    velocity = START * ringing(at, 250.0, 0.0) * np.exp(-0.01 * np.pi * 250.0 * since)
-    velocity = velocity + noise * np.random.default_rng(4).normal(size=at.size)
-    curve = freevib(velocity, 25600.0, 250.0, noise)
-    assert 0.08 < curve["time"].values[0] < 0.1
-    off = (curve["loss_factor"].values - 0.01)[:20]
-    assert np.abs(off / curve["loss_factor_std"].values[:20]).max() < 5.0
 
 
 def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):
