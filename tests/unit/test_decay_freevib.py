@@ -37,6 +37,17 @@ def test_curves_follow_the_backbone(noise_db, softening, ppm, per_cent):
     assert rms(found["loss"]) < per_cent * 1e-2
 
 
+def test_a_steady_tone_is_no_decay():
+    rng = np.random.default_rng(4)
+    time = np.arange(25600) / 25600.0
+    tone = 0.01 * np.cos(2 * np.pi * 250.0 * time) + 1e-5 * rng.standard_normal(time.size)
+    with pytest.raises(ValueError, match=r"at 250 Hz does not decay: a steady tone"):
+        freevib(tone, 25600.0, 247.0, 1e-5)
+    slow = tone * np.exp(-0.05 * time)  # a loss factor of 6e-5
+    curve = freevib(slow, 25600.0, 247.0, 1e-5)
+    assert np.median(curve["loss_factor"]) == pytest.approx(0.1 / (2 * np.pi * 250.0), rel=0.05)
+
+
 def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():
     velocity, noise, _, truth = ring_down(5, noise_db=60)
     cycle = np.arange(velocity.size) < 80

@@ -99,6 +99,17 @@ def test_square_law_is_a_plateau_when_its_rest_is_below_the_error():
     assert abs(found["stick_frequency"] - truth) < 3.0 * found["stick_frequency_std"]
 
 
+def test_a_flat_law_that_dies_sooner_than_its_power_says_is_in_the_error():
+    """A^2.5 fits to the noise down to a twentieth of the start, and the limit is not its own."""
+    error = []
+    for seed in range(8):
+        found = plateau(blocks(seed, lambda a: a**2.5 / (1.0 + (0.05 / a) ** 4)))
+        truth = FREQUENCY_HZ * np.sqrt(1.0 - 0.25 * 0.005**2)
+        error.append((found["stick_frequency"] - truth) / found["stick_frequency_std"])
+    assert np.sqrt(np.mean(np.square(error))) < 1.4
+    assert np.abs(error).max() < 3.0
+
+
 def test_stretch_too_short_to_be_shown():
     assert not plateau(blocks(0, slip(0.5, 1.0), lowest=0.35))["plateau_reached"]
     assert plateau(blocks(0, slip(0.5, 1.0), lowest=0.1))["plateau_reached"]

@@ -193,6 +193,22 @@ def test_a_close_mode_beats():
     assert uncut(clean + 0.6 * START * beat).attrs["verdict"] == "rejected"
 
 
+@pytest.mark.parametrize("sway_Hz", [7.0, 12.0])
+def test_a_gain_that_sways_is_told_with_its_size(sway_Hz):
+    clean = decay(noise_db=60)
+    turn = 2.0 * np.pi * sway_Hz * time_of(clean)
+    found = judged(clean * (1.0 + 0.01 * np.cos(turn)))
+    assert ids(found) == {"gain-sways"}
+    assert found.attrs["verdict"] == "usable"
+    told = re.search(r"by ([\d.]+) % at ([\d.]+) Hz", text(found, "gain-sways"))
+    assert float(told[1]) == pytest.approx(1.0, rel=0.25)
+    assert float(told[2]) == pytest.approx(sway_Hz, rel=0.15)
+    # a clock that sways as much turns the phase and not the amplitude
+    assert "gain-sways" not in ids(
+        judged(np.interp(np.cumsum(1.0 + 1e-4 * np.cos(turn)), np.arange(clean.size), clean))
+    )
+
+
 @pytest.mark.parametrize(("onset", "softening"), [(0.03, 0.003), (0.06, 0.006), (0.1, 0.01)])
 def test_the_bend_where_slip_ends_is_no_beat(onset, softening):
     found = judged(coulomb_decay(onset, softening))

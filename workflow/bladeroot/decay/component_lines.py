@@ -12,6 +12,8 @@ from bladeroot.signal.runs import medians
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
 LEAST, CLEAR = 3e-3, 8.0
+# Lines of a spectrum that share a median.
+CHUNK = 64
 # Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
 # than that part are one.
 APART, SAME = 0.17, 0.1
@@ -114,20 +116,25 @@ def _floor(
     found: Envelopes,
     sampling_Hz: float,
 ) -> Float[ndarray, " line"]:
-    """Median level around each frequency; beside what the known lines' envelopes take, the noise's.
+    """Median level around each frequency; where the known lines' envelopes reach, beside them.
 
     They follow the noise about their lines, too, as fast as their knots lie: that band is quieter
     than the noise, and noise at its edges would look like lines.
     """
-    taken = np.abs(np.subtract.outer(frequency, [0.0, *found.lines_Hz])).min(axis=1)
-    floor = np.zeros(level.size)
-    for bins in (np.arange(level.size), np.flatnonzero(taken > 0.5 * sampling_Hz / found.spacing)):
-        chunk = min(64, bins.size)
-        if chunk:
-            rows = bins[: bins.size // chunk * chunk].reshape(-1, chunk)
-            middle, around = frequency[rows].mean(axis=1), medians(level[rows])
-            floor = np.maximum(floor, np.interp(frequency, middle, around))
-    return floor
+    chunk = min(CHUNK, level.size)
+    rows = level[: level.size // chunk * chunk].reshape(-1, chunk)
+    floor = medians(rows)
+    away = np.abs(np.subtract.outer(frequency, [0.0, *found.lines_Hz])).min(axis=1)
+    taken = away <= 0.5 * sampling_Hz / found.spacing
+    reached = np.flatnonzero(taken[: rows.size].reshape(rows.shape).any(axis=1))
+    beside = np.flatnonzero(~taken)
+    if beside.size and reached.size:
+        few = min(CHUNK, beside.size)
+        beside = beside[: beside.size // few * few].reshape(-1, few)
+        middle = frequency[: rows.size].reshape(rows.shape)[reached].mean(axis=1)
+        around = np.interp(middle, frequency[beside].mean(axis=1), medians(level[beside]))
+        floor[reached] = np.maximum(floor[reached], around)
+    return floor[np.minimum(np.arange(level.size) // chunk, floor.size - 1)]
 
 
 def lines_by_name(

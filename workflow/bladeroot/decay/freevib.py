@@ -25,6 +25,8 @@ POINTS, SHARP = 500, 120
 EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
 # Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
 PLAIN = 2.0
+# What falls by less than this in all, and by less than so many of its errors, is a steady tone.
+STEADY, SHOWN = 0.02, 3.0
 # A point is given where the standard error of its frequency is less than this part of it: beyond,
 # noise or another mode may be followed.
 SURE = 0.005
@@ -117,6 +119,8 @@ def freevib(
             f"{keep.size} cycles or groups of them, at least {FEWEST} are needed"
         )
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
+    if np.ptp(value[0, 0][keep]) < max(STEADY, SHOWN * float(np.median(std[0, 0][keep]))):
+        raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")
     if not band[0] <= middle_Hz <= band[1]:
         raise ValueError(
             f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.plateau.laws import DOUBT, HINGES, NODES, Laws, hats
+from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, hats
 from bladeroot.plateau.segment import FEWEST, Segment, integral, line_of, lines_below
 
 
@@ -173,9 +173,10 @@ def creep(segment: Segment) -> tuple[float, float]:
 def with_lines_below(
     found: Fits, segment: Segment, onsets: Float[ndarray, " onset"], channel: int
 ) -> Fits:
-    """The same, but for laws with an onset: their rates by a straight line below it.
+    """The same, but for laws that reach a constant: their rates by a straight line where they do.
 
-    What happens above tells where the constant ends. For the rate itself no law is exact enough,
+    What happens above tells where the constant ends: at a hinge's onset, and where a flat law is
+    nearer to its limit than such a line tells. For the rate itself no law is exact enough,
     as there it may stand out of the noise a million times.
     """
     slope, variance = lines_below(segment, onsets)
@@ -188,6 +189,13 @@ def with_lines_below(
     rate, spread = found.rate.copy(), found.variance.copy()
     for values, line in ((rate, slope[channel]), (spread, variance)):
         values[:, hinges] = np.where(known, np.repeat(line, HINGES)[:, None], values[:, hinges])
+    for law, power in enumerate(FLAT, len(BENDING)):
+        lost = found.size[law, :, 0] * np.exp(power * (onsets[:, None] - segment.path.max()))
+        within = (lost**2 < variance[:, None]) & np.isfinite(variance)[:, None]
+        end = np.where(within, np.arange(onsets.size)[:, None], -1).max(axis=0)
+        for doubt in np.flatnonzero(end >= 0):
+            rate[:, law, doubt] = slope[channel, end[doubt]]
+            spread[:, law, doubt] = variance[end[doubt]] + lost[end[doubt], doubt] ** 2
     return replace(found, rate=rate, variance=spread)
 
 

@@ -82,17 +82,12 @@ def _line(
 ) -> _Line | None:
     """The strongest line over some frames, its statistic divided by `shorter`."""
     frames = seen.frames
-    log = frames.log[used].copy()
-    whole = frames.whole[used]
-    if np.count_nonzero(whole) < 38:
+    rest = frames.without_trend(used, degree)
+    if rest is None:
         return None
-    x = np.linspace(-1.0, 1.0, log.size)
-    trend = np.polynomial.chebyshev.chebvander(x, degree)
-    weight = whole / np.maximum(frames.std[used], 3e-4)
-    weighted = trend * weight[:, None]
-    fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
+    log, whole = frames.log[used], frames.whole[used]
+    weight = frames.weight(used)
     taper = np.hanning(log.size) * whole
-    rest = (log - trend @ fit) * taper
     line = fft.fft(rest, 2 * log.size) / taper.sum()
     turns = fft.fftfreq(line.size)  # per hop
     cycle = seen.sampling_Hz / seen.own_Hz / frames.hop

@@ -1,0 +1,64 @@
+"""The sensor's gain sways: the amplitude is modulated and the phase is not, as by no mode or law.
+
+A laser's spot that wanders over the surface, an accelerometer whose cable pulls at it.
+"""
+
+import numpy as np
+from scipy import fft
+
+from bladeroot.quality.examined import Examined, Finding
+from bladeroot.signal.runs import medians
+
+STATISTIC = "largest line of ln A less its trend that the phase lacks, over the median line of both"
+# Beyond all of 2000 decays of every kind but this; a hundredth in gain reaches 7 to 500.
+THRESHOLD = 6.0
+# The phase has less than this part of the line: a mode beside it, or noise, has as much.
+LACKS = 0.4
+# A line that changes the decay rate by less than this part of its mean does little harm.
+HARM = 0.1
+# Periods that must fit, and the farthest line over the mode's frequency.
+FEWEST, FARTHEST = 5.5, 0.16
+# Parts that are looked at: the degree of the trend that is taken off, and the first frames alone,
+# where noise is least.
+DEGREE, EARLY_DEGREE, EARLY = 9, 3, (40, 80, 160, 320, 640)
+
+
+def find(seen: Examined) -> Finding | None:
+    """The strongest line of ln A that the phase lacks, in all frames or in the first ones.
+
+    A gain 1 + r cos(2 pi g t) adds r cos(2 pi g t) to ln A and nothing to the phase, and so
+    changes the decay rate by up to 2 pi g r.
+    """
+    count = min(seen.frames.clear, 4096)
+    parts = [(slice(2, count), DEGREE), (slice(count // 2, count), DEGREE)]
+    parts += [(slice(2, 2 + some), EARLY_DEGREE) for some in EARLY if some < count // 2]
+    found = [_strongest(seen, *part) for part in parts]
+    return max(filter(None, found), key=lambda one: one.statistic, default=None)
+
+
+def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
+    frames = seen.frames
+    rest = frames.without_trend(used, degree)
+    if rest is None:
+        return None
+    lines = [np.abs(fft.rfft(part, 2 * rest.size)) for part in (rest.real, rest.imag)]
+    turns = fft.rfftfreq(2 * rest.size)  # per hop
+    cycle = seen.sampling_Hz / seen.own_Hz / frames.hop
+    inside = (turns * rest.size >= FEWEST) & (turns * cycle <= FARTHEST)
+    if inside.sum() < 8:
+        return None
+    swing, turning = (2.0 * line / np.hanning(rest.size).sum() for line in lines)
+    usual = float(medians(np.concatenate([swing[inside], turning[inside]])))
+    level = frames.log.real[used]
+    decline = -float(np.polyfit(np.arange(level.size), level, 1)[0])
+    harm = 2.0 * np.pi * turns * swing / max(decline, 1e-300)
+    inside &= (turning < LACKS * swing) & (harm > HARM)
+    if not inside.any():
+        return None
+    k = int(np.argmax(np.where(inside, swing, 0.0)))
+    text = (
+        f"the sensor's gain sways by {100 * swing[k]:.2g} % at "
+        f"{turns[k] * seen.sampling_Hz / frames.hop:.3g} Hz (the phase does not): loss factors "
+        f"may be off by {100 * harm[k]:.2g} %"
+    )
+    return Finding(float(swing[k] / usual), THRESHOLD, "warn", text)
