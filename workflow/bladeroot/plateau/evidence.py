@@ -7,7 +7,7 @@ likelihood is closed, and hundreds of laws cost milliseconds.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, hats
@@ -63,6 +63,28 @@ class Sums:
     rate: Float[ndarray, " 2"]
     variance: float
     groups: int
+
+    def joined(self, other: "Sums") -> "Sums":
+        """Both sets of laws, on the same groups."""
+        return replace(
+            self,
+            axis=np.concatenate([self.axis, other.axis]),
+            square=np.concatenate([self.square, other.square]),
+            alike=np.concatenate([self.alike, other.alike]),
+            right=np.concatenate([self.right, other.right], axis=1),
+            tilt=np.concatenate([self.tilt, other.tilt], axis=1),
+        )
+
+    def chosen(self, laws: Int[ndarray, " law"]) -> "Sums":
+        """Some of the laws, in the order given."""
+        return replace(
+            self,
+            axis=self.axis[laws],
+            square=self.square[laws],
+            alike=self.alike[laws],
+            right=self.right[:, laws],
+            tilt=self.tilt[:, laws],
+        )
 
 
 @dataclass(frozen=True)

@@ -62,26 +62,35 @@ def weigh(segment: Segment) -> Weighed:
 def _weighed(window: Segment) -> tuple[Weighed, float]:
     """Weights on one window, by a search for the onset that refines itself; largest excess."""
     low, high = float(window.log.min()), float(window.log.max())
-    frame, smooth, onsets = framed(window), smooth_laws(window), np.empty(0)
+    onsets, frame = np.empty(0), framed(window)
     new = np.union1d(np.linspace(low, high, 12)[1:-1], _seeds(frame, low, high))
+    total, evidence, best, excess = None, [np.empty(0)] * 2, [-np.inf] * 2, [1.0] * 2
     for _ in range(4):
-        onsets = np.union1d(onsets, new)
-        laws = smooth.joined(hinge_laws(window, onsets))
-        total = sums(frame, laws)
-        best, excess, more = [], [], []
+        laws = hinge_laws(window, new)
+        if total is None:
+            smooth = smooth_laws(window)
+            laws = smooth.joined(laws)
+        more = sums(frame, laws)
+        total = more if total is None else total.joined(more)
+        onsets = np.concatenate([onsets, new])
         for channel in range(2):
-            own = fits(total, channel, 1.0)
+            own = fits(more, channel, 1.0)
             law, doubt = _best(own.evidence)
-            best.append(own.evidence[law, doubt])
-            rest = misfit(frame, laws.one(law), own.size[law, doubt], channel)
-            excess.append(excess_variance(rest))
-            highest = own.evidence[SMOOTH:].max(axis=1)
-            more.append(_finer(onsets, highest / excess[channel], low, high))
-        new = np.setdiff1d(np.concatenate(more), onsets)
+            if own.evidence[law, doubt] > best[channel]:
+                best[channel] = float(own.evidence[law, doubt])
+                rest = misfit(frame, laws.one(law), own.size[law, doubt], channel)
+                excess[channel] = excess_variance(rest)
+            highest = own.evidence.max(axis=1)
+            evidence[channel] = np.concatenate([evidence[channel], highest])
+        new = [_finer(onsets, evidence[k][SMOOTH:] / excess[k], low, high) for k in range(2)]
+        new = np.setdiff1d(np.concatenate(new), onsets)
         if not new.size:
             break
+    order = np.argsort(onsets)
+    rising = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
+    total = total.chosen(np.concatenate([np.arange(SMOOTH), rising]))
     both = [fits(total, channel, excess[channel]) for channel in range(2)]
-    both = [with_lines_below(both[k], window, onsets, k) for k in range(2)]
+    both = [with_lines_below(both[k], window, onsets[order], k) for k in range(2)]
     constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
     still = [best[k] < NOTHING * excess[k] and excess[k] < MISFIT for k in range(2)]
     still = [NO_DEPARTURE if one else 1.0 for one in still]
@@ -90,7 +99,7 @@ def _weighed(window: Segment) -> tuple[Weighed, float]:
         law = int(np.argmax(both[channel].evidence[: len(BENDING), 0]))
         rest = misfit(frame, smooth.one(law), both[channel].size[law, 0], channel)
         bent.append(max(excess_variance(rest), excess[channel]) / excess[channel])
-    found = combined(Catalogue(onsets, low, high), both, constant, still, bent)
+    found = combined(Catalogue(onsets[order], low, high), both, constant, still, bent)
     return found, max(excess)
 
 
@@ -121,8 +130,9 @@ def _finer(
     onsets: Float[ndarray, " onset"], evidence: Float[ndarray, " hinge"], low: float, high: float
 ) -> Float[ndarray, " more"]:
     """More onsets between those that matter and beside the best, until there are enough."""
-    around = np.concatenate([[low], onsets, [high]])
-    value = evidence.reshape(onsets.size, HINGES).max(axis=1)
+    order = np.argsort(onsets)
+    around = np.concatenate([[low], onsets[order], [high]])
+    value = evidence.reshape(onsets.size, HINGES).max(axis=1)[order]
     good = np.flatnonzero(value > value.max() - NEGLIGIBLE)
     more = np.empty(0)
     if good.size < 8:
