@@ -18,6 +18,7 @@ import importlib
 import json
 import multiprocessing
 import os
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -26,7 +27,6 @@ from pathlib import Path
 
 import numpy as np
 from bladeroot.decay.cut import cut
-from bladeroot.decay.freevib import freevib
 from bladeroot.decay.record import analyse
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.lines import white_noise
@@ -34,12 +34,15 @@ from bladeroot.signal.recording import Recording
 from scipy import signal
 from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
+from decay_bench import separated_curves
+
 SIZES = (100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
 AFTER = {"plateau": "freevib", "integrity": "cut"}  # stages that need another's result
 # Targets: seconds for the shortest, records' own memory, exponent of growth.
 COST_S, MEMORY, SLOPE = 0.15, 10.0, 1.05
 KNOWN = {"expected_Hz": EXPECTED_HZ, "other_modes_Hz": (), "simulated": True}
-SETTINGS = {"end": "noise"}, {"estimator": "blocks", "damping": "hysteretic"}
+SETTINGS = {"end": "noise"}, {"damping": "hysteretic"}
 
 
 def make(count: int, grow: str, seed: int = 0) -> tuple[np.ndarray, float]:
@@ -71,7 +74,9 @@ def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], o
     calls = {
         "hilbert": lambda: signal.hilbert(velocity),
         "cut": lambda: keep("cut", cut(velocity, sampling_Hz, EXPECTED_HZ)),
-        "freevib": lambda: keep("curve", freevib(velocity, sampling_Hz, EXPECTED_HZ, noise)),
+        "freevib": lambda: keep(
+            "curve", separated_curves(velocity, sampling_Hz, EXPECTED_HZ, noise)
+        ),
         "plateau": lambda: plateau(made["curve"]),
     }
     recording = Recording(velocity, sampling_Hz, "velocity")

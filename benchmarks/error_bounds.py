@@ -10,9 +10,9 @@ plateau that FREEVIB gives for whole decays of n periods, beside the Cramer-Rao 
 import sys
 
 import numpy as np
-from bladeroot.decay.error_bounds import limit, published, two_points
 from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau
+from bladeroot.reproduction.error_bounds import limit, published, two_points
 from scipy import fft
 
 FREQUENCY, LOSS, RATE, RATIO = 250.0, 0.005, 25600.0, 1e-3

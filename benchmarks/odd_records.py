@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfilt
 
 CUTTING = {"end": "noise"}
-ESTIMATION = {"estimator": "blocks", "damping": "hysteretic"}
+ESTIMATION = {"damping": "hysteretic"}
 
 
 @dataclass

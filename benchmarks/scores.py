@@ -3,17 +3,22 @@
 README.md in this folder defines every number.
 """
 
+import sys
 import time
 from collections import defaultdict
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import peers
-from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.freevib import no_decay
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.lines import white_noise
 from bound import plateau_bound
 from synthetic import EXPECTED_HZ, HIGHEST, LOWEST, SAMPLING_HZ, Case
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
+from decay_bench import separated_curves
 
 GRID = np.geomspace(LOWEST, HIGHEST, 400)
 MET_PPM = 60.0  # a frequency this good counts as met; a missing one does not
@@ -78,7 +83,9 @@ def bladeroot_scores(case: Case) -> tuple[dict[str, float], Errors]:
     """Everything about the product's own result for one record, and its curve's errors."""
     begin = time.perf_counter()
     try:
-        curve = freevib(case.velocity, SAMPLING_HZ, EXPECTED_HZ, white_noise(case.velocity))
+        curve = separated_curves(
+            case.velocity, SAMPLING_HZ, EXPECTED_HZ, white_noise(case.velocity)
+        )
     except ValueError:
         curve = no_decay()  # every score of it is the worst
     found = plateau(curve)

@@ -13,17 +13,17 @@ from pathlib import Path
 
 import numpy as np
 from bladeroot.decay.agreement import THRESHOLD, compare
-from bladeroot.decay.estimate import ESTIMATORS
 from bladeroot.decay.pff import peak_fit
+from bladeroot.reproduction.thesis_filters import thesis_freevib
 from scipy.stats import binomtest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
-from decay_bench import ring_down
+from decay_bench import ring_down, separated_curves
 
 
 def main() -> None:
     records = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    estimator = ESTIMATORS[sys.argv[2] if len(sys.argv) > 2 else "blocks"]
+    estimator = thesis_freevib if "thesis" in sys.argv else separated_curves
     rng = np.random.default_rng(int(sys.argv[3]) if len(sys.argv) > 3 else 430000)
     scores, reported = [], []
     for _ in range(records):

@@ -10,7 +10,7 @@ from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import from_file
 
 CUTTING = {"end": "noise"}
-ESTIMATION = {"estimator": "blocks", "damping": "hysteretic"}
+ESTIMATION = {"damping": "hysteretic"}
 NEEDED = ("amplitude", "frequency", "loss_factor", "frequency_std", "loss_factor_std")
 
 

@@ -4,15 +4,28 @@
 plateau below an onset (`ring_down`, `backbone`), one with a Coulomb slider (`coulomb_decay`) and a
 record from its drive to the tip's return (`shaken`). In closed form: one mode (`ringing`), two that
 beat, both laws of damping, and the thesis's mass on a spring and slider (`slider`), whose events
-are found exactly.
+are found exactly. `separated_curves` is FREEVIB of a decay with several modes.
 """
 
 from functools import cache
 
 import numpy as np
+from bladeroot.decay.components import separated
+from bladeroot.decay.curves import later
+from bladeroot.decay.freevib import freevib
 
 START = 0.5  # m/s
 RATE = 25600.0  # Hz
+
+
+def separated_curves(velocity, sampling_Hz, expected_Hz, noise, **options):
+    """FREEVIB of one mode of a decay, what else rings taken off, as a record's analysis does."""
+    parts = separated(velocity, sampling_Hz, expected_Hz)
+    begin_s = parts.first / sampling_Hz
+    taken = parts.time - begin_s, parts.widening, parts.doubt
+    own = parts.velocity[parts.first :]
+    curves = freevib(own, sampling_Hz, expected_Hz, noise, taken=taken, **options)
+    return later(curves, begin_s).assign_attrs(other_modes_Hz=parts.lines_Hz)
 
 
 def course(alpha, omega, time, level):

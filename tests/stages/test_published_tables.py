@@ -11,9 +11,9 @@ from bladeroot.fem.prestress import prestress
 from bladeroot.reproduction.calibration import Calibration, predict
 from bladeroot.reproduction.parameters import parameters_of, values_in
 from bladeroot.reproduction.published import published_stiffness
+from bladeroot.reproduction.structure_checks import checks
 from bladeroot.reproduction.targets import targets_of
 from bladeroot.reproduction.thesis_search import table_deltas
-from bladeroot.rom.checks import checks
 from bladeroot.rom.file import load_structure
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.rom.parametric import surface_of

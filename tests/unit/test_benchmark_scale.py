@@ -17,7 +17,7 @@ def test_a_campaign_is_sound_and_a_record_of_it_is_analysed(tmp_path):
         campaign.folder / row["file"],
         known,
         {"end": "noise"},
-        {"estimator": "blocks", "damping": "hysteretic"},
+        {"damping": "hysteretic"},
     )
     # the plateau lies below a tenth of the start, at 1 + 0.01 ln(4 / 12) times 180 Hz
     assert abs(float(plateau["stick_frequency"]) / (180.0 * 0.98901) - 1.0) < 2e-3

@@ -154,10 +154,22 @@ def test_a_decay_begins_where_it_grows_no_more_and_ends_where_it_grows_again():
     level = np.where(time < 0.2, 0.5 + 2.5 * time, np.exp(-0.8 * (time - 0.2)))
     level = np.where(time > 3.0, level * (1.0 + 3.0 * (1.0 - np.exp(-(time - 3.0) / 0.1))), level)
     noise = NOISE * np.random.default_rng(0).standard_normal(time.size)
-    found = freevib(0.05 * level * np.cos(2 * np.pi * 80.0 * time) + noise, RATE, 80.0, NOISE)
-    assert found["time"].values[0] >= 0.18
-    assert 2.5 < found["time"].values[-1] < 3.1
+    judged, found = curve(0.05 * level * np.cos(2 * np.pi * 80.0 * time) + noise, 80.0)
+    seen_s = found["time"].values[[0, -1]] + judged.attrs["start_s"]
+    assert 0.18 <= seen_s[0] < 0.3
+    assert 2.5 < seen_s[1] < 3.1
     assert (found["loss_factor"].values > 0.0).all()
+
+
+@pytest.mark.parametrize("part", [1e-4, 1e-3, 1e-2])
+def test_what_is_held_at_first_is_no_part_of_the_curve(part):
+    time = np.arange(int(4.0 * RATE)) / RATE
+    velocity = np.exp(-2.5 * np.maximum(time - 0.25, 0.0)) * np.cos(2 * np.pi * 80.0 * time)
+    velocity += part * np.random.default_rng(4).standard_normal(time.size)
+    judged, found = curve(velocity, 80.0)  # held for twenty cycles
+    assert 0.25 < found["time"].values[0] + judged.attrs["start_s"] < 0.32
+    off = found["loss_factor"].values - 5.0 / (2.0 * np.pi * 80.0)
+    assert np.abs(off / found["loss_factor_std"].values)[:20].max() < 5.0
 
 
 def test_what_is_taken_off_shows_in_the_errors_where_the_decay_begins():

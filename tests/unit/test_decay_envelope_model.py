@@ -10,8 +10,8 @@ KNOTS = -(-SAMPLES // SPACING) + ALIVE - 1
 COLUMNS = 2 * LINES.size + 1
 
 
-def plain(usable, course, base_Hz):
-    """Design of the usable samples and the penalty, as plain matrices."""
+def plain(course, base_Hz):
+    """Design and penalty, as plain matrices."""
     time = np.arange(SAMPLES) / RATE
     carriers = [np.ones(SAMPLES)]
     for line in LINES:
@@ -36,21 +36,19 @@ def plain(usable, course, base_Hz):
                 row[j : j + 4, 1 + 2 * line], row[j : j + 4, 2 + 2 * line] = real, imaginary
                 rows.append(row.ravel())
     penalty = np.array(rows)
-    return design.reshape(SAMPLES, -1)[usable], penalty.T @ penalty
+    return design.reshape(SAMPLES, -1), penalty.T @ penalty
 
 
-@pytest.mark.parametrize("masked", [False, True])
-def test_coefficients_waves_and_variances_are_those_of_least_squares(masked):
+def test_coefficients_waves_and_variances_are_those_of_least_squares():
     rng = np.random.default_rng(0)
     velocity = rng.standard_normal(SAMPLES)
-    usable = rng.uniform(size=SAMPLES) > (0.1 if masked else -1.0)
     course = 0.3 * rng.standard_normal((2, KNOTS)) + 1j * rng.standard_normal((2, KNOTS))
-    found = demodulated(velocity, RATE, LINES, SPACING, usable, 1.0, course)
-    design, penalty = plain(usable, course, 1.0)
+    found = demodulated(velocity, RATE, LINES, SPACING, 1.0, course)
+    design, penalty = plain(course, 1.0)
     inverse = np.linalg.inv(design.T @ design + penalty)
-    expected = inverse @ design.T @ velocity[usable]
+    expected = inverse @ design.T @ velocity
     np.testing.assert_allclose(found.coefficient.ravel(), expected, rtol=1e-7, atol=1e-9)
-    np.testing.assert_allclose(found.waves()[usable], design @ expected, atol=1e-9)
+    np.testing.assert_allclose(found.waves(), design @ expected, atol=1e-9)
     middle = np.array([1.0, 23.0, 23.0, 1.0]) / 48.0
     for line in range(LINES.size):
         variance = found.variance(line)
@@ -76,7 +74,7 @@ def test_what_is_known_of_a_course_is_free_of_penalty():
     course = np.array([-9.0 * knot, -4.0 * knot]).astype(complex)
     missed = []
     for known in (None, course):
-        found = demodulated(sum(waves), rate, lines, spacing, None, 0.0, known)
+        found = demodulated(sum(waves), rate, lines, spacing, 0.0, known)
         missed.append(np.abs(found.waves([0], base=False) - waves[0]))
     assert missed[0].max() > 0.05
     assert missed[1].max() < 1e-3
@@ -87,7 +85,7 @@ def test_a_mode_is_less_sure_at_an_end_and_beside_a_near_line():
     own = np.array([50.0])
     for line, least, most in ((60.0, 1.2, 2.0), (150.0, 1.0, 1.1)):
         both = demodulated(velocity, 1000.0, np.array([50.0, line]), 40)
-        alone = demodulated(velocity, 1000.0, own, 40, None, 0.0, None, np.array([line]))
+        alone = demodulated(velocity, 1000.0, own, 40, 0.0, None, np.array([line]))
         ratio = np.sqrt(both.variance(0) / alone.variance(0))
         assert least < ratio[0] < most
         assert ratio[ratio.size // 2] == pytest.approx(1.0, abs=0.01)

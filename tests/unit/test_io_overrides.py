@@ -11,7 +11,7 @@ from bladeroot.signal.recording import Recording
 RATE, F, DECAY = 2000.0, 50.0, 3.0
 KNOWN = {"record": "r", "mode": "m", "expected_Hz": F, "hold": "r", "direction": "", "load": 0.0,
          "load_name": "", "load_unit": "", "other_modes_Hz": [], "simulated": False}  # fmt: skip
-CUTTING, ESTIMATION = {"end": "noise"}, {"estimator": "blocks", "damping": "hysteretic"}
+CUTTING, ESTIMATION = {"end": "noise"}, {"damping": "hysteretic"}
 
 
 def ring(seconds=4.0, begin=0.5, seed=0, other=0.0):

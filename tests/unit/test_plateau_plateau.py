@@ -8,7 +8,7 @@ from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau, record_plateau
 from bladeroot.plateau.posterior import NORMAL, Mixture
 from bladeroot.plateau.segment import grouped, integral, lines_below, over_cells
-from decay_bench import ring_down, ringing, slider
+from decay_bench import ring_down, ringing, separated_curves, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
 from hypothesis import given, settings
 
@@ -282,7 +282,7 @@ def test_slider_of_3_4(share):
 
 def test_record_that_never_leaves_the_plateau():
     velocity, noise, largest, _ = ring_down(4, softening=0.0, eta=(0.004, 0.004))
-    found = plateau(freevib(velocity, 25600.0, 250.0, noise))
+    found = plateau(separated_curves(velocity, 25600.0, 250.0, noise))
     assert found["verdict"] == "plateau"
     assert np.isnan(found["onset_amplitude"])
     assert found["onset_bound"] == pytest.approx(largest, rel=0.03)
@@ -295,7 +295,7 @@ def test_stick_frequency_of_a_slipping_record(noise_db, ppm):
     z = []
     for seed in range(2):
         velocity, noise, largest, truth = ring_down(seed, noise_db=noise_db)
-        found = plateau(freevib(velocity, 25600.0, 250.0, noise))
+        found = plateau(separated_curves(velocity, 25600.0, 250.0, noise))
         frequency, loss = truth(0.1 * largest)
         assert found["stick_frequency"] == pytest.approx(frequency, rel=ppm * 1e-6)
         assert found["loss_factor"] == pytest.approx(loss, rel=0.02)

@@ -6,7 +6,7 @@ import xarray as xr
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.spectra import before_and_after, followed_mode
 from bladeroot.pooling.curves import mean_curves
-from decay_bench import ringing
+from decay_bench import ringing, separated_curves
 
 
 def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B", hold=""):
@@ -134,7 +134,7 @@ def decaying(rate_Hz=8000.0, seconds=1.0):
 
 def test_the_followed_mode_leaves_over_the_rest():
     mode, whole = decaying()
-    decay = freevib(whole, 8000.0, 200.0, 1e-4)
+    decay = separated_curves(whole, 8000.0, 200.0, 1e-4)
     decay.attrs["expected_Hz"] = 200.0
     inside = slice(100, 6000)
     miss = followed_mode(whole.size, 8000.0, decay)[inside] - mode[inside]

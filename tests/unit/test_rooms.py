@@ -51,6 +51,7 @@ ALLOWED = {
         "mechanisms",
         "diagnosis",
         "bench",
+        "reproduction",
     },
 }
 # Plain files that a room may use: the bench stands alone but for the compiler, the others share

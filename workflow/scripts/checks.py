@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.rom.checks import checks
+from bladeroot.reproduction.structure_checks import checks
 from bladeroot.rom.file import load_structure
 
 

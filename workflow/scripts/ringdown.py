@@ -12,7 +12,7 @@ STAGES = ("records", "decay", "plateau")
 
 def main(raw, facts, campaign, record_settings, decay_settings, code, folder, batch):
     settings = record_settings, decay_settings, decay_settings
-    cutting, estimation = json.loads(record_settings), json.loads(decay_settings)
+    cutting, estimating = json.loads(record_settings), json.loads(decay_settings)
     parts = [
         statement.Part(
             known, [path], [f"{folder}/{stage}/{known['record']}.nc" for stage in STAGES]
@@ -29,16 +29,17 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
             statement.renew(part)
             continue
         from bladeroot.decay.record import from_file, not_analysed
+        from bladeroot.reproduction.thesis_filters import estimation
 
         try:
-            made = from_file(path, known, cutting, estimation)
+            made = from_file(path, known, cutting, estimation(estimating))
         except MemoryError:
             raise  # the batch is asked for again with more
         except Exception as error:
             # One record's fault must not take its batch along; the end of the run names it.
             traceback.print_exc()
             reason = f"its analysis broke off: {type(error).__name__}: {error}"
-            made = not_analysed(known, reason, estimation)
+            made = not_analysed(known, reason, estimation(estimating))
         for place, one, said in zip(part.outputs, made, settings, strict=True):
             artifacts.save(one.assign_attrs(campaign=campaign), place, settings=said)
     names = [part.facts["record"] for part in parts]

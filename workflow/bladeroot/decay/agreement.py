@@ -8,6 +8,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import ndtr, ndtri
 
+from bladeroot.variables import dataset
+
 # What either method may miss by for reasons other than noise (see `pff`), relative.
 FLOOR = {"frequency": 2e-6, "loss_factor": 1e-3}
 # Standard errors beyond which a difference is reported: not once in 800 simulated records with
@@ -39,13 +41,8 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
         difference, std, worst = _difference(curves, peaks, name)
         z = difference / std
         title = name.replace("_", " ")
-        for suffix, value, text in (
-            ("", difference, f"relative difference of {title}, PFF minus FREEVIB (median)"),
-            ("_std", std, f"standard error of pff_{name}_difference"),
-            ("_z", z, f"pff_{name}_difference in standard errors"),
-        ):
-            attrs = {"units": "1", "long_name": text}
-            made[f"pff_{name}_difference{suffix}"] = ((), value, attrs)
+        for suffix, value in (("", difference), ("_std", std), ("_z", z)):
+            made[f"pff_{name}_difference{suffix}"] = value
         if abs(z) > THRESHOLD:
             loud.append(f"{title} by {100.0 * difference:.2g} %, {abs(z):.3g} standard errors")
         elif worst is not None and abs(worst.z) > worst.limit:
@@ -53,15 +50,10 @@ def compare(curves: xr.Dataset, peaks: xr.Dataset) -> xr.Dataset:
                 f"{title} by {100.0 * worst.difference:.2g} % around {worst.time:.3g} s, "
                 f"{abs(worst.z):.3g} standard errors"
             )
-    compared = np.isfinite(made["pff_frequency_difference"][1])
-    agrees = -1 if not compared else int(not loud)
-    finding = f"peak fitting differs from FREEVIB: {'; '.join(loud)}" if loud else ""
-    made["pff_agrees"] = (
-        (), np.int8(agrees),
-        {"units": "1", "long_name": "1 where PFF and FREEVIB agree, 0 where not, -1: no overlap"},
-    )  # fmt: skip
-    made["pff_finding"] = ((), finding, {"units": "", "long_name": "what they disagree about"})
-    return xr.Dataset(made)
+    compared = np.isfinite(made["pff_frequency_difference"])
+    made["pff_agrees"] = np.int8(-1 if not compared else int(not loud))
+    made["pff_finding"] = f"peak fitting differs from FREEVIB: {'; '.join(loud)}" if loud else ""
+    return dataset("decay/agreement", made)
 
 
 @dataclass(frozen=True)

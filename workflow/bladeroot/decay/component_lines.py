@@ -1,7 +1,7 @@
 """Which lines a decay holds besides its mode: found in what the known ones leave over."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
@@ -45,7 +45,6 @@ def more_lines(
     found: Envelopes,
     sampling_Hz: float,
     slowest_Hz: float,
-    usable: Bool[ndarray, " sample"] | None,
 ) -> list[float]:
     """Up to `AT_ONCE` lines (Hz) that what is left over shows clearly, the most harmful first.
 
@@ -54,7 +53,6 @@ def more_lines(
     """
     own_Hz = float(found.lines_Hz[0])
     mode, rest = found.waves([0], base=False), velocity - found.waves()
-    rest = rest if usable is None else np.where(usable, rest, 0.0)
     begin, count = 0.0, FIRST_CYCLES * sampling_Hz / own_Hz
     candidates: list[tuple[float, float]] = []
     while count < LONGER * rest.size:
@@ -166,12 +164,9 @@ def lines_by_name(
     return [found[n] for n in sorted(found)] if 0 in found and len(found) > 1 else []
 
 
-def beating_line(found: Envelopes, sampling_Hz: float, seen: int) -> list[float]:
-    """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats.
-
-    seen: first intervals that are looked at.
-    """
-    z = found.envelope(0)[:seen]
+def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
+    """A line (Hz) too close to the mode to be seen beside it: the mode's envelope beats."""
+    z = found.envelope(0)[: found.samples // found.spacing]
     weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
     z = z[: weak[0]] if weak.size else z
     log = np.log(np.maximum(np.abs(z), 1e-300)) + 1j * np.unwrap(np.angle(z))

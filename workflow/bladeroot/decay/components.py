@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -92,7 +92,6 @@ def separated(
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
     first: int = 0,
-    usable: Bool[ndarray, " sample"] | None = None,
     blows: int = BLOWS,
 ) -> Separated:
     """A record whose decay begins at a sample, without all that is not the mode, nor noise.
@@ -108,7 +107,6 @@ def separated(
     smooth they are taken to be.
     """
     whole, x = velocity, velocity[first:]
-    known = None if usable is None else usable[first:]
     frequency, level = loudest(x, sampling_Hz, expected_Hz)
     for other in modes_Hz:
         if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another mode's is not this one's
@@ -124,7 +122,7 @@ def separated(
     near: list[Beside] = []
     close: list[float] = []
     for turn in range(ROUNDS):
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
+        found = _followed(x, sampling_Hz, lines, base_Hz)
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         if not near and not trimmed:
             near = harmonics(found, sampling_Hz, APART)
@@ -133,15 +131,15 @@ def separated(
                 velocity[first:] -= sum(one.wave for one in near)
                 x, lines = velocity[first:], named
                 continue
-        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz), known)
+        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
         if not trimmed and (turn or not more):
             hidden = [one.hides(found, sampling_Hz) for one in near]
             last, trimmed = min([_lasting(found), *hidden]), True
-            x, known = x[:last], None if known is None else known[:last]
+            x = x[:last]
             if last < found.samples:
                 continue
         if not more and not beaten:
-            beaten, close = True, beating_line(found, sampling_Hz, _seen(found, known))
+            beaten, close = True, beating_line(found, sampling_Hz)
             if close:
                 lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
                 own_Hz, close = float(lines[0]), [float(lines[-1])]
@@ -166,26 +164,22 @@ def separated(
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
-        found = _followed(x, sampling_Hz, lines, base_Hz, known)
-    rest = _rest(x, found, known)
-    struck = _struck(found, rest) or _grows(found, rest, known)
+        found = _followed(x, sampling_Hz, lines, base_Hz)
+    rest = x - found.waves()
+    struck = _struck(found, rest) or _grows(found, rest)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
-        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, usable, blows - 1
+        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1
         return separated(*again)
     if lone:
         return Separated(velocity, first, [], *np.zeros((2, 0)))
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
-    found = demodulated(x, sampling_Hz, lines, spacing, known, base_Hz, course)
-    single = demodulated(
-        x, sampling_Hz, lines[:1], spacing, known, course=course[:1], beside=lines[1:]
-    )
+    found = demodulated(x, sampling_Hz, lines, spacing, base_Hz, course)
+    single = demodulated(x, sampling_Hz, lines[:1], spacing, course=course[:1], beside=lines[1:])
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     few = max(int(0.25 * sampling_Hz / own_Hz), 1)
-    doubt = np.hypot(
-        np.abs(found.envelope(0) - before), _missed(_rest(x, found, known), spacing, few)
-    )
+    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(x - found.waves(), spacing, few))
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
@@ -246,14 +240,6 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
 
-def _rest(
-    velocity: Float[ndarray, " sample"], found: Envelopes, usable: Bool[ndarray, " sample"] | None
-) -> Float[ndarray, " sample"]:
-    """What all components leave over; nothing of samples that cannot be used."""
-    rest = velocity - found.waves()
-    return rest if usable is None else np.where(usable, rest, 0.0)
-
-
 def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[ndarray, " interval"]:
     """Rms of what is left over in each interval, beyond what noise leaves.
 
@@ -269,21 +255,9 @@ def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[nd
     return np.sqrt(np.maximum(power - noise, 0.0))
 
 
-def _seen(found: Envelopes, usable: Bool[ndarray, " sample"] | None) -> int:
-    """Intervals before the first one of which half cannot be used."""
-    whole = found.samples // found.spacing
-    if usable is None:
-        return whole
-    share = usable[: whole * found.spacing].reshape(whole, -1).mean(axis=1)
-    return int(np.argmax(share < 0.5)) if (share < 0.5).any() else whole
-
-
-def _grows(
-    found: Envelopes, rest: Float[ndarray, " sample"], usable: Bool[ndarray, " sample"] | None
-) -> int:
+def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
-    half = found.samples // found.spacing // 2
-    size = np.abs(found.envelope(0))[: min(half, _seen(found, usable))]
+    size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
     if not size.size:
         return 0
     top = int(np.argmax(size))
@@ -307,7 +281,6 @@ def _followed(
     sampling_Hz: float,
     lines: Float[ndarray, " line"],
     base_Hz: float,
-    usable: Bool[ndarray, " sample"] | None,
 ) -> Envelopes:
     """The envelopes of lines, with knots as dense as telling the first from the others allows."""
     own_Hz = lines[0]
@@ -315,7 +288,7 @@ def _followed(
     spacing = max(KNOTS / nearest, FEWEST_CYCLES / own_Hz)
     spacing = min(spacing, 0.5 / max(base_Hz, 1e-9))
     spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, 8.0))
-    return demodulated(velocity, sampling_Hz, lines, spacing, usable, base_Hz)
+    return demodulated(velocity, sampling_Hz, lines, spacing, base_Hz)
 
 
 def _course(found: Envelopes, line: int) -> Complex[ndarray, " knot"]:

@@ -5,8 +5,6 @@ freely, and later the tip returns; or the decay follows a hammer's blow (or seve
 release, or the record begins in it.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
@@ -17,6 +15,7 @@ from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
 from bladeroot.signal.lines import quantum, white_noise
 from bladeroot.signal.turning import clean_falls
+from bladeroot.variables import dataset
 
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
@@ -73,7 +72,6 @@ def cut(
     }  # fmt: skip
     span, finding = (0, 0), ""
     duration = velocity.size / sampling_Hz
-    begin = 0 if release is None else int(release.time_s * sampling_Hz)
     if expected_Hz >= 0.45 * sampling_Hz:
         finding = (
             f"expected_Hz {expected_Hz:.6g} lies above 0.45 of the sampling frequency "
@@ -85,11 +83,7 @@ def cut(
             f"{expected_Hz:.6g} Hz, at least {2 * FEWEST_CYCLES} are needed"
         )
     else:
-        own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
-        seen = envelope(velocity, sampling_Hz, own_Hz)
-        span, finding = _span(
-            velocity, sampling_Hz, expected_Hz, seen, noise, least, end, attrs, release
-        )
+        span, finding = _span(velocity, sampling_Hz, expected_Hz, noise, least, end, attrs, release)
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
@@ -143,26 +137,31 @@ def _span(
     velocity: ndarray,
     sampling_Hz: float,
     expected_Hz: float,
-    seen: Envelope,
     noise: float,
     least: float,
     end: float | str,
     attrs: dict[str, float | str | int],
     known: Release | None,
 ) -> tuple[tuple[int, int], str]:
-    """First sample and one past the last of the decay, or what is amiss."""
-    floor = seen.noise(noise, sampling_Hz)
-    broken = strikes(seen, noise)
-    ratio = 0.0 if end == "noise" else float(end)
-    one = _decay(velocity, sampling_Hz, seen, floor, least, broken, ratio, known)
-    fall, found, release = one.fall, one.found, one.release
-    if release is None:
+    """First sample and one past the last of the deepest decay, or what is amiss."""
+    begin = 0 if known is None else int(known.time_s * sampling_Hz)
+    own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
+    seen = envelope(velocity, sampling_Hz, own_Hz)
+    floor, broken = seen.noise(noise, sampling_Hz), strikes(seen, noise)
+    first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
+    fall, level, found = _falls(seen, floor, broken, min(first, seen.time.size - 2))
+    least_fall = SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
+    if fall < np.log(least_fall):
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
-            f"factor of {np.exp(fall):.3g}, at least {_least_fall(known):g} is needed"
+            f"factor of {np.exp(fall):.3g}, at least {least_fall:g} is needed"
         )
-    level, end_s, reason = one.level, one.end_s, one.reason
+    peak, trough = found[0]
+    release = known or find_release(velocity, sampling_Hz, seen, floor, level, peak, trough)
     start_s = release.time_s + 2.0 * release.std_s
+    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
+    ratio = 0.0 if end == "noise" else float(end)
+    end_s, reason = find_end(seen, floor, least, level, broken, begin, trough, ratio)
     end_s = min(end_s, velocity.size / sampling_Hz)
     first, stop = int(np.ceil(start_s * sampling_Hz)), int(np.floor(end_s * sampling_Hz))
     attrs |= {
@@ -180,47 +179,6 @@ def _span(
             f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
         )
     return (first, stop), ""
-
-
-@dataclass(frozen=True)
-class _Decay:
-    """Smoothed level, its falls (the largest by `fall`), release, first frame, end and why."""
-
-    fall: float
-    level: Float[ndarray, " frame"]
-    found: list[tuple[int, int]]
-    release: Release | None = None
-    begin: int = 0
-    end_s: float = 0.0
-    reason: str = ""
-
-
-def _decay(
-    velocity: ndarray,
-    sampling_Hz: float,
-    seen: Envelope,
-    noise: float,
-    least: float,
-    broken: ndarray,
-    ratio: float,
-    known: Release | None,
-) -> _Decay:
-    """The deepest decay in an envelope; without a release if none is deep enough."""
-    first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
-    first = min(first, seen.time.size - 2)
-    fall, level, found = _falls(seen, noise, broken, first)
-    if fall < np.log(_least_fall(known)):
-        return _Decay(fall, level, found)
-    peak, trough = found[0]
-    release = known or find_release(velocity, sampling_Hz, seen, noise, level, peak, trough)
-    start_s = release.time_s + 2.0 * release.std_s
-    begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
-    end_s, reason = find_end(seen, noise, least, level, broken, begin, trough, ratio)
-    return _Decay(fall, level, found, release, begin, end_s, reason)
-
-
-def _least_fall(known: Release | None) -> float:
-    return SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
 
 
 def _falls(
@@ -261,29 +219,9 @@ def _dataset(
         (extreme.reduceat(velocity, at) if at.size else np.zeros(0))
         for extreme in (np.minimum, np.maximum)
     )
-    return xr.Dataset(
-        {
-            "velocity": (
-                "time", piece, {"units": "m/s", "long_name": "velocity of the free decay"}
-            ),
-            "overview_time": (
-                "bin", 0.5 * (at + edges[1:]) / sampling_Hz,
-                {"units": "s", "long_name": "time in the raw record"},
-            ),
-            "overview_min": (
-                "bin", low,
-                {"units": "m/s", "long_name": "smallest velocity in the bin"},
-            ),
-            "overview_max": (
-                "bin", high,
-                {"units": "m/s", "long_name": "largest velocity in the bin"},
-            ),
-        },
-        coords={
-            "time": (
-                "time", np.arange(float(piece.size)) / sampling_Hz,
-                {"units": "s", "long_name": "time since the start of the cut"},
-            )
-        },
-        attrs=attrs,
-    )  # fmt: skip
+    made = {
+        "velocity": piece, "time": np.arange(float(piece.size)) / sampling_Hz,
+        "overview_time": 0.5 * (at + edges[1:]) / sampling_Hz,
+        "overview_min": low, "overview_max": high,
+    }  # fmt: skip
+    return dataset("decay/cut", made).assign_attrs(attrs)

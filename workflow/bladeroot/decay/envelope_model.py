@@ -11,12 +11,11 @@ the same matrix, so the cost of a record is that of one matrix product and a ban
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Complex, Float
 from numpy import ndarray
 from scipy.linalg import lapack
 
 from bladeroot.signal.banded import inverse_band
-from bladeroot.signal.runs import runs
 
 # The envelope of a component varies no faster than this part of its distance to the next one.
 SHARE = 0.35
@@ -95,7 +94,6 @@ def demodulated(
     sampling_Hz: float,
     lines_Hz: Float[ndarray, " line"],
     spacing: int,
-    usable: Bool[ndarray, " sample"] | None = None,
     base_Hz: float = 0.0,
     course: Complex[ndarray, "line knot"] | None = None,
     beside: Float[ndarray, " other"] | None = None,
@@ -117,19 +115,15 @@ def demodulated(
     design[..., 1::2] *= np.cos(since[..., None] * omega)
     design[..., 2::2] *= -np.sin(since[..., None] * omega)
     design = design.reshape(spacing, wide)
-    weight = np.zeros(intervals * spacing, bool)
-    weight[: velocity.size] = True if usable is None else usable
-    weight = weight.reshape(intervals, spacing)
     padded = np.zeros(intervals * spacing)
     padded[: velocity.size] = velocity
-    padded = padded.reshape(intervals, spacing) * weight
+    padded = padded.reshape(intervals, spacing)
     band = np.zeros((knots * columns, wide))
-    whole, gram = weight.all(axis=1), design.T @ design
-    for first, stop in runs(whole):
-        _add(band[first * columns :], gram, int(stop - first))
-    for k in np.flatnonzero(~whole):
-        own = design[weight[k]]
-        _add(band[k * columns :], own.T @ own)
+    whole = velocity.size // spacing
+    _add(band, design.T @ design, whole)
+    if whole < intervals:
+        last = design[: velocity.size - whole * spacing]
+        _add(band[whole * columns :], last.T @ last)
     right = np.zeros((knots, columns))
     projected = (padded @ design).reshape(intervals, ALIVE, columns)
     for a in range(ALIVE):
@@ -142,7 +136,7 @@ def demodulated(
     band[:, 0] *= 1.0 + RIDGE
     factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
     if failed:
-        raise ValueError("the equations of the components are singular: no usable samples?")
+        raise ValueError("the equations of the components are singular")
     coefficient = lapack.dpbtrs(factor, right.ravel(), lower=1)[0].reshape(-1, columns)
     coefficient = _times(coefficient, phase.conj())
     return Envelopes(lines_Hz, spacing, velocity.size, coefficient, design, phase, factor.T)

@@ -13,6 +13,7 @@ from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
 from bladeroot.signal.lines import TOLERANCE, magnitudes
 from bladeroot.signal.recording import Recording, uncut, velocity
+from bladeroot.variables import dataset
 
 # Of a line so many times as loud as the mode, the release is taken where the mode shows none.
 LOUDER = 3.0
@@ -120,10 +121,6 @@ def _with_widening(decay: xr.Dataset, parts: Separated) -> xr.Dataset:
     """The decay, with what its mode is less sure by for the components taken off."""
     if not np.isfinite(decay.attrs["start_s"]):
         return decay
-    about = {"units": "1", "long_name": "standard error beside other components over that without"}
-    when = {"units": "s", "long_name": "time since the start of the cut"}
-    return decay.assign(
-        widening=("knot", parts.widening, about),
-        doubt=("knot", parts.doubt, about | {"long_name": "relative error by the others' course"}),
-        widening_time=("knot", parts.time - decay.attrs["start_s"], when),
-    ).assign_attrs(components_Hz=parts.lines_Hz)
+    time = parts.time - decay.attrs["start_s"]
+    made = {"widening": parts.widening, "doubt": parts.doubt, "widening_time": time}
+    return decay.assign(dataset("decay/beside", made)).assign_attrs(components_Hz=parts.lines_Hz)

@@ -8,23 +8,14 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.components import separated
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors
-from bladeroot.signal.runs import longest, runs
+from bladeroot.signal.runs import longest
 from bladeroot.signal.smooth import Spline
+from bladeroot.variables import dataset, names
 
-# A free decay falls. Where ln A rises by so many standard errors, among the first blocks or later,
-# something drives it, and the deepest fall before or after is the decay. So it does where among the
-# first ln A falls, as surely, by less than that part of its usual rate.
-GROWS = (3.0, 5.0)
-STILL = 0.05
-FIRST = 24  # blocks
-BEATS = 2  # what grows more often than that later is a beat, and no drive
-PARTS = 4  # times that a record is cut again
+PARTS = 4  # times that first blocks are cut off
 LEFT = 16.0  # cycles that a cut leaves at least
-LOOKED_AT = 100  # blocks, evenly over the record
-MARGIN = 2  # blocks between a drive and the decay
 # Largest number of points of the curves, and of those at which their errors are worked out.
 POINTS, SHARP = 500, 120
 # So many first blocks are no free decay where a parabola through twice as many later ones, that
@@ -48,21 +39,6 @@ SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
 # simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
 # 2042).
 START, STARTING = 0.45, 3.0
-POINT = (
-    ("time", "s", "time since the start of the cut", ""),
-    ("amplitude", "m", "displacement amplitude at the sensor", "eqs 3.1, 3.12"),
-    ("frequency", "Hz", "undamped natural frequency", "eq. 3.11"),
-    ("loss_factor", "1", "hysteretic loss factor", "eq. 3.11"),
-    ("amplitude_std", "m", "standard error of amplitude", "App. F"),
-    ("frequency_std", "Hz", "standard error of frequency", "App. F"),
-    ("loss_factor_std", "1", "standard error of loss factor", "App. F"),
-)
-BLOCK = (
-    ("block_time", "s", "centre of a block of whole cycles", ""),
-    ("block_log_amplitude", "1", "ln of the displacement amplitude in m", "eq. 3.1"),
-    ("block_phase", "rad", "unwrapped phase of the displacement", "eq. 3.1"),
-    ("block_std", "1", "standard error of log-amplitude and of phase", "App. F"),
-)
 
 
 def freevib(
@@ -84,7 +60,7 @@ def freevib(
     A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
     lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
     lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis. What else rings is taken off first (`decay.components`), unless `taken` says it was.
+    thesis. What else rings is taken off before (`decay.components`).
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
@@ -112,24 +88,14 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    begin_s, others = 0.0, []
-    if taken is None:
-        parts = separated(velocity, sampling_Hz, expected_Hz, usable=usable)
-        begin_s, others = parts.first / sampling_Hz, parts.lines_Hz
-        velocity, usable = (
-            None if x is None else x[parts.first : parts.velocity.size]
-            for x in (parts.velocity, usable)
-        )
-        taken = parts.time - begin_s, parts.widening, parts.doubt
+    begin_s = 0.0
     for _ in range(PARTS):
         blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
-        began, ended = _free(blocks, fit)
-        free = max(began, _settled(blocks)), ended
-        first, stop = (int(np.clip(t * sampling_Hz, 0, velocity.size)) for t in free)
-        if stop - first == velocity.size or (stop - first) * expected_Hz < LEFT * sampling_Hz:
+        first = int(_settled(blocks) * sampling_Hz)
+        if not first or (velocity.size - first) * expected_Hz < LEFT * sampling_Hz:
             break
-        velocity, usable = (None if x is None else x[first:stop] for x in (velocity, usable))
-        taken = taken[0] - first / sampling_Hz, *taken[1:]
+        velocity, usable = (None if x is None else x[first:] for x in (velocity, usable))
+        taken = None if taken is None else (taken[0] - first / sampling_Hz, *taken[1:])
         begin_s += first / sampling_Hz
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
@@ -168,7 +134,6 @@ def freevib(
         [blocks.time[own] + begin_s, blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
-    result.attrs["other_modes_Hz"] = others
     result.attrs["damping"] = damping
     if damping == "viscous":
         result["loss_factor"].attrs |= {"long_name": "loss factor: twice the damping ratio"}
@@ -219,34 +184,6 @@ def natural(
     return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
 
 
-def _free(blocks: Phasors, fit: Spline) -> tuple[float, float]:
-    """First and last time (s) of the deepest fall between times at which the amplitude grows."""
-    at = np.unique(np.linspace(0, blocks.time.size - 1, LOOKED_AT).round().astype(int))
-    at = np.union1d(at, np.arange(min(FIRST, blocks.time.size)))
-    time = blocks.time[at]
-    slope, std = fit.value(time)[1, 0], fit.std(time)[1, 0]
-    still = STILL * max(-float(np.median(slope)), 0.0)
-    grows = runs(np.where(at < FIRST, slope + still > GROWS[0] * std, slope > GROWS[1] * std))
-    later = [span for span in grows if span[0] >= FIRST]
-    if len(later) > BEATS:
-        grows = grows[: len(grows) - len(later)]
-    if not len(grows):
-        return 0.0, np.inf
-    level, last = blocks.log.real, blocks.time.size - 1
-    starts = [0, *(min(at[b - 1] + MARGIN, last) for _, b in grows)]
-    if len(grows) and at[grows[0][0]] < FIRST:  # a drive's end is sharper than the spline
-        driven, rate = at[grows[0][1] - 1], -float(np.median(slope)) * (time[1] - time[0])
-        low = level < level[: driven + 1].max() - MARGIN * rate
-        starts[1] = max(starts[1], driven + int(np.argmax(low[driven:])))
-    stops = [*(max(at[a] - MARGIN, 0) for a, _ in grows), last]
-    falls = [level[a] - level[b] if b > a else 0.0 for a, b in zip(starts, stops, strict=True)]
-    k = int(np.argmax(falls))
-    return (
-        float(blocks.time[starts[k]]) if k else 0.0,
-        float(blocks.time[stops[k]]) if k < len(grows) else np.inf,
-    )
-
-
 def _settled(blocks: Phasors) -> float:
     """Time (s) at which the first blocks are like the later ones; a drive's end may lie before it.
 
@@ -294,7 +231,7 @@ def _between(times: Float[ndarray, " block"], points: Float[ndarray, " point"]) 
 
 def no_decay() -> xr.Dataset:
     """The empty result of a rejected record: the variables of `freevib`, no points."""
-    return decay_dataset([np.empty(0)] * len(POINT), [np.empty(0)] * len(BLOCK))
+    return decay_dataset([np.empty(0)] * 7, [np.empty(0)] * 4)
 
 
 def search_band(
@@ -323,11 +260,8 @@ def _std(fit: Spline, time: Float[ndarray, " point"]) -> ndarray:
 
 
 def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
-    """Curves and blocks as a Dataset, from columns in the order of `POINT` and `BLOCK`."""
-    made = {}
-    for dim, table, columns in (("point", POINT, points), ("block", BLOCK, blocks)):
-        for (name, units, long_name, source), values in zip(table, columns, strict=True):
-            attrs = {"units": units, "long_name": long_name}
-            attrs |= {"source": source} if source else {}
-            made[name] = xr.Variable(dim, values, attrs)
-    return xr.Dataset(made)
+    """Curves and blocks as a Dataset, from columns in the order of their tables."""
+    tables = (("decay/point", points), ("decay/block", blocks))
+    return xr.merge(
+        dataset(table, dict(zip(names(table), columns, strict=True))) for table, columns in tables
+    )

@@ -28,20 +28,12 @@ from bladeroot.decay.peaks import (
     undisturbed,
     uneven_gain,
 )
+from bladeroot.variables import dataset, names
 
 DEGREE = 3  # of the polynomials in time and log-amplitude
 FALL = 0.5  # of ln A in the segment that one polynomial describes
 FEWEST, MOST = 24, 400  # peaks in a segment
 CLEAR = 8.0  # a peak's height over the noise in the band
-PEAK = {
-    "pff_time": ("s", "time since the start of the cut"),
-    "pff_amplitude": ("m", "displacement amplitude at the sensor"),
-    "pff_frequency": ("Hz", "undamped natural frequency from the spacing of peaks"),
-    "pff_loss_factor": ("1", "loss factor from the decline of peaks"),
-    "pff_frequency_std": ("Hz", "standard error of pff_frequency"),
-    "pff_loss_factor_std": ("1", "standard error of pff_loss_factor"),
-    "pff_window": ("s", "length of the segment in which the peaks were fitted"),
-}
 
 
 @dataclass(frozen=True)
@@ -80,7 +72,7 @@ def peak_fit(
         points: largest number of points.
 
     Returns:
-        Dataset with dim `peak` (0 long where no segment has enough peaks), variables as in `PEAK`.
+        Dataset with dim `peak` (0 long where no segment has enough peaks), variables of that table.
     """
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
@@ -113,7 +105,7 @@ def peak_fit(
 
 def no_peaks() -> xr.Dataset:
     """The empty result of a record without peaks."""
-    return _dataset(np.empty((len(PEAK), 0)))
+    return _dataset(np.empty((7, 0)))
 
 
 def _segments(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> list[ndarray]:
@@ -128,7 +120,7 @@ def _segments(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> l
 def _curve(
     time: ndarray, size: ndarray, centre_Hz: float, points: int, damping: str
 ) -> Float[ndarray, "column point"]:
-    """Rows of `PEAK` for one segment of peaks."""
+    """Rows of table `peak` for one segment of peaks."""
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
@@ -221,13 +213,4 @@ def _fitted(
 
 
 def _dataset(columns: Float[ndarray, "column peak"]) -> xr.Dataset:
-    return xr.Dataset(
-        {
-            name: (
-                "peak",
-                values,
-                {"units": units, "long_name": long_name, "source": "Jin et al. 2020"},
-            )
-            for (name, (units, long_name)), values in zip(PEAK.items(), columns, strict=True)
-        }
-    )
+    return dataset("decay/peak", dict(zip(names("decay/peak"), columns, strict=True)))

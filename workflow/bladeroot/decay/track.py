@@ -137,23 +137,7 @@ def _gathered(
         )
     # a clock and a digitiser are never better than a millionth of a radian
     std = np.hypot(std, 1e-6)
-    doubted = without_knocks(off, std)
-    free = slice(_shaped(doubted > std))
-    return Phasors(blocks.time[free], blocks.log[free], doubted[free])
-
-
-def _shaped(knocked: Bool[ndarray, " block"]) -> int:
-    """Number of blocks before the transient that a filter leaves at a record's end.
-
-    Two of the last blocks are then thrown off. It grows towards the end, so it is taken to
-    begin as far again before the first of those. One that the curve can follow is not seen.
-    """
-    at = np.flatnonzero(knocked)
-    if np.count_nonzero(knocked[-WINDOW:]) < 2:
-        return knocked.size
-    far = np.flatnonzero(np.diff(at) > WINDOW // 2)
-    first = 2 * int(at[far[-1] + 1 if far.size else 0]) - knocked.size
-    return first if first > 0.75 * knocked.size else knocked.size
+    return Phasors(blocks.time, blocks.log, without_knocks(off, std))
 
 
 def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:

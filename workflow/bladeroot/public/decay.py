@@ -92,7 +92,6 @@ def ringdown(
     channel: str | None = None,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
-    estimator: str = "blocks",
 ) -> Ringdown:
     """Frequency and damping over amplitude of one mode of a ring-down.
 
@@ -107,7 +106,6 @@ def ringdown(
         channel: of a file that has several.
         other_modes_Hz: other modes that are known to be there.
         damping: law, `hysteretic` or `viscous`.
-        estimator: `blocks` or `thesis`.
 
     Raises:
         ValueError: what cannot be read, in one line. A record that is read and cannot be used
@@ -125,7 +123,7 @@ def ringdown(
         raise ValueError(f"mode_Hz must be positive, got {mode_Hz}")
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
-    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, estimator)
+    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping)
 
 
 def of_recording(
@@ -134,7 +132,6 @@ def of_recording(
     name: str,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
-    estimator: str = "blocks",
 ) -> Ringdown:
     """The same of a recording that is already read."""
     known = {
@@ -147,7 +144,7 @@ def of_recording(
         "direction": "",
         "simulated": False,
     }
-    return Ringdown(*analyse(taken, known, {}, {"damping": damping, "estimator": estimator}))
+    return Ringdown(*analyse(taken, known, {}, {"damping": damping}))
 
 
 def starts(taken: Recording, mode_Hz: float) -> list[float]:

@@ -150,14 +150,16 @@ def _analysed(
 ) -> Iterator[tuple[xr.Dataset, ...]]:
     """Free decay, curves and plateau of each record, in the order of names."""
     from bladeroot.decay.record import from_file
+    from bladeroot.reproduction.thesis_filters import estimation
 
+    settings = config["record"], estimation(config["decay"])
     with tempfile.TemporaryDirectory() as made:
         for row in sorted(campaign.records, key=lambda row: row["record"]):
             raw = row["file"]
             if campaign.simulated:
                 raw = _simulated(campaign, row, reduced, Path(made))
             facts = record_facts(campaign, row)
-            yield from_file(campaign.folder / raw, facts, config["record"], config["decay"])
+            yield from_file(campaign.folder / raw, facts, *settings)
 
 
 def _simulated(campaign: Campaign, row: Mapping, reduced: Reduced, folder: Path) -> Path:

@@ -2,5 +2,5 @@
 
 In: a recording and the decay cut from it. Out: the decay with its findings and the mask of usable
 samples. Read `integrity` first; `examined` is what every check looks at. A new check is a file of
-`findings`, whose first page says what it must define.
+`findings`, whose first page says what it must define; its threshold stands there.
 """

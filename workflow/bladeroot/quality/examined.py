@@ -1,23 +1,19 @@
 """What the checks of a decay look at, frames of its mode, its residual, its spectra, and return."""
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
-from bladeroot.signal.runs import block_scale, in_frames
 
 FRAME_CYCLES = 4
 # Frames that a trend is taken off, at least; no frame is believed to be surer than that.
 FEWEST_WHOLE, LEAST_STD = 38, 3e-4
-# Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
-MISSED_BEND = 0.15
-# Frames on either side of a step, of which the nearest are left out.
-JUMP_REACH, JUMP_APART = 7, 2
 # Noise around the mode counts as coloured from so many standard errors and twice the power on.
 COLOURED = 6.0
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
@@ -135,33 +131,20 @@ class Examined:
         x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
         hop = max(1, round(rate / f))
         width = min(max(FRAME_CYCLES, -(-16 // hop)), x.size // hop) * hop
-        local = (np.arange(width) - 0.5 * (width - 1)) / rate
-        turn, ramp = 2.0 * np.pi * f * local, local / local[-1]
-        columns = [np.cos(turn), np.sin(turn), np.ones(width), ramp]
-        columns += [ramp * np.cos(turn), ramp * np.sin(turn)]
-        for order in (2, 3):
-            if order * f < 0.42 * rate and width >= 24:
-                columns += [np.cos(order * turn), np.sin(order * turn)]
-        for other in self.modes_Hz:
-            # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
-            if width >= 24 and (0.3 < other / f < 0.65 or 1.35 < other / f < 1.7):
-                columns += [np.cos(other / f * turn), np.sin(other / f * turn)]
-        root = np.sqrt(np.hanning(width + 2)[1:-1])
-        solver = np.linalg.pinv(np.stack(columns, axis=1) * root[:, None]) * root
-        parts = in_frames(x, solver[:2].T, hop)
-        phasor = parts[:, 0] - 1j * parts[:, 1]
-        centre = np.arange(phasor.size) * hop + 0.5 * (width - 1)
-        carrier = np.mod(f * centre / rate, 1.0) * 2.0 * np.pi
-        size = np.maximum(np.abs(phasor), 1e-300)
-        row = solver[0] - 1j * solver[1]
+        # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
+        lines = [order * f for order in (2, 3) if order * f < 0.42 * rate]
+        ratio = [one / f for one in self.modes_Hz]
+        lines += [one * f for one in ratio if 0.3 < one < 0.65 or 1.35 < one < 1.7]
+        found = tapered(x, rate, f, hop, width, tuple(lines) if width >= 24 else ())
+        log, half = found.log, 0.5 * width
         return Frames(
             frequency_Hz=f,
             hop=hop,
-            centre=centre,
-            log=np.log(size) + 1j * np.unwrap(np.angle(phasor) - carrier),
-            std=self.floor * np.linalg.norm(solver[0]) / size,
-            row=row,
-            whole=self.free(centre - 0.5 * width, centre + 0.5 * width),
+            centre=found.centre,
+            log=log,
+            std=self.floor * np.linalg.norm(found.solver[0]) * np.exp(-log.real),
+            row=found.solver[0] - 1j * found.solver[1],
+            whole=self.free(found.centre - half, found.centre + half),
         )
 
     def free(self, first: Float[ndarray, " k"], last: Float[ndarray, " k"]) -> Bool[ndarray, " k"]:
@@ -171,37 +154,6 @@ class Examined:
             if stop - start > 0.1 * self.sampling_Hz / self.expected_Hz:
                 clear &= (last <= start) | (first >= stop)
         return clear
-
-    @cached_property
-    def jumps(self) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
-        """Step of the log-phasor at each frame beyond a smooth course, and its usual size.
-
-        A quadratic and a step are fitted to six frames on each side, two left out between.
-        Zero where there are too few frames, or the mode is near the noise.
-        """
-        frames, reach = self.frames, JUMP_REACH
-        step, scale = np.zeros(frames.log.size, complex), np.ones(frames.log.size)
-        if frames.clear < 2 * reach + 2:
-            return step, scale
-        kernels = _step_and_bend()
-        inner = slice(reach, frames.clear - reach)
-        pieces = np.lib.stride_tricks.sliding_window_view(
-            np.where(frames.whole, frames.log, np.nan)[: frames.clear], len(kernels)
-        )
-        step[inner], curve = np.nan_to_num(pieces @ kernels).T
-        summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
-        for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
-            summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
-        gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
-        late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
-        bent = np.zeros(frames.log.size)
-        # where laws bend sharply a quadratic misses some of the bend
-        bent[inner] = MISSED_BEND * np.abs(curve)
-        scale = gain * frames.std[late] + bent
-        # what is rough throughout (1.18: median of a Rayleigh variable) hides a step
-        rough = block_scale(np.abs(step[inner]) / scale[inner], 96) / 1.18
-        scale[inner] *= np.maximum(rough, 1.0)
-        return step, scale
 
     @cached_property
     def floor(self) -> float:
@@ -250,14 +202,3 @@ class Examined:
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""
         return float(sample / self.sampling_Hz)
-
-
-@cache
-def _step_and_bend() -> Float[ndarray, "frame 2"]:
-    """Weights of frames that give a step beyond a quadratic, and the quadratic's own bend."""
-    x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
-    used = np.abs(x) >= JUMP_APART
-    design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
-    weights = np.zeros((x.size, 2))
-    weights[used] = np.linalg.pinv(design)[[3, 2]].T * [1.0, JUMP_REACH**2]
-    return weights

@@ -14,6 +14,7 @@ from numpy import ndarray
 from bladeroot.quality import findings
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.recording import Recording
+from bladeroot.variables import dataset
 
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
@@ -209,26 +210,15 @@ def _dataset(
     decay: xr.Dataset, velocity: ndarray, usable: ndarray, found: list[tuple[str, Finding]]
 ) -> xr.Dataset:
     rate = decay.attrs["sampling_Hz"]
-    columns = {
-        "id": ([name for name, _ in found], "", "id of the finding"),
-        "statistic": ([f.statistic for _, f in found], "", "what was measured"),
-        "threshold": ([f.threshold for _, f in found], "", "above it the finding counts"),
-        "consequence": ([f.consequence for _, f in found], "", "warn, subtract, mask or drop"),
-        "text": ([f.text for _, f in found], "", "the finding in a line"),
-        "from_s": ([_end(f, 0, rate) for _, f in found], "s", "first sample"),
-        "to_s": ([_end(f, 1, rate) for _, f in found], "s", "last sample"),
-    }
-    made = {}
-    for name, (values, units, text) in columns.items():
-        kind = str if name in ("id", "consequence", "text") else float
-        attrs = {"units": units, "long_name": text}
-        if name.endswith("_s"):
-            attrs["long_name"] += " concerned, since the start of the cut; NaN: the whole decay"
-        made[f"finding_{name}"] = xr.Variable("finding", np.array(values, dtype=kind), attrs)
-    made["velocity"] = xr.Variable("time", velocity, decay["velocity"].attrs)
-    about = {"units": "1", "long_name": "1 where the sample may be used", "flag_values": "0, 1"}
-    made["usable"] = xr.Variable("time", usable, about)
-    judged = xr.Dataset({**decay.variables, **made}, attrs=decay.attrs)
+    texts, numbers = ("consequence", "text"), ("statistic", "threshold")
+    columns = {name: np.array([getattr(f, name) for _, f in found], str) for name in texts}
+    columns |= {name: np.array([getattr(f, name) for _, f in found], float) for name in numbers}
+    columns["id"] = np.array([name for name, _ in found], str)
+    for side, name in enumerate(("from_s", "to_s")):
+        columns[name] = np.array([_end(f, side, rate) for _, f in found], float)
+    made = {f"finding_{name}": values for name, values in columns.items()}
+    judged = decay.assign(dataset("quality/findings", made | {"usable": usable}))
+    judged["velocity"] = ("time", velocity, decay["velocity"].attrs)
     judged.attrs["findings"] = "; ".join(f.text for _, f in found)
     judged.attrs["reason"] = "; ".join(f.text for _, f in found if f.consequence == "drop")
     judged.attrs["verdict"] = "rejected" if judged.attrs["reason"] else "usable"

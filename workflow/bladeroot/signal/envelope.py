@@ -1,4 +1,4 @@
-"""A mode's envelope frame by frame, and what the frames hold besides the mode."""
+"""A mode in overlapping tapered frames: its log-phasor, and what the frames hold besides it."""
 
 from dataclasses import dataclass
 
@@ -6,12 +6,77 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.signal.runs import in_frames
-
 # A frame is six half cycles: Hann-weighted, the second mode near twice the first stays out of it.
 # It is moved on by half a cycle, and holds at least ten samples for its six unknowns.
 FRAME_STEPS = 6
 FEWEST_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Tapered:
+    """Hann-weighted least squares in each of some frames, `width` samples that begin every `step`.
+
+    Columns of `design` are the cosine and the sine of a frequency, both times x (time over half a
+    frame's length), 1, x, and then the cosine and the sine of other lines: a component that grows
+    and drifts in a frame beside a mean and a trend. Time counts from a frame's middle, `centre` (in
+    samples). `solver` makes the coefficients from samples; `taper` sums to one; `cycles` of the
+    frequency have passed at the centre.
+    """
+
+    centre: Float[ndarray, " frame"]
+    coefficient: Float[ndarray, "frame column"]
+    design: Float[ndarray, "width column"]
+    solver: Float[ndarray, "column width"]
+    taper: Float[ndarray, " width"]
+    cycles: Float[ndarray, " frame"]
+
+    @property
+    def log(self) -> Complex[ndarray, " frame"]:
+        """ln(amplitude) + i phase, unwrapped and taken against the frequency."""
+        phasor = self.coefficient[:, 0] - 1j * self.coefficient[:, 1]
+        turn = 2.0 * np.pi * np.mod(self.cycles, 1.0)
+        return np.log(np.maximum(np.abs(phasor), 1e-300)) + 1j * np.unwrap(np.angle(phasor) - turn)
+
+
+def tapered(
+    x: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    frequency_Hz: float,
+    step: int,
+    width: int,
+    lines_Hz: tuple[float, ...] = (),
+) -> Tapered:
+    """The component at a frequency, frame by frame; `width` is a whole number of steps."""
+    local = (np.arange(width) - 0.5 * (width - 1)) / sampling_Hz
+    ramp = local / local[-1]
+    waves = [
+        wave(2.0 * np.pi * one * local)
+        for one in (frequency_Hz, *lines_Hz)
+        for wave in (np.cos, np.sin)
+    ]
+    own = [*waves[:2], ramp * waves[0], ramp * waves[1], np.ones(width), ramp]
+    design = np.stack([*own, *waves[2:]], axis=1)
+    taper = np.hanning(width + 2)[1:-1]
+    root = np.sqrt(taper)
+    solver = np.linalg.pinv(design * root[:, None]) * root
+    found = in_frames(x, solver.T, step)
+    centre = np.arange(len(found)) * step + 0.5 * (width - 1)
+    cycles = frequency_Hz * (centre / sampling_Hz)
+    return Tapered(centre, found, design, solver, taper / taper.sum(), cycles)
+
+
+def in_frames(
+    x: Float[ndarray, " sample"], weights: Float[ndarray, "width column"], step: int
+) -> Float[ndarray, "frame column"]:
+    """Weighted sums of frames that begin every `step` samples, whose width is some steps.
+
+    Each step's samples are multiplied once with each part of the weights, without copies.
+    """
+    columns = weights.shape[1]
+    parts = weights.reshape(-1, step, columns)
+    each = x[: x.size // step * step].reshape(-1, step) @ np.hstack(parts)
+    count = len(each) - len(parts) + 1
+    return sum(each[k : k + count, columns * k : columns * (k + 1)] for k in range(len(parts)))
 
 
 @dataclass(frozen=True)
@@ -42,38 +107,24 @@ class Envelope:
 def envelope(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, frequency_Hz: float
 ) -> Envelope:
-    """Hann-weighted log-phasor of the component at a frequency, every half cycle.
+    """Log-phasor of the component at a frequency, every half cycle, and what remains without it.
 
     Frames do not reach beyond the record, so a decay that starts at the first sample shows its
-    full height there. The component may grow and drift within a frame; `rest` is what remains of
-    the frame without it, a mean and a trend. Time and memory grow linearly with the record.
+    full height there. Time and memory grow linearly with the record.
     """
     step = max(1, round(0.5 * sampling_Hz / frequency_Hz))
-    parts = max(FRAME_STEPS, -(-FEWEST_SAMPLES // step))
-    width = parts * step
+    width = max(FRAME_STEPS, -(-FEWEST_SAMPLES // step)) * step
     if velocity.size < width:
         raise ValueError(f"expected at least {width} samples, got {velocity.size}")
-    local = (np.arange(width) - 0.5 * (width - 1)) / sampling_Hz
-    taper = np.hanning(width + 2)[1:-1]
-    taper = taper / taper.sum()
-    angle = 2.0 * np.pi * frequency_Hz * local
-    cos, sin, x = np.cos(angle), np.sin(angle), local / local[-1]
-    columns = np.stack([cos, sin, x * cos, x * sin, np.ones(width), x], axis=1)
-    root = np.sqrt(taper)[:, None]
-    solver = (np.linalg.pinv(columns * root) * root.T).T
-    found = in_frames(velocity, solver, step)
-    power = in_frames(velocity**2, taper[:, None], step)[:, 0]
-    gram = (columns * taper[:, None]).T @ columns
-    explained = ((found @ gram) * found).sum(axis=1)
-    time = (np.arange(power.size) * step + 0.5 * (width - 1)) / sampling_Hz
-    turn = 2.0 * np.pi * np.mod(frequency_Hz * time, 1.0)
-    amplitude = np.maximum(np.hypot(found[:, 0], found[:, 1]), 1e-300)
-    phase = np.unwrap(np.arctan2(-found[:, 1], found[:, 0]) - turn)
+    found = tapered(velocity, sampling_Hz, frequency_Hz, step, width)
+    power = in_frames(velocity**2, found.taper[:, None], step)[:, 0]
+    gram = (found.design * found.taper[:, None]).T @ found.design
+    explained = ((found.coefficient @ gram) * found.coefficient).sum(axis=1)
     return Envelope(
-        time=time,
-        log=np.log(amplitude) + 1j * phase,
+        time=found.centre / sampling_Hz,
+        log=found.log,
         rest=np.sqrt(np.maximum(power - explained, 0.0)),
-        mean=found[:, 4],
+        mean=found.coefficient[:, 4],
         frequency_Hz=frequency_Hz,
         step_s=step / sampling_Hz,
         frame_s=width / sampling_Hz,

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from bladeroot.quality.blocks import joined
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import SI, Recording
-from bladeroot.signal.runs import joined, runs
+from bladeroot.signal.runs import runs
 
 MIXED = True
 STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine has there"

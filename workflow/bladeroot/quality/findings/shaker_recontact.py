@@ -4,15 +4,17 @@ Missing or repeated samples, the gap closed up, step in phase alone: that is tol
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.quality.examined import JUMP_APART, JUMP_REACH, Examined, Finding
+from bladeroot.quality.blocks import block_scale, joined
+from bladeroot.quality.examined import Examined, Finding
 from bladeroot.quality.findings import wrong_mode
-from bladeroot.signal.runs import joined, runs
+from bladeroot.signal.runs import runs
 
 STATISTIC = "largest step of ln A + i phase beyond its smooth course, in its usual size"
 THRESHOLD = 7.0
@@ -25,6 +27,12 @@ MOST = 4
 TOUCH = 0.3
 # Longest gap, in samples, that is looked for.
 LONGEST = 4096
+
+
+# Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
+MISSED_BEND = 0.15
+# Frames on either side of a step, of which the nearest are left out.
+JUMP_REACH, JUMP_APART = 7, 2
 
 
 @dataclass(frozen=True)
@@ -104,7 +112,7 @@ def _slight(seen: Examined) -> Finding:
 
 def _ratio(seen: Examined, least: float = LEAST) -> Float[ndarray, " frame"]:
     """Steps in their usual size, or in what makes one of `least` significant."""
-    step, scale = seen.jumps
+    step, scale = jumps(seen)
     return np.abs(step) / np.maximum(scale, least / THRESHOLD)
 
 
@@ -138,7 +146,7 @@ def _beside(seen: Examined, low: int, high: int) -> tuple[Step, float] | None:
     frames = near.frames
     if frames.clear < frames.log.size:
         return None
-    step, ratio = near.jumps[0], _ratio(near)
+    step, ratio = jumps(near)[0], _ratio(near)
     at = int(np.argmax(ratio))
     size = complex(step[at])
     sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
@@ -168,7 +176,7 @@ def _lost(seen: Examined, at: int, size: complex) -> int:
     made = count * (slope / frames.hop + 2j * np.pi * frames.frequency_Hz / seen.sampling_Hz)
     level = made.real - size.real
     phase = np.mod(made.imag - size.imag + np.pi, 2.0 * np.pi) - np.pi
-    scale = seen.jumps[1][at]
+    scale = jumps(seen)[1][at]
     # twice the step's usual error, and what the slopes on both sides do not tell of the gap
     fits = np.abs(level) < 2.0 * scale + 0.06 * abs(size.real)
     fits &= (np.abs(phase) < 2.0 * scale + 0.02 * abs(size.imag)) & (count != 0)
@@ -179,7 +187,7 @@ def _lost(seen: Examined, at: int, size: complex) -> int:
 def largest(seen: Examined, least: float = LEAST) -> Step | None:
     """The largest step; one below `least` is not significant."""
     other = wrong_mode.find(seen)
-    step, ratio = seen.jumps[0], _ratio(seen, least)
+    step, ratio = jumps(seen)[0], _ratio(seen, least)
     if not ratio.any() or (other is not None and other.counts):
         return None
     at = int(np.argmax(ratio))
@@ -222,3 +230,45 @@ def step_finding(seen: Examined, found: Step) -> Finding:
     kept = f"from {seen.seconds(first):.4g} to {seen.seconds(last):.4g} s"
     text = f"{found.words} at {moment:.4g} s; only the decay {kept} is used"
     return _finding(found, text, spans)
+
+
+def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
+    """Step of the log-phasor at each frame beyond a smooth course, and its usual size.
+
+    A quadratic and a step are fitted to six frames on each side, two left out between.
+    Zero where there are too few frames, or the mode is near the noise.
+    """
+    frames, reach = seen.frames, JUMP_REACH
+    step, scale = np.zeros(frames.log.size, complex), np.ones(frames.log.size)
+    if frames.clear < 2 * reach + 2:
+        return step, scale
+    kernels = _step_and_bend()
+    inner = slice(reach, frames.clear - reach)
+    pieces = np.lib.stride_tricks.sliding_window_view(
+        np.where(frames.whole, frames.log, np.nan)[: frames.clear], len(kernels)
+    )
+    step[inner], curve = np.nan_to_num(pieces @ kernels).T
+    summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
+    for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
+        summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
+    gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
+    late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
+    bent = np.zeros(frames.log.size)
+    # where laws bend sharply a quadratic misses some of the bend
+    bent[inner] = MISSED_BEND * np.abs(curve)
+    scale = gain * frames.std[late] + bent
+    # what is rough throughout (1.18: median of a Rayleigh variable) hides a step
+    rough = block_scale(np.abs(step[inner]) / scale[inner], 96) / 1.18
+    scale[inner] *= np.maximum(rough, 1.0)
+    return step, scale
+
+
+@cache
+def _step_and_bend() -> Float[ndarray, "frame 2"]:
+    """Weights of frames that give a step beyond a quadratic, and the quadratic's own bend."""
+    x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
+    used = np.abs(x) >= JUMP_APART
+    design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
+    weights = np.zeros((x.size, 2))
+    weights[used] = np.linalg.pinv(design)[[3, 2]].T * [1.0, JUMP_REACH**2]
+    return weights

@@ -7,8 +7,9 @@ from jaxtyping import Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
+from bladeroot.quality.blocks import block_scale, joined, missed
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.runs import block_scale, joined, medians, missed, runs
+from bladeroot.signal.runs import medians, runs
 
 FIRST = True
 MIXED = True

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.thesis_filters import design, thesis_freevib
 from bladeroot.plateau.plateau import plateau
+from bladeroot.reproduction.thesis_filters import design, thesis_freevib
 from decay_bench import hysteretic, ring_down, slider, viscous
 
 RATE = 12800.0

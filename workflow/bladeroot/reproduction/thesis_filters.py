@@ -13,6 +13,7 @@ edges; here they are in Hz and from the record. Added to it, because nothing wor
 The ends, half as long as all filters together, are lost.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +21,9 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.error_bounds import two_points
-from bladeroot.decay.freevib import POINT, decay_dataset, natural
+from bladeroot.decay.freevib import decay_dataset, freevib, natural
 from bladeroot.decay.peaks import BRIDGE, bridged
+from bladeroot.reproduction.error_bounds import two_points
 
 RIPPLE_DB = 80.0
 TRAPEZOID = (1 / 12, 11 / 720, 191 / 60480)  # corrections in even differences
@@ -47,6 +48,12 @@ class Filters:
     def bandwidth_Hz(self) -> float:
         """Width of the ideal band that passes as much white noise."""
         return float(0.5 * self.rate_Hz * (self.band @ self.band))
+
+
+def estimation(settings: Mapping) -> dict:
+    """Section `decay` of the configuration, with an estimator for its name."""
+    named = {"blocks": freevib, "thesis": thesis_freevib}
+    return {**settings, "estimator": named[settings["estimator"]]}
 
 
 def thesis_freevib(
@@ -240,7 +247,7 @@ def _instantaneous(
 def _blocks(
     time: ndarray, log: ndarray, ratio: ndarray, keep: ndarray, filters: Filters
 ) -> tuple[list[ndarray], float]:
-    """Columns of `BLOCK`, and by how much the blocks scatter more than the sensor's noise."""
+    """Columns of table `block`, and by how much the blocks scatter more than the sensor's noise."""
     every = int(np.ceil(filters.rate_Hz / filters.bandwidth_Hz))
     at = np.arange(every // 2, time.size, every)
     at = at[keep[at]]
@@ -262,15 +269,15 @@ def _means(
     centre_Hz: float,
     damping: str,
 ) -> list[Float[ndarray, " point"]]:
-    """Columns of `POINT`: means over two cycles at least, and their standard errors."""
+    """Columns of table `point`: means over two cycles at least, and their standard errors."""
     if time.size < 2:
-        return [np.empty(0)] * len(POINT)
+        return [np.empty(0)] * 7
     step = time[1] - time[0]
     cycle = 1.0 / (centre_Hz * step)
     periods = max(2, int(np.ceil(keep.size / cycle / points)))
     edges = np.round(np.arange(0.0, keep.size, periods * cycle)).astype(int)
     if edges.size < 2:
-        return [np.empty(0)] * len(POINT)
+        return [np.empty(0)] * 7
     at, count = edges[:-1], np.diff(edges)
     whole = np.add.reduceat(keep[: edges[-1]].astype(int), at) == count
 

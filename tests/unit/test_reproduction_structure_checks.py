@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.rom.checks import checks
+from bladeroot.reproduction.structure_checks import checks
 from bladeroot.rom.comparison import checks_dataset, row
 from bladeroot.rom.reduction import reduce_structure
 from structure_coarse import ROOT, coarse_structure

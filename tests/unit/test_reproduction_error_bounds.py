@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.error_bounds import limit, published, two_points
+from bladeroot.reproduction.error_bounds import limit, published, two_points
 
 F, ETA = 250.0, 5e-3
 

@@ -1,0 +1,44 @@
+"""Blocks, spans and neighbours of samples, for checks that look at each of them."""
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray
+
+from bladeroot.signal.runs import medians
+
+
+def block_scale(
+    size: Float[ndarray, " k"], block: int = 256, stride: int = 1
+) -> Float[ndarray, " k"]:
+    """Median over blocks, the largest of each block and its neighbours, for every element.
+
+    With a `stride` only each so many-th element is looked at.
+    """
+    count = max(1, size.size // block)
+    edges = np.linspace(0, size.size, count + 1).astype(int)
+    whole = size[: count * (size.size // count)].reshape(count, -1)
+    middle = medians(whole[:, ::stride])
+    wide = np.pad(middle, 1, mode="edge")
+    middle = np.maximum(np.maximum(wide[:-2], wide[2:]), middle)
+    return np.repeat(middle, np.diff(edges))
+
+
+def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
+    """Spans less than `reach` apart as one."""
+    if len(spans) < 2:
+        return spans
+    far = spans[1:, 0] - spans[:-1, 1] >= reach
+    first = spans[np.concatenate([[True], far]), 0]
+    last = spans[np.concatenate([far, [True]]), 1]
+    return np.stack([first, last], axis=1)
+
+
+def missed(x: Float[ndarray, " k"], weights: Float[ndarray, " reach"]) -> Float[ndarray, " k"]:
+    """What each value differs from the weighted sums of its neighbours on both sides by.
+
+    Zero where there are too few neighbours.
+    """
+    miss = np.zeros(x.size)
+    taps = np.concatenate([-weights[::-1], [1.0], -weights])
+    miss[weights.size : x.size - weights.size] = np.convolve(x, taps, mode="valid")
+    return miss
