@@ -12,6 +12,7 @@ import yaml
 from _cli import run
 from bladeroot import __version__, artifacts
 from bladeroot.figures.records import worth_showing
+from bladeroot.files import save_text, whole_file
 from bladeroot.io.campaign import load_campaign
 from bladeroot.provenance import environment
 from bladeroot.report.contents import LIBRARY, Material, report
@@ -73,9 +74,9 @@ def main(results, structures, batches, modes, calibrations, sources, tables, err
     )
     chapters = home / "report"
     for place, page in pages.items():
-        artifacts.save_text(page, home / place)
+        save_text(page, home / place)
     artifacts.save_json(made, chapters / "provenance.json")
-    with artifacts.whole_file(chapters / LIBRARY) as part:
+    with whole_file(chapters / LIBRARY) as part:
         shutil.copyfile(library, part)
 
 
