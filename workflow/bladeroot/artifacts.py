@@ -11,6 +11,8 @@ import shlex
 from collections.abc import Iterable
 from pathlib import Path
 
+import netCDF4
+import numpy as np
 import xarray as xr
 
 from bladeroot import __version__, checksum
@@ -22,8 +24,8 @@ from bladeroot.provenance import environment
 SCHEMA = "bladeroot-artifact-1"
 
 
-def load(path: str | Path) -> xr.Dataset:
-    """Read a whole artifact into memory and close its file.
+def load(path: str | Path, without: Iterable[str] = ()) -> xr.Dataset:
+    """Read an artifact into memory, whole or without some variables, and close its file.
 
     Raises ValueError, one line that names the file and the command that makes it again, when it is
     missing, empty, cut off or altered.
@@ -34,8 +36,26 @@ def load(path: str | Path) -> xr.Dataset:
         raise ValueError(f"{path}: {reason(error)}; {_again(path)}") from error
     if fault:
         raise ValueError(f"{path} {fault}; {_again(path)}")
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
-        return dataset.load()
+    return _read(path, set(without))
+
+
+def _read(path: str | Path, without: set[str]) -> xr.Dataset:
+    """What `open_dataset` reads, without its machinery for parts of files."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)  # `decode_cf_variables` does that
+        raw = {name: _variable(one) for name, one in file.variables.items() if name not in without}
+        attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+    variables, attrs, coordinates = xr.conventions.decode_cf_variables(raw, attrs)
+    return xr.Dataset(variables, attrs=attrs).set_coords(coordinates & variables.keys())
+
+
+def _variable(stored: netCDF4.Variable) -> xr.Variable:
+    values = stored[...]
+    if stored.dtype is str:
+        values = np.asarray(values).astype(str)
+    return xr.Variable(
+        stored.dimensions, values, {a: stored.getncattr(a) for a in stored.ncattrs()}
+    )
 
 
 def _again(path: str | Path) -> str:
@@ -57,8 +77,8 @@ def load_records(
         for batch in batches
         for name in Path(batch).read_text(encoding="utf-8").split()
     ]
-    left_out = list(without)
-    return [load(place).drop_vars(left_out) for _, place in sorted(places)]
+    left_out = set(without)
+    return [load(place, left_out) for _, place in sorted(places)]
 
 
 def save(
@@ -99,8 +119,6 @@ def _write(dataset: xr.Dataset, path: Path) -> None:
     xarray writes each variable as soon as it is declared, and the library then goes through all
     metadata once a variable: here all are declared before the first is written.
     """
-    import netCDF4
-
     variables, attrs = xr.conventions.encode_dataset_coordinates(dataset)
     variables, attrs = xr.conventions.cf_encoder(variables, attrs)
     with netCDF4.Dataset(path, "w") as file:
