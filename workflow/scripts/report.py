@@ -19,7 +19,19 @@ from bladeroot.report.contents import LIBRARY, Material, report
 from bladeroot.reproduction.published import published_stiffness
 
 
-def main(results, structures, batches, modes, calibrations, sources, tables, errata, folder, facts):
+def main(
+    results,
+    structures,
+    batches,
+    modes,
+    calibrations,
+    sources,
+    tables,
+    errata,
+    folder,
+    facts,
+    threads="1",
+):
     known, home = json.loads(facts), Path(results)
     library = _library()
     of_the_thesis = known["description"].get("published") == "thesis"
@@ -70,7 +82,8 @@ def main(results, structures, batches, modes, calibrations, sources, tables, err
             errata=[
                 one for path in errata for one in yaml.safe_load(Path(path).read_text("utf-8"))
             ],
-        )
+        ),
+        int(threads),
     )
     chapters = home / "report"
     for place, page in pages.items():
@@ -156,4 +169,5 @@ if __name__ == "__main__":
         errata="any: the errata of these",
         folder="the campaign's own folder",
         facts="what is known of the campaign (JSON)",
+        threads="optional: processes that draw side by side",
     )
