@@ -66,13 +66,13 @@ DRAWS = f"""
 import sys
 sys.path.insert(0, {str(ROOT / "workflow")!r})
 import numpy as np
-from bladeroot import artifacts
 from bladeroot.figures.chart import Chart, Panel, Trace
 from bladeroot.figures.still import still
 from bladeroot.figures.style import svg
+from bladeroot.files import save_text
 x = np.geomspace(1, 10, 5)
 chart = Chart("", [Panel("a", "amplitude / µm", "f / Hz", x_log=True)], [Trace(0, x, x, line="-")])
-artifacts.save_text(svg(still(chart)), sys.argv[1])
+save_text(svg(still(chart)), sys.argv[1])
 """
 
 

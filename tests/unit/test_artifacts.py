@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot import __version__, artifacts, checksum
+from bladeroot.files import save_text
 from bladeroot.io.hdf5 import length_notes
 from bladeroot.provenance import environment
 
@@ -161,16 +162,16 @@ def test_what_the_system_refuses_is_one_line(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"file/a\.nc cannot be written: "):
         artifacts.save(SAMPLE, tmp_path / "file" / "a.nc")
     with pytest.raises(ValueError, match="cannot be written: file name too long"):
-        artifacts.save_text("text", tmp_path / ("a" * 300))
+        save_text("text", tmp_path / ("a" * 300))
     artifacts.save(SAMPLE, tmp_path / ("a" * 255))
-    artifacts.save_text("before", tmp_path / "full")
+    save_text("before", tmp_path / "full")
 
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ValueError, match="full cannot be written: no space left on device"):
-        artifacts.save_text("after", tmp_path / "full")
+        save_text("after", tmp_path / "full")
     assert (tmp_path / "full").read_text() == "before"
     assert not list(tmp_path.glob(".*.part"))
     monkeypatch.undo()

@@ -14,7 +14,7 @@ from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
 from bladeroot.nonlinear.pictures import pictures
 from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_contact
 from bladeroot.nonlinear.system import system_of
-from bladeroot.nonlinear.uneven import Uneven, edge_distance, relative_pressure, uneven_sliders
+from bladeroot.nonlinear.uneven import Uneven, relative_pressure, uneven_sliders
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nonlinear_systems import LIMIT, MASS, SPRING, TANGENTIAL, coarse_joint, one_dof
@@ -38,7 +38,7 @@ def test_pressure_has_the_flanks_mean_and_falls_to_the_edges(edge, exponent):
     pressure = relative_pressure(joint, Uneven(edge=edge, exponent=exponent))
     flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
     np.testing.assert_allclose(np.bincount(flank, share * pressure), 1.0)
-    distance = edge_distance(joint)
+    distance = joint.edge_distance
     assert distance.max() == pytest.approx(1.0)
     first = flank == 0
     assert np.all(np.diff(pressure[first][np.argsort(distance[first], kind="stable")]) <= 1e-9)

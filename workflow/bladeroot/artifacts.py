@@ -1,24 +1,22 @@
 """Opening and saving the artifacts of the stages: the one place that touches result files.
 
-An artifact is one xarray Dataset in one NetCDF file. It is written to a temporary name beside
-its place and moved there whole, so that a killed run never leaves half a file under a real name;
-before that it is on the disk, so that neither does a power cut. At its end stands a checksum, which
-`load` checks. A verdict (JSON) carries its own as `checksum`.
+An artifact is one xarray Dataset in one NetCDF file, written whole or not at all
+(`bladeroot/files.py`). At its end stands a checksum, which `load` checks. A verdict (JSON) carries
+its own as `checksum`.
 """
 
-import errno
 import hashlib
 import json
-import os
 import shlex
-import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
 from pathlib import Path
 
+import netCDF4
+import numpy as np
 import xarray as xr
 
 from bladeroot import __version__, checksum
+from bladeroot.files import reason, save_text, whole_file
 from bladeroot.provenance import environment
 
 # Of names, units and dimensions of all artifacts (docs/artifacts.md); the number rises with a
@@ -26,8 +24,8 @@ from bladeroot.provenance import environment
 SCHEMA = "bladeroot-artifact-1"
 
 
-def load(path: str | Path) -> xr.Dataset:
-    """Read a whole artifact into memory and close its file.
+def load(path: str | Path, without: Iterable[str] = ()) -> xr.Dataset:
+    """Read an artifact into memory, whole or without some variables, and close its file.
 
     Raises ValueError, one line that names the file and the command that makes it again, when it is
     missing, empty, cut off or altered.
@@ -35,21 +33,35 @@ def load(path: str | Path) -> xr.Dataset:
     try:
         fault = checksum.fault(path)
     except OSError as error:
-        raise ValueError(f"{path}: {_reason(error)}; {_again(path)}") from error
+        raise ValueError(f"{path}: {reason(error)}; {_again(path)}") from error
     if fault:
         raise ValueError(f"{path} {fault}; {_again(path)}")
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
-        return dataset.load()
+    return _read(path, set(without))
+
+
+def _read(path: str | Path, without: set[str]) -> xr.Dataset:
+    """What `open_dataset` reads, without its machinery for parts of files."""
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_maskandscale(False)  # `decode_cf_variables` does that
+        raw = {name: _variable(one) for name, one in file.variables.items() if name not in without}
+        attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+    variables, attrs, coordinates = xr.conventions.decode_cf_variables(raw, attrs)
+    return xr.Dataset(variables, attrs=attrs).set_coords(coordinates & variables.keys())
+
+
+def _variable(stored: netCDF4.Variable) -> xr.Variable:
+    values = stored[...]
+    if stored.dtype is str:
+        values = np.asarray(values).astype(str)
+    return xr.Variable(
+        stored.dimensions, values, {a: stored.getncattr(a) for a in stored.ncattrs()}
+    )
 
 
 def _again(path: str | Path) -> str:
     return (
         f"`snakemake -j2 --force {shlex.quote(str(path))}` (with the run's --config) makes it again"
     )
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
 
 
 def load_records(
@@ -65,8 +77,8 @@ def load_records(
         for batch in batches
         for name in Path(batch).read_text(encoding="utf-8").split()
     ]
-    left_out = list(without)
-    return [load(place).drop_vars(left_out) for _, place in sorted(places)]
+    left_out = set(without)
+    return [load(place, left_out) for _, place in sorted(places)]
 
 
 def save(
@@ -107,8 +119,6 @@ def _write(dataset: xr.Dataset, path: Path) -> None:
     xarray writes each variable as soon as it is declared, and the library then goes through all
     metadata once a variable: here all are declared before the first is written.
     """
-    import netCDF4
-
     variables, attrs = xr.conventions.encode_dataset_coordinates(dataset)
     variables, attrs = xr.conventions.cf_encoder(variables, attrs)
     with netCDF4.Dataset(path, "w") as file:
@@ -135,7 +145,7 @@ def load_json(path: str | Path) -> dict:
     try:
         document = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
-        raise ValueError(f"{path}: {_reason(error)}; {_again(path)}") from error
+        raise ValueError(f"{path}: {reason(error)}; {_again(path)}") from error
     except ValueError as error:
         fault = "is cut off or damaged" if Path(path).stat().st_size else "is empty"
         raise ValueError(f"{path} {fault}; {_again(path)}") from error
@@ -152,73 +162,3 @@ def _summed(document: dict) -> dict:
     bare = {key: value for key, value in document.items() if key != "checksum"}
     text = json.dumps(bare, sort_keys=True, separators=(",", ":"))
     return bare | {"checksum": hashlib.sha256(text.encode()).hexdigest()}
-
-
-def save_text(text: str, path: str | Path) -> None:
-    """Write a text file (report, table) whole or not at all."""
-    with whole_file(path) as part:
-        part.write_text(text, encoding="utf-8")
-
-
-@contextmanager
-def whole_file(path: str | Path) -> Iterator[Path]:
-    """A temporary name beside `path`, moved there when all is on the disk, else removed.
-
-    Raises ValueError, one line that names the file, for what the system refuses: a full disk, a
-    folder that cannot be written to, a name that is too long.
-    """
-    whole = Path(path)
-    part = _part(whole)
-    try:
-        try:
-            whole.parent.mkdir(parents=True, exist_ok=True)
-            yield part
-            _to_disk(part)
-            os.replace(part, whole)
-            _to_disk(whole.parent)
-        finally:
-            with suppress(OSError):
-                part.unlink()
-    except OSError as error:
-        raise ValueError(
-            f"{path} cannot be written: {_reason(error)}; what was there before is left as it was"
-        ) from error
-
-
-def _part(whole: Path) -> Path:
-    """The temporary name, not longer than the longest that is allowed."""
-    short = hashlib.sha256(whole.name.encode()).hexdigest()[:16]
-    return whole.with_name(f".{short}.{os.getpid()}.part")
-
-
-@contextmanager
-def whole_folder(path: str | Path) -> Iterator[Path]:
-    """As `whole_file`, for a folder: an empty one to fill, which then takes the place of `path`."""
-    whole = Path(path)
-    part = _part(whole)
-    try:
-        try:
-            part.mkdir(parents=True)
-            yield part
-            for one in part.rglob("*"):
-                _to_disk(one)
-            shutil.rmtree(whole, ignore_errors=True)
-            os.replace(part, whole)
-            _to_disk(whole.parent)
-        finally:
-            shutil.rmtree(part, ignore_errors=True)
-    except OSError as error:
-        raise ValueError(f"{path} cannot be written: {_reason(error)}") from error
-
-
-def _to_disk(path: Path) -> None:
-    """Have a file, or the names in a folder, written out before anything else is done."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    except OSError as error:
-        # some network disks cannot do that for a folder
-        if error.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EBADF):
-            raise
-    finally:
-        os.close(handle)

@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import yaml
 
 _SCHEMAS = Path(__file__).resolve().parent / "schemas"
@@ -89,6 +88,8 @@ def _check_size(text: str) -> None:
 
 def check(document: object, schema: str, where: str) -> None:
     """Raise one ValueError with a line for every fault of a document."""
+    import jsonschema  # late: most jobs check nothing
+
     validator = jsonschema.Draft202012Validator(_schema(schema))
     faults = sorted(validator.iter_errors(document), key=lambda fault: list(map(str, fault.path)))
     # of a node that may be one of several kinds, what misses the nearest of them
@@ -122,7 +123,7 @@ def _not_finite(node: object, place: str = "") -> list[str]:
     return [bad for key, part in parts for bad in _not_finite(part, f"{place}.{key}".lstrip("."))]
 
 
-def _line(fault: jsonschema.ValidationError, where: str) -> str:
+def _line(fault: Any, where: str) -> str:
     place = ".".join(str(step) for step in fault.absolute_path) or "the file"
     hint = fault.schema.get("description") if isinstance(fault.schema, dict) else None
     message = fault.message if len(fault.message) < 200 else f"{fault.message[:200]}..."

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from bladeroot import artifacts
+from bladeroot.files import save_text
 from bladeroot.provenance import canonical_json, environment
 from bladeroot.schema import parse_yaml
 
@@ -89,7 +89,7 @@ class Contents:
         if self._place and self._read:
             # they only save time
             with suppress(ValueError):
-                artifacts.save_text(json.dumps(self._known), self._place)
+                save_text(json.dumps(self._known), self._place)
 
 
 def _read_json(path: Path) -> object:
@@ -142,7 +142,7 @@ def state(
         "config": config,
         "environment": environment(),
     }
-    artifacts.save_text(json.dumps(stated, indent=1), place)
+    save_text(json.dumps(stated, indent=1), place)
 
 
 def statements(results: Path, stage: str = "") -> list[dict]:

@@ -12,13 +12,14 @@ def names_of(structures):
 
 def described_by(files):
     """Input function: what the structure's file names, its tables or its matrices."""
-    from bladeroot.rom.external import description
 
-    return lambda wildcards: given(
-        getattr(description, files)(
-            description.read_description(STRUCTURES[wildcards.structure])
-        )
-    )
+    def of_structure(wildcards):
+        from bladeroot.rom.external import description
+
+        described = description.read_description(STRUCTURES[wildcards.structure])
+        return given(getattr(description, files)(described))
+
+    return of_structure
 
 
 ruleorder: matrices_mesh > reduced

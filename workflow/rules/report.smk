@@ -148,7 +148,7 @@ rule report:
         "results/logs/report/{campaign}.log",
     benchmark:
         "results/benchmarks/report/{campaign}.tsv"
-    threads: 1
+    threads: 2
     resources:
         **needs("report"),
     params:
@@ -165,4 +165,5 @@ rule report:
         "{PYTHON:q} {SCRIPTS:q}/report.py --results {params.results:q}"
         " --structures {params.structures:q} --batches {input.batches:q} --modes {input.modes:q}"
         " --calibrations {input.calibrations:q} --sources {input.sources:q}"
-        " --tables {input.tables:q} --errata {input.errata:q} --folder {params.folder:q} --facts {params.facts:q} > {log} 2>&1"
+        " --tables {input.tables:q} --errata {input.errata:q} --folder {params.folder:q} --facts {params.facts:q}"
+        " --threads {threads} > {log} 2>&1"

@@ -37,7 +37,7 @@ NEEDS = {
     "parametric": (600, 20, 0, 0),
     "paraview": (1100, 10, 0, 20),
     "reduced": (1100, 10, 0, 0),
-    "report": (500, 10, 300, 0),
+    "report": (700, 10, 300, 0),
     # a record at a time, of two bytes a sample or more
     "ringdown": (600, 20, 0, 40),
     "score": (300, 5, 500, 0),

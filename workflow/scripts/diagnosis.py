@@ -7,6 +7,7 @@ import yaml
 from _cli import run
 from bladeroot import artifacts
 from bladeroot.diagnosis.judged import judge
+from bladeroot.files import save_text
 from bladeroot.io.load import Load
 from bladeroot.io.table import read_table
 from bladeroot.mechanisms.catalogue import usable_catalogue
@@ -27,7 +28,7 @@ def main(observations, parametric, settings, diagnosis, verdict, model):
     artifacts.save_json(said, verdict)
     if model:
         text = yaml.safe_dump(extension, sort_keys=False) if extension else ""
-        artifacts.save_text(text, model)
+        save_text(text, model)
 
 
 if __name__ == "__main__":

@@ -2,13 +2,14 @@
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.files import whole_folder
 from bladeroot.rom.external.export import export_matrices
 from bladeroot.rom.file import load_structure
 
 
 def main(structure, mesh, prestress, form, output):
     dovetail = load_structure(structure)
-    with artifacts.whole_folder(output) as folder:
+    with whole_folder(output) as folder:
         export_matrices(
             dovetail,
             artifacts.load(mesh),

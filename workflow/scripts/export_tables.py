@@ -1,12 +1,12 @@
 """Curves, stick frequencies and verdict of a campaign as CSV, MATLAB and universal file."""
 
 from _cli import run
-from bladeroot import artifacts
+from bladeroot.files import whole_folder
 from bladeroot.public.export import export
 
 
 def main(results, folder):
-    with artifacts.whole_folder(folder) as part:
+    with whole_folder(folder) as part:
         export(results, part)
 
 

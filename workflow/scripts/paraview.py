@@ -2,6 +2,7 @@
 
 from _cli import run
 from bladeroot import artifacts
+from bladeroot.files import whole_file
 from bladeroot.rom.external.bodies import load_bodies
 from bladeroot.rom.external.description import read_description
 from bladeroot.rom.external.full import full_joint_of
@@ -22,7 +23,7 @@ def main(structure, mesh, prestress, force, stiffness, output):
     points, cells, cell_data = points_and_cells(nodes)
     shapes = mode_shapes(full, nodes, float(force), kn, kt)
     drawn = meshio.Mesh(points, cells, point_data=shapes, cell_data=cell_data)
-    with artifacts.whole_file(output) as part:
+    with whole_file(output) as part:
         meshio.write(part, drawn, file_format="vtu")
 
 

@@ -12,13 +12,26 @@ import yaml
 from _cli import run
 from bladeroot import __version__, artifacts
 from bladeroot.figures.records import worth_showing
+from bladeroot.files import save_text, whole_file
 from bladeroot.io.campaign import load_campaign
 from bladeroot.provenance import environment
 from bladeroot.report.contents import LIBRARY, Material, report
 from bladeroot.reproduction.published import published_stiffness
 
 
-def main(results, structures, batches, modes, calibrations, sources, tables, errata, folder, facts):
+def main(
+    results,
+    structures,
+    batches,
+    modes,
+    calibrations,
+    sources,
+    tables,
+    errata,
+    folder,
+    facts,
+    threads="1",
+):
     known, home = json.loads(facts), Path(results)
     library = _library()
     of_the_thesis = known["description"].get("published") == "thesis"
@@ -69,13 +82,14 @@ def main(results, structures, batches, modes, calibrations, sources, tables, err
             errata=[
                 one for path in errata for one in yaml.safe_load(Path(path).read_text("utf-8"))
             ],
-        )
+        ),
+        int(threads),
     )
     chapters = home / "report"
     for place, page in pages.items():
-        artifacts.save_text(page, home / place)
+        save_text(page, home / place)
     artifacts.save_json(made, chapters / "provenance.json")
-    with artifacts.whole_file(chapters / LIBRARY) as part:
+    with whole_file(chapters / LIBRARY) as part:
         shutil.copyfile(library, part)
 
 
@@ -155,4 +169,5 @@ if __name__ == "__main__":
         errata="any: the errata of these",
         folder="the campaign's own folder",
         facts="what is known of the campaign (JSON)",
+        threads="optional: processes that draw side by side",
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts, statement
+from bladeroot.files import save_text
 
 STAGES = ("records", "decay", "plateau")
 
@@ -43,7 +44,7 @@ def main(raw, facts, campaign, record_settings, decay_settings, code, folder, ba
         for place, one, said in zip(part.outputs, made, settings, strict=True):
             artifacts.save(one.assign_attrs(campaign=campaign), place, settings=said)
     names = [part.facts["record"] for part in parts]
-    artifacts.save_text("\n".join(names) + "\n", batch)
+    save_text("\n".join(names) + "\n", batch)
 
 
 def _try_together(parts):

@@ -5,6 +5,7 @@ from bladeroot import artifacts
 from bladeroot.fem.shapes import beam_shapes
 from bladeroot.figures.shapes import mode_shapes
 from bladeroot.figures.style import svg
+from bladeroot.files import save_text
 from bladeroot.rom.file import load_structure
 
 
@@ -12,7 +13,7 @@ def main(structure, mesh, output, drawing):
     solid = artifacts.load(mesh)
     shapes = beam_shapes(load_structure(structure), solid)
     artifacts.save(shapes, output)
-    artifacts.save_text(svg(mode_shapes(solid, shapes)), drawing)
+    save_text(svg(mode_shapes(solid, shapes)), drawing)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ import click
 
 from bladeroot import artifacts
 from bladeroot.command.results import results_of
+from bladeroot.files import save_text
 
 
 @click.command()
@@ -32,7 +33,7 @@ def command(one: str, other: str, place: Path | None) -> None:
     for line in text(compared(*sides)):
         click.echo(line)
     place = place or Path("results") / f"{'-'.join(names)}.html"
-    artifacts.save_text(page(*sides), place)
+    save_text(page(*sides), place)
     click.echo(f"page: {place}")
 
 

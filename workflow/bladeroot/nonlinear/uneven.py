@@ -35,25 +35,10 @@ class Uneven:
     spread: float = 0.3
 
 
-def edge_distance(joint: Joint) -> Float[ndarray, " pair"]:
-    """Of each pair from the middle of its flank, 1 at the nearest edge (along Y or the slope)."""
-    assembly = joint.assembly
-    along = np.einsum(
-        "pla,pa->pl", assembly["frame"].values[:, 1:], assembly["pair_position"].values
-    )
-    flank, far = assembly["flank"].values, np.zeros(len(along))
-    for one in np.unique(flank):
-        here = flank == one
-        low, high = along[here].min(axis=0), along[here].max(axis=0)
-        half = np.where(high > low, 0.5 * (high - low), 1.0)
-        far[here] = np.abs((along[here] - 0.5 * (low + high)) / half).max(axis=1)
-    return far
-
-
 def relative_pressure(joint: Joint, law: Uneven) -> Float[ndarray, " pair"]:
     """Pressure at each pair over its flank's mean, without the spread."""
     least = law.edge ** (1.0 / law.exponent)
-    inwards = np.maximum(1.0 - edge_distance(joint) ** 2, 0.0)
+    inwards = np.maximum(1.0 - joint.edge_distance**2, 0.0)
     raw = (least + (1.0 - least) * inwards) ** law.exponent
     flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
     return raw * (np.bincount(flank, share) / np.bincount(flank, share * raw))[flank]

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from bladeroot import artifacts
+from bladeroot.files import save_text, whole_file
 from bladeroot.loads import value_of
 
 # Of a record's curve, a column each; damping as loss factor and, half of it, as damping ratio.
@@ -40,7 +41,7 @@ def export(results: str | Path, folder: str | Path) -> list[Path]:
     written = []
     for name, table in tables.items():
         written.append(folder / f"{name}.csv")
-        artifacts.save_text(table.to_csv(index=False, lineterminator="\n"), written[-1])
+        save_text(table.to_csv(index=False, lineterminator="\n"), written[-1])
     written.append(folder / "results.mat")
     _save_matlab(tables, written[-1])
     if "curves" in tables:
@@ -122,7 +123,7 @@ def _save_matlab(tables: Mapping[str, pd.DataFrame], path: Path) -> None:
                 values = np.array([str(value) for value in values], dtype=object)
             columns[column[:_MATLAB_NAME]] = values
         structs[name] = columns
-    with artifacts.whole_file(path) as part, part.open("wb") as file:
+    with whole_file(path) as part, part.open("wb") as file:
         savemat(file, structs, oned_as="column")
         # MATLAB's head of text, which has the time of day: the same results are the same bytes
         file.seek(0)
@@ -160,7 +161,7 @@ def _save_universal(curves: pd.DataFrame, path: Path) -> None:
                     x=rows["amplitude_m"].to_numpy()[order],
                 )
             )
-    with artifacts.whole_file(path) as part:
+    with whole_file(path) as part:
         named = part.with_name(f"{part.name}.uff")  # pyuff knows its files by their ending
         try:
             pyuff.UFF(str(named)).write_sets(sets, "overwrite")

@@ -1,7 +1,9 @@
 """The report as a whole: the first page and its chapters, each a page of its own."""
 
-from collections.abc import Mapping, Sequence
+import multiprocessing
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 
 import pandas as pd
 import xarray as xr
@@ -100,20 +102,22 @@ class Material:
         return self.facts["description"].get("published") == "thesis"
 
 
-def report(given: Material) -> dict[str, str]:
-    """The pages as HTML by their place below the campaign's results."""
-    judged = _judged(given)
-    every = pictures(curves.means(given.stages["curves"])) if "curves" in given.stages else []
-    of_stick = pictures(
-        stick.over_load(given.stages["stick"], given.stages.get("fe_forces"), given.simulated)
+def report(given: Material, processes: int = 1) -> dict[str, str]:
+    """The pages as HTML by their place below the campaign's results.
+
+    processes: that draw side by side, one or two.
+    """
+    judged, of_stick, of_structures, of_records = _side_by_side(
+        [_judged, _over_load, _of_structures, _of_records], given, processes
     )
+    every = of_records.get("means", [])
     chapters = {
-        "measurement": _measurement(given, every),
+        "measurement": _measurement(given, of_records),
         "quality": [integrity_section(given.stages["integrity"])]
         if "integrity" in given.stages
         else [],
         "stick": [_stick(given, of_stick)],
-        **_of_structures(given),
+        **of_structures,
         "diagnosis": [_diagnosis(given, judged)],
     }
     chapters = {name: chapters[name] for name in _TITLES if chapters.get(name)}
@@ -155,17 +159,55 @@ def _page(
     )
 
 
-def _measurement(given: Material, every: Sequence[Picture]) -> list[Section]:
-    drawn = []
-    if "curves" in given.stages:
-        drawn = [
-            *pictures(curves.records(given.decays)),
-            *every,
-            *pictures(records.cuts(given.shown), CUTS),
-            *pictures(spectra.spectra(given.spectra), SPECTRA),
-        ]
-    groups = groups_section(given.stages["curves"]) if "curves" in given.stages else None
+def _side_by_side(tasks: Sequence[Callable], given: object, processes: int) -> list:
+    """What each task makes of what is given; with two processes the second half in a child."""
+    if processes < 2:
+        return [task(given) for task in tasks]
+    here = len(tasks) // 2
+    fork = multiprocessing.get_context("fork")
+    receiver, sender = fork.Pipe(duplex=False)
+    child = fork.Process(target=_send, args=(tasks[here:], given, receiver, sender), daemon=True)
+    child.start()
+    sender.close()
+    made = [task(given) for task in tasks[:here]]
+    try:
+        others = receiver.recv()
+    except EOFError:
+        raise RuntimeError("the second process that draws was ended") from None
+    if isinstance(others, Exception):
+        raise others
+    return made + others
+
+
+def _send(tasks: Sequence[Callable], given: object, receiver: Connection, sender: Connection):
+    receiver.close()  # the parent's alone: where it has ended, nothing can be sent
+    try:
+        sender.send([task(given) for task in tasks])
+    except Exception as error:
+        sender.send(error)
+
+
+def _of_records(given: Material) -> dict[str, list[Picture]]:
+    """Figures of the records by what they show, in reading order."""
+    if "curves" not in given.stages:
+        return {}
+    return {
+        "records": pictures(curves.records(given.decays)),
+        "means": pictures(curves.means(given.stages["curves"])),
+        "cuts": pictures(records.cuts(given.shown), CUTS),
+        "spectra": pictures(spectra.spectra(given.spectra), SPECTRA),
+    }
+
+
+def _over_load(given: Material) -> list[Picture]:
+    forces = given.stages.get("fe_forces")
+    return pictures(stick.over_load(given.stages["stick"], forces, given.simulated))
+
+
+def _measurement(given: Material, by_name: Mapping[str, list[Picture]]) -> list[Section]:
     found = given.stages.get("curves")
+    groups = groups_section(found) if found is not None else None
+    drawn = [picture for several in by_name.values() for picture in several]
     measured = measurement_section(given.facts, given.stages["stick"], drawn, found)
     return [measured, *([groups] if groups else [])]
 

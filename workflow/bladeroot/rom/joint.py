@@ -71,6 +71,21 @@ class Joint:
         return rows / np.sqrt(self.weight)[:, None, None]
 
     @cached_property
+    def edge_distance(self) -> Float[ndarray, " pair"]:
+        """Of each pair from its flank's middle, 1 at the nearest edge (along Y or the slope)."""
+        assembly = self.assembly
+        along = np.einsum(
+            "pla,pa->pl", assembly["frame"].values[:, 1:], assembly["pair_position"].values
+        )
+        flank, far = assembly["flank"].values, np.zeros(len(along))
+        for one in np.unique(flank):
+            here = flank == one
+            low, high = along[here].min(axis=0), along[here].max(axis=0)
+            half = np.where(high > low, 0.5 * (high - low), 1.0)
+            far[here] = np.abs((along[here] - 0.5 * (low + high)) / half).max(axis=1)
+        return far
+
+    @cached_property
     def homes(self) -> dict[str, int | None]:
         """The sector of each named mode, as far as it was asked for; None if it is in no one."""
         return {}

@@ -7,8 +7,6 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.signal.lines import loudest, mode_Hz, not_cut
-
 SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
 # Cycles of the mode over which acceleration's integral is averaged to find its drift.
 DRIFT_CYCLES = 5
@@ -33,6 +31,8 @@ class Recording:
 
 def uncut(record: Recording, expected_Hz: float) -> Recording:
     """The recording; where its samples were cut towards zero, made good, with a note of it."""
+    from bladeroot.signal.lines import not_cut  # late: the workflow reads units alone
+
     samples = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
     if samples is record.samples:
         return record
@@ -53,6 +53,8 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
         x = record.undone(x, record.sampling_Hz)
     if record.quantity == "velocity":
         return x
+    from bladeroot.signal.lines import loudest, mode_Hz
+
     lines = loudest(x - x.mean(), record.sampling_Hz, expected_Hz)
     own_Hz = mode_Hz(*lines, expected_Hz)
     # what lies above has no samples to be seen by, as the cut then says
