@@ -1,12 +1,14 @@
 """Fits of a cause in all its forms: the evidence is the family's, the form never decides a name."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
+from bladeroot.diagnosis.plausibility import sizes
+from bladeroot.diagnosis.posterior import temperature
 from bladeroot.inference.gaussian import Fit, best_fit, fit
 from bladeroot.inference.hold_out import asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -38,16 +40,28 @@ class Model:
     """A set of causes, each in its best form, fitted together.
 
     log_evidence: over the baseline, summed over the forms, with what independent measurements add.
+    sizes: of causes that were added in all their forms, the first parameter over these forms: mean
+    and standard deviation.
     """
 
     causes: tuple[Mechanism, ...]
     fit: Fit
     log_evidence: float
+    sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def ids(self) -> frozenset[str]:
         """Of the causes."""
         return frozenset(one.id for one in self.causes)
+
+    def size(self, name: str) -> tuple[float, float]:
+        """First parameter of a cause: over its forms, or in the form that it has; and its std."""
+        place = self.fit.parameters.size - sum(len(one.parameters) for one in self.causes)
+        for one in self.causes:
+            if one.id == name:
+                break
+            place += len(one.parameters)
+        return self.sizes.get(name) or sizes(one, self.fit, place)[0]
 
 
 def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
@@ -130,8 +144,21 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
     if len(tried) < len(family.every_form):  # forms that were not tried count as the first
         whole = weights[0]
     changed, fitted, _ = tried[int(weights.argmax())]
-    gain = float(whole) - model.fit.log_evidence
-    return Model((*model.causes, changed), fitted, model.log_evidence + gain)
+    explained = model.log_evidence + float(whole) - model.fit.log_evidence
+    first = model.fit.parameters.size
+    likely = np.exp((weights - whole) / temperature(explained, known.replicates, channel.trust))
+    size = mixed(likely, [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
+    return Model((*model.causes, changed), fitted, explained, {family.id: size})
+
+
+def mixed(weights: Sequence[float], rows: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Mean and standard deviation over alternatives, by weights and each one's mean and std."""
+    known = np.asarray(weights) > 0.0
+    if not known.any():
+        return rows[0]
+    weights, (mean, std) = np.asarray(weights)[known], np.transpose(rows)[:, known]
+    whole = float(np.average(mean, weights=weights))
+    return whole, float(np.sqrt(np.average(std**2 + (mean - whole) ** 2, weights=weights)))
 
 
 def _fitted(
