@@ -114,8 +114,23 @@ def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, 
     if not gain > 0.0:
         return model, more
     better = replace(model, fit=second)
-    # The model's own evidence is what is counted from: it stands for the better summit now.
-    return better, _added(channel, better, known) if gain > guards.OTHER_SUMMIT else more
+    if gain > guards.OTHER_SUMMIT:
+        more = {name: _moved(channel, better, one, gain) for name, one in more.items()}
+    return better, more
+
+
+def _moved(channel: Channel, model: Model, more: Model, gain: float) -> Model:
+    """A model with one cause more, fitted again from the better summit of the model without.
+
+    gain: of that summit; the model's own evidence is what is counted from, and stands for it now.
+    """
+    own = more.fit.parameters[model.fit.parameters.size :]
+    start = np.append(model.fit.parameters, own)
+    fitted = fit(channel.problem(more.causes, ()), start, model.fit.scales)
+    further = fitted.log_evidence - more.fit.log_evidence
+    if further <= 0.0:
+        return replace(more, log_evidence=more.log_evidence - gain)
+    return replace(more, fit=fitted, log_evidence=more.log_evidence + further - gain)
 
 
 def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
@@ -147,7 +162,7 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
     explained = model.log_evidence + float(whole) - model.fit.log_evidence
     first = model.fit.parameters.size
     likely = np.exp((weights - whole) / temperature(explained, known.replicates, channel.trust))
-    size = mixed(likely, [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
+    size = mixed(likely.tolist(), [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
     return Model((*model.causes, changed), fitted, explained, {family.id: size})
 
 
