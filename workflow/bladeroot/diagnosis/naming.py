@@ -151,12 +151,12 @@ class _Search:
 
     def _allowed(self, model: Model, more: Model) -> bool:
         """Whether all causes of a set stay possible and its last is surely there."""
+        if not possible(self.channel, more.causes, more.fit):
+            return False  # where a law is at no size that it can have, its slopes may be none
         measured = prepared(more.causes[-1], self.known)[1]
         by_mean = explained_by_law(model.fit, more.fit) + measured
-        return (
-            possible(self.channel, more.causes, more.fit)
-            and by_mean >= 0.5 * guards.SIGMAS**2
-            and (measured > 0.0 or surely_there(self.channel, more.causes, more.fit))
+        return by_mean >= 0.5 * guards.SIGMAS**2 and (
+            measured > 0.0 or surely_there(self.channel, more.causes, more.fit)
         )
 
     def _idle(self, model: Model) -> bool:
