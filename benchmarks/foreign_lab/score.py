@@ -104,7 +104,7 @@ SIZES = {
     ("force-gain", "gain"): "gain",
     ("force-offset", "offset"): "offset",
     ("added-mass", "mass"): "mass",
-    ("load-dependent-stiffness", "exponent"): "slope_kn",
+    ("load-dependent-stiffness", "exponent"): "slope",
     ("force-relaxation", "loss"): "size",
 }
 

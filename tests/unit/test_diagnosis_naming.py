@@ -183,6 +183,24 @@ def test_a_name_is_certain_by_the_family_not_by_the_form(shapes):
         assert (cause.probability > guards.CERTAIN) is sure
 
 
+def test_a_size_is_over_forms_and_over_the_sets_that_hold_it(shapes):
+    """Forms as good as each other whose first parameters differ: their spread is in its error."""
+    a, b, *_ = shapes
+    family = replace(line("a", a), forms=(replace(line("a", 0.5 * a), form="half"),))
+    found = search(channel(10.0 * a, [family]), Known())
+    mean, std = found.sizes["a"]
+    assert 10.0 < mean < 20.0
+    assert std > 4.0
+    alone = search(channel(10.0 * a, [line("a", a), line("b", b)]), Known())
+    assert alone.sizes["a"] == pytest.approx((10.0, 1.0), rel=0.02)
+    near = 0.8 * a + 0.6 * b
+    found = search(channel(10.0 * a + 6.0 * near, [line("a", a), line("near", near)]), Known())
+    mean, std = found.sizes["a"]
+    assert found.alone["a"].size("a")[0] == pytest.approx(14.8, rel=0.02)
+    assert 10.0 < mean < 14.8
+    assert std > 1.2 * found.alone["a"].size("a")[1]
+
+
 def test_nothing_below_three_standard_deviations_is_named(shapes):
     """Evidence by a free scale is none where the size is not known from nothing."""
     a, *_ = shapes

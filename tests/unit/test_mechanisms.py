@@ -270,6 +270,28 @@ def test_forms_of_a_load_law_have_one_slope_and_one_seating_force():
         assert share == pytest.approx(1.0 - np.exp(-1.0), rel=1e-6 + bent)
 
 
+def test_forms_of_a_relaxation_lose_the_same_a_decade_at_ten_minutes():
+    """Of the time since the clamping: the first record is one time constant, or two minutes, later.
+
+    The parameters but the first are the priors' means.
+    """
+    (family,) = (one for one in catalogue() if one.id == "force-relaxation")
+    for one in family.every_form:
+        values = np.array([0.02, *one.values(one.start)[0][1:]])
+        since = 600.0 * np.exp([-1e-4, 1e-4, -1e-4, 1e-4]) - 120.0
+        at = replace(RECORDS, since=since, force=np.full(4, 1e4))
+        change = one.stick(at, values).changes["force"]
+        assert (change[0] - change[1]) / 2e-4 == pytest.approx(1e4 * 0.02 / np.log(10.0), rel=1e-3)
+
+
+def test_forms_of_a_gauge_have_one_gain_at_12_kn():
+    (family,) = (one for one in catalogue() if one.id == "force-gain")
+    at = replace(RECORDS, force=np.full(4, 12e3))
+    for one in family.every_form:
+        values = np.array([0.1, *one.values(one.start)[0][1:]])
+        assert one.stick(at, values).changes["force"] == pytest.approx(1200.0), one.form
+
+
 def test_a_share_is_bounded_by_what_the_simulation_has():
     slip = law_of_form("joint-slip", "Iwan")
     tied = slip.tied({"tangential": (0.02, 0.04)}, {"tangential": 0.0})

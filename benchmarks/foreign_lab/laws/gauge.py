@@ -14,19 +14,22 @@ FORMS = {
 }
 
 
-def stick(effect, sheet):
+def gain(effect, sheet, reading):
     """One gain, one that grows with the load, or another in the gauge's low range."""
-    part = sheet.reading / sheet.planned("reading").max()
-    gain = np.full(len(part), effect.size)
+    part = reading / sheet.planned("reading").max()
+    same = np.full(np.shape(part), effect.size)
     if effect.form == "curved":
-        gain = effect.size * (1 + effect.shape["bend"] * (part - 1))
+        return effect.size * (1 + effect.shape["bend"] * (part - 1))
     if effect.form == "two-ranges":
-        gain = np.where(
-            part < effect.shape["change"], effect.shape["low"] * effect.size, effect.size
-        )
-    return {"force": gain * sheet.reading}
+        return np.where(part < effect.shape["change"], effect.shape["low"] * same, same)
+    return same
+
+
+def stick(effect, sheet):
+    """The part of the reading that the gain is."""
+    return {"force": gain(effect, sheet, sheet.reading) * sheet.reading}
 
 
 def measures(effect, sheet):
-    """The mean gain over the records."""
-    return {"gain": float((stick(effect, sheet)["force"] / sheet.reading).mean())}
+    """The gain at 12 kN, where the product states it."""
+    return {"gain": float(gain(effect, sheet, 12e3))}

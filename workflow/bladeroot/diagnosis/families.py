@@ -1,12 +1,14 @@
 """Fits of a cause in all its forms: the evidence is the family's, the form never decides a name."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
+from bladeroot.diagnosis.plausibility import sizes
+from bladeroot.diagnosis.posterior import temperature
 from bladeroot.inference.gaussian import Fit, best_fit, fit
 from bladeroot.inference.hold_out import asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -38,16 +40,28 @@ class Model:
     """A set of causes, each in its best form, fitted together.
 
     log_evidence: over the baseline, summed over the forms, with what independent measurements add.
+    sizes: of causes that were added in all their forms, the first parameter over these forms: mean
+    and standard deviation.
     """
 
     causes: tuple[Mechanism, ...]
     fit: Fit
     log_evidence: float
+    sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def ids(self) -> frozenset[str]:
         """Of the causes."""
         return frozenset(one.id for one in self.causes)
+
+    def size(self, name: str) -> tuple[float, float]:
+        """First parameter of a cause: over its forms, or in the form that it has; and its std."""
+        place = self.fit.parameters.size - sum(len(one.parameters) for one in self.causes)
+        for one in self.causes:
+            if one.id == name:
+                break
+            place += len(one.parameters)
+        return self.sizes.get(name) or sizes(one, self.fit, place)[0]
 
 
 def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
@@ -100,8 +114,23 @@ def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, 
     if not gain > 0.0:
         return model, more
     better = replace(model, fit=second)
-    # The model's own evidence is what is counted from: it stands for the better summit now.
-    return better, _added(channel, better, known) if gain > guards.OTHER_SUMMIT else more
+    if gain > guards.OTHER_SUMMIT:
+        more = {name: _moved(channel, better, one, gain) for name, one in more.items()}
+    return better, more
+
+
+def _moved(channel: Channel, model: Model, more: Model, gain: float) -> Model:
+    """A model with one cause more, fitted again from the better summit of the model without.
+
+    gain: of that summit; the model's own evidence is what is counted from, and stands for it now.
+    """
+    own = more.fit.parameters[model.fit.parameters.size :]
+    start = np.append(model.fit.parameters, own)
+    fitted = fit(channel.problem(more.causes, ()), start, model.fit.scales)
+    further = fitted.log_evidence - more.fit.log_evidence
+    if further <= 0.0:
+        return replace(more, log_evidence=more.log_evidence - gain)
+    return replace(more, fit=fitted, log_evidence=more.log_evidence + further - gain)
 
 
 def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
@@ -130,8 +159,21 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
     if len(tried) < len(family.every_form):  # forms that were not tried count as the first
         whole = weights[0]
     changed, fitted, _ = tried[int(weights.argmax())]
-    gain = float(whole) - model.fit.log_evidence
-    return Model((*model.causes, changed), fitted, model.log_evidence + gain)
+    explained = model.log_evidence + float(whole) - model.fit.log_evidence
+    first = model.fit.parameters.size
+    likely = np.exp((weights - whole) / temperature(explained, known.replicates, channel.trust))
+    size = mixed(likely.tolist(), [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
+    return Model((*model.causes, changed), fitted, explained, {family.id: size})
+
+
+def mixed(weights: Sequence[float], rows: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Mean and standard deviation over alternatives, by weights and each one's mean and std."""
+    known = np.asarray(weights) > 0.0
+    if not known.any():
+        return rows[0]
+    weights, (mean, std) = np.asarray(weights)[known], np.transpose(rows)[:, known]
+    whole = float(np.average(mean, weights=weights))
+    return whole, float(np.sqrt(np.average(std**2 + (mean - whole) ** 2, weights=weights)))
 
 
 def _fitted(

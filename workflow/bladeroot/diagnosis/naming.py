@@ -1,7 +1,7 @@
 """Naming causes in one channel: sets of causes, each with everything that competes with it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from bladeroot.diagnosis.families import (
     Known,
     Model,
     baseline,
+    mixed,
     prepared,
     smooth,
     with_one_more,
@@ -71,6 +72,8 @@ class Found:
     fits: the baseline's and the final one. unexplained: what the remainder is smooth in where that
     is more probable than not, or "". alone: of every mechanism the model that has it alone, in its
     best form. insufficient: the mechanism that is barred and yet the most probable, or "".
+    sizes: first parameter of each mechanism over its forms and the sets that hold it, by their
+    probability: mean and standard deviation.
     """
 
     channel: Channel
@@ -83,6 +86,7 @@ class Found:
     probabilities: Sets
     alone: Mapping[str, Model]
     insufficient: str = ""
+    sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def quiet(self) -> bool:
@@ -134,6 +138,8 @@ class _Search:
                 old.log_evidence,
             ):
                 self.models[one.ids], self.allowed[one.ids] = one, allowed
+            both = {**one.sizes, **(old.sizes if old else {})}
+            self.models[one.ids] = replace(self.models[one.ids], sizes=both)
 
     def without(self, model: Model, gone: str) -> Model:
         """The model without one of its causes, which what is left must stand for itself."""
@@ -145,12 +151,12 @@ class _Search:
 
     def _allowed(self, model: Model, more: Model) -> bool:
         """Whether all causes of a set stay possible and its last is surely there."""
+        if not possible(self.channel, more.causes, more.fit):
+            return False  # where a law is at no size that it can have, its slopes may be none
         measured = prepared(more.causes[-1], self.known)[1]
         by_mean = explained_by_law(model.fit, more.fit) + measured
-        return (
-            possible(self.channel, more.causes, more.fit)
-            and by_mean >= 0.5 * guards.SIGMAS**2
-            and (measured > 0.0 or surely_there(self.channel, more.causes, more.fit))
+        return by_mean >= 0.5 * guards.SIGMAS**2 and (
+            measured > 0.0 or surely_there(self.channel, more.causes, more.fit)
         )
 
     def _idle(self, model: Model) -> bool:
@@ -258,7 +264,17 @@ def _found(made: _Search) -> Found:
         unexplained, sets,
         {n: made.models[frozenset({n})] for n in first.mechanisms},
         leading,
+        {n: _size(made, n, sets) for n in first.mechanisms},
     )  # fmt: skip
+
+
+def _size(made: _Search, name: str, sets: Sets) -> tuple[float, float]:
+    """First parameter of a mechanism over the sets that hold it."""
+    holding = [(ids, one) for ids, one in made.models.items() if name in ids]
+    weights = [sets.get(ids, 0.0) + sets.get(ids | {UNKNOWN}, 0.0) for ids, _ in holding]
+    if not sum(weights) > 0.0:
+        return made.models[frozenset({name})].size(name)
+    return mixed(weights, [one.size(name) for _, one in holding])
 
 
 def _leading(sets: Sets) -> str:

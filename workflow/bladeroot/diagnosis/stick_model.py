@@ -29,6 +29,9 @@ KELVIN = 3.0  # of temperature
 # K by which a thermometer is off the beam, half of it for an hour (s), half of a record; K from the
 # mean below which a temperature is none.
 READING, HOUR, LEAST_KELVIN = 0.2, 3600.0, 0.01
+# Part of its own effect by which a law of the time in a clamping differs from clamping to clamping:
+# nobody states the time from the clamping to its first record.
+OF_HOLD = 0.3
 LEAST_LIMIT = 5e-3  # of a frequency: a limit that is known worse says less than a clamping scatters
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 # Where so many of the records have a time, the others are left out rather than all laws of time.
@@ -224,7 +227,10 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
     kernels = {
         "force": lambda: near(np.log(records.force), FORCE_LENGTH),
         "time": lambda: near(records.time, TIME_LENGTH * max(records.span, 1.0)),
-        "since": lambda: near(records.since, max(records.hold_span, 1.0)),
+        "since": lambda: (
+            near(records.since, max(records.hold_span, 1.0))
+            * (1.0 + (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold))
+        ),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
         "temperature": lambda: _of_thermometer(records),
     }

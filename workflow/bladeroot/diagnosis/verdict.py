@@ -74,6 +74,8 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
 def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     mechanism = cause.mechanism
     by_id = {one.id: one for one in found.channel.candidates}
+    own = sizes(mechanism, found.final, first)
+    own[0] = found.sizes.get(mechanism.id, own[0])
     kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
     return {
         "mechanism": mechanism.id,
@@ -83,9 +85,7 @@ def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
         "credible_set": list(cause.credible),
         "parameters": [
             {"name": p.name, "value": value, "std": std, "unit": p.unit}
-            for p, (value, std) in zip(
-                mechanism.parameters, sizes(mechanism, found.final, first), strict=True
-            )
+            for p, (value, std) in zip(mechanism.parameters, own, strict=True)
         ],
         "sizes": changes(found, cause, first),
         "plausible": plausible(mechanism, found.final, first),

@@ -19,19 +19,27 @@ def constant(records: Records, values: np.ndarray) -> StickEffect:
 
 
 def curved(records: Records, values: np.ndarray) -> StickEffect:
-    """A gain that grows in proportion to the force; as stated at 12 kN."""
-    square = records.force**2 / REFERENCE_FORCE
-    return StickEffect({"force": values[0] * square}, {"force": square[:, None]})
+    """A gain that runs as a power of the force; as stated at 12 kN."""
+    gain, power = values
+    ratio = records.force / REFERENCE_FORCE
+    course = ratio**power * records.force
+    columns = np.stack([course, gain * course * np.log(ratio)], axis=1)
+    return StickEffect({"force": gain * course}, {"force": columns})
 
 
 def two_ranges(records: Records, values: np.ndarray) -> StickEffect:
-    """A gain above the force at which the gauge changes its range."""
-    gain, switch = values
-    above = 0.5 * (1.0 + np.tanh(np.log(records.force / switch) / _EDGE))
-    slope = -2.0 * above * (1.0 - above) / _EDGE / switch
-    columns = np.stack([above, gain * slope], axis=1)
+    """Another gain below the force at which the gauge changes its range; as stated at 12 kN."""
+    gain, low, switch = values
+    forces = np.append(records.force, REFERENCE_FORCE)
+    above = 0.5 * (1.0 + np.tanh(np.log(forces / switch) / _EDGE))
+    course, steep = low + (1.0 - low) * above, -2.0 * above * (1.0 - above) / _EDGE / switch
+    slopes = np.stack([np.zeros(forces.size), 1.0 - above, (1.0 - low) * steep], axis=1)
+    here, stated = course[:-1], course[-1]
+    columns = gain * (slopes[:-1] - np.outer(here / stated, slopes[-1])) / stated
+    columns[:, 0] = here / stated
     return StickEffect(
-        {"force": gain * above * records.force}, {"force": columns * records.force[:, None]}
+        {"force": gain * here / stated * records.force},
+        {"force": columns * records.force[:, None]},
     )
 
 
@@ -42,16 +50,19 @@ MECHANISM = Mechanism(
     parameters=(
         Parameter(
             "gain", "1", 0.0, 0.12, -0.5, 0.5,
-            "a piston area or a strain gauge's section taken wrong, a seal's friction",
+            "true over read, less 1, at 12 kN: a wrong piston area, a seal's friction",
         ),
     ),
     splitter="{second_measure}",
     stick=constant,
     measured_by="load cell scale",
     form="constant",
-).also("curved", stick=curved).also(
+).also(
+    "curved", Parameter("power", "1", 0.5, 0.5, -3.0, 3.0, "of the force"), stick=curved
+).also(
     "two ranges",
+    Parameter("low", "1", 0.7, 1.0, 0.02, 50.0, "gain of the low range over the high's", log=True),
     Parameter("switch", "N", 8e3, 0.7, 500.0, 50e3, "of the gauge's range", log=True),
-    stick=two_ranges,
-    starts=tuple((0.05, float(np.log(f))) for f in (4e3, 7e3, 1.2e4, 1.8e4)),
+    keep=1, stick=two_ranges,
+    starts=tuple((0.05, float(np.log(0.7)), float(np.log(f))) for f in (4e3, 7e3, 1.2e4, 1.8e4)),
 )  # fmt: skip

@@ -6,6 +6,11 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
+# The loss is stated a decade of the time since the clamping, at ten minutes, in each form. Nobody
+# states that time: the logarithmic and the power law have it at the first record as their time
+# constant, the stretched one has its usual value. s.
+_STATED, _FIRST = 600.0, 120.0
+
 
 def logarithmic(records: Records, values: np.ndarray) -> StickEffect:
     """F (1 - loss log10(1 + t/tau)) with the time t since the first record of the hold."""
@@ -16,28 +21,32 @@ def logarithmic(records: Records, values: np.ndarray) -> StickEffect:
 
 
 def stretched(records: Records, values: np.ndarray) -> StickEffect:
-    """F (1 - c (1 - exp(-(t/tau)^beta))), c so that `loss` is the steepest fall a decade."""
+    """F (1 - c (exp(-(t0/tau)^beta) - exp(-((t0 + t)/tau)^beta))), t0 being two minutes."""
     loss, tau, beta = values
-    scale = np.e / (beta * np.log(10.0))
-    ratio = np.maximum(records.since / tau, 1e-12)
-    power = ratio**beta
-    gone = -np.expm1(-power)
-    steep = power * np.exp(-power)  # d gone / d ln(power)
+    ends = np.array([np.zeros(records.since.size), records.since]) + _FIRST
+    power = (ends / tau) ** beta
+    left, stated = np.exp(-power), (_STATED / tau) ** beta
+    scale = np.exp(stated) / (beta * stated * np.log(10.0))
+    first, last = power * left
+    by_beta = np.diff(power * left * np.log(ends / tau), axis=0)[0]
+    gone = left[0] - left[1]
     return _effect(
-        records, scale * gone, loss, -loss * scale * steep * beta / tau,
-        loss * scale * (steep * np.log(ratio) - gone / beta),
+        records, scale * gone, loss,
+        loss * scale * beta / tau * (first - last + (1.0 - stated) * gone),
+        loss * scale * (by_beta + ((stated - 1.0) * np.log(_STATED / tau) - 1.0 / beta) * gone),
     )  # fmt: skip
 
 
 def power(records: Records, values: np.ndarray) -> StickEffect:
-    """F (1 + t/tau)^-p with p = loss / ln 10: a fall that slows down over the decades."""
+    """F (1 - c (1 - (1 + t/tau)^-p)): a fall that slows down over the decades."""
     loss, tau, order = values
-    ln = np.log1p(records.since / tau)
+    ln, late = np.log1p(records.since / tau), np.log(_STATED / tau)
     left = np.exp(-order * ln)
-    course = (1.0 - left) / (order * np.log(10.0))
-    by_tau = -records.since / (tau * (tau + records.since)) * left / np.log(10.0)
-    by_order = (left * ln / order - (1.0 - left) / order**2) / np.log(10.0)
-    return _effect(records, course, loss, loss * by_tau, loss * by_order)
+    scale = np.exp(order * late) / (order * np.log(10.0))
+    course = scale * (1.0 - left)
+    by_tau = -scale * order * records.since / (tau * (tau + records.since)) * left
+    by_order = course * (late - 1.0 / order) + scale * left * ln
+    return _effect(records, course, loss, loss * (by_tau - course * order / tau), loss * by_order)
 
 
 def _effect(records: Records, course: np.ndarray, loss: float, *slopes: np.ndarray) -> StickEffect:
@@ -47,12 +56,14 @@ def _effect(records: Records, course: np.ndarray, loss: float, *slopes: np.ndarr
 
 
 _LOSS = Parameter(
-    "loss", "1", 0.0, 0.01, 0.0, 0.2,
-    "a decade of time, where steepest: a hydraulic hold loses tenths of a per cent to some",
+    "loss", "1", 0.01, 1.2, 1e-5, 0.2,
+    "a decade of time, at ten minutes: a hydraulic hold loses tenths of a per cent to some",
+    log=True,
 )  # fmt: skip
 _TIME = Parameter(
-    "time_constant", "s", 60.0, 1.2, 1.0, 1e5, "from seconds (seats) to an hour (leakage)", log=True
-)
+    "time_constant", "s", 120.0, 1.2, 1.0, 1e5,
+    "from seconds (seats) to an hour (leakage)", log=True,
+)  # fmt: skip
 MECHANISM = Mechanism(
     id="force-relaxation",
     kind="time",
@@ -63,7 +74,7 @@ MECHANISM = Mechanism(
     over=("since",),
     form="logarithmic",
 ).also(
-    "stretched", replace(_TIME, mean=300.0),
+    "stretched", replace(_TIME, mean=600.0, low=60.0),
     Parameter("stretch", "1", 0.7, 1.0, 0.2, 1.05, "1 a single time", bounded=True),
     keep=1, stick=stretched,
 ).also(

@@ -125,16 +125,19 @@ def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> lis
         _derivatives(x[:, axis], n, scale[axis], order) for axis, n in enumerate(count)
     ]
     flat = surface.coefficients.transpose(1, 0, 2, 3).reshape(count[0], -1)
-    first = [part @ flat for part in basis[0]]
+    first = [(part @ flat).reshape(len(x), functions, *count[1:]) for part in basis[0]]
 
-    def term(i: int, j: int, k: int) -> Float[ndarray, "point function"]:
-        left = first[i].reshape(len(x), functions, count[1], count[2])
-        inner = np.einsum("pfjl,pl->pfj", left, basis[2][k])
-        return np.matmul(inner, basis[1][j][:, :, None])[..., 0]
+    def inner(i: int, k: int) -> ndarray:
+        return np.einsum("pfjl,pl->pfj", first[i], basis[2][k])
 
-    results = [term(0, 0, 0)]
+    def outer(part: ndarray, j: int) -> ndarray:
+        return np.einsum("pfj,pj->pf", part, basis[1][j])
+
+    plain = inner(0, 0)
+    results = [outer(plain, 0)]
     if order > 0:
-        results.append(np.stack([term(1, 0, 0), term(0, 1, 0), term(0, 0, 1)], axis=-1))
+        slopes = [outer(inner(1, 0), 0), outer(plain, 1), outer(inner(0, 1), 0)]
+        results.append(np.stack(slopes, axis=-1))
     return results
 
 
