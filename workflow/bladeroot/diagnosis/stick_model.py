@@ -169,12 +169,22 @@ def problem(
     def predict(theta: ndarray) -> State:
         own = theta[:base]
         made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
-        said = here.at(own, made.changes)
+        said = here.at(own, made.changes, made.along)
         whole = np.column_stack([said.gradient, np.ones(n)])
         columns = [said.slope]
         columns += [np.einsum("nc,ncp->np", whole, slope) for slope in made.slopes]
         effects = np.einsum("nc,knc->kn", whole, made.effects)
         facts = {"gradient": said.gradient, "effects": effects}
+        if said.turn is not None and said.bend is not None:
+            own_turns = [np.einsum("nap,nab->npb", slope[:, :3], said.bend) for slope in made.slopes]
+            turn = np.concatenate([said.turn, *own_turns], axis=1)
+            grown = np.einsum("npb,knb->knp", turn, made.effects[:, :, :3])
+            first = base
+            for grows, slope in zip(grown, made.slopes, strict=True):
+                own_columns = slice(first, first + slope.shape[2])
+                grows[:, own_columns] += np.einsum("nc,ncp->np", whole, slope)
+                first = own_columns.stop
+            facts |= {"turn": turn, "growth": grown}
         return State(said.mean + made.changes[:, 3], np.hstack(columns), facts)
 
     beyond = _of_limits(data)
@@ -200,10 +210,25 @@ def problem(
 
         return whole, slopes
 
+    def turns(state: State, scales: ndarray) -> ndarray:
+        facts = state.facts
+        whole = here.turned(facts["gradient"], facts["turn"], scales[:kinds])
+        for effect, by, kernel, one in zip(
+            facts["effects"], facts["growth"], trust, mechanisms, strict=True
+        ):
+            e, rise = effect, by
+            if one.kind == "level":
+                e = effect - of_mode @ _means(of_mode, effect)
+                rise = by - of_mode @ ((of_mode.T @ by) / of_mode.sum(axis=0)[:, None])
+            half = rise.T[:, :, None] * e * (TRUST**2 * kernel)
+            whole += half + half.transpose(0, 2, 1)
+        return whole
+
     scales = [*here.scales, NOISE]
     scales += [(np.log(size), 1.5) for _, size in extra]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
-    return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
+    turning = turns if here.turned else None
+    return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds), turns=turning)
 
 
 def _of_limits(data: StickData) -> Float[ndarray, "record record"]:

@@ -4,7 +4,7 @@ A simulation says ln f of each record with its derivatives by its own parameters
 and the load, which causes move; how clampings scatter; and of which causes it cannot speak.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -20,11 +20,15 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 class Said:
     """ln f of each record, and derivatives by the simulation's parameters and by (ln kn, ln kt,
     load) of the record itself.
+
+    turn, bend: derivatives of `gradient` by the two, where they count.
     """
 
     mean: Float[ndarray, " record"]
     slope: Float[ndarray, "record parameter"]
     gradient: Float[ndarray, "record 3"]
+    turn: Float[ndarray, "record parameter 3"] | None = None
+    bend: Float[ndarray, "record 3 3"] | None = None
 
 
 @runtime_checkable
@@ -32,10 +36,12 @@ class OfRecords(Protocol):
     """A simulation of the records of one campaign.
 
     prior: of its parameters. scales: of its clampings' scatter, mean and standard deviation each.
+    turned: derivatives of `scatter` by parameters that turn the gradient, where they count.
     """
 
     prior: Prior
     scales: Sequence[tuple[float, float]]
+    turned: Callable[[ndarray, ndarray, ndarray], ndarray] | None
 
     def structures(
         self,
@@ -43,13 +49,19 @@ class OfRecords(Protocol):
         one: Mechanism,
         values: Float[ndarray, " value"],
         changed: Float[ndarray, "2 record"],
-    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"]]:
-        """Change of ln f of each record by changed matrices, and its derivatives; changed: ln kn
-        and ln kt by other causes.
+    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"], ndarray | None]:
+        """Change of ln f of each record by changed matrices, and its derivatives by the values and,
+        where they count, by the record's place; changed: ln kn and ln kt by other causes.
         """
 
-    def at(self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"]) -> Said:
-        """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it."""
+    def at(
+        self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"],
+        along: ndarray | float = 0.0,
+    ) -> Said:  # fmt: skip
+        """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it.
+
+        along: further derivatives by the record's place.
+        """
 
     def scatter(
         self, gradient: Float[ndarray, "record 3"], scales: Float[ndarray, " scale"]

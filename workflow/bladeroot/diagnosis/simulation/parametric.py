@@ -5,7 +5,7 @@ the specimen changes kn and kt at random, of all interfaces alike, and the gauge
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from bladeroot.diagnosis.structures import Structures, distinct, solved_change
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
-from bladeroot.rom.parametric import Solved, ln_frequencies, ritz_of, solved_of, surface_of
+from bladeroot.rom.parametric import Solved, curved_ln_frequency, ln_frequencies, ritz_of, solved_of, surface_of
 from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.priors import (
     BIAS_TILT,
@@ -203,16 +203,17 @@ class _OfRecords:
         )
         self.own = biases(simulated)
         self.same_hold = hold[:, None] == hold
-        self.at_grid = None
+        self.at_grid, self.turned = None, self._turned
         if isinstance(self.surface, Surface):
+            self.turned = None
             self.at_grid = Structures(records, simulated.ritz, self.surface, simulated.shapes)
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray]:
+    ) -> tuple[ndarray, ndarray, ndarray | None]:
         """Changed matrices, by the modes' shapes at each record's place."""
         if self.at_grid is not None:
-            return self.at_grid(one, values, *(self.ln_k(theta) + changed))
+            return *self.at_grid(one, values, *(self.ln_k(theta) + changed)), None
         points = self._places(theta, changed, 0.0)
         return solved_change(self.records, self.simulated.ritz, one, values, points)
 
@@ -225,20 +226,45 @@ class _OfRecords:
         own = (self.records.force + load) / self.simulated.per_load - self.simulated.shift
         return np.vstack([self.ln_k(theta) + changed[self.kind], own]).T
 
-    def at(self, theta: ndarray, changes: ndarray) -> Said:
+    def at(self, theta: ndarray, changes: ndarray, along: ndarray | float = 0.0) -> Said:
         """The surface at each record's place, and the bias."""
         count = self.count
         places = self._places(theta, changes[:, :2].T, changes[:, 2])
-        points, where = distinct(places)
-        value, gradient = ln_frequencies(self.surface, points)
-        g = gradient[where, self.records.mode]
+        value, g, second = self._of_places(places)
         tension = g[:, count] * places[:, count]
-        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
-        slope = [g[:, :count], (g[:, :count].sum(axis=1) * self.x)[:, None], self.bias_rows]
+        mean = value + self.bias_rows @ theta[self.own]
+        by_k = (g + along)[:, :count]
+        slope = [by_k, (by_k.sum(axis=1) * self.x)[:, None], self.bias_rows]
         # The first order of the tension's error; how it changes with the rest is of the second.
-        return Said(
+        said = Said(
             mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g)
         )
+        if second is None:
+            return said
+        by_place = self.together(second)
+        turn = np.zeros((*said.slope.shape, 3))
+        turn[:, :count] = by_place[:, :count]
+        turn[:, count] = by_place[:, :count].sum(axis=1) * self.x[:, None]
+        bend = self.together(by_place.transpose(0, 2, 1))
+        return replace(said, turn=turn, bend=bend)
+
+    def _of_places(
+        self, places: Float[ndarray, "record coordinate"]
+    ) -> tuple[ndarray, ndarray, ndarray | None]:
+        """ln f of each record's mode at its place, its gradient there and second derivatives."""
+        if isinstance(self.surface, Surface):
+            points, where = distinct(places)
+            value, gradient = ln_frequencies(self.surface, points)
+            return value[where, self.records.mode], gradient[where, self.records.mode], None
+        n, size = places.shape
+        made = np.empty(n), np.empty((n, size)), np.empty((n, size, size))
+        for mode, ritz in enumerate(self.surface.ritzes):
+            mine = self.records.mode == mode
+            points, where = distinct(places[mine])
+            found = curved_ln_frequency(ritz, self.surface, points)
+            for whole, part in zip(made, found, strict=True):
+                whole[mine] = part[where]
+        return made
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""
@@ -248,3 +274,8 @@ class _OfRecords:
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
         return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
+
+    def _turned(self, g: ndarray, turn: ndarray, scales: ndarray) -> ndarray:
+        """As the interface says."""
+        half = np.tensordot(turn, of_clamping(scales, self.rounding) @ g.T, 1).transpose(1, 0, 2)
+        return (half + half.transpose(0, 2, 1)) * self.same_hold
