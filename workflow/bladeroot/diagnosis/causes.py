@@ -24,8 +24,8 @@ class Causes:
 
     changes: of all together. effects: of each alone, and, to first order, what laws of the force
     make of its change of the force. slopes: derivatives of `changes` by each cause's own
-    coordinates in the fit, shape (record, 4, own). along: derivatives of what changed matrices do by
-    the record's place (ln k..., load), where they count.
+    coordinates in the fit, shape (record, 4, own). along: derivatives of what changed matrices do
+    by the record's place (ln k..., load), where they count.
     """
 
     changes: Float[ndarray, "record 4"]

@@ -95,7 +95,9 @@ def solved_change(
     values: ndarray,
     points: Float[ndarray, "record coordinate"],
 ) -> tuple[
-    Float[ndarray, " record"], Float[ndarray, "record parameter"], Float[ndarray, "record coordinate"]
+    Float[ndarray, " record"],
+    Float[ndarray, "record parameter"],
+    Float[ndarray, "record coordinate"],
 ]:
     """The same with the shapes at each record's own place (ln k..., load), and the derivative by
     that place.

@@ -24,9 +24,9 @@ _SETTLED = 1e-2  # prior's standard deviations, and of a scale's coordinate
 _LONGEST = 1.5  # of a step of a scale's coordinate
 _SMALL = 0.02  # such a step is taken without asking whether it gains
 _FIRST_GAIN = 0.1  # nats, of a first step at fixed scales that is still worth another
-_FARTHEST = 8.0  # prior's standard deviations that a step goes
-_POOR = 0.25
-_DAMPING, _GROW = float(__import__("os").environ.get("D0","0.1")), 10.0
+_FARTHEST = 8.0  # prior's standard deviations that a step goes at most
+_POOR = 0.25  # part of what a step promised, below which it is corrected
+_DAMPING, _HARDER, _CHANGE = 0.1, 4.0, (0.2, 3.0)  # first, after a failure, after a gain
 _ROUNDING = 1e-14  # of a curvature
 _RISE = 1e-9  # nats, that rounding may add to the cost
 
@@ -43,13 +43,15 @@ class Prior:
 class State:
     """What a model says at one point: mean, slope, and what its covariance needs to know.
 
-    inside: whether the point is one that the model allows; beyond it goes straight on.
+    inside: whether the point is one that the model allows; beyond it goes straight on. turns: of
+    scales, the derivatives of the covariance by the parameters, where steps must see them.
     """
 
     mean: Float[ndarray, " datum"]
     slope: Float[ndarray, "datum parameter"]
     facts: dict[str, ndarray]
     inside: bool = True
+    turns: Callable[[ndarray], Float[ndarray, "parameter datum datum"]] | None = None
 
 
 class LazyState(State):
@@ -57,7 +59,7 @@ class LazyState(State):
 
     def __init__(self, mean: ndarray, make_slope: Callable[[], ndarray], facts: dict) -> None:
         """make_slope: what `slope` will be."""
-        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True)
+        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True, turns=None)
 
     @cached_property
     def slope(self) -> Float[ndarray, "datum parameter"]:  # type: ignore[override]
@@ -70,8 +72,6 @@ Predict = Callable[[Float[ndarray, " parameter"]], State]
 # of which a vector is the diagonal of one.
 Slopes = Callable[[], list[ndarray]]
 Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
-# Derivatives of the covariance by the parameters.
-Turns = Callable[[State, Float[ndarray, " scale"]], Float[ndarray, "parameter datum datum"]]
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,7 @@ class Repeats:
 class Problem:
     """Data, a model of them, and priors of its parameters and scales.
 
-    many: `predict` of several points at once, where that is cheaper. turns: where steps are to see
-    how the covariance changes with the parameters.
+    many: `predict` of several points at once, where that is cheaper.
     """
 
     data: Float[ndarray, " datum"]
@@ -112,7 +111,6 @@ class Problem:
     scales: Prior
     repeats: Repeats | None = None
     many: Callable[[Float[ndarray, "point parameter"]], Sequence[State]] | None = None
-    turns: Turns | None = None
 
     def states(self, parameters: Float[ndarray, "point parameter"]) -> Sequence[State]:
         """What the model says at several points."""
@@ -232,8 +230,8 @@ def _slopes(problem: Problem, at: _Point) -> _Slopes:
     weight, bent = 1.0 / problem.prior.std**2, at.state.slope
     weighted = at.over(problem.data - at.state.mean)
     pull = bent.T @ weighted - weight * (at.parameters - problem.prior.mean)
-    if problem.turns is not None:
-        turns = problem.turns(at.state, at.scales)
+    if at.state.turns is not None:
+        turns = at.state.turns(at.scales)
         turned = turns @ weighted
         pull = pull + 0.5 * (turned @ weighted - np.tensordot(turns, at.inverse(), 2))
         bent = bent + turned.T
@@ -241,9 +239,17 @@ def _slopes(problem: Problem, at: _Point) -> _Slopes:
     return _Slopes(weighted, bent, pull, white.T @ white + np.diag(weight))
 
 
+def _held(problem: Problem, by: _Slopes, damping: float) -> ndarray:
+    """Curvature that holds a step back by its length in the prior's standard deviations.
+
+    What is known well moves freely then; what is known badly goes as far as the model is straight.
+    """
+    return by.curve + damping * np.diag(1.0 / problem.prior.std**2)
+
+
 def _step(problem: Problem, by: _Slopes, damping: float) -> tuple[ndarray, float]:
-    """A Newton step that is held back by the prior's standard deviations, and what it should gain."""
-    step = _solved(by.curve + damping * _damp(problem,by), by.pull)
+    """A Newton step of bounded length, and what it should gain."""
+    step = _solved(_held(problem, by, damping), by.pull)
     step = step / max(1.0, np.abs(step / problem.prior.std).max(initial=0.0) / _FARTHEST)
     return step, float(step @ by.pull - 0.5 * step @ by.curve @ step)
 
@@ -251,15 +257,15 @@ def _step(problem: Problem, by: _Slopes, damping: float) -> tuple[ndarray, float
 def _corrected(
     problem: Problem, at: _Point, by: _Slopes, step: ndarray, tried: _Point, damping: float
 ) -> ndarray:
-    """A step with what it lacks as the model bends along it, which the point where it ended tells."""
+    """A step with what it lacks as the model bends along it, which the point at its end tells."""
     beyond = problem.data - tried.state.mean
-    if problem.turns is None:
+    if at.state.turns is None:
         beyond = beyond - (problem.data - at.state.mean)
     else:
         lower = np.tril(tried.factor)
         beyond = beyond - lower @ (lower.T @ by.weighted)
     pull = by.bent.T @ at.over(beyond + by.bent @ step)
-    return step + _solved(by.curve + damping * _damp(problem,by), pull)
+    return step + _solved(_held(problem, by, damping), pull)
 
 
 def _solved(curve: ndarray, pull: ndarray) -> ndarray:
@@ -397,22 +403,16 @@ def _iterated(
     damping, failed, by = 0.0, 0, _slopes(problem, at)
     for _ in range(steps):
         step, expected = _step(problem, by, damping)
-        new = _point(problem, at.parameters + step, at.scales)
-        if np.isfinite(new.cost) and at.cost - new.cost < min(_POOR * expected, expected - _PROMISED):
-            bent = _corrected(problem, at, by, step, new, damping)
-            if np.abs((bent-step) / problem.prior.std).max() < np.abs(step / problem.prior.std).max():
-                other = _point(problem, at.parameters + bent, at.scales)
-                new = min(new, other, key=lambda one: one.cost)
-        if __import__("os").environ.get("TR"): print(f"c {at.cost:.2f} new {new.cost:.2f} exp {expected:.3g} gain {at.cost-new.cost:.3g} d {damping:.1g} step {np.abs(step/problem.prior.std).max():.2g} s {at.scales.round(2)}")
-        if new.cost > at.cost + _RISE:
-            if expected > _PROMISED:
-                damping, failed = max(damping * 4.0 ** (failed + 1), _DAMPING), failed + 1
-                continue
-            new = at
+        new = _tried(problem, at, by, step, expected, damping)
         gain = at.cost - new.cost
-        failed = 0
-        damping *= np.clip(1.0 - (2.0 * gain / max(expected, 1e-300) - 1.0) ** 3, 0.2, 3.0)
-        if damping < 0.01 * _DAMPING: damping=0.0
+        if gain < -_RISE and expected > _PROMISED:
+            damping, failed = max(damping * _HARDER ** (failed + 1), _DAMPING), failed + 1
+            continue
+        if gain < -_RISE:
+            new, gain = at, 0.0
+        # By how well the gain was foreseen (Nielsen 1999).
+        damping *= np.clip(1.0 - (2.0 * gain / max(expected, _RISE) - 1.0) ** 3, *_CHANGE)
+        damping, failed = (damping if damping > 0.01 * _DAMPING else 0.0), 0
         moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
         if free:
             new = _rescaled(problem, new)
@@ -423,6 +423,21 @@ def _iterated(
             break
         by = _slopes(problem, at)
     return at
+
+
+def _tried(
+    problem: Problem, at: _Point, by: _Slopes, step: ndarray, expected: float, damping: float
+) -> _Point:
+    """Where a step ends; where that gains little, the better end of it and the step corrected."""
+    new = _point(problem, at.parameters + step, at.scales)
+    gain = at.cost - new.cost
+    if gain >= min(_POOR * expected, expected - _PROMISED) or not np.isfinite(gain):
+        return new
+    bent = _corrected(problem, at, by, step, new, damping)
+    if np.abs((bent - step) / problem.prior.std).max() >= np.abs(step / problem.prior.std).max():
+        return new
+    other = _point(problem, at.parameters + bent, at.scales)
+    return min(new, other, key=lambda one: one.cost)
 
 
 def _finish(problem: Problem, at: _Point) -> Fit:
@@ -442,10 +457,3 @@ def _finish(problem: Problem, at: _Point) -> Fit:
         problem, at.parameters, at.scales, at.state, straight, precision, covariance,
         np.linalg.inv(curvature), float(log),
     )  # fmt: skip
-
-
-def _damp(problem, by):
-    import os
-    if os.environ.get("METRIC") == "diag":
-        return np.diag(np.diag(by.curve))
-    return np.diag(1.0 / problem.prior.std**2)

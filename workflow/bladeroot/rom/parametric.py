@@ -7,6 +7,7 @@ in five dimensions would take more solutions than any inference asks for. The mo
 `parametric_build`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -111,22 +112,26 @@ def ln_frequencies(
     return value + np.einsum("pma,pa->pm", slope, points - inside), slope
 
 
-def curved_ln_frequency(
+def ln_frequency(
     ritz: Ritz, model: Solved, points: Float[ndarray, "point coordinate"]
 ) -> tuple[
     Float[ndarray, " point"],
     Float[ndarray, "point coordinate"],
-    Float[ndarray, "point coordinate coordinate"],
+    Callable[[], Float[ndarray, "point coordinate coordinate"]],
 ]:
-    """The same of one mode alone, with its second derivatives; none beyond the box."""
+    """The same of one mode alone, and what makes its second derivatives, if inside."""
     inside = _inside(model, points)
     found, value, slope = _solved(ritz, inside)
-    moved, turned = turning(ritz, inside, found)
-    second = 2.0 * np.einsum("pvc,pvd->pcd", moved, turned) / found.value[:, None, None]
-    stiffness = np.arange(points.shape[1] - 1)
-    second[:, stiffness, stiffness] += 2.0 * slope[:, :-1]
-    second = 0.5 * second - 2.0 * slope[:, :, None] * slope[:, None, :]
-    second[inside != points] = 0.0
+
+    def second() -> Float[ndarray, "point coordinate coordinate"]:
+        moved, turned = turning(ritz, inside, found)
+        made = np.einsum("pvc,pvd->pcd", moved, turned) / found.value[:, None, None]
+        stiffness = np.arange(points.shape[1] - 1)
+        made[:, stiffness, stiffness] += slope[:, :-1]  # by ln k as by k once more
+        made -= 2.0 * slope[:, :, None] * slope[:, None, :]
+        made[inside != points] = 0.0
+        return made
+
     return value + (slope * (points - inside)).sum(axis=1), slope, second
 
 
@@ -138,7 +143,7 @@ def _inside(model: Surface | Solved, points: ndarray) -> ndarray:
 def _solved(
     ritz: Ritz, points: Float[ndarray, "point coordinate"]
 ) -> tuple[Pairs, Float[ndarray, " point"], Float[ndarray, "point coordinate"]]:
-    """The eigenpairs of one mode, ln f, and its gradient by Rayleigh's quotient (5.16, in log k)."""
+    """Eigenpairs of one mode, ln f, and its gradient by Rayleigh's quotient (5.16, in log k)."""
     found, own = solve(ritz, points), slice(0, ritz.own)
     parts = [
         k * ((found.shape @ rows[own, own].T) ** 2).sum(axis=1)

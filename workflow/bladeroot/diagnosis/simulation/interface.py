@@ -21,14 +21,13 @@ class Said:
     """ln f of each record, and derivatives by the simulation's parameters and by (ln kn, ln kt,
     load) of the record itself.
 
-    turn, bend: derivatives of `gradient` by the two, where they count.
+    turning: works out the derivatives of `gradient` by the two, where they count.
     """
 
     mean: Float[ndarray, " record"]
     slope: Float[ndarray, "record parameter"]
     gradient: Float[ndarray, "record 3"]
-    turn: Float[ndarray, "record parameter 3"] | None = None
-    bend: Float[ndarray, "record 3 3"] | None = None
+    turning: Callable[[], tuple[ndarray, ndarray]] | None = None
 
 
 @runtime_checkable
@@ -36,12 +35,10 @@ class OfRecords(Protocol):
     """A simulation of the records of one campaign.
 
     prior: of its parameters. scales: of its clampings' scatter, mean and standard deviation each.
-    turned: derivatives of `scatter` by parameters that turn the gradient, where they count.
     """
 
     prior: Prior
     scales: Sequence[tuple[float, float]]
-    turned: Callable[[ndarray, ndarray, ndarray], ndarray] | None
 
     def structures(
         self,
@@ -69,6 +66,12 @@ class OfRecords(Protocol):
         """Covariance of ln f by clampings and the reading of the load, and what makes its
         derivatives by the scales.
         """
+
+    def turned(
+        self, gradient: Float[ndarray, "record 3"], turn: Float[ndarray, "record parameter 3"],
+        scales: Float[ndarray, " scale"],
+    ) -> Float[ndarray, "parameter record record"]:  # fmt: skip
+        """Derivatives of that covariance by parameters that turn the gradient so."""
 
 
 @runtime_checkable

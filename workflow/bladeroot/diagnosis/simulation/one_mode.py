@@ -12,7 +12,6 @@ class OneMode:
     """A simulation of records whose modes are of one degree of freedom each."""
 
     records: Records
-    turned = None
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray

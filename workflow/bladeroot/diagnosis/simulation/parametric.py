@@ -4,8 +4,8 @@ ln f = ln f_model(ln k..., F) + bias. Contact stiffness is one law over all load
 the specimen changes kn and kt at random, of all interfaces alike, and the gauge is read to a step.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,14 @@ from bladeroot.diagnosis.structures import Structures, distinct, solved_change
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
-from bladeroot.rom.parametric import Solved, curved_ln_frequency, ln_frequencies, ritz_of, solved_of, surface_of
+from bladeroot.rom.parametric import (
+    Solved,
+    ln_frequencies,
+    ln_frequency,
+    ritz_of,
+    solved_of,
+    surface_of,
+)
 from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.priors import (
     BIAS_TILT,
@@ -203,9 +210,8 @@ class _OfRecords:
         )
         self.own = biases(simulated)
         self.same_hold = hold[:, None] == hold
-        self.at_grid, self.turned = None, self._turned
+        self.at_grid = None
         if isinstance(self.surface, Surface):
-            self.turned = None
             self.at_grid = Structures(records, simulated.ritz, self.surface, simulated.shapes)
 
     def structures(
@@ -236,35 +242,43 @@ class _OfRecords:
         by_k = (g + along)[:, :count]
         slope = [by_k, (by_k.sum(axis=1) * self.x)[:, None], self.bias_rows]
         # The first order of the tension's error; how it changes with the rest is of the second.
-        said = Said(
-            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g)
-        )
-        if second is None:
-            return said
+        return Said(
+            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g),
+            None if second is None else lambda: self._turning(second(), theta.size),
+        )  # fmt: skip
+
+    def _turning(self, second: ndarray, size: int) -> tuple[ndarray, ndarray]:
+        """Derivatives of `together` by the parameters and by (ln kn, ln kt, load)."""
         by_place = self.together(second)
-        turn = np.zeros((*said.slope.shape, 3))
-        turn[:, :count] = by_place[:, :count]
-        turn[:, count] = by_place[:, :count].sum(axis=1) * self.x[:, None]
-        bend = self.together(by_place.transpose(0, 2, 1))
-        return replace(said, turn=turn, bend=bend)
+        turn = np.zeros((len(second), size, 3))
+        turn[:, : self.count] = by_place[:, : self.count]
+        turn[:, self.count] = by_place[:, : self.count].sum(axis=1) * self.x[:, None]
+        return turn, self.together(by_place.transpose(0, 2, 1))
 
     def _of_places(
         self, places: Float[ndarray, "record coordinate"]
-    ) -> tuple[ndarray, ndarray, ndarray | None]:
-        """ln f of each record's mode at its place, its gradient there and second derivatives."""
+    ) -> tuple[ndarray, ndarray, Callable[[], ndarray] | None]:
+        """ln f of each record's mode at its place, its gradient, and what makes its curvature."""
         if isinstance(self.surface, Surface):
             points, where = distinct(places)
             value, gradient = ln_frequencies(self.surface, points)
             return value[where, self.records.mode], gradient[where, self.records.mode], None
         n, size = places.shape
-        made = np.empty(n), np.empty((n, size)), np.empty((n, size, size))
+        value, g, parts = np.empty(n), np.empty((n, size)), []
         for mode, ritz in enumerate(self.surface.ritzes):
-            mine = self.records.mode == mode
+            mine = np.flatnonzero(self.records.mode == mode)
             points, where = distinct(places[mine])
-            found = curved_ln_frequency(ritz, self.surface, points)
-            for whole, part in zip(made, found, strict=True):
-                whole[mine] = part[where]
-        return made
+            of_points, by_points, second = ln_frequency(ritz, self.surface, points)
+            value[mine], g[mine] = of_points[where], by_points[where]
+            parts.append((mine, where, second))
+
+        def curvature() -> ndarray:
+            made = np.empty((n, size, size))
+            for mine, where, second in parts:
+                made[mine] = second()[where]
+            return made
+
+        return value, g, curvature
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""
@@ -275,7 +289,7 @@ class _OfRecords:
         """kn and kt of a clamping, correlated, and its reading of the force."""
         return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
 
-    def _turned(self, g: ndarray, turn: ndarray, scales: ndarray) -> ndarray:
+    def turned(self, g: ndarray, turn: ndarray, scales: ndarray) -> ndarray:
         """As the interface says."""
         half = np.tensordot(turn, of_clamping(scales, self.rounding) @ g.T, 1).transpose(1, 0, 2)
         return (half + half.transpose(0, 2, 1)) * self.same_hold
