@@ -169,7 +169,7 @@ def problem(
     def predict(theta: ndarray) -> State:
         own = theta[:base]
         made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
-        said = here.at(own, made.changes, made.along)
+        said = here.at(own, made.changes, made.by_place)
         whole = np.column_stack([said.gradient, np.ones(n)])
         columns = [said.slope]
         columns += [np.einsum("nc,ncp->np", whole, slope) for slope in made.slopes]

@@ -53,11 +53,11 @@ class OfRecords(Protocol):
 
     def at(
         self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"],
-        along: ndarray | float = 0.0,
+        by_place: ndarray | float = 0.0,
     ) -> Said:  # fmt: skip
         """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it.
 
-        along: further derivatives by the record's place.
+        by_place: further derivatives by the record's place.
         """
 
     def scatter(

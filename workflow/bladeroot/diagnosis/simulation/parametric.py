@@ -232,14 +232,14 @@ class _OfRecords:
         own = (self.records.force + load) / self.simulated.per_load - self.simulated.shift
         return np.vstack([self.ln_k(theta) + changed[self.kind], own]).T
 
-    def at(self, theta: ndarray, changes: ndarray, along: ndarray | float = 0.0) -> Said:
+    def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The surface at each record's place, and the bias."""
         count = self.count
         places = self._places(theta, changes[:, :2].T, changes[:, 2])
         value, g, second = self._of_places(places)
         tension = g[:, count] * places[:, count]
         mean = value + self.bias_rows @ theta[self.own]
-        by_k = (g + along)[:, :count]
+        by_k = (g + by_place)[:, :count]
         slope = [by_k, (by_k.sum(axis=1) * self.x)[:, None], self.bias_rows]
         # The first order of the tension's error; how it changes with the rest is of the second.
         return Said(
