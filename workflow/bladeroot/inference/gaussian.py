@@ -258,12 +258,8 @@ def _corrected(
     problem: Problem, at: _Point, by: _Slopes, step: ndarray, tried: _Point, damping: float
 ) -> ndarray:
     """A step with what it lacks as the model bends along it, which the point at its end tells."""
-    beyond = problem.data - tried.state.mean
-    if at.state.turns is None:
-        beyond = beyond - (problem.data - at.state.mean)
-    else:
-        lower = np.tril(tried.factor)
-        beyond = beyond - lower @ (lower.T @ by.weighted)
+    lower = np.tril(tried.factor)
+    beyond = problem.data - tried.state.mean - lower @ (lower.T @ by.weighted)
     pull = by.bent.T @ at.over(beyond + by.bent @ step)
     return step + _solved(_held(problem, by, damping), pull)
 
@@ -428,10 +424,13 @@ def _iterated(
 def _tried(
     problem: Problem, at: _Point, by: _Slopes, step: ndarray, expected: float, damping: float
 ) -> _Point:
-    """Where a step ends; where that gains little, the better end of it and the step corrected."""
+    """Where a step ends; where that gains little as the covariance turns, the better end of it and
+    the step corrected.
+    """
     new = _point(problem, at.parameters + step, at.scales)
     gain = at.cost - new.cost
-    if gain >= min(_POOR * expected, expected - _PROMISED) or not np.isfinite(gain):
+    enough = gain >= min(_POOR * expected, expected - _PROMISED)
+    if enough or at.state.turns is None or not np.isfinite(gain):
         return new
     bent = _corrected(problem, at, by, step, new, damping)
     if np.abs((bent - step) / problem.prior.std).max() >= np.abs(step / problem.prior.std).max():
