@@ -239,17 +239,20 @@ def _slopes(problem: Problem, at: _Point) -> _Slopes:
     return _Slopes(weighted, bent, pull, white.T @ white + np.diag(weight))
 
 
-def _held(problem: Problem, by: _Slopes, damping: float) -> ndarray:
-    """Curvature that holds a step back by its length in the prior's standard deviations.
+def _held(problem: Problem, at: _Point, by: _Slopes, damping: float) -> ndarray:
+    """Curvature that holds a step back.
 
-    What is known well moves freely then; what is known badly goes as far as the model is straight.
+    Where steps see how the covariance turns, by their length in the prior's standard deviations:
+    what is known well moves freely, what is known badly as far as the model is straight. Elsewhere
+    all coordinates are held back alike (Marquardt 1963).
     """
-    return by.curve + damping * np.diag(1.0 / problem.prior.std**2)
+    alike = np.diag(by.curve) if at.state.turns is None else 1.0 / problem.prior.std**2
+    return by.curve + damping * np.diag(alike)
 
 
-def _step(problem: Problem, by: _Slopes, damping: float) -> tuple[ndarray, float]:
+def _step(problem: Problem, at: _Point, by: _Slopes, damping: float) -> tuple[ndarray, float]:
     """A Newton step of bounded length, and what it should gain."""
-    step = _solved(_held(problem, by, damping), by.pull)
+    step = _solved(_held(problem, at, by, damping), by.pull)
     step = step / max(1.0, np.abs(step / problem.prior.std).max(initial=0.0) / _FARTHEST)
     return step, float(step @ by.pull - 0.5 * step @ by.curve @ step)
 
@@ -261,7 +264,7 @@ def _corrected(
     lower = np.tril(tried.factor)
     beyond = problem.data - tried.state.mean - lower @ (lower.T @ by.weighted)
     pull = by.bent.T @ at.over(beyond + by.bent @ step)
-    return step + _solved(_held(problem, by, damping), pull)
+    return step + _solved(_held(problem, at, by, damping), pull)
 
 
 def _solved(curve: ndarray, pull: ndarray) -> ndarray:
@@ -398,7 +401,7 @@ def _iterated(
         return at
     damping, failed, by = 0.0, 0, _slopes(problem, at)
     for _ in range(steps):
-        step, expected = _step(problem, by, damping)
+        step, expected = _step(problem, at, by, damping)
         new = _tried(problem, at, by, step, expected, damping)
         gain = at.cost - new.cost
         if gain < -_RISE and expected > _PROMISED:
