@@ -138,3 +138,19 @@ def test_a_model_too_steep_for_its_rounding_has_no_evidence():
         Prior(np.zeros(0), np.zeros(0)),
     )  # fmt: skip
     assert fit(made).log_evidence < 0.0
+
+
+def test_a_step_ends_somewhere_where_the_model_is_flat_and_steep_by_turns():
+    """Without a bound the first step goes to where e^x is beyond all numbers."""
+
+    def predict(t):
+        with np.errstate(over="ignore"):
+            mean = np.exp(t[0]) + np.exp(t[1])
+            return State(np.full(5, mean), np.tile(np.exp(t), (5, 1)), {})
+
+    none = Prior(np.zeros(0), np.zeros(0))
+    prior = Prior(np.full(2, -12.0), np.full(2, 3.0))
+    made = Problem(np.ones(5), predict, lambda state, s: (1e-8 * np.eye(5), list), prior, none)
+    found = fit(made)
+    assert np.exp(found.parameters).sum() == pytest.approx(1.0, abs=1e-3)
+    assert np.isfinite(found.log_evidence)

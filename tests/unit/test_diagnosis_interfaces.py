@@ -7,7 +7,7 @@ from bladeroot.diagnosis.interfaces import stiffness_problem
 from bladeroot.diagnosis.judged import judge
 from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.diagnosis.stick_model import problem, stick_data
-from bladeroot.inference.gaussian import best_fit, cost
+from bladeroot.inference.gaussian import best_fit, cost, fit
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric import ln_frequencies, solved_of
 from lap_coarse import lap_model
@@ -20,7 +20,7 @@ TRUE = np.log([4e9, 1.4e9, 1.6e9, 0.6e9])
 BIAS = np.array([0.001, -0.001, 0.0005])
 
 
-def seen(exponent=0.0, factor=1.0, seed=1):
+def seen(exponent=0.0, factor=1.0, seed=1, noise=2e-5):
     """A campaign's observations: four preloads, up and down, clamped anew each time."""
     rng = np.random.default_rng(seed)
     rows = [(m, load, hold, way) for hold, (load, way) in enumerate(
@@ -30,7 +30,7 @@ def seen(exponent=0.0, factor=1.0, seed=1):
     scatter = 0.03 * rng.standard_normal((8, 1))[hold]
     points = np.column_stack([TRUE + exponent * np.log(load / 6e3)[:, None] + scatter, load])
     ln_f = ln_frequencies(solved_of(lap_model()), points)[0][np.arange(mode.size), mode]
-    ln_f = ln_f + BIAS[mode] + 2e-5 * rng.standard_normal(mode.size)
+    ln_f = ln_f + BIAS[mode] + noise * rng.standard_normal(mode.size)
     frequency, count = factor * np.exp(ln_f), mode.size
     none = np.full(count, np.nan)
     return xr.Dataset(
@@ -38,7 +38,7 @@ def seen(exponent=0.0, factor=1.0, seed=1):
             "mode": ("record", np.array(MODES)[mode]), "force": ("record", load),
             "hold": ("record", [f"h{k}" for k in hold]), "direction": ("record", way),
             "stick_frequency": ("record", frequency),
-            "stick_frequency_std": ("record", 2e-5 * frequency),
+            "stick_frequency_std": ("record", noise * frequency),
             "stick_loss_factor": ("record", none), "stick_loss_factor_std": ("record", none),
             "onset_amplitude": ("record", none), "plateau_reached": ("record", np.ones(count, int)),
             "verdict": ("record", np.full(count, "usable")),
@@ -88,6 +88,43 @@ def test_true_stiffnesses_lie_in_their_intervals(null):
     assert (low < np.exp(TRUE)).all()
     assert (np.exp(TRUE) < high).all()
     assert null[0].attrs["interface_effective_draws"] > 50
+
+
+@pytest.mark.parametrize("causes", [("load-dependent-stiffness", "added-mass"), ("drift",)])
+def test_slopes_and_the_turn_of_the_covariance_are_differences(causes):
+    """Of matrices the change's derivative by the place where the shape turns is in the slope."""
+    observed = seen(exponent=0.3)
+    simulated = of_assembly(lap_model(), {}, {}, 0.005)
+    by_id = {one.id: one for one in catalogue()}
+    made = problem(stick_data(observed, MODES), simulated, [by_id[name] for name in causes])
+    rng, scales = np.random.default_rng(3), made.scales.mean
+    theta = made.prior.mean + 0.3 * made.prior.std * rng.standard_normal(made.prior.mean.size)
+    theta[-1] = 0.012 if "added-mass" in causes else theta[-1]  # not where the line has a node
+    state = made.predict(theta)
+    turns = state.turns(scales)
+    size = np.abs(made.covariance(state, scales)[0]).max()
+    for k, slope in enumerate(state.slope.T):
+        step = np.eye(theta.size)[k] * 1e-5 * made.prior.std[k]
+        up, down = made.predict(theta + step), made.predict(theta - step)
+        rise = (up.mean - down.mean) / (2.0 * step[k])
+        # The tension's error and a mass are as of the first order.
+        assert slope == pytest.approx(rise, abs=0.02 * np.abs(rise).max() + 1e-9)
+        whole = made.covariance(up, scales)[0] - made.covariance(down, scales)[0]
+        change = whole / (2.0 * step[k])
+        near = 0.02 * np.abs(change).max() + 1e-4 * size / made.prior.std[k]
+        assert turns[k] == pytest.approx(change, abs=near)
+
+
+def test_fits_of_a_bent_valley_end_alike_from_wherever_they_begin():
+    """Frequencies known to 1e-6 leave a narrow valley of the four stiffnesses."""
+    data = stick_data(seen(exponent=0.4, noise=1e-6), MODES)
+    law = next(one for one in catalogue() if one.id == "load-dependent-stiffness")
+    made = problem(data, of_assembly(lap_model(), {}, {}, 0.005), [law])
+    rng, ends = np.random.default_rng(4), []
+    for far in (0.0, 0.5, 0.5, 0.5):
+        away = far * made.prior.std * rng.standard_normal(made.prior.mean.size)
+        ends.append(fit(made, made.prior.mean + away).log_evidence)
+    assert np.ptp(ends) < 1.5
 
 
 @pytest.mark.slow

@@ -24,24 +24,26 @@ class Causes:
 
     changes: of all together. effects: of each alone, and, to first order, what laws of the force
     make of its change of the force. slopes: derivatives of `changes` by each cause's own
-    coordinates in the fit, shape (record, 4, own).
+    coordinates in the fit, shape (record, 4, own). by_place: derivatives of what changed matrices
+    do by the record's place (ln k..., load), where they count.
     """
 
     changes: Float[ndarray, "record 4"]
     effects: Float[ndarray, "cause record 4"]
     slopes: list[ndarray]
+    by_place: ndarray | float
 
 
 def causes(
     mechanisms: Sequence[Mechanism],
     theta: Float[ndarray, " parameter"],
     records: Records,
-    structures: Callable[[Mechanism, ndarray, ndarray], tuple[ndarray, ndarray]],
+    structures: Callable[[Mechanism, ndarray, ndarray], tuple[ndarray, ndarray, ndarray | None]],
 ) -> Causes:
     """At coordinates `theta` of all mechanisms in order.
 
     structures: takes a mechanism, its values, and the others' changes of ln kn and ln kt; returns
-    the change of ln f by its changed matrices, and the derivatives.
+    the change of ln f by its changed matrices, and the derivatives by the values and the place.
     """
     asked, first = [], 0
     for one in mechanisms:
@@ -65,13 +67,15 @@ def causes(
         for i in moving:
             through[i] += rate * own[i][:, [_FORCE]]
             slopes[i] = slopes[i] + rate[:, :, None] * slopes[i][:, [_FORCE]]
+    by_place: ndarray | float = 0.0
     there = sum((changes[:, :2].T for changes in own), np.zeros((2, n)))
     for k, (one, values, chain) in enumerate(asked):
         if one.structure is not None:
-            change, slope = structures(one, values, there)
+            change, slope, further = structures(one, values, there)
             own[k][:, 3], slopes[k][:, 3] = change, slope * chain
+            by_place = by_place if further is None else by_place + further
     effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
-    return Causes(sum(own, np.zeros((n, 4))), effects, slopes)
+    return Causes(sum(own, np.zeros((n, 4))), effects, slopes, by_place)
 
 
 def _of_law(

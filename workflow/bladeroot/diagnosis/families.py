@@ -183,13 +183,15 @@ def _fitted(
     asks: bool,
     like: tuple[Mechanism, Fit, float] | None = None,
 ) -> Fit:
-    """The baseline starts afresh: where it had to make up for a cause, there is no way down.
+    """The baseline starts afresh: where it made up for a cause, there is no way down, but for
+    steps that see how the covariance turns.
 
     like: another form that was fitted, from whose parameters of the same names to begin too.
     """
     current = model.fit
     problem = channel.problem([*model.causes, one], ())
-    before = np.append(problem.prior.mean[: channel.base], current.parameters[channel.base :])
+    baseline = problem.prior.mean if current.state.turns is None else current.parameters
+    before = np.append(baseline[: channel.base], current.parameters[channel.base :])
     own = [one.start, *map(np.asarray, one.starts)]
     thorough = channel.name == "curve" and asks
     if like is not None:

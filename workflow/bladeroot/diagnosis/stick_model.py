@@ -13,11 +13,11 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.causes import causes
+from bladeroot.diagnosis.causes import Causes, causes
 from bladeroot.diagnosis.clampings import clampings, directions, hold_names
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
-from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
@@ -172,13 +172,33 @@ def problem(
     def predict(theta: ndarray) -> State:
         own = theta[:base]
         made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
-        said = here.at(own, made.changes)
+        said = here.at(own, made.changes, made.by_place)
         whole = np.column_stack([said.gradient, np.ones(n)])
         columns = [said.slope]
         columns += [np.einsum("nc,ncp->np", whole, slope) for slope in made.slopes]
         effects = np.einsum("nc,knc->kn", whole, made.effects)
         facts = {"gradient": said.gradient, "effects": effects}
-        return State(said.mean + made.changes[:, 3], np.hstack(columns), facts)
+        turns = None if said.turning is None else partial(turned, said, made, effects)
+        return State(said.mean + made.changes[:, 3], np.hstack(columns), facts, turns=turns)
+
+    def turned(said: Said, made: Causes, effects: ndarray, scales: ndarray) -> ndarray:
+        """Derivatives of the covariance by the parameters."""
+        by_law, by_change = said.turning()
+        by_cause = [np.einsum("nap,nab->npb", slope[:, :3], by_change) for slope in made.slopes]
+        turn = np.concatenate([by_law, *by_cause], axis=1)
+        found, first = here.turned(said.gradient, turn, scales[:kinds]), base
+        whole = np.column_stack([said.gradient, np.ones(n)])
+        for k, (one, slope, kernel) in enumerate(zip(mechanisms, made.slopes, trust, strict=True)):
+            grown = np.einsum("npb,nb->np", turn, made.effects[k][:, :3])
+            own = slice(first, first + slope.shape[2])
+            grown[:, own] += np.einsum("nc,ncp->np", whole, slope)
+            e, first = effects[k], own.stop
+            if one.kind == "level":
+                e = e - of_mode @ _means(of_mode, e)
+                grown = grown - of_mode @ _means(of_mode, grown)
+            half = grown.T[:, :, None] * e * (TRUST**2 * kernel)
+            found += half + half.transpose(0, 2, 1)
+        return found
 
     beyond = _of_limits(data)
     trust = [trust_kernel(data, one.over) for one in mechanisms]
@@ -218,7 +238,7 @@ def _of_limits(data: StickData) -> Float[ndarray, "record record"]:
 
 
 def _means(of_mode: ndarray, values: ndarray) -> ndarray:
-    return (of_mode.T @ values) / np.maximum(of_mode.sum(axis=0), 1.0)
+    return ((of_mode.T @ values).T / np.maximum(of_mode.sum(axis=0), 1.0)).T
 
 
 def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record record"]:

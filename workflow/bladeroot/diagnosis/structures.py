@@ -8,7 +8,7 @@ from numpy import ndarray
 
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.rom.ritz import Ritz, solve
+from bladeroot.rom.ritz import Pairs, Ritz, solve, turning
 from bladeroot.rom.sensitivity import Change
 
 _GRID = 0.2  # of ln kn and ln kt
@@ -94,10 +94,16 @@ def solved_change(
     one: Mechanism,
     values: ndarray,
     points: Float[ndarray, "record coordinate"],
-) -> tuple[Float[ndarray, " record"], Float[ndarray, "record parameter"]]:
-    """The same with the shapes at each record's own place (ln k..., load)."""
+) -> tuple[
+    Float[ndarray, " record"],
+    Float[ndarray, "record parameter"],
+    Float[ndarray, "record coordinate"],
+]:
+    """The same with the shapes at each record's own place (ln k..., load), and the derivative by
+    that place.
+    """
     n = records.force.size
-    change, slopes = np.zeros(n), np.zeros((n, values.size))
+    change, slopes, along = np.zeros(n), np.zeros((n, values.size)), np.zeros(points.shape)
     for mode, ritz in enumerate(ritzes):
         mine = records.mode == mode
         places, where = distinct(points[mine])
@@ -105,7 +111,27 @@ def solved_change(
         here, by_values = _of_shapes(ritz, one, values, found.value, found.shape)
         change[mine] = here[where]
         slopes[mine] = np.reshape(by_values, (values.size, -1)).T[where]
-    return change, slopes
+        along[mine] = _by_place(ritz, one, values, places, found)[where]
+    return change, slopes, along
+
+
+def _by_place(
+    ritz: Ritz, one: Mechanism, values: ndarray, places: ndarray, found: Pairs
+) -> Float[ndarray, "point coordinate"]:
+    """Derivative of the change as the shape turns and omega^2 grows with (ln k..., load)."""
+    whole, kept, y = one.structure(ritz, values)[0], slice(0, ritz.own), found.shape
+    moved, turned = turning(ritz, places, found)
+
+    def share(matrix: ndarray) -> tuple[ndarray, ndarray]:
+        times = y @ matrix[kept, kept]
+        return (times * y).sum(axis=1)[:, None], 2.0 * np.einsum("pv,pvc->pc", times, turned)
+
+    growth = np.einsum("pv,pvc->pc", y, moved) / found.value[:, None]
+    stiff, by_stiff = (part / found.value[:, None] for part in share(whole.stiffness))
+    mass, by_mass = share(whole.mass)
+    by_stiff = np.where(1.0 + stiff > LEAST, (by_stiff - stiff * growth) / (1.0 + stiff), 0.0)
+    by_mass = np.where(1.0 + mass > LEAST, by_mass / (1.0 + mass), 0.0)
+    return 0.5 * (by_stiff - by_mass)
 
 
 def distinct(points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:

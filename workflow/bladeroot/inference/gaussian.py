@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import lapack
 
-_STEPS, _HALVINGS = 30, 5
+_STEPS, _HALVINGS = 60, 5
 _FIRST_STEPS, _LEFT = (2, 4), 3  # from each of several starts, and how many of these go on at least
 _NO_GAIN = 3e-3  # nats a step
 # Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
@@ -24,6 +24,10 @@ _SETTLED = 1e-2  # prior's standard deviations, and of a scale's coordinate
 _LONGEST = 1.5  # of a step of a scale's coordinate
 _SMALL = 0.02  # such a step is taken without asking whether it gains
 _FIRST_GAIN = 0.1  # nats, of a first step at fixed scales that is still worth another
+_FARTHEST = 8.0  # prior's standard deviations that a step goes at most
+_POOR = 0.25  # part of what a step promised, below which it is corrected
+_DAMPING, _HARDER, _CHANGE = 0.1, 4.0, (0.2, 3.0)  # first, after a failure, after a gain
+_ROUNDING = 1e-14  # of a curvature
 _RISE = 1e-9  # nats, that rounding may add to the cost
 
 
@@ -39,13 +43,15 @@ class Prior:
 class State:
     """What a model says at one point: mean, slope, and what its covariance needs to know.
 
-    inside: whether the point is one that the model allows; beyond it goes straight on.
+    inside: whether the point is one that the model allows; beyond it goes straight on. turns: of
+    scales, the derivatives of the covariance by the parameters, where steps must see them.
     """
 
     mean: Float[ndarray, " datum"]
     slope: Float[ndarray, "datum parameter"]
     facts: dict[str, ndarray]
     inside: bool = True
+    turns: Callable[[ndarray], Float[ndarray, "parameter datum datum"]] | None = None
 
 
 class LazyState(State):
@@ -53,7 +59,7 @@ class LazyState(State):
 
     def __init__(self, mean: ndarray, make_slope: Callable[[], ndarray], facts: dict) -> None:
         """make_slope: what `slope` will be."""
-        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True)
+        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True, turns=None)
 
     @cached_property
     def slope(self) -> Float[ndarray, "datum parameter"]:  # type: ignore[override]
@@ -163,6 +169,17 @@ class _Point:
         """ln of the covariance's determinant."""
         return 2.0 * float(np.log(np.diag(self.factor)).sum())
 
+    def inverse(self) -> ndarray:
+        """Of the covariance."""
+        half, _ = lapack.dpotri(self.factor, lower=1)  # nothing above the diagonal
+        whole = half + half.T
+        whole[np.diag_indices_from(whole)] *= 0.5
+        return whole
+
+    def over(self, values: ndarray) -> ndarray:
+        """Values over the covariance."""
+        return lapack.dpotrs(self.factor, values, lower=1)[0]
+
     def whitened(self, columns: ndarray) -> ndarray:
         """Columns over the covariance's root."""
         return lapack.dtrtrs(self.factor, columns, lower=1)[0]
@@ -192,15 +209,69 @@ def _point(
     return replace(at, cost=float(cost))
 
 
-def _step(problem: Problem, at: _Point, damping: float) -> tuple[ndarray, float]:
-    """One Newton step by the curvature expected of the parameters, and what it should gain."""
-    white = at.whitened(np.column_stack([at.state.slope, problem.data - at.state.mean]))
-    slope, miss = white[:, :-1], white[:, -1]
-    weight = 1.0 / problem.prior.std**2
-    curve = slope.T @ slope + np.diag(weight)
-    pull = slope.T @ miss - weight * (at.parameters - problem.prior.mean)
-    step = np.linalg.solve(curve + damping * np.diag(np.diag(curve)), pull)
-    return step, float(step @ pull - 0.5 * step @ curve @ step)
+@dataclass(frozen=True)
+class _Slopes:
+    """Of the cost by the parameters: pull, minus the gradient, and curve, the curvature.
+
+    weighted: what is left of the data, over their covariance. bent: slope of what is left, as the
+    covariance turns.
+    """
+
+    weighted: Float[ndarray, " datum"]
+    bent: Float[ndarray, "datum parameter"]
+    pull: Float[ndarray, " parameter"]
+    curve: Float[ndarray, "parameter parameter"]
+
+
+def _slopes(problem: Problem, at: _Point) -> _Slopes:
+    """With C_j the covariance's derivative by parameter j and w what is left over the covariance,
+    the misfit's gradient has w C_j w, and its curvature is that of the slope plus C_j w.
+    """
+    weight, bent = 1.0 / problem.prior.std**2, at.state.slope
+    weighted = at.over(problem.data - at.state.mean)
+    pull = bent.T @ weighted - weight * (at.parameters - problem.prior.mean)
+    if at.state.turns is not None:
+        turns = at.state.turns(at.scales)
+        turned = turns @ weighted
+        pull = pull + 0.5 * (turned @ weighted - np.tensordot(turns, at.inverse(), 2))
+        bent = bent + turned.T
+    white = at.whitened(bent)
+    return _Slopes(weighted, bent, pull, white.T @ white + np.diag(weight))
+
+
+def _held(problem: Problem, at: _Point, by: _Slopes, damping: float) -> ndarray:
+    """Curvature that holds a step back.
+
+    Where steps see how the covariance turns, by their length in the prior's standard deviations:
+    what is known well moves freely, what is known badly as far as the model is straight. Elsewhere
+    all coordinates are held back alike (Marquardt 1963).
+    """
+    alike = np.diag(by.curve) if at.state.turns is None else 1.0 / problem.prior.std**2
+    return by.curve + damping * np.diag(alike)
+
+
+def _step(problem: Problem, at: _Point, by: _Slopes, damping: float) -> tuple[ndarray, float]:
+    """A Newton step of bounded length, and what it should gain."""
+    step = _solved(_held(problem, at, by, damping), by.pull)
+    step = step / max(1.0, np.abs(step / problem.prior.std).max(initial=0.0) / _FARTHEST)
+    return step, float(step @ by.pull - 0.5 * step @ by.curve @ step)
+
+
+def _corrected(
+    problem: Problem, at: _Point, by: _Slopes, step: ndarray, tried: _Point, damping: float
+) -> ndarray:
+    """A step with what it lacks as the model bends along it, which the point at its end tells."""
+    lower = np.tril(tried.factor)
+    beyond = problem.data - tried.state.mean - lower @ (lower.T @ by.weighted)
+    pull = by.bent.T @ at.over(beyond + by.bent @ step)
+    return step + _solved(_held(problem, at, by, damping), pull)
+
+
+def _solved(curve: ndarray, pull: ndarray) -> ndarray:
+    """Solution with a positive definite matrix, however unlike its coordinates' units are."""
+    unit = np.sqrt(np.diag(curve))
+    even = curve / np.outer(unit, unit) + _ROUNDING * np.eye(unit.size)
+    return (np.linalg.solve(even, (pull.T / unit).T).T / unit).T
 
 
 def _rescaled(problem: Problem, at: _Point) -> _Point:
@@ -260,31 +331,23 @@ def _straight(problem: Problem, at: _Point) -> ndarray:
 
 def _precision(problem: Problem, at: _Point) -> ndarray:
     """Inverse of the covariance with the parameters' prior in it."""
-    half, _ = lapack.dpotri(at.factor, lower=1)  # nothing above the diagonal
-    inverse = half + half.T
-    inverse[np.diag_indices_from(inverse)] *= 0.5
+    inverse = at.inverse()
     slope, weighted = at.state.slope, inverse @ at.state.slope
     curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
-    return inverse - weighted @ np.linalg.solve(curve, weighted.T)
+    return inverse - weighted @ _solved(curve, weighted.T)
 
 
 def _marginal(problem: Problem, at: _Point) -> float:
     """Minus the scales' likelihood, with the parameters integrated out."""
     if not np.isfinite(at.cost):
         return np.inf
-    white = at.whitened(np.column_stack([at.state.slope, _straight(problem, at)]))
-    slope, straight = white[:, :-1], white[:, -1]
-    curve = slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
-    pull = slope.T @ straight
-    wide = (at.scales - problem.scales.mean) / problem.scales.std
-    misfit = float(straight @ straight - pull @ np.linalg.solve(curve, pull))
-    # A square cannot be negative: where slopes are so steep that rounding makes it so, the straight
-    # model says nothing.
-    if misfit < 0.0:
-        return np.inf
-    repeats = 0.0 if problem.repeats is None else problem.repeats.cost(at.state, at.scales)
-    log_det = at.log_det + np.linalg.slogdet(curve)[1]
-    return float(0.5 * (misfit + wide @ wide + log_det)) + repeats
+    return at.cost + 0.5 * float(np.linalg.slogdet(_information(problem, at))[1])
+
+
+def _information(problem: Problem, at: _Point) -> ndarray:
+    """Expected, of the parameters with their prior."""
+    slope = at.whitened(at.state.slope)
+    return slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
 
 
 def fit(
@@ -327,35 +390,56 @@ def cost(problem: Problem, parameters: ndarray, scales: ndarray | None = None) -
 def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarray:
     """Expected information of the parameters at a point, with their prior."""
     at = _point(problem, parameters, scales)
-    slope = at.whitened(at.state.slope)
-    return slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
+    return _information(problem, at)
 
 
 def _iterated(
     problem: Problem, at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
 ) -> _Point:
     """Newton's steps of the parameters, and of the scales in turn if they are free."""
-    damping = 0.0
+    if not np.isfinite(at.cost):
+        return at
+    damping, failed, by = 0.0, 0, _slopes(problem, at)
     for _ in range(steps):
-        step, expected = _step(problem, at, damping)
-        new = _point(problem, at.parameters + step, at.scales)
-        if new.cost <= at.cost + _RISE:
-            damping = damping / 10.0 if damping > 1e-4 else 0.0
-        elif expected > _PROMISED:
-            damping = max(10.0 * damping, 1e-2)
-            continue
-        else:
-            new = at
-        moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
+        step, expected = _step(problem, at, by, damping)
+        new = _tried(problem, at, by, step, expected, damping)
         gain = at.cost - new.cost
+        if gain < -_RISE and expected > _PROMISED:
+            damping, failed = max(damping * _HARDER ** (failed + 1), _DAMPING), failed + 1
+            continue
+        if gain < -_RISE:
+            new, gain = at, 0.0
+        # By how well the gain was foreseen (Nielsen 1999).
+        damping *= np.clip(1.0 - (2.0 * gain / max(expected, _RISE) - 1.0) ** 3, *_CHANGE)
+        damping, failed = (damping if damping > 0.01 * _DAMPING else 0.0), 0
+        moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
         if free:
             new = _rescaled(problem, new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
         settled = abs(at.cost - new.cost) < least if free else gain < _FIRST_GAIN
         at = new
-        if moved < _SETTLED * np.sqrt(least / _NO_GAIN) or settled:
+        if settled or (gain < _PROMISED and moved < _SETTLED * np.sqrt(least / _NO_GAIN)):
             break
+        by = _slopes(problem, at)
     return at
+
+
+def _tried(
+    problem: Problem, at: _Point, by: _Slopes, step: ndarray, expected: float, damping: float
+) -> _Point:
+    """Where a step ends; where that gains little as the covariance turns, the better end of it and
+    the step corrected.
+    """
+    new = _point(problem, at.parameters + step, at.scales)
+    gain = at.cost - new.cost
+    enough = gain >= min(_POOR * expected, expected - _PROMISED)
+    if enough or at.state.turns is None or not np.isfinite(gain):
+        return new
+    bent = _corrected(problem, at, by, step, new, damping)
+    if np.abs((bent - step) / problem.prior.std).max() >= np.abs(step / problem.prior.std).max():
+        return new
+    other = _point(problem, at.parameters + bent, at.scales)
+    return min(new, other, key=lambda one: one.cost)
 
 
 def _finish(problem: Problem, at: _Point) -> Fit:
@@ -363,8 +447,8 @@ def _finish(problem: Problem, at: _Point) -> Fit:
 
     No evidence at all (-inf) where the model has no finite likelihood from any start.
     """
-    precision, slope = _precision(problem, at), at.whitened(at.state.slope)
-    covariance = np.linalg.inv(slope.T @ slope + np.diag(1.0 / problem.prior.std**2))
+    precision, curve = _precision(problem, at), _information(problem, at)
+    covariance = _solved(curve, np.eye(len(curve)))
     curvature = _curvature(problem, at, [_times(precision, part) for part in at.slopes()])
     straight = _straight(problem, at)
     log = -_marginal(problem, at)

@@ -7,6 +7,7 @@ in five dimensions would take more solutions than any inference asks for. The mo
 `parametric_build`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy import ndarray
 
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.rom.ritz import Ritz, frequency, solve
+from bladeroot.rom.ritz import Pairs, Ritz, frequency, solve, turning
 
 # Projections in the artifact: dims besides mode, unit, what it is.
 SQUARE = ("vector", "vector_")
@@ -102,23 +103,52 @@ def ln_frequencies(
 
     NaN where a point is not finite, as a search's step may go beyond what a law can be of.
     """
-    inside = np.where(np.isfinite(points), np.clip(points, model.low, model.high), model.low)
+    inside = _inside(model, points)
     if isinstance(model, Surface):
         value, slope = chebyshev.evaluate(model, inside, order=1)
     else:
-        rows = [_solved(one, inside) for one in model.ritzes]
+        rows = [_solved(one, inside)[1:] for one in model.ritzes]
         value, slope = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
     return value + np.einsum("pma,pa->pm", slope, points - inside), slope
 
 
+def ln_frequency(
+    ritz: Ritz, model: Solved, points: Float[ndarray, "point coordinate"]
+) -> tuple[
+    Float[ndarray, " point"],
+    Float[ndarray, "point coordinate"],
+    Callable[[], Float[ndarray, "point coordinate coordinate"]],
+]:
+    """The same of one mode alone, and what makes its second derivatives, if inside."""
+    inside = _inside(model, points)
+    found, value, slope = _solved(ritz, inside)
+
+    def second() -> Float[ndarray, "point coordinate coordinate"]:
+        moved, turned = turning(ritz, inside, found)
+        made = np.einsum("pvc,pvd->pcd", moved, turned) / found.value[:, None, None]
+        stiffness = np.arange(points.shape[1] - 1)
+        made[:, stiffness, stiffness] += slope[:, :-1]  # by ln k as by k once more
+        made -= 2.0 * slope[:, :, None] * slope[:, None, :]
+        made[inside != points] = 0.0
+        return made
+
+    return value + (slope * (points - inside)).sum(axis=1), slope, second
+
+
+def _inside(model: Surface | Solved, points: ndarray) -> ndarray:
+    """Points moved into the box."""
+    return np.where(np.isfinite(points), np.clip(points, model.low, model.high), model.low)
+
+
 def _solved(
     ritz: Ritz, points: Float[ndarray, "point coordinate"]
-) -> tuple[Float[ndarray, " point"], Float[ndarray, "point coordinate"]]:
-    """ln f of one mode, and its gradient by Rayleigh's quotient (5.16, in log k)."""
+) -> tuple[Pairs, Float[ndarray, " point"], Float[ndarray, "point coordinate"]]:
+    """Eigenpairs of one mode, ln f, and its gradient by Rayleigh's quotient (5.16, in log k)."""
     found, own = solve(ritz, points), slice(0, ritz.own)
     parts = [
         k * ((found.shape @ rows[own, own].T) ** 2).sum(axis=1)
         for k, rows in zip(np.exp(points[:, :-1].T), ritz.springs, strict=True)
     ]
     parts.append(((found.shape @ ritz.geometric[own, own]) * found.shape).sum(axis=1))
-    return np.log(frequency(found.value)), 0.5 * np.stack(parts, axis=1) / found.value[:, None]
+    slope = 0.5 * np.stack(parts, axis=1) / found.value[:, None]
+    return found, np.log(frequency(found.value)), slope

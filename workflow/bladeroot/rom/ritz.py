@@ -89,6 +89,32 @@ def solve(ritz: Ritz, points: Float[ndarray, "point coordinate"]) -> Pairs:
     return Pairs(quotient(body, geometric, springs, shape, points), shape)
 
 
+def turning(
+    ritz: Ritz, points: Float[ndarray, "point coordinate"], found: Pairs
+) -> tuple[Float[ndarray, "point vector coordinate"], Float[ndarray, "point vector coordinate"]]:
+    """Derivatives by (ln k..., F) of the stiffness times a mode's shape, and of the shape itself.
+
+    The latter solves (K - omega^2) y' = -(K' - omega^2') y, y' without a part of y (Nelson 1976),
+    here as one bordered system for all coordinates.
+    """
+    kept, shape = slice(0, ritz.own), found.shape
+    body, geometric, *springs = (
+        part[kept, kept] for part in (ritz.beam + ritz.slots, ritz.geometric, *ritz.springs)
+    )
+    moved = [k[:, None] * (shape @ (rows.T @ rows))
+             for k, rows in zip(np.exp(points[:, :-1].T), springs, strict=True)]  # fmt: skip
+    moved = np.stack([*moved, shape @ geometric], axis=2)
+    own = np.einsum("pv,pvc->pc", shape, moved)
+    count, size = shape.shape
+    system = np.zeros((count, size + 1, size + 1))
+    system[:, :size, :size] = stiffness_of(body, geometric, springs, points)
+    system[:, range(size), range(size)] -= found.value[:, None]
+    system[:, size, :size] = system[:, :size, size] = found.value[:, None] * shape
+    right = np.zeros((count, size + 1, moved.shape[2]))
+    right[:, :size] = own[:, None] * shape[:, :, None] - moved
+    return moved, np.linalg.solve(system, right)[:, :size]
+
+
 def closest(
     shapes: Float[ndarray, "point part vector"], shape: Float[ndarray, "point part"]
 ) -> Int[ndarray, " point"]:

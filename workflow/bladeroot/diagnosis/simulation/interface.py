@@ -4,7 +4,7 @@ A simulation says ln f of each record with its derivatives by its own parameters
 and the load, which causes move; how clampings scatter; and of which causes it cannot speak.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -20,11 +20,14 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 class Said:
     """ln f of each record, and derivatives by the simulation's parameters and by (ln kn, ln kt,
     load) of the record itself.
+
+    turning: works out the derivatives of `gradient` by the two, where they count.
     """
 
     mean: Float[ndarray, " record"]
     slope: Float[ndarray, "record parameter"]
     gradient: Float[ndarray, "record 3"]
+    turning: Callable[[], tuple[ndarray, ndarray]] | None = None
 
 
 @runtime_checkable
@@ -43,13 +46,19 @@ class OfRecords(Protocol):
         one: Mechanism,
         values: Float[ndarray, " value"],
         changed: Float[ndarray, "2 record"],
-    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"]]:
-        """Change of ln f of each record by changed matrices, and its derivatives; changed: ln kn
-        and ln kt by other causes.
+    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"], ndarray | None]:
+        """Change of ln f of each record by changed matrices, and its derivatives by the values and,
+        where they count, by the record's place; changed: ln kn and ln kt by other causes.
         """
 
-    def at(self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"]) -> Said:
-        """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it."""
+    def at(
+        self, theta: Float[ndarray, " parameter"], changes: Float[ndarray, "record 4"],
+        by_place: ndarray | float = 0.0,
+    ) -> Said:  # fmt: skip
+        """What is simulated with (ln kn, ln kt, load) changed; the fourth change is not in it.
+
+        by_place: further derivatives by the record's place.
+        """
 
     def scatter(
         self, gradient: Float[ndarray, "record 3"], scales: Float[ndarray, " scale"]
@@ -57,6 +66,12 @@ class OfRecords(Protocol):
         """Covariance of ln f by clampings and the reading of the load, and what makes its
         derivatives by the scales.
         """
+
+    def turned(
+        self, gradient: Float[ndarray, "record 3"], turn: Float[ndarray, "record parameter 3"],
+        scales: Float[ndarray, " scale"],
+    ) -> Float[ndarray, "parameter record record"]:  # fmt: skip
+        """Derivatives of that covariance by parameters that turn the gradient so."""
 
 
 @runtime_checkable

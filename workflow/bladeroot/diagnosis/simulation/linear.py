@@ -97,7 +97,7 @@ class _OfRecords(OneMode):
         self.same_hold = (hold[:, None] == hold).astype(float)
         self.same_mode = (records.mode[:, None] == records.mode).astype(float)
 
-    def at(self, theta: ndarray, changes: ndarray) -> Said:
+    def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The line at each record's load, and the joint's part of what a law changes."""
         m = self.records.mode
         level, line, joint = theta.reshape(3, self.modes)[:, m]

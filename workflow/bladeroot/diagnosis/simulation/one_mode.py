@@ -15,11 +15,11 @@ class OneMode:
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray]:
+    ) -> tuple[ndarray, ndarray, None]:
         """Changed matrices, which do the same to all modes."""
         n = self.records.force.size
         change, slope = shift(*one.structure(one_mode(), values))
-        return np.full(n, change), np.tile(slope, (n, 1))
+        return np.full(n, change), np.tile(slope, (n, 1)), None
 
 
 def one_mode() -> Ritz:

@@ -4,7 +4,7 @@ ln f = ln f_model(ln k..., F) + bias. Contact stiffness is one law over all load
 the specimen changes kn and kt at random, of all interfaces alike, and the gauge is read to a step.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,7 +17,14 @@ from bladeroot.diagnosis.structures import Structures, distinct, solved_change
 from bladeroot.inference.gaussian import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
-from bladeroot.rom.parametric import Solved, ln_frequencies, ritz_of, solved_of, surface_of
+from bladeroot.rom.parametric import (
+    Solved,
+    ln_frequencies,
+    ln_frequency,
+    ritz_of,
+    solved_of,
+    surface_of,
+)
 from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.priors import (
     BIAS_TILT,
@@ -209,10 +216,10 @@ class _OfRecords:
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray]:
+    ) -> tuple[ndarray, ndarray, ndarray | None]:
         """Changed matrices, by the modes' shapes at each record's place."""
         if self.at_grid is not None:
-            return self.at_grid(one, values, *(self.ln_k(theta) + changed))
+            return *self.at_grid(one, values, *(self.ln_k(theta) + changed)), None
         points = self._places(theta, changed, 0.0)
         return solved_change(self.records, self.simulated.ritz, one, values, points)
 
@@ -225,20 +232,53 @@ class _OfRecords:
         own = (self.records.force + load) / self.simulated.per_load - self.simulated.shift
         return np.vstack([self.ln_k(theta) + changed[self.kind], own]).T
 
-    def at(self, theta: ndarray, changes: ndarray) -> Said:
+    def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The surface at each record's place, and the bias."""
         count = self.count
         places = self._places(theta, changes[:, :2].T, changes[:, 2])
-        points, where = distinct(places)
-        value, gradient = ln_frequencies(self.surface, points)
-        g = gradient[where, self.records.mode]
+        value, g, second = self._of_places(places)
         tension = g[:, count] * places[:, count]
-        mean = value[where, self.records.mode] + self.bias_rows @ theta[self.own]
-        slope = [g[:, :count], (g[:, :count].sum(axis=1) * self.x)[:, None], self.bias_rows]
+        mean = value + self.bias_rows @ theta[self.own]
+        by_k = (g + by_place)[:, :count]
+        slope = [by_k, (by_k.sum(axis=1) * self.x)[:, None], self.bias_rows]
         # The first order of the tension's error; how it changes with the rest is of the second.
         return Said(
-            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g)
-        )
+            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g),
+            None if second is None else lambda: self._turning(second(), theta.size),
+        )  # fmt: skip
+
+    def _turning(self, second: ndarray, size: int) -> tuple[ndarray, ndarray]:
+        """Derivatives of `together` by the parameters and by (ln kn, ln kt, load)."""
+        by_place = self.together(second)
+        turn = np.zeros((len(second), size, 3))
+        turn[:, : self.count] = by_place[:, : self.count]
+        turn[:, self.count] = by_place[:, : self.count].sum(axis=1) * self.x[:, None]
+        return turn, self.together(by_place.transpose(0, 2, 1))
+
+    def _of_places(
+        self, places: Float[ndarray, "record coordinate"]
+    ) -> tuple[ndarray, ndarray, Callable[[], ndarray] | None]:
+        """ln f of each record's mode at its place, its gradient, and what makes its curvature."""
+        if isinstance(self.surface, Surface):
+            points, where = distinct(places)
+            value, gradient = ln_frequencies(self.surface, points)
+            return value[where, self.records.mode], gradient[where, self.records.mode], None
+        n, size = places.shape
+        value, g, parts = np.empty(n), np.empty((n, size)), []
+        for mode, ritz in enumerate(self.surface.ritzes):
+            mine = np.flatnonzero(self.records.mode == mode)
+            points, where = distinct(places[mine])
+            of_points, by_points, second = ln_frequency(ritz, self.surface, points)
+            value[mine], g[mine] = of_points[where], by_points[where]
+            parts.append((mine, where, second))
+
+        def curvature() -> ndarray:
+            made = np.empty((n, size, size))
+            for mine, where, second in parts:
+                made[mine] = second()[where]
+            return made
+
+        return value, g, curvature
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""
@@ -248,3 +288,8 @@ class _OfRecords:
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping, correlated, and its reading of the force."""
         return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
+
+    def turned(self, g: ndarray, turn: ndarray, scales: ndarray) -> ndarray:
+        """As the interface says."""
+        half = np.tensordot(turn, of_clamping(scales, self.rounding) @ g.T, 1).transpose(1, 0, 2)
+        return (half + half.transpose(0, 2, 1)) * self.same_hold

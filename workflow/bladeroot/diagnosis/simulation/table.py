@@ -101,7 +101,7 @@ class _OfRecords(OneMode):
         ]
         self.same_hold = hold[:, None] == hold
 
-    def at(self, theta: ndarray, changes: ndarray) -> Said:
+    def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The table at each record's load, moved along its sensitivities."""
         n, force = self.records.force.size, self.records.force + changes[:, 2]
         value, by_force = np.zeros(n), np.zeros(n)
