@@ -4,8 +4,9 @@ import importlib
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import freevib, natural, no_decay, within_band
+from bladeroot.decay.freevib import freevib, no_decay, within_band
 from bladeroot.plateau.plateau import plateau
+from bladeroot.signal.phasors import natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
 
 

@@ -25,7 +25,16 @@ ALLOWED = {
     "mechanisms": {"contact", "rom"},
     "diagnosis": {"pooling", "rom", "stiffness", "mechanisms", "inference"},
     "bench": set(),
-    "reproduction": {"decay", "plateau", "fem", "rom", "contact", "inference", "stiffness"},
+    "reproduction": {
+        "signal",
+        "decay",
+        "plateau",
+        "fem",
+        "rom",
+        "contact",
+        "inference",
+        "stiffness",
+    },
     "figures": set(),
     "report": {"figures"},
     "command": {

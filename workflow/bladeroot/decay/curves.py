@@ -1,6 +1,6 @@
 """A judged free decay to its curves over amplitude."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -8,13 +8,11 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 
 from bladeroot.decay.freevib import freevib, no_decay
-from bladeroot.decay.overrides import in_band
 
 
 def curves(
     cut: xr.Dataset,
     damping: str = "hysteretic",
-    band_Hz: Sequence[float] | None = None,
     estimator: Callable[..., xr.Dataset] = freevib,
 ) -> xr.Dataset:
     """Variables of `freevib` and attributes of the cut.
@@ -24,33 +22,25 @@ def curves(
     Args:
         cut: free decay as from `decay.free_decay`, with `expected_Hz` in its attributes.
         damping: law of damping, "hysteretic" or "viscous".
-        band_Hz: a person's band, outside which nothing counts.
         estimator: `freevib`, or another with its arguments.
     """
     facts, made = dict(cut.attrs), no_decay()
     if facts["verdict"] == "usable":
         try:
-            made = _estimated(cut, damping, band_Hz, estimator)
+            made = _estimated(cut, damping, estimator)
         except ValueError as error:
             facts |= {"verdict": "rejected", "reason": str(error)}
     return made.assign_attrs(facts | {"damping": damping})
 
 
-def used(
-    cut: xr.Dataset, band_Hz: Sequence[float] | None = None
-) -> tuple[Float[ndarray, " sample"], Bool[ndarray, " sample"], float]:
-    """Velocity within the band and its mask, from the first usable sample on, and its time, s.
+def used(cut: xr.Dataset) -> tuple[Float[ndarray, " sample"], Bool[ndarray, " sample"], float]:
+    """Velocity and its mask, from the first usable sample on, and that sample's time, s.
 
-    A start that is masked is no part of the decay. Raises ValueError as `in_band` does.
+    A start that is masked is no part of the decay.
     """
     velocity, usable = cut["velocity"].values.astype(float), cut["usable"].values.astype(bool)
-    rate = cut.attrs["sampling_Hz"]
-    if band_Hz is not None:
-        velocity, lost = in_band(velocity, rate, band_Hz, cut.attrs["expected_Hz"])
-        usable = usable.copy()
-        usable[:lost] = usable[velocity.size - lost :] = False
     first = int(np.argmax(usable))
-    return velocity[first:], usable[first:], first / rate
+    return velocity[first:], usable[first:], first / cut.attrs["sampling_Hz"]
 
 
 def later(made: xr.Dataset, seconds: float) -> xr.Dataset:
@@ -60,13 +50,8 @@ def later(made: xr.Dataset, seconds: float) -> xr.Dataset:
     return made.assign(moved)
 
 
-def _estimated(
-    cut: xr.Dataset,
-    damping: str,
-    band_Hz: Sequence[float] | None,
-    estimator: Callable[..., xr.Dataset],
-) -> xr.Dataset:
-    velocity, usable, begin_s = used(cut, band_Hz)
+def _estimated(cut: xr.Dataset, damping: str, estimator: Callable[..., xr.Dataset]) -> xr.Dataset:
+    velocity, usable, begin_s = used(cut)
     facts, options = cut.attrs, {"damping": damping, "usable": usable}
     separated = estimator is freevib and "widening" in cut
     if separated:

@@ -1,5 +1,7 @@
 """From a recording to the judged free decay of one mode."""
 
+from collections.abc import Callable
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
@@ -8,7 +10,6 @@ from numpy import ndarray
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
-from bladeroot.decay.overrides import windowed
 from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
 from bladeroot.signal.lines import TOLERANCE, magnitudes
@@ -28,12 +29,12 @@ def free_decay(
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
     end: float | str = "noise",
-    window: tuple[float | None, float | None] = (None, None),
+    window: Callable[[xr.Dataset, ndarray], xr.Dataset] = lambda decay, whole: decay,
 ) -> xr.Dataset:
     """The free decay of one mode, cut, without what else rings, with its findings and its mask.
 
-    Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: start and end (s in
-    the recording) that a person gives, None where the cut's own holds.
+    Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: of a cut and the
+    record it was cut from (m/s), the cut with the start and end that a person states.
     """
     whole = uncut(recording, expected_Hz)
     motion = velocity(whole, expected_Hz)
@@ -41,7 +42,7 @@ def free_decay(
     clear = bridged(motion, rate, expected_Hz)
     steps = _steps(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps)
-    decay = windowed(seen, clear, *window)
+    decay = window(seen, clear)
     struck = onset(clear, rate / expected_Hz)
     asked = expected_Hz, modes_Hz, whole.notes, recording
     several = _several(decay)
@@ -57,7 +58,7 @@ def free_decay(
     if lone:
         if struck:
             sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
-            decay = windowed(sooner, clear, *window)
+            decay = window(sooner, clear)
         return _with_widening(judge(decay, motion, *asked, None, several), parts)
     freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
@@ -66,7 +67,7 @@ def free_decay(
             freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
-    freed = windowed(freed, parts.velocity, *window)
+    freed = window(freed, parts.velocity)
     judged = judge(freed, motion, *asked, parts.velocity, several + parts.remarks)
     return _with_widening(judged, parts)
 

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bladeroot.decay.track import Taken, follow
-from bladeroot.signal.phasors import Phasors
+from bladeroot.signal.phasors import Phasors, natural
 from bladeroot.signal.runs import longest
 from bladeroot.signal.smooth import Spline
 from bladeroot.variables import dataset, names
@@ -164,24 +164,6 @@ def waves(
         return np.zeros(level.size)
     near = np.max(sliding_window_view(np.pad(left, 1), 3), axis=1)
     return np.repeat(np.sqrt(near), [part.size for part in parts])
-
-
-def natural(
-    rate: Float[ndarray, "2 point"], change: Float[ndarray, "2 point"], damping: str
-) -> tuple[Float[ndarray, " point"], Float[ndarray, " point"]]:
-    """omega_n (rad/s) and loss factor from the displacement's A'/A and omega and their changes.
-
-    omega_n is NaN where its square is negative: the mode is lost there.
-    """
-    alpha, omega = rate
-    decline, chirp = change
-    square = omega**2 - decline - alpha**2  # A''/A = decline + alpha^2
-    if damping == "viscous":
-        square = square + 2.0 * alpha**2 + alpha * chirp / omega
-    omega_n = np.sqrt(np.where(square > 0.0, square, np.nan))
-    if damping == "viscous":
-        return omega_n, -(2.0 * alpha + chirp / omega) / omega_n
-    return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
 
 
 def _settled(blocks: Phasors) -> float:

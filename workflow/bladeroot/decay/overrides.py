@@ -83,6 +83,24 @@ def with_override(judged: xr.Dataset, text: str) -> xr.Dataset:
     return judged.drop_vars(names).assign(columns).assign_attrs(findings=said, overruled=text)
 
 
+def banded(cut: xr.Dataset, band_Hz: Sequence[float]) -> xr.Dataset:
+    """A judged cut without what lies outside a person's band; rejected where that cannot be.
+
+    The samples at its ends that the filter does not reach lose their weight.
+    """
+    if cut.attrs["verdict"] != "usable":
+        return cut
+    velocity, rate = cut["velocity"].values.astype(float), cut.attrs["sampling_Hz"]
+    try:
+        velocity, lost = in_band(velocity, rate, band_Hz, cut.attrs["expected_Hz"])
+    except ValueError as error:
+        return cut.assign_attrs(verdict="rejected", reason=str(error))
+    usable = cut["usable"].values.copy()
+    usable[:lost] = usable[usable.size - lost :] = 0
+    made = {"velocity": velocity, "usable": usable}
+    return cut.assign({name: cut[name].copy(data=values) for name, values in made.items()})
+
+
 def in_band(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,

@@ -9,6 +9,7 @@ import xarray as xr
 
 from bladeroot.decay.cut import rejected
 from bladeroot.decay.estimate import estimate
+from bladeroot.decay.overrides import kept, windowed, with_override
 from bladeroot.decay.ringdown import ringdown, with_curves
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
@@ -27,7 +28,8 @@ def from_file(
 
     Args:
         raw: its file.
-        known: what the sheet says of it: SAID, and what `decay.ringdown.ringdown` takes.
+        known: what the sheet says of it: SAID, what `decay.ringdown.ringdown` takes, and what a
+            person overrules (`start_s`, `end_s`, `keep`, `band_Hz`).
         cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
         estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
 
@@ -45,7 +47,10 @@ def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of a recording in SI units, for which `known` need not hold SAID."""
-    return ringdown(recording, _with_words(known), cutting, _estimating(known, estimation))
+    window = partial(windowed, start_s=known.get("start_s"), end_s=known.get("end_s"))
+    overrule = partial(_overruled, known=known)
+    estimating = _estimating(known, estimation)
+    return ringdown(recording, known, {**cutting, "window": window}, estimating, overrule)
 
 
 def not_analysed(
@@ -53,11 +58,12 @@ def not_analysed(
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same for a record that has no recording: rejected for that reason."""
     decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"])
-    return with_curves(decay, _with_words(known), _estimating(known, estimation))
+    return with_curves(_overruled(decay, known), known, _estimating(known, estimation))
 
 
-def _with_words(known: Mapping) -> dict:
-    return {**known, "overruled": overruled(known)}
+def _overruled(decay: xr.Dataset, known: Mapping) -> xr.Dataset:
+    """A judged decay as a person leaves it, with that among its findings."""
+    return with_override(kept(decay) if known.get("keep") else decay, overruled(known))
 
 
 def _estimating(known: Mapping, estimation: Mapping) -> partial:

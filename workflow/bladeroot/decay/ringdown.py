@@ -6,7 +6,6 @@ import xarray as xr
 
 from bladeroot.decay.curves import curves
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.decay.overrides import kept, with_override
 from bladeroot.plateau.plateau import record_plateau
 from bladeroot.signal.recording import Recording
 
@@ -20,29 +19,28 @@ def ringdown(
     known: Mapping,
     cutting: Mapping,
     estimate: Callable[[xr.Dataset], xr.Dataset] = curves,
+    overrule: Callable[[xr.Dataset], xr.Dataset] = lambda judged: judged,
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """Free decay, curves over amplitude and plateau of one mode.
 
     Args:
         recording: of one sensor, in SI units.
         known: FACTS; `other_modes_Hz`, the expected frequencies of the campaign's other modes;
-            `simulated`; what a person overrules (`start_s`, `end_s`, `keep`) and, as `overruled`,
-            that in words.
-        cutting: as of `bladeroot.decay.cut.cut`.
+            `simulated`.
+        cutting: `end` and `window`, as of `bladeroot.decay.free_decay.free_decay`.
         estimate: makes curves of a judged free decay.
+        overrule: what a person changes of a judged free decay.
     """
     others = tuple(known["other_modes_Hz"])
-    window = known.get("start_s"), known.get("end_s")
-    decay = free_decay(recording, float(known["expected_Hz"]), others, **cutting, window=window)
-    decay = kept(decay) if known.get("keep") else decay
-    return with_curves(decay.assign_attrs(quantity=recording.quantity), known, estimate)
+    decay = free_decay(recording, float(known["expected_Hz"]), others, **cutting)
+    decay = overrule(decay.assign_attrs(quantity=recording.quantity))
+    return with_curves(decay, known, estimate)
 
 
 def with_curves(
     decay: xr.Dataset, known: Mapping, estimate: Callable[[xr.Dataset], xr.Dataset] = curves
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """A judged free decay with what is known of it, its curves and its plateau."""
-    decay = with_override(decay, known.get("overruled", ""))
     decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
     decay.attrs["expected_Hz"] = float(known["expected_Hz"])  # a sheet may say 540
     decay.attrs["simulated"] = int(known["simulated"])

@@ -19,8 +19,9 @@ import xarray as xr
 from bladeroot.plateau.capture import sudden_onset
 from bladeroot.plateau.evidence import creep
 from bladeroot.plateau.posterior import NORMAL, SHORTEST, Mixture, Weighed
-from bladeroot.plateau.segment import Segment, cubic, grouped
+from bladeroot.plateau.segment import cubic, grouped
 from bladeroot.plateau.weigh import SHOWN, weigh
+from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
 NUMBERS = (
@@ -93,7 +94,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
     lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
     bound = _natural(lowest, alpha, damping)[0]
-    if not (_seen(segment, lowest) and _in_band(bound, decay)):
+    if not _in_band(bound, decay):
         return dict.fromkeys(NUMBERS, np.nan) | {
             "plateau_reached": 0,
             "verdict": "rejected: too few cycles are sharp enough",
@@ -126,19 +127,6 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     }
 
 
-def _seen(segment: Segment, omega: float, parts: int = 8) -> bool:
-    """Whether the phase shows a rate (rad/s) that a law has at its end.
-
-    A law may go on from what parts of the record advance by, but not beyond all that they span.
-    """
-    edge = np.linspace(0, segment.time.size - 1, parts + 1).astype(int)
-    length = np.diff(segment.time[edge])
-    advance = np.diff(segment.y[1, edge]) / length
-    error = np.hypot(segment.std[edge[1:]], segment.std[edge[:-1]]) / length
-    span = np.ptp(advance) + 3.0 * error.max()
-    return bool(advance.min() - span <= omega <= advance.max() + span)
-
-
 def _in_band(frequency: float, decay: xr.Dataset) -> bool:
     """Whether a frequency (Hz) lies in the band in which the mode was looked for."""
     low, high = decay.attrs.get("band_low_Hz", 0.0), decay.attrs.get("band_high_Hz", np.inf)
@@ -146,16 +134,9 @@ def _in_band(frequency: float, decay: xr.Dataset) -> bool:
 
 
 def _natural(omega: float, alpha: float, damping: str) -> tuple[float, float]:
-    """Undamped natural frequency (Hz) and loss factor where both rates are constant.
-
-    There A''/A is alpha^2: hysteretic damping by (3.11); viscous damping as alpha = -zeta omega_n
-    and omega^2 = (1 - zeta^2) omega_n^2, with a loss factor of 2 zeta.
-    """
-    if damping == "viscous":
-        omega_n = float(np.hypot(omega, alpha))
-        return omega_n / (2.0 * np.pi), -2.0 * alpha / omega_n
-    square = max(omega**2 - alpha**2, 1e-12)  # a limit may be extrapolated below zero
-    return float(np.sqrt(square)) / (2.0 * np.pi), -2.0 * omega * alpha / square
+    """Undamped natural frequency (Hz) and loss factor where both rates are constant."""
+    omega_n, loss = natural(np.array([[alpha], [omega]]), np.zeros((2, 1)), damping)
+    return float(omega_n[0]) / (2.0 * np.pi), float(loss[0])
 
 
 def _ends(found: Weighed, largest: float) -> dict[str, float]:

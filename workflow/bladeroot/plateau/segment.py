@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.interpolate import CubicHermiteSpline
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
 FEWEST = 8  # groups through which a straight line is laid
@@ -70,13 +71,8 @@ def cubic(
     at: Float[ndarray, " step"], time: Float[ndarray, " value"], y: Float[ndarray, " value"]
 ) -> Float[ndarray, " step"]:
     """Hermite's interpolation, level beyond the ends; straight lines round off what bends."""
-    slope = np.gradient(y, time)
-    left = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
-    step = time[left + 1] - time[left]
-    s = np.clip((at - time[left]) / step, 0.0, 1.0)
-    start, end = step * slope[left], step * slope[left + 1]
-    rise = y[left + 1] - y[left]
-    return y[left] + s * (rise + (1.0 - s) * ((1.0 - s) * (start - rise) - s * (end - rise)))
+    inside = np.clip(at, time[0], time[-1])
+    return CubicHermiteSpline(time, y, np.gradient(y, time))(inside)
 
 
 def over_cells(segment: Segment, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:

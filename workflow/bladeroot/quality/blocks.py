@@ -1,10 +1,14 @@
-"""Blocks, spans and neighbours of samples, for checks that look at each of them."""
+"""Blocks, spans and neighbours of samples, and frames without their trend, for the checks."""
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Complex, Float, Int
 from numpy import ndarray
 
+from bladeroot.quality.examined import Frames
 from bladeroot.signal.runs import medians
+
+# Frames that a trend is taken off, at least; no frame is believed to be surer than that.
+FEWEST_WHOLE, LEAST_STD = 38, 3e-4
 
 
 def block_scale(
@@ -42,3 +46,20 @@ def missed(x: Float[ndarray, " k"], weights: Float[ndarray, " reach"]) -> Float[
     taps = np.concatenate([-weights[::-1], [1.0], -weights])
     miss[weights.size : x.size - weights.size] = np.convolve(x, taps, mode="valid")
     return miss
+
+
+def frame_weights(frames: Frames, used: slice) -> Float[ndarray, " frame"]:
+    """One over the standard error of some frames; zero where they are not whole."""
+    return frames.whole[used] / np.maximum(frames.std[used], LEAST_STD)
+
+
+def without_trend(frames: Frames, used: slice, degree: int) -> Complex[ndarray, " frame"] | None:
+    """Tapered `log` of some frames less a polynomial; None where too few are whole."""
+    log, whole = frames.log[used], frames.whole[used]
+    if np.count_nonzero(whole) < FEWEST_WHOLE:
+        return None
+    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), degree)
+    weight = frame_weights(frames, used)
+    weighted = trend * weight[:, None]
+    fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
+    return (log - trend @ fit) * np.hanning(log.size) * whole

@@ -12,8 +12,6 @@ from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
 
 FRAME_CYCLES = 4
-# Frames that a trend is taken off, at least; no frame is believed to be surer than that.
-FEWEST_WHOLE, LEAST_STD = 38, 3e-4
 # Noise around the mode counts as coloured from so many standard errors and twice the power on.
 COLOURED = 6.0
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
@@ -70,21 +68,6 @@ class Frames:
     def amplitude(self) -> Float[ndarray, " frame"]:
         """Velocity amplitude."""
         return np.exp(self.log.real)
-
-    def weight(self, used: slice) -> Float[ndarray, " frame"]:
-        """One over the standard error of some frames; zero where they are not whole."""
-        return self.whole[used] / np.maximum(self.std[used], LEAST_STD)
-
-    def without_trend(self, used: slice, degree: int) -> Complex[ndarray, " frame"] | None:
-        """Tapered `log` of some frames less a polynomial; None where too few are whole."""
-        log, whole = self.log[used], self.whole[used]
-        if np.count_nonzero(whole) < FEWEST_WHOLE:
-            return None
-        trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), degree)
-        weight = self.weight(used)
-        weighted = trend * weight[:, None]
-        fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
-        return (log - trend @ fit) * np.hanning(log.size) * whole
 
 
 @dataclass(frozen=True)

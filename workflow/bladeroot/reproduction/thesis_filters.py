@@ -21,9 +21,10 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.freevib import decay_dataset, freevib, natural
+from bladeroot.decay.freevib import decay_dataset, freevib
 from bladeroot.decay.peaks import BRIDGE, bridged
 from bladeroot.reproduction.error_bounds import two_points
+from bladeroot.signal.phasors import natural
 
 RIPPLE_DB = 80.0
 TRAPEZOID = (1 / 12, 11 / 720, 191 / 60480)  # corrections in even differences

@@ -149,6 +149,27 @@ def corrected(
     return phasor / share
 
 
+def natural(
+    rate: Float[ndarray, "2 point"], change: Float[ndarray, "2 point"], damping: str
+) -> tuple[Float[ndarray, " point"], Float[ndarray, " point"]]:
+    """omega_n (rad/s) and loss factor from the displacement's A'/A and omega and their changes.
+
+    With hysteretic damping (3.11) omega_n^2 = omega^2 - A''/A and eta = -(2 omega A'/A + omega') /
+    omega_n^2; with viscous damping omega_n^2 = omega^2 - A''/A + 2 (A'/A)^2 + A' omega'/(A omega),
+    and the loss factor is twice the damping ratio. omega_n is NaN where its square is negative:
+    the mode is lost there.
+    """
+    alpha, omega = rate
+    decline, chirp = change
+    square = omega**2 - decline - alpha**2  # A''/A = decline + alpha^2
+    if damping == "viscous":
+        square = square + 2.0 * alpha**2 + alpha * chirp / omega
+    omega_n = np.sqrt(np.where(square > 0.0, square, np.nan))
+    if damping == "viscous":
+        return omega_n, -(2.0 * alpha + chirp / omega) / omega_n
+    return omega_n, -(2.0 * omega * alpha + chirp) / omega_n**2
+
+
 def gather(
     time: Float[ndarray, " frame"],
     phasor: Complex[ndarray, " frame"],

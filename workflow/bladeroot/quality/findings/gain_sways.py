@@ -6,6 +6,7 @@ A laser's spot that wanders over the surface, an accelerometer whose cable pulls
 import numpy as np
 from scipy import fft
 
+from bladeroot.quality.blocks import without_trend
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.runs import medians
 
@@ -38,7 +39,7 @@ def find(seen: Examined) -> Finding | None:
 
 def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     frames = seen.frames
-    rest = frames.without_trend(used, degree)
+    rest = without_trend(frames, used, degree)
     if rest is None:
         return None
     lines = [np.abs(fft.rfft(part, 2 * rest.size)) for part in (rest.real, rest.imag)]

@@ -7,6 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
+from bladeroot.quality.blocks import frame_weights, without_trend
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.runs import medians
 
@@ -82,11 +83,11 @@ def _line(
 ) -> _Line | None:
     """The strongest line over some frames, its statistic divided by `shorter`."""
     frames = seen.frames
-    rest = frames.without_trend(used, degree)
+    rest = without_trend(frames, used, degree)
     if rest is None:
         return None
     log, whole = frames.log[used], frames.whole[used]
-    weight = frames.weight(used)
+    weight = frame_weights(frames, used)
     taper = np.hanning(log.size) * whole
     line = fft.fft(rest, 2 * log.size) / taper.sum()
     turns = fft.fftfreq(line.size)  # per hop
