@@ -67,7 +67,7 @@ ALLOWED = {
 # what checks files, what artifacts say of the load, and words.
 COMPILER = {"compiled"}
 SHARED = {
-    "schema", "checksum", "hdf5_links", "loads", "shipped_files", "terms", "variables",
+    "schema", "checksum", "files", "hdf5_links", "loads", "shipped_files", "terms", "variables",
 }  # fmt: skip
 
 

@@ -12,12 +12,9 @@ from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
-from bladeroot.signal.lines import TOLERANCE, magnitudes
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
-# Of a line so many times as loud as the mode, the release is taken where the mode shows none.
-LOUDER = 3.0
 SEVERAL = (
     "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
     "make a record of each"
@@ -89,25 +86,12 @@ def _let_go(
 
     A mode that beats with others looks driven, too: what remains without them decides.
     """
-    loudest = _of_the_loudest(velocity, sampling_Hz, expected_Hz)
-    if decay.attrs["excitation"] == "shaker" and loudest is None:
-        freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
-        loudest = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
-    if loudest is None or loudest.attrs["excitation"] != "shaker":
+    if decay.attrs["excitation"] != "shaker":
         return 0
-    return round(loudest.attrs["start_s"] * sampling_Hz)
-
-
-def _of_the_loudest(
-    velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
-) -> xr.Dataset | None:
-    """The decay of a far louder line, which is let go when the mode is; None if there is none."""
-    frequency, level = magnitudes(velocity, sampling_Hz)
-    loud_Hz = float(frequency[np.argmax(level)])
-    own = level.max(where=np.abs(frequency / expected_Hz - 1.0) < TOLERANCE, initial=0.0)
-    if level.max() < LOUDER * own or not 0.1 * expected_Hz < loud_Hz < 0.3 * sampling_Hz:
-        return None
-    return cut(velocity, sampling_Hz, loud_Hz)
+    freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
+    own = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
+    driven = own.attrs["excitation"] == "shaker"
+    return round(own.attrs["start_s"] * sampling_Hz) if driven else 0
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:
