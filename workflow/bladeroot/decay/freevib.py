@@ -11,11 +11,13 @@ from numpy.lib.stride_tricks import sliding_window_view
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors, natural
 from bladeroot.signal.runs import longest
+from bladeroot.signal.smooth import Spline
 from bladeroot.variables import dataset, names
 
 PARTS = 4  # times that first blocks are cut off
 LEFT = 16.0  # cycles that a cut leaves at least
-POINTS = 500  # of the curves, at most
+# Largest number of points of the curves, and of those at which their errors are worked out.
+POINTS, SHARP = 500, 120
 # So many first blocks are no free decay where a parabola through twice as many later ones, that
 # goes on backwards, misses them by more than this (mean square in errors: noise's, and a part of
 # what it differs by from a straight line). As on drawn records: of those that are right from their
@@ -98,7 +100,7 @@ def freevib(
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
-    value, std = fit.value(centre), fit.std(centre)
+    value, std = fit.value(centre), _std(fit, centre)
     std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
     for order in (1, 2):
         sway = waves(value[0, 0], value[order, 0], std[order, 0])
@@ -225,6 +227,18 @@ def search_band(
         )
     low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
     return low, min(high, 0.49 * sampling_Hz)
+
+
+def _std(fit: Spline, time: Float[ndarray, " point"]) -> ndarray:
+    """Standard errors of the curves at some of the points, and between them in proportion."""
+    if time.size <= SHARP:
+        return fit.std(time)
+    some = np.linspace(time[0], time[-1], SHARP)
+    known = np.log(fit.std(some))
+    place = (time - time[0]) * ((SHARP - 1) / (time[-1] - time[0]))
+    left = np.minimum(place.astype(int), SHARP - 2)
+    share = place - left
+    return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
 
 
 def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
