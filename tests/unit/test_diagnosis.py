@@ -134,7 +134,8 @@ def test_what_is_of_no_catalogue_may_be_a_contact_that_any_load_changes(stiffeni
     (found,) = (one for one in stiffening[0].found if one.channel.name == "stick")
     step = found.steps[0]
     law = step.mechanisms["load-dependent-stiffness"]
-    assert law - 5.0 < step.smooth["force, through the contact"] < law
+    # the baseline has two summits of nearly equal height, at which the contact's share differs
+    assert law - 10.0 < step.smooth["force, through the contact"] < law
     assert step.smooth["force"] < step.smooth["force, through the contact"] - 5.0
 
 

@@ -135,8 +135,9 @@ def separated(
         if not trimmed and (turn or not more):
             hidden = [one.hides(found, sampling_Hz) for one in near]
             last, trimmed = min([_lasting(found), *hidden]), True
-            x = x[:last]
-            if last < found.samples:
+            # what is hidden from its start on leaves nothing that could be followed
+            if 0 < last < found.samples:
+                x = x[:last]
                 continue
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz)
