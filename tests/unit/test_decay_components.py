@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bladeroot.decay.beside import Beside
 from bladeroot.decay.components import onset, separated
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
@@ -223,3 +224,15 @@ def test_a_decay_begins_after_a_second_blow():
     assert again_s <= parts.first / RATE < again_s + 0.06  # some knots further, 10 ms apart
     assert len(parts.lines_Hz) == 2  # what a blow leaves over makes no lines
     assert separated(once, *known).first < (struck_s + 0.01) * RATE
+
+
+def test_a_mode_hidden_from_its_start_on_is_not_followed_in_no_samples(monkeypatch):
+    monkeypatch.setattr(Beside, "hides", lambda *_: 0)
+    loud_Hz, time = 101.0, np.arange(int(3.0 * RATE)) / RATE
+    velocity = decay(2 * loud_Hz - 1.6, 0.002, 0.05, time)
+    for order, part in ((1, 0.2), (2, 0.004)):
+        velocity += part * np.exp(-0.5 * order * time) * np.cos(2 * np.pi * order * loud_Hz * time)
+    velocity += NOISE * np.random.default_rng(4).standard_normal(time.size)
+    parts = separated(velocity, RATE, 2 * loud_Hz - 1.1, (loud_Hz,))
+    assert any(finding == "harmonic" for finding, _ in parts.remarks)
+    assert parts.velocity.size == velocity.size
