@@ -52,6 +52,14 @@ def test_a_verdict_is_told_by_subject():
     assert said.box.lines == [*said.missing, *said.because, *said.odds, *said.gain, *said.next]
 
 
+def test_modes_that_go_opposite_ways_are_told_apart():
+    said = verdict(causes=[cause()])
+    said["shortfall"][1] |= {"size": -said["shortfall"][1]["size"], "trend": "falls with the force"}
+    (text,) = sentences_of(found(), said, False).missing
+    assert "mode 1B: rises with the force" in text
+    assert "mode 2B: falls with the force" in text
+
+
 def test_a_single_rival_is_a_question_of_whether_it_acts():
     said = sentences_of(found(rivals=SEATING), verdict(causes=[cause()]), False)
     assert said.next[0].endswith("70 % of the question whether incomplete contact acts.")

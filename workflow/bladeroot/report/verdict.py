@@ -204,16 +204,16 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
 
 
 def _missing(said: Mapping, judge: Judge) -> list[str]:
-    """What is missing, of each quantity the mode that misses most and how, and the other modes: a
-    sentence, or where it is of many quantities a line each.
+    """What is missing, of each quantity the mode that misses most and how, and the other modes of
+    which it goes the same way: a sentence, or where there are many a line each.
     """
     if said["answer"] == "nothing-missing" or answer_of(said) == QUIET:
         return [f"{judge.does('explains', 'explain')} all records within their scatter."]
-    rows: dict[str, list[Mapping]] = {}
+    rows: dict[tuple[str, bool], list[Mapping]] = {}
     for row in sorted(said["shortfall"], key=lambda row: -abs(row["size"])):
-        rows.setdefault(row["quantity"], []).append(row)
+        rows.setdefault((row["quantity"], row["size"] > 0.0), []).append(row)
     texts = []
-    for quantity, several in rows.items():
+    for (quantity, _), several in rows.items():
         others = listed([row["mode"] for row in several[1:]])
         also = f" (also in {others})" if others else ""
         texts.append(f"the {quantity} of mode {several[0]['mode']}{also}: {several[0]['trend']}")
