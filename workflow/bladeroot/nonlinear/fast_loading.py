@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.interpolate import PchipInterpolator
 
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.marching import load_up
 from bladeroot.nonlinear.masing import first_harmonic
-from bladeroot.nonlinear.pchip import evaluate, pieces
 from bladeroot.nonlinear.system import System
 
 _A_DECADE, _BELOW = 24, 8.0
@@ -49,17 +49,15 @@ def softening_curves(
     cosine, sine = first_harmonic(master, loading, slope)
     load, laser = cosine[:, ::2], cosine[:, 1::2]
     rows = np.stack(
-        [np.sqrt(load.T / master / system.values[0]) - 1.0, -(sine[:, ::2] / load).T], 2
+        [np.sqrt(load.T / master / system.values[0]) - 1.0, -(sine[:, ::2] / load).T], 1
     )
-    places = np.log(amplitudes) + np.array([[0.0], [_APART], [-_APART]])
-    found = []
-    for seen, row in zip(np.log(np.abs(laser.T)), rows, strict=True):
+    at, fits = np.log(amplitudes), []
+    for seen, one in zip(np.log(np.abs(laser.T)), rows, strict=True):
         if not np.all(np.diff(seen) > 0.0):
             raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
-        found.append(evaluate(seen, pieces(seen, row), places.ravel()))
-    found = np.reshape(found, (len(many), *places.shape, 2))
-    value, above, below = found.transpose(1, 0, 3, 2)
-    return value, (above - below) / (2.0 * _APART)
+        fits.append(PchipInterpolator(seen, one, axis=1))
+    slopes = [(fit(at + _APART) - fit(at - _APART)) / (2.0 * _APART) for fit in fits]
+    return np.stack([fit(at) for fit in fits]), np.stack(slopes)
 
 
 def states(
