@@ -11,6 +11,7 @@ from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import curves, model_file, read
 from bladeroot.diagnosis.naming import Known, prepared
+from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.records import faulty_records
 from bladeroot.diagnosis.shortfall import _trend
 from bladeroot.diagnosis.verdict import is_shown, verdict
@@ -43,6 +44,10 @@ def judged(model, effect="", size=0.0, seed=1, **options):
 
 def names(said):
     return [one["mechanism"] for one in said["causes"] if len(one["credible_set"]) == 1]
+
+
+def shown(said):
+    return [one for one in said["causes"] if is_shown(one)]
 
 
 def shows_nothing(said):
@@ -237,11 +242,21 @@ def test_the_verdict_states_probabilities_and_sizes_whatever_the_form(stiffening
     sets = said["probabilities"]
     assert sum(sets.values()) == pytest.approx(1.0)
     named = sum(p for key, p in sets.items() if "load-dependent-stiffness" in key.split("+"))
-    (cause,) = said["causes"]
+    (cause,) = shown(said)
     assert named == pytest.approx(cause["probability"], abs=1e-3)
     (change,) = cause["sizes"]
     assert change["quantity"] == "stick frequency"
     assert abs(change["value"]) > 3.0 * change["std"]
+
+
+def test_what_would_not_show_beside_a_cause_stays_open(stiffening):
+    """As without the cause: a level is as probable as before, and its test is proposed."""
+    made, said = stiffening
+    *_, last = said["causes"]
+    assert {"none", "modulus-density", "rig-compliance"} <= set(last["credible_set"])
+    assert "load-dependent-stiffness" not in last["credible_set"]
+    assert "show nothing missing beside load-dependent-stiffness" in said["reason"]
+    assert any("free-free" in one["measurement"] for one in following(next_measurements(made)))
 
 
 def test_an_independent_measurement_moves_prior_and_evidence():
@@ -283,7 +298,7 @@ def test_a_cause_of_records_leaves_the_curves_alone():
 def test_a_measured_size_stays_what_was_measured(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     told = {"free-free": (0.03, 0.001)}
-    (cause,) = verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE))["causes"]
+    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE)))
     assert cause["mechanism"] == "modulus-density"
     modulus = cause["parameters"][0]
     assert modulus["value"] == pytest.approx(0.03, abs=3e-3)
@@ -293,7 +308,7 @@ def test_a_measured_size_stays_what_was_measured(model):
 def test_a_load_cell_tells_a_wrong_zero(model):
     seen = campaign(model, "offset", 3000.0, seed=1, rows=programme(cycles=1), curves=False)
     told = {"load cell zero": (2980.0, 50.0)}
-    (cause,) = verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE))["causes"]
+    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS, splits=told), CATALOGUE)))
     assert cause["credible_set"] == ["force-offset"]
     assert cause["parameters"][0]["value"] == pytest.approx(3000.0, abs=150.0)
 
@@ -318,8 +333,8 @@ def test_no_record_is_left_out_for_its_time_where_the_campaign_then_lacks(model)
 def test_one_missing_time_does_not_hide_a_drift(model):
     seen = campaign(model, "drift", 0.01, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
-    causes = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))["causes"]
-    assert [cause["mechanism"] for cause in causes] == ["drift"]
+    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    assert [cause["mechanism"] for cause in shown(said)] == ["drift"]
 
 
 def test_records_without_holds_that_follow_each_other_are_one_clamping(model):

@@ -8,6 +8,7 @@ from bladeroot.diagnosis.posterior import (
     UNKNOWN,
     Weighed,
     as_shown,
+    conditional,
     credible,
     entropy,
     inclusion,
@@ -100,6 +101,12 @@ def test_what_the_data_cannot_speak_of_keeps_its_prior():
     odds = inclusion(sets, "c") / (1.0 - inclusion(sets, "c"))
     assert odds == pytest.approx(np.exp(-guards.PRIOR))
     assert inclusion(sets, "a") == pytest.approx(0.25)
+
+
+def test_what_acts_beside_causes_is_judged_as_if_these_were_there():
+    sets = {EMPTY: 0.2, A: 0.3, B: 0.4, AB: 0.1}
+    assert conditional(sets, "a") == pytest.approx({EMPTY: 0.75, B: 0.25})
+    assert conditional(sets, "") == pytest.approx(sets)
 
 
 def test_entropy_is_that_of_equal_odds_at_most():

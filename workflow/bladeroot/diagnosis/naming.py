@@ -24,6 +24,7 @@ from bladeroot.diagnosis.posterior import (
     Sets,
     Weighed,
     as_shown,
+    conditional,
     credible,
     inclusion,
     probabilities,
@@ -70,10 +71,11 @@ class Found:
     """The search's outcome in one channel.
 
     fits: the baseline's and the final one. unexplained: what the remainder is smooth in where that
-    is more probable than not, or "". alone: of every mechanism the model that has it alone, in its
-    best form. insufficient: the mechanism that is barred and yet the most probable, or "".
-    sizes: first parameter of each mechanism over its forms and the sets that hold it, by their
-    probability: mean and standard deviation.
+    is more probable than not, or "". alone, beside: of every mechanism the model that has it alone,
+    or beside the causes, in its best form; steps: beside none, and beside the causes. insufficient:
+    the mechanism that is barred and yet the most probable, or "". sizes: first parameter of each
+    mechanism over its forms and the sets that hold it, by their probability: mean and standard
+    deviation.
     """
 
     channel: Channel
@@ -85,6 +87,7 @@ class Found:
     unexplained: str
     probabilities: Sets
     alone: Mapping[str, Model]
+    beside: Mapping[str, Model]
     insufficient: str = ""
     sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -94,15 +97,24 @@ class Found:
         return as_shown(self.probabilities).get(frozenset(), 0.0) >= guards.CERTAIN
 
     @property
+    def rest(self) -> Sets:
+        """Probabilities of what acts beside the causes, were these all there."""
+        return conditional(self.probabilities, (cause.mechanism.id for cause in self.causes))
+
+    @property
     def open(self) -> list[str]:
-        """Where nothing is named nor certain, what may be: mechanisms, `UNKNOWN`, `NONE`; or []."""
-        sets = self.probabilities
+        """What may be, beside the causes, where neither that nor nothing is certain: mechanisms,
+        `UNKNOWN`, `NONE`; or [].
+        """
+        sets = self.rest
         if max(sets.get(frozenset(), 0.0), inclusion(sets, UNKNOWN)) >= guards.CERTAIN:
             return []
-        found = credible(as_shown(sets))
-        if self.quiet or len(found) == 1:  # one that is barred does not stand for certain
+        shown = as_shown(sets)
+        found = credible(shown)
+        # One that is barred does not stand for certain.
+        if shown.get(frozenset(), 0.0) >= guards.CERTAIN or len(found) == 1:
             found = credible(sets) | {UNKNOWN: 0.0}
-        return list(found) if set(found) & set(self.alone) and not self.causes else []
+        return list(found) if set(found) & set(self.beside) else []
 
 
 class _Search:
@@ -253,6 +265,8 @@ def _found(made: _Search) -> Found:
         here = frozenset()
     model = made.models[here]
     first = made.steps[frozenset()]
+    steps = (first, made.steps[here]) if here in made.steps else (first,)
+    beside = {n: made.models.get(here | {n}) for n in first.mechanisms if n not in here}
     rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
     unexplained = max(rest, key=rest.get, default="")
     causes = [_cause(made, model, one, sets, unexplained) for one in model.causes]
@@ -260,9 +274,10 @@ def _found(made: _Search) -> Found:
     if not barred and set(first.mechanisms) <= set(made.known.barred):
         leading = _leading(sets)
     return Found(
-        made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), (first,),
+        made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), steps,
         unexplained, sets,
         {n: made.models[frozenset({n})] for n in first.mechanisms},
+        {n: one for n, one in beside.items() if one},
         leading,
         {n: _size(made, n, sets) for n in first.mechanisms},
     )  # fmt: skip

@@ -20,7 +20,6 @@ from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
-from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
@@ -265,9 +264,7 @@ def _by_facts(
     sets, gained = probabilities(made), 0.0
     for found in made.found:
         for name in sorted(facts.keys() & found.alone.keys() & asked):
-            (value, std), *_ = sizes(
-                found.alone[name].causes[0], found.alone[name].fit, found.channel.base
-            )
+            value, std = found.beside.get(name, found.alone[name]).size(name)
             odds = inclusion(sets, name)
             if name in made.known.barred:
                 odds = min(odds, 0.5)

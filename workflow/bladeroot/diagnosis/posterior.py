@@ -100,6 +100,14 @@ def as_shown(sets: Sets) -> Sets:
     return found
 
 
+def conditional(sets: Mapping[frozenset[str], float], names: Iterable[str]) -> Sets:
+    """Of what acts beside causes, were these all there."""
+    there = frozenset(names)
+    found = {key - there: value for key, value in sets.items() if key >= there}
+    total = sum(found.values())
+    return {key: value / total for key, value in found.items()}
+
+
 def together(parts: Iterable[Sets], further: float = guards.FURTHER) -> Sets:
     """Of the sets over several kinds of data, which speak of different causes.
 

@@ -8,6 +8,7 @@ import xarray as xr
 
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import gains
+from bladeroot.diagnosis.guards import CERTAIN
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
@@ -54,16 +55,14 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
 def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     """Causes of all channels, what explains most first; record faults by how many records."""
     rows = []
-    silent = all(found.quiet for found in made.found)
     for found in made.found:
         first = found.channel.base
         for cause in found.causes:
             rows.append((cause.gain, _cause(found, cause, first, sets)))
             first += len(cause.mechanism.parameters)
-        # What the data would not show is asked about only where they show nothing at all.
-        if found.open and (silent or not found.quiet):
-            alone, cause = _as_if(found)
-            rows.append((cause.gain, _cause(alone, cause, found.channel.base, sets)))
+        if found.open:
+            supposed, cause, first = _as_if(found)
+            rows.append((cause.gain, _cause(supposed, cause, first, sets)))
     for one in made.faulty:
         if one.named:
             rows.append((one.log_odds, _fault(one)))
@@ -94,15 +93,18 @@ def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     }
 
 
-def _as_if(found: Found) -> tuple[Found, Cause]:
-    """The most probable mechanism of an open question, with all that may stand in its place."""
-    name = next(one for one in found.open if one in found.alone)
-    model = found.alone[name]
-    others = tuple(one for one in found.open if one != name)
-    cause = Cause(
-        model.causes[0], model.log_evidence, (name, *others), inclusion(found.probabilities, name)
-    )
-    return replace(found, final=model.fit, causes=(cause,)), cause
+def _as_if(found: Found) -> tuple[Found, Cause, int]:
+    """The most probable mechanism of an open question, with all that may stand in its place, and
+    the place of its parameters.
+    """
+    name = next(one for one in found.open if one in found.beside)
+    model, chance = found.beside[name], inclusion(found.probabilities, name)
+    choice = (name, *(one for one in found.open if one != name))
+    gain = found.steps[-1].mechanisms[name]
+    causes = tuple(Cause(one, gain, choice, chance) for one in model.causes)
+    place = [one.id for one in model.causes].index(name)
+    first = found.channel.base + sum(len(one.parameters) for one in model.causes[:place])
+    return replace(found, final=model.fit, causes=causes), causes[place], first
 
 
 def _fault(one) -> dict:
@@ -238,12 +240,14 @@ def _out_of_line(made: Diagnosis) -> list[str]:
 def _open_question(found: Found) -> str:
     """What may be missing where no cause is named and none is excluded."""
     names = [one for one in found.open if one not in (NONE, UNKNOWN)]
-    seen = as_shown(found.probabilities).get(frozenset(), 0.0)
+    seen = as_shown(found.rest).get(frozenset(), 0.0)
+    beside = " beside " + " and ".join(one.mechanism.id for one in found.causes)
+    beside = beside if found.causes else ""
     text = (
-        f"the {found.channel.name} data show nothing missing (probability {100.0 * seen:.0f} %) "
-        "and would hardly show"
-        if found.quiet
-        else f"the {found.channel.name} data do not tell which is missing:"
+        f"the {found.channel.name} data show nothing missing{beside} (probability "
+        f"{100.0 * seen:.0f} %) and would hardly show"
+        if seen >= CERTAIN
+        else f"the {found.channel.name} data do not tell which is missing{beside}:"
     )
     first = next(one for one in names if one in found.alone)
     decide = found.alone[first].causes[0].splitter
