@@ -128,9 +128,9 @@ def loop(args: argparse.Namespace) -> None:
             verdict = judge(observations(case), model, known)
             ended = outcome(truth, verdict)
             steps.append({"answer": verdict["answer"], "outcome": ended, "asked": ""})
-            if verdict["answer"] == "named" or not verdict["next"] or len(steps) == 3:
+            asked = next((one for one in verdict["next"] if one["hours"]), None)
+            if verdict["answer"] == "named" or not asked or len(steps) == 3:
                 break
-            asked = verdict["next"][0]
             steps[-1]["asked"] = asked["what"]
             if asked["load"] is None:
                 known += facts(case, asked["measurement"], rng)

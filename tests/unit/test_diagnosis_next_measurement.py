@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from bladeroot.diagnosis import next_measurement
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
@@ -113,10 +114,20 @@ def test_evidence_that_is_divided_decides_less():
 def test_costs_of_the_campaign_change_the_order(made):
     dear = {"clamping": 50.0, "load cell": 0.1}
     changed = replace(made, settings=replace(made.settings, costs=dear))
-    first = following(next_measurements(made))
+    first = following(next_measurements(made), made)
     assert first
-    for one in following(next_measurements(changed)):
+    for one in following(next_measurements(changed), changed):
         assert one["load"] is None or one["hours"] >= 50.0
+
+
+def test_what_may_not_be_named_yet_asks_for_what_tells_it_from_others(made):
+    """Also where no option can be weighed, as without stick frequencies."""
+    found = replace(made.found[0], insufficient=next(iter(made.found[0].alone)))
+    barred = replace(made, found=(found, *made.found[1:]))
+    (one,) = following(xr.Dataset(), barred)
+    told = found.alone[found.insufficient].causes[0].splitter
+    assert one["what"] == made.terms.say(told)
+    assert one["hours"] is None
 
 
 def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
@@ -124,7 +135,7 @@ def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
     monkeypatch.setattr(next_measurement, "_asked", lambda made: set())
     found = next_measurements(made)
     assert np.isnan(found["decided"].values).all()
-    assert following(found) == []
+    assert following(found, made) == []
     (said,) = next_sentence(found)
     assert "decide" not in said
     assert "known" in said

@@ -17,6 +17,7 @@ from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.report.verdict import answer_of
 from bladeroot.rom.parametric import ln_frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.schema import check
@@ -201,6 +202,7 @@ def test_another_machine_is_refused_in_one_sentence_with_the_numbers(model, expe
     made, said, extension = judged.with_structure(seen, model, SETTINGS, CATALOGUE, foreign)
     check(json.loads(json.dumps(said)), "verdict", "refused")
     assert (said["answer"], said["causes"]) == ("insufficient-data", [])
+    assert answer_of(said) == "not this specimen"
     check(extension, "model", "refused")
     assert "cannot be this specimen" in said["reason"]
     assert f"{foreign['first']:.4g} Hz" in said["reason"]

@@ -107,7 +107,7 @@ def with_structure(
     further = next_measurements(made)
     said = verdict(made, with_lower_forces(seen, model, settings, candidates))
     whole = dataset(made, said).merge(further)
-    said = _with_groups(said | {"next": following(further)}, seen)
+    said = _with_groups(said | {"next": following(further, made)}, seen)
     return whole.assign_attrs(_load(seen)), said, model_file(made)
 
 
@@ -170,7 +170,7 @@ def _in_own(
     )
     said = verdict(made)
     whole = dataset_in_own(dataset(made, said).merge(further), own)
-    said = verdict_in_own(said | {"next": following(further)}, own)
+    said = verdict_in_own(said | {"next": following(further, made)}, own)
     if simulated.kind == "none":
         silent = SILENT + (SILENT_LOAD if own.name else "")
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"]):

@@ -95,11 +95,12 @@ def next_measurements(
     return found
 
 
-def following(found: xr.Dataset) -> list[dict]:
-    """`next` of the verdict: measurements that decide anything, the best for its hours first."""
-    if "decided" not in found:
-        return []
-    return [
+def following(found: xr.Dataset, made: Diagnosis) -> list[dict]:
+    """`next` of the verdict: measurements that decide anything, the best for its hours first.
+
+    Last, what tells a mechanism that may not be named yet from others: not weighed (None).
+    """
+    weighed = [
         {
             "measurement": str(one["kind"].item()),
             "what": str(one["option"].item()),
@@ -108,8 +109,19 @@ def following(found: xr.Dataset) -> list[dict]:
             "load": None if np.isnan(one["new_force"]) else float(one["new_force"]),
             "clampings": int(one["clampings"]),
         }
-        for one in (found.isel(option=k) for k in range(1, found.sizes["option"]))
+        for one in (found.isel(option=k) for k in range(1, found.sizes.get("option", 0)))
         if float(one["decided"]) > 0.0
+    ]
+    unknown = dict.fromkeys(("hours", "decides", "load"))
+    return weighed + [
+        {
+            "measurement": "discriminating measurement",
+            "what": made.terms.say(one.alone[one.insufficient].causes[0].splitter),
+            **unknown,
+            "clampings": 0,
+        }
+        for one in made.found
+        if one.insufficient
     ]
 
 

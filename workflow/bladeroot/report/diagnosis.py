@@ -14,6 +14,7 @@ from bladeroot.report.diagnosis_tables import (
 from bladeroot.report.next_measurement import next_parts
 from bladeroot.report.page import Box, Picture, Section
 from bladeroot.report.verdict import (
+    REFUSED,
     against,
     cautions,
     disagreement,
@@ -46,7 +47,7 @@ def diagnosis_section(
     """
     title = diagnosis_title(found[0])
     if found[0].attrs.get("refused"):
-        head = f"{against(found[0], verdicts[0])}: not this specimen, nothing is inferred with it"
+        head = f"{against(found[0], verdicts[0])}: {REFUSED}, nothing is inferred with it"
         return Section(title, [Box(head, [f"{said['reason']}." for said in verdicts])])
     verdicts = [
         {**with_open(said), "structure": against(one, said)}

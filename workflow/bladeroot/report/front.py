@@ -123,9 +123,8 @@ def _hertz(level: xr.Dataset) -> str:
 
 def _verdict_card(one: xr.Dataset, said: Mapping) -> tuple[str, str, list[str]]:
     causes = list(map(supposed, said["causes"]))
-    head = "not this specimen" if one.attrs.get("refused") else answer_of(said)
     other = "linear modes" if judge_of(one).plural else against(one, said)
-    return "verdict", head, [*causes, f"compared with {other}"]
+    return "verdict", answer_of(said), [*causes, f"compared with {other}"]
 
 
 def _stages(

@@ -19,6 +19,7 @@ ANSWERS = {
     "unexplained": "something is missing, cause not in the catalogue",
     "insufficient-data": "too few data",
 }
+REFUSED = "not this specimen"
 QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
 INSTEAD = {"none": "nothing at all", "none-of-these": "a cause outside the catalogue"}
@@ -93,7 +94,9 @@ def with_open(said: Mapping) -> dict:
 
 
 def answer_of(said: Mapping) -> str:
-    """The answer as words."""
+    """The answer as words; without probabilities nothing was inferred."""
+    if not said["probabilities"]:
+        return REFUSED
     quiet = said["answer"] in ("ambiguous", "nothing-missing")
     if quiet and said.get("open") and not said["causes"]:
         return QUIET
