@@ -7,6 +7,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.signal.lines import hann
+
 # Half the filter's length, in inverse widths of the band: shorter lets the neighbours in, longer
 # loses more of the decay's ends.
 REACH = 2.0
@@ -132,6 +134,6 @@ def in_band(
         )
     time = np.arange(-reach, reach + 1) / sampling_Hz
     ideal = 2.0 * (high * np.sinc(2.0 * high * time) - low * np.sinc(2.0 * low * time))
-    taps = ideal * np.hanning(time.size + 2)[1:-1]
+    taps = ideal * hann(time.size)
     taps /= taps @ np.cos(2.0 * np.pi * own_Hz * time)
     return fftconvolve(velocity, taps, mode="same"), reach

@@ -161,8 +161,8 @@ def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
     between = 0.5 * (middle[1:] + middle[:-1]) if middle.size > 1 else middle
     wanted = FALL / np.maximum(np.interp(np.arange(level.size), between, rate), 1e-6)
     # a ladder of lengths, so that few matrices serve all points
-    rung = np.round(np.log(np.clip(wanted, FEWEST, MOST)) / np.log(1.25))
-    return np.clip(1.25**rung, FEWEST, min(MOST, level.size)).astype(int)
+    steps = np.round(np.log(np.clip(wanted, FEWEST, MOST)) / np.log(1.25))
+    return np.clip(1.25**steps, FEWEST, min(MOST, level.size)).astype(int)
 
 
 def _fitted(

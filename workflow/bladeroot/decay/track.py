@@ -20,6 +20,16 @@ _LIMIT = 2.5
 _CUT_MEAN = 0.9765
 # Windows of the scatter along a record at most, and blocks in each at least.
 MOST_WINDOWS, LONG = 12, 80
+# Blocks, or cycles, that a curve needs.
+FEWEST = 8
+# The mode is lost where half of the FEWEST blocks ahead miss what is known by so many standard
+# errors and so many radians; only blocks less sure than BLUNT (rad) are doubted.
+LOST, LOST_TURN, BLUNT = 5.0, 0.3, 0.03
+# Blocks scatter by this part of their stated errors at least; no clock or digitiser is better than
+# a millionth of a radian.
+LEAST_RATIO, CLOCK = 0.1, 1e-6
+# Frames are cut anew where ln of the frequency has moved by so much: a cycle stays whole to 1 %.
+MOVED = 0.02
 # A knock lies so many standard errors off the line through so many blocks around it.
 KNOCK, WINDOW = 6.0, 9
 
@@ -67,7 +77,7 @@ def _roughly(
     """Rough blocks of the mode near a line, and their spline."""
     blocks, phase = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
     scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
-    std = blocks.std * np.maximum(scatter, 0.1)
+    std = blocks.std * np.maximum(scatter, LEAST_RATIO)
     duration = velocity.size / sampling_Hz
     return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
 
@@ -78,15 +88,14 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
     omega = fit.value(grid)[1, 1]
     # where the mode is lost its phase may stand still or even turn back
     omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
-    step = 0.02
-    class_ = np.round(np.log(omega / np.median(omega)) / step)
+    class_ = np.round(np.log(omega / np.median(omega)) / MOVED)
     change = np.flatnonzero(np.diff(class_)) + 1
     found: list[Segment] = []
     first = 0
     starts = np.concatenate([[0], change])
     ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
     for start, end in zip(starts, ends, strict=True):
-        angle = float(np.median(omega) * np.exp(class_[start] * step)) / sampling_Hz
+        angle = float(np.median(omega) * np.exp(class_[start] * MOVED)) / sampling_Hz
         length = max(round(2.0 * np.pi / angle), 8)
         frames = int(min(end, samples) - first) // length
         if frames > 0:
@@ -121,22 +130,25 @@ def _gathered(
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
     # lost, where it is weak and half of the blocks ahead do not follow what is known
-    astray = (np.abs(miss) > np.maximum(5.0 * blocks.std, 0.3)) & (blocks.std > 0.03)
-    lost = np.flatnonzero(astray & (np.convolve(astray, np.full(8, 0.125))[7:] >= 0.5))
+    astray = (np.abs(miss) > np.maximum(LOST * blocks.std, LOST_TURN)) & (blocks.std > BLUNT)
+    lost = np.flatnonzero(
+        astray & (np.convolve(astray, np.ones(FEWEST))[FEWEST - 1 :] >= 0.5 * FEWEST)
+    )
     if lost.size:
         part = slice(0, int(lost[0]))
         blocks, miss = Phasors(blocks.time[part], blocks.log[part], blocks.std[part]), miss[part]
-    if blocks.time.size < 8:
-        raise ValueError(f"expected 8 blocks of cycles above the noise, got {blocks.time.size}")
+    if blocks.time.size < FEWEST:
+        raise ValueError(
+            f"expected {FEWEST} blocks of cycles above the noise, got {blocks.time.size}"
+        )
     off = parts(miss)
-    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), 0.1)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_RATIO)
     if taken is not None and taken[0].size:
         time, factor, doubt = taken
         std = np.hypot(
             std * np.interp(blocks.time, time, factor), np.interp(blocks.time, time, doubt)
         )
-    # a clock and a digitiser are never better than a millionth of a radian
-    std = np.hypot(std, 1e-6)
+    std = np.hypot(std, CLOCK)
     return Phasors(blocks.time, blocks.log, without_knocks(off, std))
 
 
@@ -215,16 +227,17 @@ def rough_phasors(
     cycle = sampling_Hz / line_Hz
     length = round(np.ceil(12.0 / cycle) * cycle)  # enough samples for the fit's three columns
     count = velocity.size // length
-    if count < 8:
+    if count < FEWEST:
         raise ValueError(
-            f"expected at least 8 whole cycles near {line_Hz:.4g} Hz to follow the mode, got "
-            f"{velocity.size / cycle:.3g}"
+            f"expected at least {FEWEST} whole cycles near {line_Hz:.4g} Hz to follow the mode, "
+            f"got {velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
     frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)
-    if frames.time.size < 8:
+    if frames.time.size < FEWEST:
         raise ValueError(
-            f"expected at least 8 usable cycles near {line_Hz:.4g} Hz, got {frames.time.size}"
+            f"expected at least {FEWEST} usable cycles near {line_Hz:.4g} Hz, "
+            f"got {frames.time.size}"
         )
     turn = _turning(frames)
     still = frames.phasor * np.exp(-1j * turn)
@@ -233,9 +246,9 @@ def rough_phasors(
     blocks, miss = gather(
         frames.time[:last], frames.phasor[:last], frames.std[:last], (level + 1j * turn)[:last]
     )
-    if blocks.time.size < 8:
+    if blocks.time.size < FEWEST:
         raise ValueError(
-            f"expected at least 8 cycles near {line_Hz:.4g} Hz above the noise, got "
+            f"expected at least {FEWEST} cycles near {line_Hz:.4g} Hz above the noise, got "
             f"{blocks.time.size}"
         )
     return blocks, miss.imag

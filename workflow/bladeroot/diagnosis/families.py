@@ -89,8 +89,8 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
 
 
 def baseline(channel: Channel) -> Model:
-    """The model without a cause, from several sizes of the scatter: far from its summit, where data
-    lie many of their errors away, the search sees no slope.
+    """The model without a cause, from several sizes of the scatter: far from its maximum, where
+    data lie many of their errors away, the search sees no slope.
     """
     problem = channel.problem((), ())
     usual = problem.scales
@@ -102,7 +102,7 @@ def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, 
     """The model, and those with one cause more by its id.
 
     The first is also tried from where the best of the others ends: a mechanism that does nothing
-    may find a better summit of the model without it, which is no evidence.
+    may find a better maximum of the model without it, which is no evidence.
     """
     more = _added(channel, model, known)
     own = model.fit.parameters.size
@@ -120,9 +120,9 @@ def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, 
 
 
 def _moved(channel: Channel, model: Model, more: Model, gain: float) -> Model:
-    """A model with one cause more, fitted again from the better summit of the model without.
+    """A model with one cause more, fitted again from the better maximum of the model without.
 
-    gain: of that summit; the model's own evidence is what is counted from, and stands for it now.
+    gain: of that maximum; the model's own evidence is what is counted from, and stands for it now.
     """
     own = more.fit.parameters[model.fit.parameters.size :]
     start = np.append(model.fit.parameters, own)

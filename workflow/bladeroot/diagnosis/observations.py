@@ -11,13 +11,12 @@ from numpy import ndarray
 from bladeroot.loads import load_attrs
 from bladeroot.pooling.coupling import coupling
 from bladeroot.pooling.groups import group_differences
-from bladeroot.pooling.level_curve import ladder_of, on_ladder
+from bladeroot.pooling.level_curve import ladder_of, on_one_ladder
 from bladeroot.variables import dataset, names
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
 READINGS = (100.0, 50.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
-CURVES = ("frequency", "frequency_std", "loss_factor", "loss_factor_std")
 
 
 @dataclass(frozen=True)
@@ -102,13 +101,7 @@ def observations(
     chosen = [by_name.get(row["record"]) for row in rows]
     chosen = [None if d is None or d.sizes["point"] < 2 else d for d in chosen]
     ladder = ladder_of([decay for decay in chosen if decay is not None], POINTS_A_DECADE)
-    nowhere = np.full(ladder.size, np.nan)
-    points = {
-        name: np.array(
-            [nowhere if decay is None else on_ladder(decay, name, ladder) for decay in chosen]
-        ).reshape(len(rows), ladder.size)
-        for name in CURVES
-    }
+    points = on_one_ladder(chosen, ladder)
     points |= coupling(chosen, rows, ladder)
     made = {name: np.array([row[name] for row in rows]) for name in names("diagnosis/record")}
     seen = dataset("diagnosis/record", made | {"record": [row["record"] for row in rows]})

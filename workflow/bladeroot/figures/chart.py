@@ -91,7 +91,7 @@ def options(chart: Chart) -> dict[str, dict[str, list[Trace]]]:
 
 
 def runs(known: ndarray) -> list[slice]:
-    """Stretches of consecutive known points."""
+    """Runs of consecutive known points."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
     return [slice(first, last) for first, last in edges.reshape(-1, 2)]
 

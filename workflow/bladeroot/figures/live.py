@@ -112,7 +112,7 @@ def _hover(trace: Trace, panel: Panel, chart: Chart) -> str:
 
 
 def _band(trace: Trace) -> dict:
-    """A closed outline round each stretch that is known."""
+    """A closed outline round each run of points that is known."""
     x: list[float | None] = []
     y: list[float | None] = []
     for run in runs(np.isfinite(trace.low) & np.isfinite(trace.high)):

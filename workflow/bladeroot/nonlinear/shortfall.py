@@ -89,9 +89,9 @@ def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Data
 def crossing(
     ladder: Float[ndarray, " amplitude"], fall: Float[ndarray, " amplitude"], level: float
 ) -> float:
-    """Amplitude at which a fall first exceeds a level, between rungs; NaN if at none.
+    """Amplitude at which a fall first exceeds a level, between the ladder's points; NaN if at none.
 
-    The first rung, if there already.
+    The first point, if there already.
     """
     past = np.flatnonzero(fall > level)
     if not len(past):

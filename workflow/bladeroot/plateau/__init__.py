@@ -1,5 +1,5 @@
 """The stick plateau of one decay: where frequency and damping are constant, and where slip begins.
 
-In: the curves of one decay. Out: stick frequency, loss factor and onset of slip with their errors
-(`record`). Read `plateau` first; laws that the decay may follow are weighed by their evidence.
+In: the curves of one decay. Out: stick frequency, loss factor and onset of slip with their errors.
+Read `plateau` first; laws that the decay may follow (`laws`) are weighed by evidence (`weigh`).
 """

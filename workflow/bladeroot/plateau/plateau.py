@@ -33,6 +33,12 @@ NUMBERS = (
 
 # Standard errors from which on a frequency that changes in time on the plateau counts.
 CREEPS = 5.0
+# Points, or blocks of cycles, from which on laws are weighed.
+FEWEST = 12
+# Radians: a block less sure than BLUNT is not used; one surer than SHARP is taken for itself, not
+# for the smoothed curve. That curve rounds off a sudden end of slip where it misses a block by
+# ROUNDED of the block's standard errors, and by more than LEAST_ROUNDED.
+BLUNT, SHARP, ROUNDED, LEAST_ROUNDED = 0.15, 1e-3, 5.0, 0.003
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -59,25 +65,25 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
     result["plateau_reached"] = 0
     rejected = decay.attrs.get("verdict", "usable") == "rejected"
-    if rejected or decay.sizes["point"] < 12:
+    if rejected or decay.sizes["point"] < FEWEST:
         reason = decay.attrs.get("reason", "") if rejected else ""
         return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
-    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < 0.15)
-    if within.sum() < 12:
+    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < BLUNT)
+    if within.sum() < FEWEST:
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = cubic(blocks["time"], time, np.log(amplitude))
     # the curve is sharper than a block, but for where it rounds off a sudden end of slip
-    rounded = np.abs(both[0] - smooth) > np.maximum(5.0 * blocks["std"], 0.003)
-    log = np.where(rounded | (blocks["std"] < 1e-3), both[0], smooth)
+    rounded = np.abs(both[0] - smooth) > np.maximum(ROUNDED * blocks["std"], LEAST_ROUNDED)
+    log = np.where(rounded | (blocks["std"] < SHARP), both[0], smooth)
     segment = grouped(blocks["time"], both, blocks["std"], log)
-    if segment.time.size < 12:
+    if segment.time.size < FEWEST:
         return result | {"verdict": "rejected: too few cycles of falling amplitude"}
     found = weigh(segment)
     sudden = sudden_onset(blocks["time"], both[0], blocks["std"], found.decline.mean()[0])
-    if sudden and segment.below(sudden[2]).time.size >= 12:
+    if sudden and segment.below(sudden[2]).time.size >= FEWEST:
         # what follows a capture needs no law of the slip before it
         after = weigh(segment.below(sudden[2]))
         onset = Mixture(*(np.array([one]) for one in (1.0, sudden[0], sudden[1] ** 2)))

@@ -1,28 +1,26 @@
-"""Frequency and damping over amplitude at each force: the curves of all its records as one."""
+"""Frequency and damping over amplitude at each load: the mean curves and levels, as one Dataset."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float, Int
+from jaxtyping import Int
 from numpy import ndarray
-from scipy.special import stdtrit
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
-from bladeroot.pooling.components import QUANTILE_95
+from bladeroot.pooling.components import pool
 from bladeroot.pooling.level_curve import (
-    LENGTH,
-    POINTS_A_DECADE,
+    LevelCurve,
     ladder_of,
-    levels_of,
-    on_ladder,
+    level_curve,
+    on_one_ladder,
 )
 from bladeroot.variables import dataset
 
 CURVES = ("frequency", "loss_factor")
 # The mean, its standard error with and without that of the records' levels, the scatter of records.
 KINDS = ("", "_std", "_change_std", "_scatter")
+PLATEAU = ("stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std")
 
 # A change per decade is told from a curve that reaches over this part of one.
 SHORTEST = 0.3
@@ -32,13 +30,10 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
     """The mean curve of each mode, load, group and sensor, on one ladder of amplitudes.
 
     decays: as from `bladeroot.decay.freevib.freevib`, with mode, force_N and simulated in the
-    attributes. plateaus: of the same records; what is rejected there is left out. A record's curve
-    is its own level plus a change with amplitude that all share: levels are taken off before the
-    mean and their mean is put back, so that a record that begins or ends makes no step. The levels
-    of a clamping are averaged, then the clampings, each weighted by its own variance and the
-    scatter, which all forces of a mode share (DerSimonian-Laird); nothing is extrapolated. With the
-    standard error a normal 95 % interval is right for few repeats, too (Student). Where no clamping
-    repeats it is a lower bound, and says so.
+    attributes. plateaus: of the same records; what is rejected there is left out. The change with
+    amplitude is that of `bladeroot.pooling.level_curve`; the mean of the records' levels, pooled
+    over all loads of a mode as stick frequencies are (`bladeroot.pooling.components`), is put back.
+    Nothing is extrapolated. Where no clamping repeats the error is a lower bound, and says so.
 
     Returns:
         dims level (mode, force, group, sensor) and amplitude (m): frequency (Hz) and loss_factor
@@ -48,37 +43,40 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
         many reach the amplitude.
     """
     facts = load_facts_of(decays)
-    decays = [
-        decay
+    pairs = [
+        (decay, plateau)
         for decay, plateau in zip(decays, plateaus, strict=True)
         if decay.sizes["point"] > 1 and not str(plateau["verdict"].values).startswith("rejected")
     ]
+    decays = [decay for decay, _ in pairs]
     level_of = [_level_of(decay.attrs) for decay in decays]
     measured = {_level_of(d.attrs): str(d.attrs.get("quantity", "velocity")) for d in decays}
     levels = sorted(measured)
-    ladder = ladder_of(decays)
-    values = {name: np.full((len(levels), ladder.size), np.nan) for name in _names()}
-    count = np.zeros((len(levels), ladder.size), dtype=int)
-    unknown = []
+    seen = _on_ladder(pairs)
+    ladder = seen["amplitude"].values
+    rows = [np.flatnonzero([one == own for one in level_of]) for own in levels]
+    found = [level_curve(seen.isel(record=own)) for own in rows]
+    shape = (len(levels), ladder.size)
+    values = {f"{name}{part}": np.full(shape, np.nan) for name in CURVES for part in KINDS}
+    count, unknown = np.zeros(shape, dtype=int), []
     for kind in dict.fromkeys(_kind(own) for own in levels):
-        rows = [k for k, own in enumerate(levels) if _kind(own) == kind]
-        here = [d for d, own in zip(decays, level_of, strict=True) if _kind(own) == kind]
-        level = np.unique([value_of(decay.attrs) for decay in here], return_inverse=True)[1]
-        read = {
-            name: np.array([on_ladder(decay, name, ladder) for decay in here])
-            for name in (*CURVES, *(f"{name}_std" for name in CURVES))
-        }
-        for k, row in enumerate(rows):
-            count[row] = np.isfinite(read["loss_factor"][level == k]).sum(axis=0)
-        for name in CURVES:
-            clamping = _clampings(here, level)
-            *found, repeated = _means(read[name], read[f"{name}_std"], clamping, level)
-            for part, made in zip(KINDS, found, strict=True):
-                values[f"{name}{part}"][rows] = made
+        here = [k for k, own in enumerate(levels) if _kind(own) == kind and found[k] is not None]
+        if not here:
+            continue
+        level = np.repeat(np.arange(len(here)), [rows[k].size for k in here])
+        clamping = _clampings([decays[i] for k in here for i in rows[k]], level)
+        at = [np.searchsorted(ladder, found[k].amplitude) for k in here]
+        for q, name in enumerate(CURVES):
+            made, repeated = _absolute([found[k] for k in here], q, level, clamping)
+            for k, own, parts in zip(here, at, made, strict=True):
+                count[k, own] = found[k].records
+                for part, value in zip(KINDS, parts, strict=True):
+                    values[f"{name}{part}"][k, own] = value
         unknown += [] if repeated else [kind[0]]
-    for name in CURVES:
-        both = zip(values[name], values[f"{name}_change_std"], strict=True)
-        slopes = np.array([_slope(ladder, y, std) for y, std in both]).reshape(-1, 2)
+    for q, name in enumerate(CURVES):
+        slopes = np.array([_slope(curve, q) for curve in found]).reshape(-1, 2)
+        if q == 0 and len(slopes):  # of ln f so far
+            slopes *= np.nanmean(values[name], axis=1, keepdims=True)
         values |= {f"{name}_per_decade": slopes[:, 0], f"{name}_per_decade_std": slopes[:, 1]}
     made = values | {
         "amplitude": ladder,
@@ -113,24 +111,14 @@ def _strings(levels: Sequence[tuple], k: int) -> ndarray:
     return np.array([own[k] for own in levels], dtype=str)
 
 
-def _slope(
-    ladder: Float[ndarray, " amplitude"],
-    y: Float[ndarray, " amplitude"],
-    std: Float[ndarray, " amplitude"],
-) -> tuple[float, float]:
-    """Mean change of a curve in a decade, by weighted least squares, and its standard error.
-
-    Errors of neighbouring amplitudes are one over `LENGTH` in ln A.
-    """
-    known = np.isfinite(y) & np.isfinite(std)
-    decades = np.log10(ladder[known])
-    if not decades.size or np.ptp(decades) < SHORTEST:
+def _slope(curve: LevelCurve | None, q: int) -> tuple[float, float]:
+    """Mean change of a curve in a decade by a straight line, and its standard error."""
+    if curve is None or np.ptp(decades := np.log10(curve.amplitude)) < SHORTEST:
         return np.nan, np.nan
-    weight = std[known] ** -2.0
-    apart = decades - np.average(decades, weights=weight)
-    total = weight @ apart**2
-    shared = POINTS_A_DECADE * LENGTH / np.log(10.0)
-    return (weight * apart) @ y[known] / total, np.sqrt(shared / total)
+    apart = decades - decades.mean()
+    weight = apart / (apart @ apart)
+    covariance = curve.stated[q] + curve.repeats[q]
+    return weight @ curve.mean[q], np.sqrt(weight @ covariance @ weight)
 
 
 def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> ndarray:
@@ -142,103 +130,47 @@ def _clampings(decays: Sequence[xr.Dataset], level: Int[ndarray, " record"]) -> 
     return np.unique(names, return_inverse=True)[1]
 
 
-def _names() -> list[str]:
-    return [f"{name}{part}" for name in CURVES for part in KINDS]
+def _on_ladder(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]]) -> xr.Dataset:
+    """Curves and plateaus of the records as `bladeroot.pooling.level_curve` reads them."""
+    decays = [decay for decay, _ in pairs]
+    ladder = ladder_of(decays)
+    curves = {
+        name: (("record", "amplitude"), value)
+        for name, value in on_one_ladder(decays, ladder).items()
+    }
+    plateau = {
+        name if "stick" in name else f"stick_{name}": (
+            "record", np.array([float(one[name]) for _, one in pairs])
+        )
+        for name in PLATEAU
+    }  # fmt: skip
+    seen = xr.Dataset({**curves, **plateau, "amplitude": ladder})
+    return seen.assign(correlation_decades=("record", np.full(len(pairs), np.nan)))
 
 
-def _means(
-    value: Float[ndarray, "record amplitude"],
-    std: Float[ndarray, "record amplitude"],
+def _absolute(
+    curves: Sequence[LevelCurve],
+    q: int,
+    level: Int[ndarray, " record"],
     clamping: Int[ndarray, " record"],
-    force: Int[ndarray, " record"],
-) -> tuple[ndarray, ndarray, ndarray, ndarray, bool]:
-    """What `KINDS` names, for each force, and whether clampings repeat.
+) -> tuple[list[tuple[ndarray, ...]], bool]:
+    """What `KINDS` names of each level's curve, and whether clampings repeat.
 
-    clamping, force: numbers from 0; a clamping belongs to one force.
+    level, clamping: numbers of all their records. q: 0 the frequency, 1 the loss factor.
     """
-    known = np.isfinite(value) & (std > 0.0)
-    variance = np.where(known, std, np.inf) ** 2
-    weight = 1.0 / (variance + _grouped(value, variance, force).scatter)
-    level = np.empty(force.size)
-    for one in range(force.max() + 1):
-        level[force == one] = levels_of(value[force == one], weight[force == one])
-    with np.errstate(divide="ignore"):
-        level_std = (1.0 / variance).sum(axis=1) ** -0.5
-    own = (level[:, None], level_std[:, None])
-    middle, middle_std, apart, repeated = _middle(*own, clamping, force)
-    change = _grouped(value - level[:, None], variance, force)
-    reached = np.isfinite(change.variance)
-    mean, change_std = (
-        np.where(reached, part, np.nan) for part in (change.mean, np.sqrt(change.variance))
+    own, std = (
+        np.concatenate([getattr(c, part)[q] for c in curves]) for part in ("own", "own_std")
     )
-    several = _member(force) @ known > 1
-    scatter = np.where(several, np.hypot(np.sqrt(change.scatter), apart), np.nan)
-    return mean + middle, np.hypot(change_std, middle_std), change_std, scatter, repeated
-
-
-def _middle(
-    value: Float[ndarray, "record amplitude"],
-    std: Float[ndarray, "record amplitude"],
-    clamping: Int[ndarray, " record"],
-    force: Int[ndarray, " record"],
-) -> tuple[ndarray, ndarray, ndarray, bool]:
-    """Mean of each force, its standard error, the scatter of records, and if clampings repeat."""
-    first = np.unique(clamping, return_index=True)[1]
-    known = np.isfinite(value) & (std > 0.0)
-    records = _grouped(value, np.where(known, std, np.inf) ** 2, clamping)
-    clampings = _grouped(records.mean, records.variance, force[first])
-    by_records = records.scatter * (_member(force[first]) @ (clampings.share**2 * records.squares))
-    by_clampings = clampings.scatter * clampings.squares
-    with np.errstate(invalid="ignore", divide="ignore"):
-        doubt = np.nan_to_num(by_records**2 / records.freedom)
-        doubt = doubt + np.nan_to_num(by_clampings**2 / clampings.freedom)
-        freedom = clampings.variance**2 / doubt  # Satterthwaite's
-        error = np.sqrt(clampings.variance) * stdtrit(freedom, 0.975) / QUANTILE_95
-    scatter = np.sqrt(records.scatter + clampings.scatter)
-    scatter = np.where(records.freedom + clampings.freedom > 0, scatter, np.nan)
-    reached = np.isfinite(clampings.variance)
-    found = (np.where(reached, part, np.nan) for part in (clampings.mean, error, scatter))
-    return *found, bool(clampings.freedom.any())
-
-
-@dataclass(frozen=True)
-class _Grouped:
-    """Weighted means of groups of rows, with the scatter of rows (a variance) all groups share.
-
-    freedom: degrees of freedom of scatter. share: of a row in its group's mean; squares: the sum of
-    their squares.
-    """
-
-    mean: Float[ndarray, "group amplitude"]
-    variance: Float[ndarray, "group amplitude"]
-    scatter: Float[ndarray, " amplitude"]
-    freedom: Int[ndarray, " amplitude"]
-    share: Float[ndarray, "row amplitude"]
-    squares: Float[ndarray, "group amplitude"]
-
-
-def _grouped(
-    value: Float[ndarray, "row amplitude"],
-    variance: Float[ndarray, "row amplitude"],
-    group: Int[ndarray, " row"],
-) -> _Grouped:
-    """DerSimonian-Laird's moments over all groups; rows of infinite variance have no part."""
-    member = _member(group)
-    known = np.isfinite(variance)
-    value, weight = np.where(known, value, 0.0), 1.0 / variance
-    with np.errstate(invalid="ignore", divide="ignore"):
-        total = member @ weight
-        rest = np.where(known, value - (member @ (weight * value) / total)[group], 0.0)
-        freedom = known.sum(axis=0) - (total > 0.0).sum(axis=0)
-        excess = np.maximum((weight * rest**2).sum(axis=0) - freedom, 0.0)
-        scatter = excess / np.nansum(total - member @ weight**2 / total, axis=0)
-        scatter = np.where(freedom > 0, scatter, 0.0)
-        weight = 1.0 / (variance + scatter)
-        total = member @ weight
-        share = np.where(known, weight / total[group], 0.0)
-        mean, squares = member @ (share * value), member @ share**2
-        return _Grouped(mean, 1.0 / total, scatter, freedom, share, squares)
-
-
-def _member(group: Int[ndarray, " row"]) -> Float[ndarray, "group row"]:
-    return (np.arange(group.max() + 1)[:, None] == group).astype(float)
+    use = np.isfinite(own)
+    clamping = np.unique(clamping[use], return_inverse=True)[1]
+    pooled = pool(own[use], std[use], level[use], clamping, np.zeros(use.sum()))
+    apart = np.nan_to_num([pooled.record_std, pooled.clamping_std])
+    made = []
+    for curve, middle, middle_std in zip(curves, pooled.mean, pooled.std, strict=True):
+        mean = curve.mean[q] + middle
+        change = np.sqrt(np.diag(curve.stated[q] + curve.repeats[q]))
+        scatter = np.sqrt(curve.scatter[q] ** 2 + apart @ apart)
+        scatter = np.where(curve.records > 1, scatter, np.nan)
+        mean, unit = (np.exp(mean), np.exp(mean)) if q == 0 else (mean, 1.0)
+        made.append((mean, unit * np.hypot(change, middle_std), unit * change, unit * scatter))
+    return made, pooled.clamping_freedom > 0

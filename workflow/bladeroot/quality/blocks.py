@@ -5,6 +5,7 @@ from jaxtyping import Complex, Float, Int
 from numpy import ndarray
 
 from bladeroot.quality.examined import Frames
+from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
 # Frames that a trend is taken off, at least; no frame is believed to be surer than that.
@@ -62,4 +63,4 @@ def without_trend(frames: Frames, used: slice, degree: int) -> Complex[ndarray, 
     weight = frame_weights(frames, used)
     weighted = trend * weight[:, None]
     fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
-    return (log - trend @ fit) * np.hanning(log.size) * whole
+    return (log - trend @ fit) * hann(log.size) * whole

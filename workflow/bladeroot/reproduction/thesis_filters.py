@@ -24,6 +24,7 @@ from numpy import ndarray
 from bladeroot.decay.freevib import decay_dataset, freevib
 from bladeroot.decay.peaks import BRIDGE, bridged
 from bladeroot.reproduction.error_bounds import two_points
+from bladeroot.signal.lines import hann
 from bladeroot.signal.phasors import natural
 
 RIPPLE_DB = 80.0
@@ -185,7 +186,7 @@ def _lines(
     from scipy import fft
 
     count = fft.next_fast_len(velocity.size, real=True)
-    level = np.abs(fft.rfft(velocity * np.hanning(2 * velocity.size)[velocity.size :], count))
+    level = np.abs(fft.rfft(velocity * hann(2 * velocity.size)[velocity.size :], count))
     frequency = np.arange(level.size) * sampling_Hz / count
     inside = (frequency >= low_Hz) & (frequency <= high_Hz)
     centre = float(frequency[np.argmax(np.where(inside, level, 0.0))])

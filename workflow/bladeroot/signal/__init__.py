@@ -2,5 +2,5 @@
 
 In: samples and a sampling frequency. Out: arrays. Nothing here knows a file, a sheet or a finding.
 Read `phasors` first (from samples to independent log-phasors), then `smooth` (a curve and its
-derivatives from noisy values).
+derivatives from noisy values). Tapers and spectral lines are those of `lines`.
 """

@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
+from bladeroot.signal.lines import hann
+
 # A frame is six half cycles: Hann-weighted, the second mode near twice the first stays out of it.
 # It is moved on by half a cycle, and holds at least ten samples for its six unknowns.
 FRAME_STEPS = 6
@@ -56,7 +58,7 @@ def tapered(
     ]
     own = [*waves[:2], ramp * waves[0], ramp * waves[1], np.ones(width), ramp]
     design = np.stack([*own, *waves[2:]], axis=1)
-    taper = np.hanning(width + 2)[1:-1]
+    taper = hann(width)
     root = np.sqrt(taper)
     solver = np.linalg.pinv(design * root[:, None]) * root
     found = in_frames(x, solver.T, step)

@@ -25,7 +25,7 @@ def magnitudes(
     """Frequencies and magnitudes of a piece (Hann), without mean and slowest drift."""
     count = velocity.size
     padded = fft.next_fast_len(2 * count, real=True)
-    level = np.abs(fft.rfft((velocity - velocity.mean()) * np.hanning(count), padded))
+    level = np.abs(fft.rfft((velocity - velocity.mean()) * hann(count), padded))
     frequency = fft.rfftfreq(padded, 1.0 / sampling_Hz)
     level[frequency < 3.0 * sampling_Hz / count] = 0.0
     return frequency, level
@@ -110,7 +110,7 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
     median one. (0, 0): there is none.
     """
     trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE)
-    taper = np.hanning(log.size)
+    taper = hann(log.size)
     rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
     level = np.abs(np.fft.fft(rest, 4 * log.size)) / taper.sum()
     turns = np.fft.fftfreq(level.size)
@@ -122,6 +122,14 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
         return 0.0, 0.0
     middle = float(np.median(level[apart]))
     return float(level[k]) / max(middle, 1e-300), float(turns[k])
+
+
+def hann(count: int) -> Float[ndarray, " sample"]:
+    """Hann's taper: sin^2 at the middles of `count` equal parts of its length.
+
+    It is symmetric, loses no sample, and a mean shows in the lowest two lines only.
+    """
+    return np.sin(np.pi / count * (np.arange(count) + 0.5)) ** 2
 
 
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:
@@ -151,7 +159,7 @@ def white_noise(velocity: Float[ndarray, " sample"]) -> float:
     segment = min(velocity.size, max(64, min(1024, velocity.size // 8)))
     count = min(100, max(1, 2 * velocity.size // segment - 1))
     start = np.linspace(0, velocity.size - segment, count).astype(int)
-    taper = np.hanning(segment + 1)[:-1]  # periodic: a mean shows in the lowest two lines only
+    taper = hann(segment)
     pieces = velocity[start[:, None] + np.arange(segment)] * taper
     spectra = fft.rfft(pieces, axis=1)[:, segment // 50 + 2 : -2]
     power = spectra.real**2 + spectra.imag**2

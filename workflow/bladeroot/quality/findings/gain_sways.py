@@ -8,6 +8,7 @@ from scipy import fft
 
 from bladeroot.quality.blocks import without_trend
 from bladeroot.quality.examined import Examined, Finding
+from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest line of ln A less its trend that the phase lacks, over the median line of both"
@@ -48,7 +49,7 @@ def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     inside = (turns * rest.size >= FEWEST) & (turns * cycle <= FARTHEST)
     if inside.sum() < 8:
         return None
-    swing, turning = (2.0 * line / np.hanning(rest.size).sum() for line in lines)
+    swing, turning = (2.0 * line / hann(rest.size).sum() for line in lines)
     usual = float(medians(np.concatenate([swing[inside], turning[inside]])))
     level = frames.log.real[used]
     decline = -float(np.polyfit(np.arange(level.size), level, 1)[0])

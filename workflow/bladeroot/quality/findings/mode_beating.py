@@ -9,6 +9,7 @@ from scipy import fft
 
 from bladeroot.quality.blocks import frame_weights, without_trend
 from bladeroot.quality.examined import Examined, Finding
+from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
@@ -88,7 +89,7 @@ def _line(
         return None
     log, whole = frames.log[used], frames.whole[used]
     weight = frame_weights(frames, used)
-    taper = np.hanning(log.size) * whole
+    taper = hann(log.size) * whole
     line = fft.fft(rest, 2 * log.size) / taper.sum()
     turns = fft.fftfreq(line.size)  # per hop
     cycle = seen.sampling_Hz / seen.own_Hz / frames.hop
