@@ -108,7 +108,9 @@ def curves(args: argparse.Namespace) -> None:
 
 
 def loop(args: argparse.Namespace) -> None:
-    """What a verdict asks for is carried out, at most twice, and the verdict made again."""
+    """What a verdict asks for is carried out, at most twice, and the verdict made again, until it
+    asks for nothing.
+    """
     import numpy as np
     from foreign_lab.curves import observations, shows
     from foreign_lab.further import facts, with_records
@@ -128,7 +130,7 @@ def loop(args: argparse.Namespace) -> None:
             verdict = judge(observations(case), model, known)
             ended = outcome(truth, verdict)
             steps.append({"answer": verdict["answer"], "outcome": ended, "asked": ""})
-            if verdict["answer"] == "named" or not verdict["next"] or len(steps) == 3:
+            if not verdict["next"] or len(steps) == 3:
                 break
             asked = verdict["next"][0]
             steps[-1]["asked"] = asked["what"]
