@@ -108,7 +108,9 @@ def curves(args: argparse.Namespace) -> None:
 
 
 def loop(args: argparse.Namespace) -> None:
-    """What a verdict asks for is carried out, at most twice, and the verdict made again."""
+    """What a verdict asks for is carried out, at most twice, and the verdict made again, until it
+    asks for nothing.
+    """
     import numpy as np
     from foreign_lab.curves import observations, shows
     from foreign_lab.further import facts, with_records
@@ -129,7 +131,7 @@ def loop(args: argparse.Namespace) -> None:
             ended = outcome(truth, verdict)
             steps.append({"answer": verdict["answer"], "outcome": ended, "asked": ""})
             asked = next((one for one in verdict["next"] if one["hours"]), None)
-            if verdict["answer"] == "named" or not asked or len(steps) == 3:
+            if not asked or len(steps) == 3:
                 break
             steps[-1]["asked"] = asked["what"]
             if asked["load"] is None:

@@ -8,6 +8,7 @@ from foreign_lab.case import Case, disturb
 from foreign_lab.sheet import Sheet
 
 KEPT, STEPS = 3600.0, 6  # s that a clamping is kept, and records of each mode in it
+HARDER = 2.0  # times the usual amplitude at release
 
 
 def facts(case: Case, kind: str, rng: np.random.Generator) -> list[dict]:
@@ -15,7 +16,10 @@ def facts(case: Case, kind: str, rng: np.random.Generator) -> list[dict]:
     hidden = {one.id: one.size for one in case.effects}
     sheet, found = case.sheet, []
     if "load cell" in kind:
-        there, read = sheet.state["force"], sheet.reading
+        # read soon after each load is reached, when little has relaxed
+        fresh = replace(sheet, in_hold=np.full(len(sheet.mode), 60.0), state=dict(sheet.begun))
+        disturb(fresh, case.effects)
+        there, read = fresh.state["force"], sheet.reading
         lag = -np.sign(sheet.direction) * read
         rows = np.stack([read, np.ones(len(read)), lag], axis=1)
         if not 0 < np.mean(sheet.direction > 0) < 1:
@@ -43,7 +47,8 @@ def with_records(
 ) -> Case:
     """The campaign with the further records behind its own.
 
-    kind: `another load`, `both directions`, `kept clamping` or `all again`. load: N.
+    kind: `another load`, `both directions`, `kept clamping`, `larger amplitude` or `all again`.
+    load: N.
     """
     sheet, bench = case.sheet, case.bench
     if kind == "all again":
@@ -62,7 +67,8 @@ def with_records(
         ]
     mode, reading, direction, in_hold, hold = (np.array(part) for part in zip(*rows, strict=True))
     newtons, count = 10.0 * bench.piston_cm2, len(mode)
-    started = {m: sheet.usual_start(m) for m in np.unique(sheet.mode)}
+    times = HARDER if kind == "larger amplitude" else 1.0
+    started = {m: times * sheet.usual_start(m) for m in np.unique(sheet.mode)}
     apart = 1800.0 + (KEPT if kind == "kept clamping" else 0.0)
     begun = sheet.time.max() + apart * (1 + np.unique(hold, return_inverse=True)[1])
     reading = np.maximum(np.round(reading / newtons), 1.0) * newtons

@@ -102,7 +102,10 @@ def test_slopes_and_the_turn_of_the_covariance_are_differences(causes):
     theta = made.prior.mean + 0.3 * made.prior.std * rng.standard_normal(made.prior.mean.size)
     theta[-1] = 0.012 if "added-mass" in causes else theta[-1]  # not where the line has a node
     state = made.predict(theta)
-    turns = state.turns(scales)
+    n = state.mean.size
+    vector, matrix = rng.standard_normal(n), rng.standard_normal((n, n))
+    matrix = matrix + matrix.T
+    turned, traces = state.turns(scales, vector, matrix)
     size = np.abs(made.covariance(state, scales)[0]).max()
     for k, slope in enumerate(state.slope.T):
         step = np.eye(theta.size)[k] * 1e-5 * made.prior.std[k]
@@ -113,7 +116,8 @@ def test_slopes_and_the_turn_of_the_covariance_are_differences(causes):
         whole = made.covariance(up, scales)[0] - made.covariance(down, scales)[0]
         change = whole / (2.0 * step[k])
         near = 0.02 * np.abs(change).max() + 1e-4 * size / made.prior.std[k]
-        assert turns[k] == pytest.approx(change, abs=near)
+        assert turned[:, k] == pytest.approx(change @ vector, abs=near * np.sqrt(n))
+        assert traces[k] == pytest.approx((change * matrix).sum(), abs=near * n)
 
 
 def test_fits_of_a_bent_valley_end_alike_from_wherever_they_begin():

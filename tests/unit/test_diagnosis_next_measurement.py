@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.diagnosis import next_measurement
+from bladeroot.diagnosis import curve_model, next_measurement
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
+    Rival,
+    _gained,
+    _more_curves,
     _nats,
     decided,
     following,
@@ -89,6 +92,30 @@ def test_no_force_below_that_of_full_contact_is_proposed(made):
     assert max(proposed) <= 30.0
 
 
+def test_a_small_drag_shows_more_at_larger_amplitudes():
+    """Its loss grows with the amplitude, which tells it from nothing."""
+    seen = campaign(_model(False), "drag", 1.0, rows=programme(cycles=1))
+    candidates = [x for x in catalogue() if x.id == "quadratic-drag"]
+    made = diagnose(seen, _model(False), Settings(BIAS), candidates)
+    (curve,) = [one for one in made.found if one.channel.name == "curve"]
+    models = [((), curve.baseline), (candidates, curve.alone["quadratic-drag"].fit)]
+    even, decides = [Rival(tuple(some), one, 0.5, 1.0) for some, one in models], []
+    for times in (1.0, 2.0):
+        data, old, new = _more_curves(made.curves, 8e3, times)
+        problems = [curve_model.problem(data, one.mechanisms) for one in even]
+        decides.append(_gained(even, problems, old, new))
+    assert 0.0 < decides[0] < 0.9 * decides[1]
+
+
+def test_what_no_measurement_speaks_of_leaves_the_next_question(made, monkeypatch):
+    open_ = {"incomplete-contact", "load-dependent-stiffness"}
+    asks = [{"force-dependent-damping"}, open_]
+    monkeypatch.setattr(next_measurement, "_asked", lambda made: asks)
+    found = next_measurements(made)
+    assert found["decided"].attrs["rivals"] == ";".join(sorted(open_))
+    assert following(found, made)
+
+
 def test_known_odds_leave_little_to_decide():
     """A test that settles a question settles all of it, whatever the odds."""
     far = [gaussian(0, 1), gaussian(60, 1)]
@@ -132,7 +159,7 @@ def test_what_may_not_be_named_yet_asks_for_what_tells_it_from_others(made):
 
 def test_where_nothing_is_open_nothing_is_decided(made, monkeypatch):
     """As where one cause is named and nothing rivals it: its size is what is left to measure."""
-    monkeypatch.setattr(next_measurement, "_asked", lambda made: set())
+    monkeypatch.setattr(next_measurement, "_asked", lambda made: [set()])
     found = next_measurements(made)
     assert np.isnan(found["decided"].values).all()
     assert following(found, made) == []

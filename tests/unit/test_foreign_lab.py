@@ -334,7 +334,9 @@ def test_singles_are_drawn_over_all_ids_within_their_sizes(drawn):
         assert low <= abs(one.size) <= high * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("kind", ["another load", "both directions", "kept clamping", "all again"])
+@pytest.mark.parametrize(
+    "kind", ["another load", "both directions", "kept clamping", "larger amplitude", "all again"]
+)
 def test_further_records_are_of_the_same_specimen_and_leave_the_others(drawn, kind):
     before = drawn(effect="force-gain")
     count = len(before.sheet.mode)
@@ -350,6 +352,10 @@ def test_further_records_are_of_the_same_specimen_and_leave_the_others(drawn, ki
     xr.testing.assert_equal(old.drop_attrs(), new.isel(record=slice(count)).drop_attrs())
     off = after.sheet.state["bias"][count:] - before.sheet.state["bias"][0]
     assert (off[after.sheet.mode[count:] == before.sheet.mode[0]] == 0.0).all()
+    if kind != "all again":
+        mode = after.sheet.mode[-1]
+        usual = 2.0 if kind == "larger amplitude" else 1.0
+        assert after.sheet.start[-1] == pytest.approx(usual * before.sheet.usual_start(mode))
 
 
 def test_a_law_keeps_its_scale_where_further_records_go_beyond_the_campaign(drawn):

@@ -20,7 +20,7 @@ from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
-from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
+from bladeroot.diagnosis.posterior import UNKNOWN, Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
@@ -72,7 +72,21 @@ def next_measurements(
     stick = by_name.get("stick")
     if stick is None:
         return xr.Dataset()
-    asked = _asked(made)
+    for asked in _asked(made):
+        found = _of_question(made, by_name, asked, as_text, as_size)
+        if (found["decided"] > 0.0).any():
+            break  # else no measurement that is known here speaks of it, but of the next perhaps
+    return found
+
+
+def _of_question(
+    made: Diagnosis,
+    by_name: Mapping[str, Found],
+    asked: set[str],
+    as_text: Callable[[float], str],
+    as_size: Callable[[float], str],
+) -> xr.Dataset:
+    """Of the measurements where such mechanisms are in question."""
     whole = _open_nats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
 
@@ -125,9 +139,9 @@ def following(found: xr.Dataset, made: Diagnosis) -> list[dict]:
     ]
 
 
-def _asked(made: Diagnosis) -> set[str]:
-    """The mechanisms in question: those that may be what the data show to be missing, else those
-    that the data would not show.
+def _asked(made: Diagnosis) -> list[set[str]]:
+    """The mechanisms in question, first things first: those that may be what the data
+    show to be missing, those that come nearest to it, those that the data would not show.
     """
     shown = {
         name
@@ -139,10 +153,10 @@ def _asked(made: Diagnosis) -> set[str]:
     known = {name for found in made.found for name in found.alone}
     asks = (
         shown,
-        {name for found in made.found for name in found.open},
         {name for found in made.found if found.unexplained for name in _nearest(found)},
+        {name for found in made.found for name in found.open},
     )
-    return next((some & known for some in asks if some & known), set())
+    return [some & known for some in asks if some & known] or [set()]
 
 
 def _nearest(found: Found) -> list[str]:
@@ -171,11 +185,11 @@ def _rivals(found: Found, asked: set[str]) -> list[Rival]:
     here = frozenset(one.id for one in causes)
     fitted = {frozenset({name}): (m.causes, m.fit) for name, m in found.alone.items()}
     fitted |= {frozenset(): ((), found.baseline), here: (causes, found.final)}
-    sets = {
-        key: value
-        for key, value in found.probabilities.items()
-        if key in fitted and key - here <= asked
-    }
+    sets: Sets = {}
+    for key, value in found.probabilities.items():
+        known = key - {UNKNOWN}
+        if known in fitted and known - here <= asked:
+            sets[known] = sets.get(known, 0.0) + value
     order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
     reach = max((m.log_evidence for m in found.alone.values()), default=0.0)
     heat = temperature(reach, found.known.replicates, found.channel.trust)
@@ -201,7 +215,7 @@ def _row(
         gained += _gained(stick, problems, old, new)
         covariance = _sharper(problems[stick.index(first)], first.fit)
         if "curve" in rivals and not made.curve_lacks:
-            curves, old, new = _more_curves(made.curves, load)
+            curves, old, new = _more_curves(made.curves, load, one.times)
             models = [curve_model.problem(curves, r.mechanisms) for r in rivals["curve"]]
             gained += _gained(rivals["curve"], models, old, new)
     ratio = np.nan
@@ -312,8 +326,12 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
     )
 
 
-def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, ndarray]:
-    """Curve data with the levels nearest to a force once more, there; rows of old and new data."""
+def _more_curves(
+    data: CurveData, force: float, times: float = 1.0
+) -> tuple[CurveData, ndarray, ndarray]:
+    """Curve data with the levels nearest to a force once more, there and at so many times their
+    amplitudes; rows of old and new data.
+    """
     points, count = data.points, data.points.mode.size
     off = np.abs(np.log(points.force / force))
     least = np.array(
@@ -323,6 +341,7 @@ def _more_curves(data: CurveData, force: float) -> tuple[CurveData, ndarray, nda
     new = np.arange(rows.size) >= count
     there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
     there.force[new] = force
+    there.amplitude[new] *= times
     both, fresh = np.concatenate([rows, rows + count]), np.tile(new, 2)
     noise = data.noise[np.ix_(both, both)] * (fresh[:, None] == fresh)
     level = np.unique(data.level[rows] + new * (data.level.max() + 1), return_inverse=True)[1]

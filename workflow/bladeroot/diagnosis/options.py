@@ -1,7 +1,7 @@
 """Measurements that may come next: tests beside the campaign, and further records."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Int
@@ -42,6 +42,7 @@ FACTS = {
     ),
 }
 CLAMPINGS = (2, 4, 8)  # of a proposal, in each direction
+HARDER = 2.0  # times the usual amplitude at release
 # Times (s) in a clamping that is kept, of records of each mode.
 KEPT = (0.0, 720.0, 1440.0, 2160.0, 2880.0, 3600.0)
 
@@ -50,7 +51,8 @@ KEPT = (0.0, 720.0, 1440.0, 2160.0, 2880.0, 3600.0)
 class Option:
     """A measurement. records, hold: what it adds to the stick frequencies (hold: of the addition).
 
-    facts: what it measures beside the records, by mechanism, to which standard deviation.
+    facts: what it measures beside the records, by mechanism, to which standard deviation. times:
+    the amplitude of its curves over the campaign's.
     """
 
     kind: str
@@ -59,6 +61,7 @@ class Option:
     records: Records | None = None
     hold: Int[ndarray, " record"] | None = None
     facts: Mapping[str, float] = field(default_factory=dict)
+    times: float = 1.0
 
     def with_test(self, other: "Option", made: Diagnosis) -> "Option":
         """This test and another one in one visit."""
@@ -95,7 +98,7 @@ def of_facts(made: Diagnosis, as_size: Callable[[float], str]) -> list[Option]:
 
 def of_records(made: Diagnosis, as_text: Callable[[float], str]) -> list[list[Option]]:
     """Further records, of each kind in several sizes: all again, other loads, both directions,
-    clampings that are kept.
+    clampings that are kept, larger amplitudes.
     """
     data, hours = made.data, _hours(made)
     records = data.records
@@ -128,6 +131,10 @@ def of_records(made: Diagnosis, as_text: Callable[[float], str]) -> list[list[Op
     if data.time_known:
         what = f"clampings at {{}} kept for an hour, {len(KEPT)} records of every mode"
         options.append(sized("kept clamping", what, middle, since=KEPT))
+    if not made.curve_lacks:
+        what = f"clampings at {{}}, every mode, released at {HARDER:g} times the amplitude"
+        some = sized("larger amplitude", what, middle)
+        options.append([replace(one, times=HARDER) for one in some])
     return options
 
 

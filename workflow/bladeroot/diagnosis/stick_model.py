@@ -181,12 +181,16 @@ def problem(
         turns = None if said.turning is None else partial(turned, said, made, effects)
         return State(said.mean + made.changes[:, 3], np.hstack(columns), facts, turns=turns)
 
-    def turned(said: Said, made: Causes, effects: ndarray, scales: ndarray) -> ndarray:
-        """Derivatives of the covariance by the parameters."""
+    def turned(
+        said: Said, made: Causes, effects: ndarray, scales: ndarray, vector: ndarray,
+        matrix: ndarray,
+    ) -> tuple[ndarray, ndarray]:  # fmt: skip
+        """The covariance's derivatives by the parameters, as `State` says."""
         by_law, by_change = said.turning()
         by_cause = [np.einsum("nap,nab->npb", slope[:, :3], by_change) for slope in made.slopes]
         turn = np.concatenate([by_law, *by_cause], axis=1)
-        found, first = here.turned(said.gradient, turn, scales[:kinds]), base
+        times, traces = here.turned(said.gradient, turn, scales[:kinds], vector, matrix)
+        first = base
         whole = np.column_stack([said.gradient, np.ones(n)])
         for k, (one, slope, kernel) in enumerate(zip(mechanisms, made.slopes, trust, strict=True)):
             grown = np.einsum("npb,nb->np", turn, made.effects[k][:, :3])
@@ -196,9 +200,10 @@ def problem(
             if one.kind == "level":
                 e = e - of_mode @ _means(of_mode, e)
                 grown = grown - of_mode @ _means(of_mode, grown)
-            half = grown.T[:, :, None] * e * (TRUST**2 * kernel)
-            found += half + half.transpose(0, 2, 1)
-        return found
+            times += TRUST**2 * grown * (kernel @ (e * vector))[:, None]
+            times += TRUST**2 * e[:, None] * (kernel @ (grown * vector[:, None]))
+            traces += 2.0 * TRUST**2 * ((kernel * matrix) @ e) @ grown
+        return times, traces
 
     beyond = _of_limits(data)
     trust = [trust_kernel(data, one.over) for one in mechanisms]

@@ -44,14 +44,15 @@ class State:
     """What a model says at one point: mean, slope, and what its covariance needs to know.
 
     inside: whether the point is one that the model allows; beyond it goes straight on. turns: of
-    scales, the derivatives of the covariance by the parameters, where steps must see them.
+    scales, a vector and a symmetric matrix, the covariance's derivatives by the parameters times
+    the one, and the traces of their products with the other, where steps must see them.
     """
 
     mean: Float[ndarray, " datum"]
     slope: Float[ndarray, "datum parameter"]
     facts: dict[str, ndarray]
     inside: bool = True
-    turns: Callable[[ndarray], Float[ndarray, "parameter datum datum"]] | None = None
+    turns: Callable[[ndarray, ndarray, ndarray], tuple[ndarray, ndarray]] | None = None
 
 
 class LazyState(State):
@@ -169,6 +170,7 @@ class _Point:
         """ln of the covariance's determinant."""
         return 2.0 * float(np.log(np.diag(self.factor)).sum())
 
+    @cached_property
     def inverse(self) -> ndarray:
         """Of the covariance."""
         half, _ = lapack.dpotri(self.factor, lower=1)  # nothing above the diagonal
@@ -231,10 +233,9 @@ def _slopes(problem: Problem, at: _Point) -> _Slopes:
     weighted = at.over(problem.data - at.state.mean)
     pull = bent.T @ weighted - weight * (at.parameters - problem.prior.mean)
     if at.state.turns is not None:
-        turns = at.state.turns(at.scales)
-        turned = turns @ weighted
-        pull = pull + 0.5 * (turned @ weighted - np.tensordot(turns, at.inverse(), 2))
-        bent = bent + turned.T
+        turned, traces = at.state.turns(at.scales, weighted, at.inverse)
+        pull = pull + 0.5 * (weighted @ turned - traces)
+        bent = bent + turned
     white = at.whitened(bent)
     return _Slopes(weighted, bent, pull, white.T @ white + np.diag(weight))
 
@@ -331,7 +332,7 @@ def _straight(problem: Problem, at: _Point) -> ndarray:
 
 def _precision(problem: Problem, at: _Point) -> ndarray:
     """Inverse of the covariance with the parameters' prior in it."""
-    inverse = at.inverse()
+    inverse = at.inverse
     slope, weighted = at.state.slope, inverse @ at.state.slope
     curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
     return inverse - weighted @ _solved(curve, weighted.T)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 from numpy.polynomial import chebyshev
 
@@ -103,54 +103,53 @@ def trimmed(surface: Surface, tolerance: float = 1e-5) -> Surface:
 
 
 def evaluate(
-    surface: Surface, points: Float[ndarray, "point 3"], order: int = 0
-) -> list[Float[ndarray, "point function ..."]]:
-    """Values, and with order 1 gradients by the coordinates, at many points.
+    surface: Surface,
+    points: Float[ndarray, "point 3"],
+    order: int = 0,
+    function: Int[ndarray, " point"] | None = None,
+) -> list[Float[ndarray, "point ..."]]:
+    """Values, and with order 1 gradients by the coordinates, at many points, of all functions, or
+    of the one that is asked for at each.
 
     Raises ValueError for a point outside the box.
     """
     x = _inside(surface, points)
+    chunks = [slice(k, k + _CHUNK) for k in range(0, max(len(x), 1), _CHUNK)]
     parts = [
-        _evaluate(surface, x[start : start + _CHUNK], order)
-        for start in range(0, max(len(x), 1), _CHUNK)
+        _evaluate(surface, x[one], order, None if function is None else function[one])
+        for one in chunks
     ]
     return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
-def _evaluate(surface: Surface, x: Float[ndarray, "point 3"], order: int) -> list[ndarray]:
+def _evaluate(
+    surface: Surface, x: Float[ndarray, "point 3"], order: int, function: ndarray | None
+) -> list[ndarray]:
     functions, *count = surface.coefficients.shape
     width = surface.high - surface.low
-    scale = 2.0 / np.where(width > 0.0, width, np.inf)
-    basis = [  # [coordinate][derivative]: (point, coefficient)
-        _derivatives(x[:, axis], n, scale[axis], order) for axis, n in enumerate(count)
-    ]
+    basis = _derivatives(x, max(count), 2.0 / np.where(width > 0.0, width, np.inf), order)
+    by_i, by_j, by_l = (basis[:, :, axis, :n] for axis, n in enumerate(count))
     flat = surface.coefficients.transpose(1, 0, 2, 3).reshape(count[0], -1)
-    first = [(part @ flat).reshape(len(x), functions, *count[1:]) for part in basis[0]]
-
-    def inner(i: int, k: int) -> ndarray:
-        return np.einsum("pfjl,pl->pfj", first[i], basis[2][k])
-
-    def outer(part: ndarray, j: int) -> ndarray:
-        return np.einsum("pfj,pj->pf", part, basis[1][j])
-
-    plain = inner(0, 0)
-    results = [outer(plain, 0)]
+    first = (by_i @ flat).reshape(order + 1, len(x), functions, *count[1:])
+    if function is not None:
+        first = first[:, np.arange(len(x)), function, None]
+    plain = np.einsum("apfjl,pl->apfj", first, by_l[0])
+    results = [np.einsum("pfj,pj->pf", plain[0], by_j[0])]
     if order > 0:
-        slopes = [outer(inner(1, 0), 0), outer(plain, 1), outer(inner(0, 1), 0)]
-        results.append(np.stack(slopes, axis=-1))
-    return results
+        along = np.einsum("pfjl,pl->pfj", first[0], by_l[1])
+        slopes = [(plain[1], by_j[0]), (plain[0], by_j[1]), (along, by_j[0])]
+        results.append(np.stack([np.einsum("pfj,pj->pf", *one) for one in slopes], axis=-1))
+    return results if function is None else [part[:, 0] for part in results]
 
 
-def _derivatives(x: Float[ndarray, " point"], count: int, scale: float, order: int) -> list:
-    """Chebyshev polynomials and their derivatives by the unscaled coordinate."""
-    rows = np.ones((count, len(x)))
-    rows[1:2] = x
-    for k in range(2, count):
-        rows[k] = 2.0 * x * rows[k - 1] - rows[k - 2]
-    results = [rows.T]
+def _derivatives(
+    x: Float[ndarray, "point 3"], count: int, scale: Float[ndarray, "3"], order: int
+) -> Float[ndarray, "derivative point 3 coefficient"]:
+    """Chebyshev polynomials and their derivatives by the unscaled coordinates."""
+    results = [np.cos(np.arccos(x)[..., None] * np.arange(count))]
     for _ in range(order):
-        results.append(scale * (results[-1] @ _differentiation(count)))
-    return results
+        results.append(scale[:, None] * (results[-1] @ _differentiation(count)))
+    return np.array(results)
 
 
 @cache

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.rom import chebyshev
@@ -113,26 +113,57 @@ def ln_frequencies(
 
 
 def ln_frequency(
-    ritz: Ritz, model: Solved, points: Float[ndarray, "point coordinate"]
+    model: Surface | Solved,
+    mode: Int[ndarray, " point"],
+    points: Float[ndarray, "point coordinate"],
 ) -> tuple[
     Float[ndarray, " point"],
     Float[ndarray, "point coordinate"],
-    Callable[[], Float[ndarray, "point coordinate coordinate"]],
+    Callable[[], Float[ndarray, "point coordinate coordinate"]] | None,
 ]:
-    """The same of one mode alone, and what makes its second derivatives, if inside."""
+    """The same of one mode at each point, and, where the modes are solved, what makes its second
+    derivatives, if inside.
+    """
     inside = _inside(model, points)
-    found, value, slope = _solved(ritz, inside)
+    second = None
+    if isinstance(model, Surface):
+        value, slope = chebyshev.evaluate(model, inside, 1, mode)
+    else:
+        value, slope, second = _of_modes(model, mode, inside, inside != points)
+    return value + (slope * (points - inside)).sum(axis=1), slope, second
 
-    def second() -> Float[ndarray, "point coordinate coordinate"]:
-        moved, turned = turning(ritz, inside, found)
-        made = np.einsum("pvc,pvd->pcd", moved, turned) / found.value[:, None, None]
-        stiffness = np.arange(points.shape[1] - 1)
-        made[:, stiffness, stiffness] += slope[:, :-1]  # by ln k as by k once more
-        made -= 2.0 * slope[:, :, None] * slope[:, None, :]
-        made[inside != points] = 0.0
+
+def _of_modes(
+    model: Solved,
+    mode: Int[ndarray, " point"],
+    points: Float[ndarray, "point coordinate"],
+    outside: ndarray,
+) -> tuple[ndarray, ndarray, Callable[[], ndarray]]:
+    value, slope, parts = np.empty(len(points)), np.empty(points.shape), []
+    for k, ritz in enumerate(model.ritzes):
+        mine = np.flatnonzero(mode == k)
+        found, value[mine], slope[mine] = _solved(ritz, points[mine])
+        parts.append((ritz, mine, found))
+
+    def second() -> ndarray:
+        made = np.empty((*points.shape, points.shape[1]))
+        for ritz, mine, found in parts:
+            made[mine] = _curvature(ritz, points[mine], found, slope[mine])
+        made[outside] = 0.0
         return made
 
-    return value + (slope * (points - inside)).sum(axis=1), slope, second
+    return value, slope, second
+
+
+def _curvature(
+    ritz: Ritz, points: Float[ndarray, "point coordinate"], found: Pairs, slope: ndarray
+) -> Float[ndarray, "point coordinate coordinate"]:
+    """Second derivatives of ln f of one mode."""
+    moved, turned = turning(ritz, points, found)
+    made = np.einsum("pvc,pvd->pcd", moved, turned) / found.value[:, None, None]
+    stiffness = np.arange(points.shape[1] - 1)
+    made[:, stiffness, stiffness] += slope[:, :-1]  # by ln k as by k once more
+    return made - 2.0 * slope[:, :, None] * slope[:, None, :]
 
 
 def _inside(model: Surface | Solved, points: ndarray) -> ndarray:

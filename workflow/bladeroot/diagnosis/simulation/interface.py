@@ -69,9 +69,12 @@ class OfRecords(Protocol):
 
     def turned(
         self, gradient: Float[ndarray, "record 3"], turn: Float[ndarray, "record parameter 3"],
-        scales: Float[ndarray, " scale"],
-    ) -> Float[ndarray, "parameter record record"]:  # fmt: skip
-        """Derivatives of that covariance by parameters that turn the gradient so."""
+        scales: Float[ndarray, " scale"], vector: Float[ndarray, " record"],
+        matrix: Float[ndarray, "record record"],
+    ) -> tuple[Float[ndarray, "record parameter"], Float[ndarray, " parameter"]]:  # fmt: skip
+        """Of that covariance's derivatives by parameters that turn the gradient so: products with a
+        vector, and traces of those with a symmetric matrix.
+        """
 
 
 @runtime_checkable

@@ -19,7 +19,6 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import (
     Solved,
-    ln_frequencies,
     ln_frequency,
     ritz_of,
     solved_of,
@@ -209,7 +208,7 @@ class _OfRecords:
             ),
         )
         self.own = biases(simulated)
-        self.same_hold = hold[:, None] == hold
+        self.same_hold = (hold[:, None] == hold).astype(float)
         self.at_grid = None
         if isinstance(self.surface, Surface):
             self.at_grid = Structures(records, simulated.ritz, self.surface, simulated.shapes)
@@ -258,27 +257,12 @@ class _OfRecords:
     def _of_places(
         self, places: Float[ndarray, "record coordinate"]
     ) -> tuple[ndarray, ndarray, Callable[[], ndarray] | None]:
-        """ln f of each record's mode at its place, its gradient, and what makes its curvature."""
-        if isinstance(self.surface, Surface):
-            points, where = distinct(places)
-            value, gradient = ln_frequencies(self.surface, points)
-            return value[where, self.records.mode], gradient[where, self.records.mode], None
-        n, size = places.shape
-        value, g, parts = np.empty(n), np.empty((n, size)), []
-        for mode, ritz in enumerate(self.surface.ritzes):
-            mine = np.flatnonzero(self.records.mode == mode)
-            points, where = distinct(places[mine])
-            of_points, by_points, second = ln_frequency(ritz, self.surface, points)
-            value[mine], g[mine] = of_points[where], by_points[where]
-            parts.append((mine, where, second))
-
-        def curvature() -> ndarray:
-            made = np.empty((n, size, size))
-            for mine, where, second in parts:
-                made[mine] = second()[where]
-            return made
-
-        return value, g, curvature
+        """ln f of each record's mode at its place, its gradient, and, where the modes are solved,
+        what makes its curvature.
+        """
+        points, where = distinct(np.column_stack([places, self.records.mode]))
+        value, g, second = ln_frequency(self.surface, points[:, -1].astype(int), points[:, :-1])
+        return value[where], g[where], None if second is None else lambda: second()[where]
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""
@@ -289,7 +273,13 @@ class _OfRecords:
         """kn and kt of a clamping, correlated, and its reading of the force."""
         return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
 
-    def turned(self, g: ndarray, turn: ndarray, scales: ndarray) -> ndarray:
+    def turned(
+        self, g: ndarray, turn: ndarray, scales: ndarray, vector: ndarray, matrix: ndarray
+    ) -> tuple[ndarray, ndarray]:
         """As the interface says."""
-        half = np.tensordot(turn, of_clamping(scales, self.rounding) @ g.T, 1).transpose(1, 0, 2)
-        return (half + half.transpose(0, 2, 1)) * self.same_hold
+        spread = g @ of_clamping(scales, self.rounding)
+        held = self.same_hold @ (vector[:, None] * spread)
+        others = self.same_hold @ (vector[:, None, None] * turn).reshape(len(g), -1)
+        times = np.einsum("npc,nc->np", turn, held)
+        times += np.einsum("npc,nc->np", others.reshape(turn.shape), spread)
+        return times, 2.0 * np.einsum("npc,nc->p", turn, (self.same_hold * matrix) @ spread)
