@@ -13,7 +13,7 @@ from numpy import ndarray
 from bladeroot.decay.ending import RISE, find_end, running_power, strikes
 from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
-from bladeroot.signal.lines import loudest, mode_Hz, quantum, white_noise
+from bladeroot.signal.lines import quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 from bladeroot.variables import dataset
 
@@ -25,6 +25,8 @@ LEAST_FALL, SHORT_FALL = 2.0, 1.1
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
 # followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
 SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
+# Cycles from which the mode's own frequency is taken.
+LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
 # many steps high then follows them, not the mode.
 BLURRED, STEPS = 0.45, 8.0
@@ -92,7 +94,7 @@ def decay_starts(
 ) -> list[float]:
     """When the decays in a record begin that `cut` chooses from, to some frames, s."""
     noise = max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
-    own_Hz = mode_Hz(*loudest(velocity, sampling_Hz, expected_Hz), expected_Hz)
+    own_Hz = _own_frequency(velocity, sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     fall, level, found = _falls(seen, seen.noise(noise, sampling_Hz), strikes(seen, noise))
     if fall < np.log(LEAST_FALL):
@@ -118,6 +120,19 @@ def _nothing() -> dict[str, float | str | int]:
     return dict.fromkeys(numbers, float("nan")) | {"excitation": "", "decays": 0, "end_reason": ""}
 
 
+def _own_frequency(velocity: ndarray, sampling_Hz: float, expected_Hz: float) -> float:
+    """The mode's frequency as the loudest frames show it: the expected one may be off."""
+    loudest = int(np.argmax(np.abs(velocity)))
+    count = int(LOUD_CYCLES * sampling_Hz / expected_Hz)
+    first = max(0, min(loudest - count // 2, velocity.size - count))
+    seen = envelope(velocity[first : first + count], sampling_Hz, expected_Hz)
+    loud = seen.level[:-1] > seen.level.max() - np.log(2.0)
+    if not loud.any():
+        return expected_Hz
+    turn = np.median(np.diff(seen.log.imag)[loud]) / seen.step_s
+    return float(np.clip(expected_Hz + turn / (2.0 * np.pi), 0.5 * expected_Hz, 1.5 * expected_Hz))
+
+
 def _span(
     velocity: ndarray,
     sampling_Hz: float,
@@ -130,7 +145,7 @@ def _span(
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the deepest decay, or what is amiss."""
     begin = 0 if known is None else int(known.time_s * sampling_Hz)
-    own_Hz = mode_Hz(*loudest(velocity[begin:], sampling_Hz, expected_Hz), expected_Hz)
+    own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     floor, broken = seen.noise(noise, sampling_Hz), strikes(seen, noise)
     first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
