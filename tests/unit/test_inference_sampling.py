@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import Prior, Problem, State, fit
+from bladeroot.inference.gaussian import Prior, Problem, State, about, fit, maxima_of
 from bladeroot.inference.sampling import _Mixture, sample
 
 NOISE = np.array([0.1, 0.1, 0.3])
@@ -87,6 +87,26 @@ def test_both_peaks_are_drawn_where_the_fit_stands_on_one():
     draws = sample(fit(problem, np.array([1.1])), (0,), 2000).parameters[:, 0]
     assert (draws > 0.0).mean() == pytest.approx(0.5, abs=0.06)
     assert abs(draws).std() == pytest.approx(0.05, rel=0.1)
+
+
+def test_narrow_maxima_are_found_from_starts_about_the_prior_and_drawn_by_their_weight():
+    """Of two, at which the first parameter is 1 and -1, known to 1e-3 as all others are."""
+
+    def square(theta):
+        return State(np.append(theta[0] ** 2, theta[1:]), np.diag([2.0 * theta[0], 1.0, 1.0]), {})
+
+    wide, none = Prior(np.array([0.4, 0.0, 0.0]), np.ones(3)), Prior(np.zeros(0), np.zeros(0))
+    data = np.array([1.0, 0.2, -0.3])
+    problem = Problem(data, square, lambda *_: (np.eye(3) * 1e-6, list), wide, none)
+    ends = [fit(problem, start) for start in (wide.mean, *about(wide, 1))]
+    best, other = maxima_of(ends, 1)
+    assert np.allclose([best.parameters[0], other.parameters[0]], [1.0, -1.0], atol=1e-3)
+    assert maxima_of(ends, 0) == [best]
+    draws = sample(best, (0, 1, 2), 2000, others=[other])
+    assert draws.effective > 1000
+    odds = np.exp(0.5 * ((-1.0 - 0.4) ** 2 - (1.0 - 0.4) ** 2))  # by the prior
+    share = odds / (1.0 + odds)
+    assert (draws.parameters[:, 0] > 0.0).mean() == pytest.approx(share, abs=0.05)
 
 
 def test_a_part_of_the_proposal_that_no_draw_belongs_to_stays_where_it_is():

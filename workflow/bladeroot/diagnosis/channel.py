@@ -12,6 +12,7 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.guards import TRUST, TRUST_CURVE
 from bladeroot.diagnosis.simulation.interface import Simulation
+from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.inference.gaussian import Fit, Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records
@@ -30,7 +31,8 @@ class Channel:
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
     may be left out, the number of the part that each datum belongs to. records: of stick
-    frequencies. trust: the part of its own effect to which a law is exact.
+    frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: how many of
+    the first parameters are stiffnesses of contacts, in which a posterior may have several maxima.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Channel:
     part: dict[str, Int[ndarray, " datum"]]
     records: Records | None = None
     trust: float = TRUST
+    stiffnesses: int = 0
 
 
 def stick_channel(
@@ -57,6 +60,7 @@ def stick_channel(
         ),
         _parts(data),
         data.records,
+        stiffnesses=len(simulated.parameters) if isinstance(simulated, Parametric) else 0,
     )
 
 

@@ -9,7 +9,7 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import temperature
-from bladeroot.inference.gaussian import Fit, best_fit, fit
+from bladeroot.inference.gaussian import Fit, about, best_fit, fit, maxima_of
 from bladeroot.inference.hold_out import asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -41,13 +41,14 @@ class Model:
 
     log_evidence: over the baseline, summed over the forms, with what independent measurements add.
     sizes: of causes that were added in all their forms, the first parameter over these forms: mean
-    and standard deviation.
+    and standard deviation. maxima: the baseline's parameters at its other maxima.
     """
 
     causes: tuple[Mechanism, ...]
     fit: Fit
     log_evidence: float
     sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    maxima: tuple[np.ndarray, ...] = ()
 
     @property
     def ids(self) -> frozenset[str]:
@@ -90,12 +91,15 @@ def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
 
 def baseline(channel: Channel) -> Model:
     """The model without a cause, from several sizes of the scatter: far from its maximum, where
-    data lie many of their errors away, the search sees no slope.
+    data lie many of their errors away, the search sees no slope; and from softer and stiffer
+    contacts, as normal and tangential stiffness may exchange what they explain.
     """
     problem = channel.problem((), ())
     usual = problem.scales
     fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
-    return Model((), max(fits, key=lambda one: one.log_evidence), 0.0)
+    fits += [fit(problem, one) for one in about(problem.prior, channel.stiffnesses)]
+    best, *others = maxima_of(fits, channel.stiffnesses)
+    return Model((), best, 0.0, maxima=tuple(one.parameters for one in others))
 
 
 def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:
@@ -163,7 +167,7 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
     first = model.fit.parameters.size
     likely = np.exp((weights - whole) / temperature(explained, known.replicates, channel.trust))
     size = mixed(likely.tolist(), [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
-    return Model((*model.causes, changed), fitted, explained, {family.id: size})
+    return Model((*model.causes, changed), fitted, explained, {family.id: size}, model.maxima)
 
 
 def mixed(weights: Sequence[float], rows: Sequence[tuple[float, float]]) -> tuple[float, float]:
@@ -191,14 +195,15 @@ def _fitted(
     current = model.fit
     problem = channel.problem([*model.causes, one], ())
     baseline = problem.prior.mean if current.state.turns is None else current.parameters
-    before = np.append(baseline[: channel.base], current.parameters[channel.base :])
+    own_part = current.parameters[channel.base :]
+    before = [np.append(one[: channel.base], own_part) for one in (baseline, *model.maxima)]
     own = [one.start, *map(np.asarray, one.starts)]
     thorough = channel.name == "curve" and asks
     if like is not None:
         # Over amplitude a start costs a whole fit, and forms differ little in what they share.
         kept = own[:1] if thorough and set(_names(like[0])) & set(_names(one)[2:]) else own
         own = [*kept, _alike(one, *like[:2])]
-    starts = [np.append(before, start) for start in own]
+    starts = [np.append(one, start) for one in before for start in own]
     if thorough:
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
         ends = [fit(problem, start, current.scales) for start in starts]
@@ -242,7 +247,7 @@ def without(channel: Channel, model: Model, gone: str) -> Model:
     problem = channel.problem(kept, ())
     fitted = fit(problem, np.delete(model.fit.parameters, own), model.fit.scales)
     change = fitted.log_evidence - model.fit.log_evidence
-    return Model(tuple(kept), fitted, model.log_evidence + change)
+    return Model(tuple(kept), fitted, model.log_evidence + change, maxima=model.maxima)
 
 
 def smooth(channel: Channel, model: Model) -> dict[str, float]:

@@ -17,7 +17,7 @@ from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
-from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, best_fit
+from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, about, fit, maxima_of
 from bladeroot.inference.sampling import Draws, sample
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.rom.parametric import ln_frequencies
@@ -77,8 +77,11 @@ def stiffness_problem(
 
 def stiffness_draws(asked: Problem, fitted: Fit, draws: int = DRAWS) -> Draws:
     """Draws of ln k, the scales with them, from `stiffness_problem` about the whole one's fit."""
-    start = fitted.parameters[: asked.prior.mean.size]
-    return sample(best_fit(asked, [start], fitted.scales), range(start.size), draws)
+    count = asked.prior.mean.size
+    starts = [fitted.parameters[:count], *about(asked.prior, count)]
+    ends = [fit(asked, start, fitted.scales) for start in starts]
+    best, *others = maxima_of(ends, count)
+    return sample(best, range(count), draws, others=others)
 
 
 def interface_stiffness(

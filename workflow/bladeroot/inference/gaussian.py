@@ -15,6 +15,8 @@ from numpy import ndarray
 from scipy.linalg import lapack
 
 _STEPS, _HALVINGS = 60, 5
+# Maxima lie so many of their standard deviations apart; those of so many nats less do not count.
+_APART, _AS_GOOD = 1.0, 7.0
 _FIRST_STEPS, _LEFT = (2, 4), 3  # from each of several starts, and how many of these go on at least
 _NO_GAIN = 3e-3  # nats a step
 # Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
@@ -380,6 +382,27 @@ def best_fit(
         points = sorted(points, key=lambda point: point.cost)[: max(_LEFT, len(points) // 3)]
     at = min(points, key=lambda point: point.cost)
     return _finish(problem, _iterated(problem, at, _STEPS, least=least))
+
+
+def about(prior: Prior, count: int) -> list[ndarray]:
+    """Starts beside the prior's mean: its standard deviation up and down along each of the first
+    `count` parameters.
+    """
+    steps = np.diag(prior.std)[:count]
+    return [*(prior.mean + steps), *(prior.mean - steps)]
+
+
+def maxima_of(fits: Sequence[Fit], count: int) -> list[Fit]:
+    """Fits at the posterior's several maxima, the best first, by the first `count` parameters;
+    none that is far less probable than the best.
+    """
+    found: list[Fit] = []
+    for one in sorted(fits, key=lambda one: -one.log_evidence):
+        off = [np.abs(one.parameters - other.parameters)[:count] for other in found]
+        new = all((away > _APART * one.std[:count]).any() for away in off)
+        if new and (not found or one.log_evidence > found[0].log_evidence - _AS_GOOD):
+            found.append(one)
+    return found
 
 
 def cost(problem: Problem, parameters: ndarray, scales: ndarray | None = None) -> float:

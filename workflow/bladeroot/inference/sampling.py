@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.linalg import block_diag
 from scipy.special import gammaln, logsumexp
 
 from bladeroot.inference.gaussian import Fit, Problem
@@ -42,14 +43,20 @@ class Draws:
     effective: float
 
 
-def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) -> Draws:
+def sample(
+    fit: Fit,
+    bent: Sequence[int],
+    draws: int = DRAWS,
+    seed: int = 5041,
+    others: Sequence[Fit] = (),
+) -> Draws:
     """Draws by adaptive importance sampling from Laplace's approximation; the same for a seed.
 
-    bent: numbers of the parameters along which the posterior bends. ValueError where no draw has a
-    finite posterior.
+    bent: numbers of the parameters along which the posterior bends. others: fits at further maxima
+    of it. ValueError where no draw has a finite posterior.
     """
     rng, bent = np.random.default_rng(seed), np.asarray(bent)
-    proposals = [_first(fit, bent)]
+    proposals = [_first([fit, *others], bent)]
     found, log = [], np.zeros(0)
     while len(log) < _MOST * draws:
         found.append(_proposed(fit, bent, proposals[-1], rng))
@@ -66,17 +73,18 @@ def sample(fit: Fit, bent: Sequence[int], draws: int = DRAWS, seed: int = 5041) 
     return Draws(parameters[chosen], points[chosen, len(bent) :], _effective(log))
 
 
-def _first(fit: Fit, bent: ndarray) -> "_Mixture":
-    """Laplace's approximation of the bent parameters and the scales, widened, and their prior."""
-    count, prior, scales = len(bent), fit.problem.prior, fit.problem.scales
-    size = count + fit.scales.size
-    laplace = np.zeros((size, size))
-    laplace[:count, :count] = fit.covariance[np.ix_(bent, bent)]
-    laplace[count:, count:] = fit.scales_covariance
-    means = [[*fit.parameters[bent], *fit.scales], [*prior.mean[bent], *scales.mean]]
+def _first(fits: Sequence[Fit], bent: ndarray) -> "_Mixture":
+    """Laplace's approximations of the bent parameters and the scales, widened, and their prior."""
+    prior, scales = fits[0].problem.prior, fits[0].problem.scales
+    means = [[*one.parameters[bent], *one.scales] for one in fits]
+    spreads = [
+        _WIDER**2 * block_diag(one.covariance[np.ix_(bent, bent)], one.scales_covariance)
+        for one in fits
+    ]
     before = np.diag(np.concatenate([prior.std[bent], scales.std]) ** 2)
-    share = np.array([1.0 - _OF_PRIOR, _OF_PRIOR])
-    return _Mixture(share, np.array(means), np.stack([_WIDER**2 * laplace, before]))
+    share = [*[(1.0 - _OF_PRIOR) / len(fits)] * len(fits), _OF_PRIOR]
+    means += [[*prior.mean[bent], *scales.mean]]
+    return _Mixture(np.array(share), np.array(means), np.stack([*spreads, before]))
 
 
 def _weights(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
