@@ -33,7 +33,7 @@ from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.fem.geometry import structure_from_mapping
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.inference.gaussian import best_fit
+from bladeroot.inference.gaussian import about, fit, maxima_of
 from bladeroot.inference.sampling import sample
 from bladeroot.mechanisms.mechanism import Records
 from bladeroot.rom.bodies import reduce_bodies
@@ -230,11 +230,12 @@ def coverage(title: str, true, ours, draws: int, seed: int) -> None:
         theta, ln_f = drawn_frequencies(problem(blank, true), rng)
         data, truth = replace(blank, ln_f=ln_f), theta[:count]
         asked = problem(data, ours)
-        found = best_fit(asked, [asked.prior.mean + step * asked.prior.std for step in (-0.6, 0.6)])
+        starts = [asked.prior.mean, *about(asked.prior, count)]
+        found, *others = maxima_of([fit(asked, start) for start in starts], count)
         off, covariance = truth - found.parameters[:count], found.covariance[:count, :count]
         laplace = chi2.cdf(off @ np.linalg.solve(covariance, off), count)
         alone = stiffness_problem(data, ours, found, [], asked.prior.mean.size)
-        drawn = stiffness_draws(alone, found)
+        drawn = stiffness_draws(alone, [found, *others])
         shares.append([share_within(drawn.parameters, truth[None])[0], laplace])
         below.append((drawn.parameters < truth).mean(axis=0))
         stds.append(drawn.parameters.std(axis=0) / asked.prior.std[:count])

@@ -78,7 +78,7 @@ def posterior(model):
     simulated, data = of_assembly(model, {}, {}, 0.005), stick_data(seen(), MODES)
     asked = problem(data, simulated)
     fitted = best_fit(asked, [asked.prior.mean])
-    return interface_stiffness(data, simulated, fitted, [], asked.prior.mean.size)
+    return interface_stiffness(data, simulated, [fitted], [], asked.prior.mean.size)
 
 
 def test_frequencies_and_posterior_are_the_built_in_ones(tmp_path):

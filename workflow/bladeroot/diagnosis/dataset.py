@@ -35,7 +35,8 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
                 parts.append(_stiffness(made, found))
             if made.simulated.kind == "assembly":
                 named = [cause.mechanism for cause in found.causes]
-                part = (made.data, made.simulated, found.final, named, found.channel.base)
+                fits = (found.final, *found.maxima)
+                part = (made.data, made.simulated, fits, named, found.channel.base)
                 parts.append(interface_stiffness(*part))
         elif found.channel.name == "damping":
             parts.append(_damping(made, found))

@@ -41,14 +41,14 @@ class Model:
 
     log_evidence: over the baseline, summed over the forms, with what independent measurements add.
     sizes: of causes that were added in all their forms, the first parameter over these forms: mean
-    and standard deviation. maxima: the baseline's parameters at its other maxima.
+    and standard deviation. maxima: the baseline's fits at its other maxima.
     """
 
     causes: tuple[Mechanism, ...]
     fit: Fit
     log_evidence: float
     sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    maxima: tuple[np.ndarray, ...] = ()
+    maxima: tuple[Fit, ...] = ()
 
     @property
     def ids(self) -> frozenset[str]:
@@ -99,7 +99,7 @@ def baseline(channel: Channel) -> Model:
     fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
     fits += [fit(problem, one) for one in about(problem.prior, channel.stiffnesses)]
     best, *others = maxima_of(fits, channel.stiffnesses)
-    return Model((), best, 0.0, maxima=tuple(one.parameters for one in others))
+    return Model((), best, 0.0, maxima=tuple(others))
 
 
 def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:
@@ -196,7 +196,8 @@ def _fitted(
     problem = channel.problem([*model.causes, one], ())
     baseline = problem.prior.mean if current.state.turns is None else current.parameters
     own_part = current.parameters[channel.base :]
-    before = [np.append(one[: channel.base], own_part) for one in (baseline, *model.maxima)]
+    bases = [baseline, *(one.parameters for one in model.maxima)]
+    before = [np.append(one[: channel.base], own_part) for one in bases]
     own = [one.start, *map(np.asarray, one.starts)]
     thorough = channel.name == "curve" and asks
     if like is not None:

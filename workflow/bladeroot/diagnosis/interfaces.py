@@ -6,6 +6,7 @@ is: both are drawn together. All else that is linear in ln f (the model's biases
 the load does, the causes' parameters about their fit) is part of the covariance.
 """
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,7 @@ from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
-from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, about, fit, maxima_of
+from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, fit, maxima_of
 from bladeroot.inference.sampling import Draws, sample
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.rom.parametric import ln_frequencies
@@ -44,13 +45,20 @@ def stiffness_problem(
     # The load's own effect on f is some per cent: its square is far below the model's bias.
     places, where = distinct(made.changes[:, :2])
     middle = load.mean()
-    # The simulation's part is about its prior's mean, the causes' about where the fit has them.
-    rest, slope = slice(count, None), fitted.state.slope[:, count:]
     prior = whole.prior
-    moved = slope[:, base - count :] @ (prior.mean - fitted.parameters)[base:]
-    moved = moved + slope[:, : base - count] @ prior.mean[count:base]
-    linear = (slope * prior.std[rest] ** 2) @ slope.T
-    effects = fitted.state.facts["effects"]
+    # The simulation's part is about nothing, the causes' about where the fit has them.
+    off = prior.mean[count:] - np.append(np.zeros(base - count), fitted.parameters[base:])
+    variance = prior.std[count:] ** 2
+
+    def state(mean: ndarray, g: Float[ndarray, "record coordinate"]) -> State:
+        """With what the other parameters do at these stiffnesses."""
+        gradient = here.together(g)
+        by_change = np.column_stack([gradient, np.ones(load.size)])
+        of_causes = [np.einsum("nc,ncp->np", by_change, one) for one in made.slopes]
+        columns = np.hstack([here.others(g[:, :count], g[:, count] * load), *of_causes])
+        effects = np.einsum("nc,knc->kn", by_change, made.effects)
+        facts = {"gradient": gradient, "effects": effects, "linear": columns * variance @ columns.T}
+        return State(mean + columns @ off, g[:, :count], facts)
 
     def states(ln_k: Float[ndarray, "point parameter"]) -> list[State]:
         points = np.empty((len(places), len(ln_k), count + 1))
@@ -60,36 +68,36 @@ def stiffness_problem(
         g = by.reshape(len(places), len(ln_k), -1, count + 1)[where, :, records.mode]
         mean = value.reshape(len(places), len(ln_k), -1)[where, :, records.mode].T
         mean = mean + (g[..., count] * (load - middle)[:, None]).T
-        return [
-            State(one, own[:, :count], {"gradient": here.together(own), "effects": effects})
-            for one, own in zip(mean, g.transpose(1, 0, 2), strict=True)
-        ]
+        return [state(one, own) for one, own in zip(mean, g.transpose(1, 0, 2), strict=True)]
 
     def covariance(state: State, scales: Float[ndarray, " scale"]) -> tuple[ndarray, Slopes]:
         scatter, slopes = whole.covariance(state, scales)
-        return scatter + linear, slopes
+        return scatter + state.facts["linear"], slopes
 
     return Problem(
-        data.ln_f - made.changes[:, 3] - moved, lambda ln_k: states(ln_k[None])[0], covariance,
+        data.ln_f - made.changes[:, 3], lambda ln_k: states(ln_k[None])[0], covariance,
         Prior(prior.mean[:count], prior.std[:count]), whole.scales, many=states,
     )  # fmt: skip
 
 
-def stiffness_draws(asked: Problem, fitted: Fit, draws: int = DRAWS) -> Draws:
-    """Draws of ln k, the scales with them, from `stiffness_problem` about the whole one's fit."""
+def stiffness_draws(asked: Problem, fits: Sequence[Fit], draws: int = DRAWS) -> Draws:
+    """Draws of ln k and the scales from `stiffness_problem`; fits: at the whole one's maxima."""
     count = asked.prior.mean.size
-    starts = [fitted.parameters[:count], *about(asked.prior, count)]
-    ends = [fit(asked, start, fitted.scales) for start in starts]
+    ends = [fit(asked, one.parameters[:count], one.scales) for one in fits]
     best, *others = maxima_of(ends, count)
     return sample(best, range(count), draws, others=others)
 
 
 def interface_stiffness(
-    data: StickData, simulated: Parametric, fitted: Fit, mechanisms: list[Mechanism], base: int
-) -> xr.Dataset:
-    """Quantiles of every interface's stiffness at the pivot of the campaign's loads."""
-    asked = stiffness_problem(data, simulated, fitted, mechanisms, base)
-    found = stiffness_draws(asked, fitted)
+    data: StickData, simulated: Parametric, fits: Sequence[Fit], mechanisms: list[Mechanism],
+    base: int,
+) -> xr.Dataset:  # fmt: skip
+    """Quantiles of every interface's stiffness at the pivot of the campaign's loads.
+
+    fits: at the maxima of the whole problem's posterior; the first has the mechanisms.
+    """
+    asked = stiffness_problem(data, simulated, fits[0], mechanisms, base)
+    found = stiffness_draws(asked, fits)
     made = {
         "interface_k": np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
         "interface_ln_covariance": np.cov(found.parameters.T),

@@ -70,12 +70,12 @@ class Cause:
 class Found:
     """The search's outcome in one channel.
 
-    fits: the baseline's and the final one. unexplained: what the remainder is smooth in where that
-    is more probable than not, or "". alone, beside: of every mechanism the model that has it alone,
-    or beside the causes, in its best form; steps: beside none, and beside the causes. insufficient:
-    the mechanism that is barred and yet the most probable, or "". sizes: first parameter of each
-    mechanism over its forms and the sets that hold it, by their probability: mean and standard
-    deviation.
+    fits: the baseline's and the final one; maxima: the baseline's others. unexplained: what the
+    remainder is smooth in where that is more probable than not, or "". alone, beside: of every
+    mechanism the model that has it alone, or beside the causes, in its best form; steps: beside
+    none, and beside the causes. insufficient: the mechanism that is barred and yet the most
+    probable, or "". sizes: first parameter of each mechanism over its forms and the sets that hold
+    it, by their probability: mean and standard deviation.
     """
 
     channel: Channel
@@ -90,6 +90,7 @@ class Found:
     beside: Mapping[str, Model]
     insufficient: str = ""
     sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    maxima: tuple[Fit, ...] = ()
 
     @property
     def quiet(self) -> bool:
@@ -280,6 +281,7 @@ def _found(made: _Search) -> Found:
         {n: one for n, one in beside.items() if one},
         leading,
         {n: _size(made, n, sets) for n in first.mechanisms},
+        model.maxima,
     )  # fmt: skip
 
 

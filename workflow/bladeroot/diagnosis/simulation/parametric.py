@@ -239,12 +239,20 @@ class _OfRecords:
         tension = g[:, count] * places[:, count]
         mean = value + self.bias_rows @ theta[self.own]
         by_k = (g + by_place)[:, :count]
-        slope = [by_k, (by_k.sum(axis=1) * self.x)[:, None], self.bias_rows]
         # The first order of the tension's error; how it changes with the rest is of the second.
         return Said(
-            mean + theta[-1] * tension, np.hstack([*slope, tension[:, None]]), self.together(g),
+            mean + theta[-1] * tension,
+            np.hstack([by_k, self.others(by_k, tension)]),
+            self.together(g),
             None if second is None else lambda: self._turning(second(), theta.size),
         )  # fmt: skip
+
+    def others(
+        self, by_k: Float[ndarray, "record stiffness"], tension: Float[ndarray, " record"]
+    ) -> Float[ndarray, "record other"]:
+        """Slopes by the parameters behind the stiffnesses. tension: slope by ln of the load."""
+        exponent = by_k.sum(axis=1) * self.x
+        return np.hstack([exponent[:, None], self.bias_rows, tension[:, None]])
 
     def _turning(self, second: ndarray, size: int) -> tuple[ndarray, ndarray]:
         """Derivatives of `together` by the parameters and by (ln kn, ln kt, load)."""
