@@ -16,17 +16,20 @@ def facts(case: Case, kind: str, rng: np.random.Generator) -> list[dict]:
     hidden = {one.id: one.size for one in case.effects}
     sheet, found = case.sheet, []
     if "load cell" in kind:
-        # read soon after each load is reached, when little has relaxed
-        fresh = replace(sheet, in_hold=np.full(len(sheet.mode), 60.0), state=dict(sheet.begun))
-        disturb(fresh, case.effects)
+        # Read as each load is reached, before it relaxes. A straight line's misfit is its error.
+        fresh = replace(sheet, state=dict(sheet.begun))
+        disturb(fresh, [one for one in case.effects if one.id != "force-relaxation"])
         there, read = fresh.state["force"], sheet.reading
         lag = -np.sign(sheet.direction) * read
         rows = np.stack([read, np.ones(len(read)), lag], axis=1)
         if not 0 < np.mean(sheet.direction > 0) < 1:
             rows = rows[:, :2]
-        scale, zero, *rest = np.linalg.lstsq(rows, there, rcond=None)[0]
-        found += [("load cell scale", scale - 1.0, 0.005), ("load cell zero", zero, 50.0)]
-        found += [("load cell hysteresis", value, 0.005) for value in rest]
+        scale, zero, *rest = line = np.linalg.lstsq(rows, there, rcond=None)[0]
+        misfit = np.sqrt(np.mean((there - rows @ line) ** 2))
+        part = np.hypot(0.005, misfit / read.max())
+        found.append(("load cell scale", scale - 1.0, part))
+        found.append(("load cell zero", zero, np.hypot(50.0, misfit)))
+        found += [("load cell hysteresis", value, part) for value in rest]
     if "weighing" in kind:
         found.append(("weighing", hidden.get("added-mass", 0.0), 1e-3))
     if "free-free" in kind:
