@@ -236,3 +236,25 @@ def test_a_mode_hidden_from_its_start_on_is_not_followed_in_no_samples(monkeypat
     parts = separated(velocity, RATE, 2 * loud_Hz - 1.1, (loud_Hz,))
     assert any(finding == "harmonic" for finding, _ in parts.remarks)
     assert parts.velocity.size == velocity.size
+
+
+def test_a_steady_line_beside_the_mode_is_taken_off():
+    velocity = blow([(257.0, 0.003, 0.02)], length_s=6.0)
+    time = np.arange(velocity.size) / RATE
+    velocity += 2e-4 * np.cos(2.0 * np.pi * 249.95 * time + 1.0)  # a hundredth: 0.4 of the loss
+    judged, found = curve(velocity, 255.0)
+    assert "steady-line" in judged["finding_id"].values
+    assert judged.attrs["components_Hz"][-1] == pytest.approx(249.95, abs=1e-3)
+    clear = found["amplitude"].values > 0.003 * found["amplitude"].values.max()
+    assert clear.sum() > 200
+    assert np.abs(found["frequency"].values[clear] / 257.0 - 1.0).max() < 1e-3
+    assert np.abs(found["loss_factor"].values[clear] / 0.006 - 1.0).max() < 0.1
+
+
+def test_a_mode_that_hardly_falls_at_last_is_no_steady_line():
+    time = np.arange(int(6.0 * RATE)) / RATE
+    fall = np.where(time < 0.6, 8.0 * time, 4.8 + 0.02 * (time - 0.6))
+    velocity = 0.02 * np.exp(-fall) * np.sin(2.0 * np.pi * 257.0 * time)
+    velocity += NOISE * np.random.default_rng(3).standard_normal(time.size)
+    judged, _ = curve(velocity, 255.0)
+    assert "steady-line" not in judged["finding_id"].values

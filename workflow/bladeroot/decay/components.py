@@ -21,6 +21,7 @@ from bladeroot.decay.component_lines import (
     moved,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.steady import steady_line
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import loudest, mode_Hz
 
@@ -118,7 +119,7 @@ def separated(
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
-    trimmed = beaten = paired = False
+    trimmed = heard = beaten = paired = False
     near: list[Beside] = []
     close: list[float] = []
     for turn in range(ROUNDS):
@@ -133,8 +134,17 @@ def separated(
                 continue
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
         if not trimmed and (turn or not more):
+            last = _lasting(found)
+            steady = None if heard else steady_line(x, found, last, sampling_Hz, APART)
+            if steady is not None:  # without it the mode is followed for longer
+                heard = True
+                near.append(steady)
+                velocity = velocity.copy()
+                velocity[first:] -= steady.wave
+                x, lines = velocity[first:], named
+                continue
             hidden = [one.hides(found, sampling_Hz) for one in near]
-            last, trimmed = min([_lasting(found), *hidden]), True
+            last, trimmed = min([last, *hidden]), True
             # what is hidden from its start on leaves nothing that could be followed
             if 0 < last < found.samples:
                 x = x[:last]
