@@ -15,7 +15,8 @@ NEEDS = {
     "calibrate": (2000, 120, 0, 0),
     "checks": (1100, 20, 0, 0),
     "curves": (300, 10, 500, 0),
-    "diagnosis": (400, 30, 0, 10),
+    # covariances between records: 200 MB for 112, 1,360 for 1,000
+    "diagnosis": (1000, 30, 0, 10),
     "export": (1100, 10, 0, 10),
     "export_assembly": (1100, 10, 0, 10),
     "export_tables": (300, 10, 500, 0),

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.guards import TRUST
-from bladeroot.diagnosis.stick_model import StickData, trust_kernel
+from bladeroot.diagnosis.stick_model import StickData, same_mode, trust_kernel
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -62,8 +62,8 @@ def problem(
     records = data.stick.records
     n, modes = data.ln_loss.size, len(data.stick.modes)
     of_mode = np.eye(modes)[records.mode]
-    held = (data.stick.hold[:, None] == data.stick.hold).astype(float)
-    own_held = held * (of_mode @ of_mode.T)
+    held = data.stick.hold[:, None] == data.stick.hold
+    own_held = held & same_mode(data.stick)
     trust = [trust_kernel(data.stick, one.over) for one in mechanisms]
     prior = Prior(
         np.concatenate([np.full(modes, LEVEL[0]), *(m.start for m in mechanisms)]),

@@ -5,7 +5,7 @@ about it by clampings, by what differs between records of one, and by their own 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -47,7 +47,7 @@ class StickData:
     number of the clamping. rounding: standard deviation of the reading's rounding, N. row: number
     in the observations. group: number of each record's group, None where there is one only. jumped:
     holds that count as two clampings. unheld: records whose hold is not stated. untimed: records
-    left out for want of a time.
+    left out for want of a time. kernels: those already worked out (`trust_kernel`).
     """
 
     modes: tuple[str, ...]
@@ -64,6 +64,7 @@ class StickData:
     unheld: int = 0
     untimed: int = 0
     shared: Float[ndarray, " record"] | None = None
+    kernels: dict = field(default_factory=dict, init=False, repr=False)
 
 
 def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0) -> StickData:
@@ -214,7 +215,8 @@ def problem(
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
             e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
             whole += np.outer(TRUST**2 * e, e) * kernel
-        whole += beyond
+        if beyond is not None:
+            whole += beyond
         whole[rows, rows] += data.std**2 + noise**2
         parts = [
             np.exp(2.0 * scale) * unit
@@ -234,10 +236,10 @@ def problem(
     return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
 
 
-def _of_limits(data: StickData) -> Float[ndarray, "record record"]:
+def _of_limits(data: StickData) -> Float[ndarray, "record record"] | None:
     """Covariance by the law that takes records to the plateau they do not reach."""
     if data.shared is None or not data.shared.any():
-        return np.zeros((data.ln_f.size, data.ln_f.size))
+        return None
     alike = same_mode(data) * near(np.log(data.records.force), FORCE_LENGTH)
     return np.outer(data.shared, data.shared) * alike
 
@@ -248,6 +250,8 @@ def _means(of_mode: ndarray, values: ndarray) -> ndarray:
 
 def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record record"]:
     """Correlation of a law's own errors between records: alike situations have alike errors."""
+    if tuple(over) in data.kernels:
+        return data.kernels[tuple(over)]
     records = data.records
     kernels = {
         "force": lambda: near(np.log(records.force), FORCE_LENGTH),
@@ -262,7 +266,7 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
     whole = same_mode(data).astype(float)
     for name in over:
         whole = whole * kernels[name]()
-    return whole
+    return data.kernels.setdefault(tuple(over), whole)
 
 
 def _of_thermometer(records: Records) -> Float[ndarray, "record record"]:

@@ -94,8 +94,8 @@ class _OfRecords(OneMode):
                 [np.full(modes, LEVEL), np.full(modes, STIFFENING), np.full(modes, JOINT_SPREAD)]
             ),
         )
-        self.same_hold = (hold[:, None] == hold).astype(float)
-        self.same_mode = (records.mode[:, None] == records.mode).astype(float)
+        self.same_hold = hold[:, None] == hold
+        self.same_mode = records.mode[:, None] == records.mode
 
     def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The line at each record's load, and the joint's part of what a law changes."""
