@@ -33,7 +33,7 @@ def test_a_high_pass_leaves_no_trace_in_size_and_phase():
     ["", "high-pass", "high-pass 0 Hz", "high-pass -1 Hz", "notch 50 Hz", "high-pass 1.2.3 Hz"],
 )
 def test_what_is_no_response_is_told(text):
-    with pytest.raises(ValueError, match="response must be high-pass"):
+    with pytest.raises(ValueError, match=r"response must be .*high-pass"):
         undoing(text)
 
 

@@ -1,9 +1,9 @@
 """The thresholds of the diagnosis: what each guards against, and how it was set."""
 
 # Priors are stated, not fitted: nats by which a cause of the catalogue is less likely than its
-# absence (with the catalogue's 18 causes, half of all campaigns have none), and something of no
-# catalogue that is smooth in what was varied: it may be anything, and is asked for more than two
-# causes are.
+# absence (with the catalogue's 21 that are no findings, two of five campaigns have none), and
+# something of no catalogue that is smooth in what was varied: it may be anything, and is asked for
+# more than two causes are.
 PRIOR, PRIOR_UNKNOWN = 2.9, 6.3
 # Further nats of each cause beside a first one, in whichever data: campaigns with two are rarer
 # than those of two independent causes would be.

@@ -3,4 +3,8 @@
 In: Datasets. Out: a `Chart` (data of panels and traces, which `live` and `still` draw), or a
 matplotlib Figure where a picture is no chart. Read `chart` first: an axis is a `Panel` in the
 stage's file. `style` is the look that all share.
+
+Of records: `records` and `spectra` (raw), `curves` (FREEVIB), `stick` (over the load). Of
+structures: `structure`, `shapes`. Of kn and kt: `stiffness`, `joint`, `nonlinear`, `theory`. Of the
+diagnosis: `diagnosis`, `residual_maps`. Of the thesis alone: `slider`, `thesis_search`.
 """

@@ -1,4 +1,4 @@
-"""Frequencies that wander through the campaign, as with the temperature of the rig."""
+"""Frequencies that wander with time through the campaign, for a reason that nobody measured."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Frequencies that follow the measured temperature, as a modulus does."""
+"""Frequencies that follow the temperature measured with each record, as a modulus does."""
 
 import numpy as np
 

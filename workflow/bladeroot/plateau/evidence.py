@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, hats
-from bladeroot.plateau.segment import FEWEST, Segment, integral, line_of, lines_below
+from bladeroot.plateau.segment import FEWEST_GROUPS, Segment, integral, line_of, lines_below
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ def creep(segment: Segment) -> tuple[float, float]:
 
     A parabola of time in the phase; zero where the groups are too few to tell.
     """
-    if segment.time.size < FEWEST:
+    if segment.time.size < FEWEST_GROUPS:
         return 0.0, 0.0
     frame = framed(segment)
     about = segment.time - segment.time.mean()
@@ -205,7 +205,7 @@ def with_lines_below(
     hinges = slice(found.evidence.shape[0] - HINGES * onsets.size, None)
     best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGES]
     under = segment.below(best)
-    if under.time.size >= FEWEST:
+    if under.time.size >= FEWEST_GROUPS:
         variance = variance * excess_variance(framed(under).y[channel])
     known = np.repeat(np.isfinite(variance), HINGES)[:, None]
     rate, spread = found.rate.copy(), found.variance.copy()

@@ -8,7 +8,7 @@ from numpy import ndarray
 from scipy.interpolate import CubicHermiteSpline
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
-FEWEST = 8  # groups through which a straight line is laid
+FEWEST_GROUPS = 8  # groups through which a straight line is laid
 
 
 @dataclass(frozen=True)
@@ -111,11 +111,11 @@ def lines_below(
 ) -> tuple[Float[ndarray, "2 onset"], Float[ndarray, " onset"]]:
     """Slopes of straight lines through the groups below each onset (ln A0), and their variance.
 
-    The variance is infinite where they are fewer than `FEWEST`.
+    The variance is infinite where they are fewer than `FEWEST_GROUPS`.
     """
     # what lies below an onset begins after the last group above it, and one more, which may hold
     # blocks from above
-    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - FEWEST)
+    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - FEWEST_GROUPS)
     weight = segment.std**-2.0
     time = segment.time - segment.time[-1]
     y = segment.y - segment.y[:, -1:]

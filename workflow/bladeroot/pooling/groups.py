@@ -17,7 +17,7 @@ from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
 from bladeroot.pooling.components import QUANTILE_95
-from bladeroot.pooling.level_curve import ladder_of, levels_of, on_ladder
+from bladeroot.pooling.level_curve import ladder_of, on_ladder, record_levels
 from bladeroot.terms import length
 from bladeroot.variables import dataset
 
@@ -183,7 +183,7 @@ def _levels(here: Sequence[_Motion], quantity: str) -> list[tuple[_Motion, float
     if len({one.group for one, own in zip(here, linked, strict=True) if own}) < 2:
         return []
     log, known, error = log[linked], known[linked], error[linked]
-    level = levels_of(log, known.astype(float))
+    level = record_levels(log, known.astype(float))
     # errors of neighbouring amplitudes are hardly independent: the mean is no better than a point
     typical = np.array([float(np.median(e[k])) for e, k in zip(error, known, strict=True)])
     mine = [one for one, own in zip(here, linked, strict=True) if own]

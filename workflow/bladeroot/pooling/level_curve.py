@@ -81,7 +81,7 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
         std = np.where(known, std, 0.0)
         held = np.isfinite(plateau)
         middle = plateau[held].mean() if held.any() else 0.0
-        own = middle + levels_of(value - middle, known.astype(float), plateau - middle)
+        own = middle + record_levels(value - middle, known.astype(float), plateau - middle)
         left = np.where(share > 0.0, (value - own[:, None])[:, chosen], 0.0)
         mean, error = (share * left).sum(axis=0), share * std[:, chosen]
         scatter = _beyond(left - mean, std[:, chosen], share)
@@ -130,7 +130,7 @@ def _beyond(
     return more[several[np.abs(np.arange(count.size)[:, None] - several).argmin(axis=1)]]
 
 
-def levels_of(
+def record_levels(
     value: Float[ndarray, "record amplitude"],
     weight: Float[ndarray, "record amplitude"],
     given: Float[ndarray, " record"] | None = None,

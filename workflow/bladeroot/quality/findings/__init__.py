@@ -7,5 +7,6 @@ the statistic is in a phrase. A file with `FIRST = True` is run before the other
 the record with what it masked bridged. One with `MIXED = True` looks at all that rings; the others
 see the mode by itself. One that other modes' leftovers may set off is listed in `OF_THE_COURSE` of
 `quality.integrity`. `find_in(recording, seen)` looks at the sensor's own samples,
-`without_decay(seen)` has a line for a record in which none was found.
+`without_decay(seen)` has a line for a record in which none was found. A file may name some of its
+findings otherwise (`Finding.name`), as `shaker_recontact` does with a gap.
 """
