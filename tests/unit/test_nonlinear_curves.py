@@ -199,6 +199,7 @@ def test_a_decay_that_its_own_damping_does_not_agree_with_is_no_solution(stuck, 
     assert "did not converge" in curve.reason
 
 
+@pytest.mark.parametrize("stuck", ["1B"], indirect=True)  # 2B takes six times as long
 def test_a_curve_that_ends_early_says_why_and_where(stuck, monkeypatch):
     """One number, that of the last amplitude with a value, by either method."""
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
