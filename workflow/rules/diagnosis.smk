@@ -31,6 +31,7 @@ rule observations:
         "results/logs/observations/{campaign}.log",
     benchmark:
         "results/benchmarks/observations/{campaign}.tsv"
+    priority: PRIORITY["observations"]
     threads: 1
     resources:
         **needs("observations"),
@@ -68,6 +69,7 @@ rule diagnosis:
         "results/logs/diagnosis/{campaign}/{structure}.log",
     benchmark:
         "results/benchmarks/diagnosis/{campaign}/{structure}.tsv"
+    priority: PRIORITY["diagnosis"]
     threads: 1
     resources:
         **needs("diagnosis"),

@@ -14,6 +14,7 @@ rule integrity:
         "results/logs/integrity/{campaign}.log",
     benchmark:
         "results/benchmarks/integrity/{campaign}.tsv"
+    priority: PRIORITY["integrity"]
     threads: 1
     resources:
         **needs("integrity"),
