@@ -26,7 +26,6 @@ import pandas as pd  # noqa: E402
 import xarray as xr  # noqa: E402
 import yaml  # noqa: E402
 from bladeroot.diagnosis.judged import judge  # noqa: E402
-from bladeroot.diagnosis.verdict import is_shown  # noqa: E402
 from bladeroot.mechanisms.catalogue import catalogue  # noqa: E402
 from bladeroot.rom.parametric import ln_frequencies, surface_of  # noqa: E402
 from bladeroot.stiffness.priors import LN_K  # noqa: E402
@@ -58,7 +57,7 @@ def table(model: xr.Dataset) -> pd.DataFrame:
 
 def causes(verdict: dict) -> list[str]:
     """What is named or leads, in the order of the alphabet."""
-    return sorted(one["mechanism"] for one in verdict["causes"] if is_shown(one))
+    return sorted(one["mechanism"] for one in verdict["causes"] if one["shown"])
 
 
 def main() -> None:

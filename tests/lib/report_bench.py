@@ -11,7 +11,8 @@ def cause(credible=(POWER,), **more):
         "mechanism": credible[0], "class": "force-law", "credible_set": list(credible),
         "parameters": [{"name": "exponent", "value": 0.6, "std": 0.08, "unit": "1"}],
         "plausible": True, "splitter": "twice the force", "log_evidence": 20.0,
-        "form": "power", "probability": 0.97 if len(credible) == 1 else 0.7, "sizes": [], **more,
+        "form": "power", "probability": 0.97 if len(credible) == 1 else 0.7, "sizes": [],
+        "shown": True, **more,
     }  # fmt: skip
 
 

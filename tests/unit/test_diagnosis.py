@@ -14,7 +14,7 @@ from bladeroot.diagnosis.naming import Known, prepared
 from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.records import faulty_records
 from bladeroot.diagnosis.shortfall import _trend
-from bladeroot.diagnosis.verdict import is_shown, verdict
+from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Points
 from bladeroot.rom.parametric_build import parametric_model
@@ -47,13 +47,13 @@ def names(said):
 
 
 def shown(said):
-    return [one for one in said["causes"] if is_shown(one)]
+    return [one for one in said["causes"] if one["shown"]]
 
 
 def shows_nothing(said):
     """Whether none is the most probable, and what is not excluded only what would not show."""
     sets = said["probabilities"]
-    return next(iter(sets)) == "none" and not any(map(is_shown, said["causes"]))
+    return next(iter(sets)) == "none" and not any(one["shown"] for one in said["causes"])
 
 
 def test_without_an_effect_nothing_is_missing_but_what_would_not_show(model):

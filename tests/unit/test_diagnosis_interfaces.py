@@ -7,7 +7,6 @@ from bladeroot.diagnosis.interfaces import stiffness_problem
 from bladeroot.diagnosis.judged import judge
 from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.diagnosis.stick_model import problem, stick_data
-from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.inference.gaussian import best_fit, cost, fit
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric import ln_frequencies, solved_of
@@ -135,7 +134,7 @@ def test_fits_of_a_bent_valley_end_alike_from_wherever_they_begin():
 @pytest.mark.slow
 def test_stiffening_over_the_preload_is_named():
     whole, said, _ = told(seen(exponent=0.5))
-    shown = [one["mechanism"] for one in said["causes"] if is_shown(one)]
+    shown = [one["mechanism"] for one in said["causes"] if one["shown"]]
     assert shown == ["load-dependent-stiffness"]
     exponent = said["causes"][0]["parameters"][0]
     assert abs(exponent["value"] - 0.5) < 3 * exponent["std"] + 0.05

@@ -15,7 +15,6 @@ from bladeroot.diagnosis.simulation.linear import Linear
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
 from bladeroot.diagnosis.simulation.table import along, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
-from bladeroot.diagnosis.verdict import is_shown
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.verdict import answer_of
 from bladeroot.rom.parametric import ln_frequencies, surface_of
@@ -63,7 +62,7 @@ def of_a_load(seen, name, unit, factor=1.0):
 
 
 def names(said):
-    return [one["mechanism"] for one in said["causes"] if is_shown(one)]
+    return [one["mechanism"] for one in said["causes"] if one["shown"]]
 
 
 def test_slopes_of_the_linear_baseline_are_differences(model, expected):

@@ -1,10 +1,12 @@
 """The model of stick frequencies: slopes, causes that act on each other, changed matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
-from bladeroot.diagnosis.stick_model import problem, stick_data
+from bladeroot.diagnosis.stick_model import problem, stick_data, trust_kernel
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric import ln_frequencies
@@ -64,6 +66,29 @@ def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):
     points = np.column_stack([np.log(1.2e9) + x + share, np.log(1.8e9) + x + share, true])
     wanted = ln_frequencies(simulated.surface, points)[0][np.arange(true.size), data.records.mode]
     np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_no_cause_leaves_a_record_without_a_force(parts):
+    data, simulated, _ = parts
+    both = [BY_ID["force-offset"], BY_ID["incomplete-contact"]]
+    least = data.records.force.min()
+    for offset, inside in ((-0.9 * least, True), (-1.1 * least, False)):
+        state = problem(data, simulated, both).predict(point(both, (offset,), (4e3, 1.0)))
+        assert state.inside == inside
+        assert np.isfinite(state.mean).all()
+
+
+def test_laws_of_the_number_of_clampings_err_by_it(parts):
+    data = parts[0]
+    records = data.records
+    late = np.where(records.clamping > 0.5, 1e6, 0.0)  # a pause in the middle
+    paused = replace(records, time=records.time + late, span=records.span + 1e6)
+    np.testing.assert_array_equal(paused.clamping, records.clamping)
+    of_number = [
+        trust_kernel(replace(data, records=one), BY_ID["ageing"].over) for one in (records, paused)
+    ]
+    np.testing.assert_array_equal(*of_number)
+    assert BY_ID["drift"].of_form("step").over == BY_ID["ageing"].over
 
 
 def test_a_hold_in_which_a_frequency_jumps_counts_as_two(parts):

@@ -94,7 +94,7 @@ def test_a_gain_is_said_as_it_is(after, text):
 
 
 def test_what_the_records_would_not_show_is_not_called_a_cause():
-    quiet = cause((POWER, "none", SEATING), probability=0.06)
+    quiet = cause((POWER, "none", SEATING), probability=0.06, shown=False)
     said = with_open(verdict("ambiguous", [quiet]) | {"shortfall": []})
     spoken = sentences_of(found(named=""), said, False)
     assert spoken.head == "S: nothing shows to be missing, some causes would not show"

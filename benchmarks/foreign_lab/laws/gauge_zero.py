@@ -4,6 +4,7 @@ import numpy as np
 
 ID, UNIT = "force-offset", "true force less the gauge's, N"
 SIZES, SIGNED = (1500.0, 6000.0), True
+LEAST = 300.0  # N: a zero that leaves the lowest load no force is seen at once
 FORMS = {
     "constant": lambda r: {},
     "warming-up": lambda r: {"part": float(r.uniform(0.1, 0.3))},
@@ -18,8 +19,9 @@ def stick(effect, sheet):
         offset = offset * (
             1 - effect.shape["part"] * np.exp(-3 * sheet.time / sheet.planned("time").max())
         )
-    size = np.abs(offset) if effect.form == "dead-weight" else offset
-    return {"force": np.maximum(size, 300.0 - sheet.state["force"])}
+    offset = np.abs(offset) if effect.form == "dead-weight" else offset
+    room = sheet.state["force"].min() - LEAST
+    return {"force": offset * min(1.0, room / max(-offset.min(), room))}
 
 
 def measures(effect, sheet):

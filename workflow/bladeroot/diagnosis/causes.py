@@ -16,6 +16,7 @@ from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
 
 _FORCE = COORDINATES.index("force")
 _STEP = 1e-4  # of a force, for slopes by differences
+_LEAST = 1e-3  # of the gauge's reading: a joint is held by more, and never by a negative force
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,15 @@ class Causes:
     changes: of all together. effects: of each alone, and, to first order, what laws of the force
     make of its change of the force. slopes: derivatives of `changes` by each cause's own
     coordinates in the fit, shape (record, 4, own). by_place: derivatives of what changed matrices
-    do by the record's place (ln k..., load), where they count.
+    do by the record's place (ln k..., load), where they count. inside: whether every record is left
+    a force; where it is not, it has the least.
     """
 
     changes: Float[ndarray, "record 4"]
     effects: Float[ndarray, "cause record 4"]
     slopes: list[ndarray]
     by_place: ndarray | float
+    inside: bool = True
 
 
 def causes(
@@ -56,7 +59,8 @@ def causes(
     laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
     for k in laws:
         own[k], slopes[k] = _of_law(*asked[k], records)
-    force = records.force + sum(changes[:, _FORCE] for changes in own)
+    there = records.force + sum(changes[:, _FORCE] for changes in own)
+    force = np.maximum(there, _LEAST * records.force)
     moving = [k for k in laws if slopes[k][:, _FORCE].any()]
     for k in laws if moving else ():
         if k in moving or "force" not in mechanisms[k].over:
@@ -68,14 +72,16 @@ def causes(
             through[i] += rate * own[i][:, [_FORCE]]
             slopes[i] = slopes[i] + rate[:, :, None] * slopes[i][:, [_FORCE]]
     by_place: ndarray | float = 0.0
-    there = sum((changes[:, :2].T for changes in own), np.zeros((2, n)))
+    ln_k = sum((changes[:, :2].T for changes in own), np.zeros((2, n)))
     for k, (one, values, chain) in enumerate(asked):
         if one.structure is not None:
-            change, slope, further = structures(one, values, there)
+            change, slope, further = structures(one, values, ln_k)
             own[k][:, 3], slopes[k][:, 3] = change, slope * chain
             by_place = by_place if further is None else by_place + further
     effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
-    return Causes(sum(own, np.zeros((n, 4))), effects, slopes, by_place)
+    changes = sum(own, np.zeros((n, 4)))
+    changes[:, _FORCE] = force - records.force
+    return Causes(changes, effects, slopes, by_place, bool((force == there).all()))
 
 
 def _of_law(

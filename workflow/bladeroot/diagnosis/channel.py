@@ -121,6 +121,7 @@ def _known(data: StickData) -> dict[str, bool]:
     return {
         "force": np.unique(data.records.force).size > 1,
         "time": data.time_known and data.records.span > 0.0,
+        "clamping": data.time_known and data.records.span > data.records.hold_span,
         "since": data.time_known and data.records.hold_span > 0.0,
         "sign": data.direction_known,
         # Without a thermometer it is a drift.
@@ -139,7 +140,7 @@ def not_judged(
         if one.channel == "stick" and (why := simulated.silent(one)):
             silent.setdefault(why, []).append(one.id)
     lines = [f"{', '.join(names)} not judged: {why}" for why, names in silent.items()]
-    for names, lack in ((("time", "since"), "times"), (("sign",), "directions")):
+    for names, lack in ((("time", "clamping", "since"), "times"), (("sign",), "directions")):
         missing = [
             one.id for one in candidates if any(n in one.over and not known[n] for n in names)
         ]
@@ -206,6 +207,7 @@ def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
     records, known = data.records, _known(data)
     along = {
         "time": records.time - records.since,
+        "clamping": records.clamping,
         "since": records.since,
         "temperature": records.temperature,
     }

@@ -12,7 +12,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.simulation.parametric import Parametric
-from bladeroot.diagnosis.verdict import insufficient, is_shown
+from bladeroot.diagnosis.verdict import insufficient
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -47,7 +47,7 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
         structure=made.structure,
         answer=said["answer"],
         reason=said["reason"],
-        named=";".join(one["mechanism"] for one in said["causes"] if is_shown(one)),
+        named=";".join(one["mechanism"] for one in said["causes"] if one["shown"]),
         lacks=made.terms.say(";".join(made.lacks)),
         insufficient=made.terms.say(". ".join(insufficient(made, spelled))),
         insufficient_causes=";".join(found.insufficient for found in made.found),

@@ -18,6 +18,7 @@ PARTS = {
     "force": "between_forces",
     "hold": "between_holds",
     "time": "between_times",
+    "clamping": "between_times",
     "since": "between_times_in_a_hold",
     "sign": "between_directions",
     "temperature": "between_temperatures",

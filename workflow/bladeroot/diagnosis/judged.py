@@ -23,7 +23,7 @@ from bladeroot.diagnosis.simulation.own_range import (
 )
 from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
 from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
-from bladeroot.diagnosis.verdict import SCHEMA, is_shown, records_of, verdict
+from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.pooling.groups import group_sentences
@@ -173,7 +173,7 @@ def _in_own(
     said = verdict_in_own(said | {"next": following(further, made)}, own)
     if simulated.kind == "none":
         silent = SILENT + (SILENT_LOAD if own.name else "")
-        if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"] if is_shown(one)):
+        if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"] if one["shown"]):
             silent += AS_IF
         said["reason"] = ". ".join(filter(None, (said["reason"], silent)))
     said["structure"] = name or None

@@ -24,7 +24,7 @@ from bladeroot.mechanisms.mechanism import Mechanism, Records
 # ln of the scatter of frequency between records of one clamping.
 NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
-TIME_LENGTH = 0.3  # of the campaign
+TIME_LENGTH = 0.3  # of the campaign, by time or by its clampings
 KELVIN = 3.0  # of temperature
 # K by which a thermometer is off the beam, half of it for an hour (s), half of a record; K from the
 # mean below which a temperature is none.
@@ -180,7 +180,8 @@ def problem(
         effects = np.einsum("nc,knc->kn", whole, made.effects)
         facts = {"gradient": said.gradient, "effects": effects}
         turns = None if said.turning is None else partial(turned, said, made, effects)
-        return State(said.mean + made.changes[:, 3], np.hstack(columns), facts, turns=turns)
+        mean = said.mean + made.changes[:, 3]
+        return State(mean, np.hstack(columns), facts, made.inside, turns)
 
     def turned(
         said: Said, made: Causes, effects: ndarray, scales: ndarray, vector: ndarray,
@@ -256,6 +257,7 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
     kernels = {
         "force": lambda: near(np.log(records.force), FORCE_LENGTH),
         "time": lambda: near(records.time, TIME_LENGTH * max(records.span, 1.0)),
+        "clamping": lambda: near(records.clamping, TIME_LENGTH),
         "since": lambda: (
             near(records.since, max(records.hold_span, 1.0))
             * (1.0 + (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold))

@@ -25,6 +25,8 @@ from bladeroot.diagnosis.shortfall import of_curves, of_records
 from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
+# Along what a shortfall is told, by what its cause is a law of.
+_AXES = {"sign": "direction", "since": "time in a clamping", "clamping": "time"}
 
 
 def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
@@ -76,10 +78,12 @@ def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     own = sizes(mechanism, found.final, first)
     own[0] = found.sizes.get(mechanism.id, own[0])
     kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
+    chance = inclusion(sets, mechanism.id)
     return {
         "mechanism": mechanism.id,
         "form": mechanism.form,
-        "probability": round(inclusion(sets, mechanism.id), 9),
+        "probability": round(chance, 9),
+        "shown": NONE not in cause.credible or chance > 0.5,
         "class": " or ".join(kinds),
         "credible_set": list(cause.credible),
         "parameters": [
@@ -114,6 +118,7 @@ def _fault(one) -> dict:
         "mechanism": one.mechanism.id,
         "form": "",
         "probability": one.probability,
+        "shown": True,
         "class": "record",
         "credible_set": [one.mechanism.id],
         "parameters": [
@@ -159,11 +164,6 @@ def certain(cause: dict) -> bool:
     return len(cause["credible_set"]) == 1
 
 
-def is_shown(cause: dict) -> bool:
-    """Whether the data show a cause, or would hardly show it and do not exclude it."""
-    return NONE not in cause["credible_set"] or cause["probability"] > 0.5
-
-
 def _shortfall(made: Diagnosis) -> list[dict]:
     """What the baseline misses in each channel that misses anything, in words."""
     rows = []
@@ -178,7 +178,7 @@ def _shortfall(made: Diagnosis) -> list[dict]:
             axis = max(step.smooth, key=step.smooth.get, default="force")
             if found.causes and found.causes[0].mechanism.over:
                 over = found.causes[0].mechanism.over[0]
-                axis = {"sign": "direction", "since": "time in a clamping"}.get(over, over)
+                axis = _AXES.get(over, over)
             data = made.data if found.channel.name == "stick" else made.damping.stick
             new = of_records(found.channel.name, data, found.baseline, axis)
         rows += [

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bladeroot.mechanisms.drift import clamped
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 _EARLY = 10.0  # how much faster than in proportion bedding-in begins
@@ -14,7 +13,7 @@ def law(course: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...]
     """The hook: `change` of ln k from first to last clamping, by a course of their number."""
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        along = course(clamped(records)) - 0.5
+        along = course(records.clamping) - 0.5
         changes, slopes = values[0] * along, along[:, None]
         return StickEffect(dict.fromkeys(stiffnesses, changes), dict.fromkeys(stiffnesses, slopes))
 
@@ -41,7 +40,7 @@ MECHANISM = Mechanism(
     ),
     splitter="the same clamping kept over hours beside many in a row",
     stick=law(_linear, ("ln_kn", "ln_kt")),
-    over=("time",),
+    over=("clamping",),
     form="kn and kt",
 )  # fmt: skip
 for _course, _names, _form in (

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bladeroot.mechanisms.drift import clamped
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 _FASTER = 3.0  # ln of how much faster it grows at the end than at first
@@ -14,7 +13,7 @@ def law(course: Callable[[np.ndarray], np.ndarray]):
     """The hook: a fall of ln f over the number of clampings; other modes' by their own ratios."""
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        along = course(clamped(records)) - 0.5
+        along = course(records.clamping) - 0.5
         ratios = np.append(1.0, values[1:])
         own = np.eye(ratios.size)[np.minimum(records.mode, ratios.size - 1)]
         slopes = values[0] * along[:, None] * own
@@ -50,7 +49,7 @@ MECHANISM = Mechanism(
     ),
     splitter="the {beam} alone, free-free, before and after; dye or ultrasound at its notches",
     stick=law(_steady),
-    over=("time",),
+    over=("clamping",),
     form="steady",
     starts=((2e-3, 0.0), (2e-3, -0.5), (2e-3, 0.5)),
 ).also("ever faster", stick=law(_faster))  # fmt: skip

@@ -49,7 +49,7 @@ def saturating(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def step(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At once, after a part of the campaign's clampings: a pause has none."""
-    course = 0.5 * np.tanh((clamped(records) - values[1]) / _EDGE)
+    course = 0.5 * np.tanh((records.clamping - values[1]) / _EDGE)
     slope = -(0.5 - 2.0 * course**2) / _EDGE
     return course, np.stack([np.zeros(course.size), slope], axis=1)
 
@@ -67,12 +67,6 @@ def wandering(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     t = _share(records)
     basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in WAVES)])
     return basis @ values[1:], np.column_stack([np.zeros(t.size), basis])
-
-
-def clamped(records: Records) -> np.ndarray:
-    """Number of the clamping by when it began, from 0 to 1."""
-    number = np.unique(np.round(records.time - records.since), return_inverse=True)[1]
-    return number / max(int(number.max(initial=0)), 1)
 
 
 def _share(records: Records) -> np.ndarray:
@@ -103,7 +97,7 @@ MECHANISM = Mechanism(
     form="linear",
 ).also(
     "saturating", TIME_CONSTANT, stick=law(saturating), starts=((1e-3, float(np.log(0.1))),)
-).also("step", MOMENT, stick=law(step), starts=MOMENTS).also(
+).also("step", MOMENT, stick=law(step), over=("clamping",), starts=MOMENTS).also(
     "wandering",
     Parameter("change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True),
     *(

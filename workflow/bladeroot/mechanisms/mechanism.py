@@ -22,7 +22,7 @@ CLASSES = ("amplitude", "force-law", "level", "time", "direction", "record")
 REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 # What a law on records may be one of.
-VARIABLES = ("force", "time", "since", "sign", "temperature")
+VARIABLES = ("force", "time", "clamping", "since", "sign", "temperature")
 # Times the simulation's own part of the energy, and twice its error, that a share may be: the
 # flanks' ends, which move most, give way beyond their part.
 MARGIN = 1.5
@@ -122,6 +122,12 @@ class Records:
     span: float
     hold_span: float
     temperature: Float[ndarray, " record"] | None = None
+
+    @property
+    def clamping(self) -> Float[ndarray, " record"]:
+        """Number of the clamping by when it began, from 0 to 1."""
+        number = np.unique(np.round(self.time - self.since), return_inverse=True)[1]
+        return number / max(int(number.max(initial=0)), 1)
 
 
 @dataclass(frozen=True)

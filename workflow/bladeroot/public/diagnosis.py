@@ -47,9 +47,7 @@ class Verdict:
     @property
     def causes(self) -> tuple[str, ...]:
         """Ids of the causes that the data show, what explains most first."""
-        from bladeroot.diagnosis.verdict import is_shown
-
-        return tuple(one["mechanism"] for one in self.said["causes"] if is_shown(one))
+        return tuple(one["mechanism"] for one in self.said["causes"] if one["shown"])
 
     def plot(self):
         """Measured stick frequencies and loss factors over the load, by mode; a Figure."""

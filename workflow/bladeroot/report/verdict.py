@@ -89,8 +89,8 @@ def next_of(one: xr.Dataset, said: Mapping) -> list[str]:
 
 def with_open(said: Mapping) -> dict:
     """The verdict with the causes that the records show; `open`: those that they would not show."""
-    quiet = [c for c in said["causes"] if "none" in c["credible_set"] and c["probability"] < 0.5]
-    return {**said, "causes": [c for c in said["causes"] if c not in quiet], "open": quiet}
+    shown, quiet = ([c for c in said["causes"] if c["shown"] == side] for side in (True, False))
+    return {**said, "causes": shown, "open": quiet}
 
 
 def answer_of(said: Mapping) -> str:
