@@ -12,11 +12,14 @@ from bladeroot.signal.runs import medians
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
 LEAST, CLEAR = 3e-3, 8.0
+# Nor is one looked for above this part of the sampling frequency.
+FASTEST = 0.48
 # Lines of a spectrum that share a median.
 CHUNK = 64
-# Lines nearer to the mode than this part of its frequency are left to it, and nearer to one another
-# than that part are one.
-APART, SAME = 0.17, 0.1
+# Lines nearer to the mode than this part of its frequency are left to it, unless a known one is
+# nearer and a segment tells them apart by so many lines of its spectrum; nearer to one another than
+# that part, or that part of the distance from the mode to the nearest, are one.
+APART, TOLD, SAME, SAME_NEAR = 0.17, 8.0, 0.1, 0.3
 # Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
 # that is its skirt, where it is chirping.
 SKIRT, FAINT = 0.35, 0.03
@@ -29,13 +32,14 @@ IMAGE = 0.1
 # In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
 AUDIBLE = 0.08
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
-# are expected (relative), from this part of the loudest on, in so many of their beats.
-CLOSE, ABOUT, HEARD, RESOLVING = 0.3, 0.04, 0.01, 8.0
+# are expected (relative), from this part of the loudest within that many times as far on, in so
+# many of their beats.
+CLOSE, ABOUT, HEARD, AROUND, RESOLVING = 0.3, 0.04, 0.01, 1.2, 8.0
 # A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
-# is over the median one by that factor (by the other one half a segment later), and swings the
-# logarithm by that much.
+# is over the median one by that factor (by the other one half a segment later, where it turns
+# alike within so many turns), and swings the logarithm by that much.
 BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
-CLEAR_BEAT, AGAIN, SWING = 10.0, 3.0, 0.01
+CLEAR_BEAT, AGAIN, ALIKE, SWING = 10.0, 3.0, 1.5, 0.01
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -88,11 +92,11 @@ def _peaks(
     peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
-    peak &= frequency < 0.48 * sampling_Hz
+    peak &= frequency < FASTEST * sampling_Hz
     # within the resolution of a segment what leaks from the mode looks like a line
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
-    peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), 8.0 * width)
+    peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), TOLD * width)
     near = slice(part.start // found.spacing, max(part.stop // found.spacing, 1))
     others = range(1, found.lines_Hz.size)
     loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[near]) ** 2))) for k in others]
@@ -100,7 +104,7 @@ def _peaks(
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
         skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < FAINT * np.array(loud))
-        same = min(SAME * min(frequency[k], own_Hz), 0.3 * nearest)
+        same = min(SAME * min(frequency[k], own_Hz), SAME_NEAR * nearest)
         if skirt.any() or away.min() <= max(same, 2.0 * width):
             continue
         # a parabola through the logarithms: a third of a step at most is left
@@ -151,7 +155,7 @@ def lines_by_name(
     count = min(int(RESOLVING * sampling_Hz / apart), x.size)
     frequency, level = magnitudes(x[:count], sampling_Hz)
     wanted = [expected_Hz, *close]
-    inside = np.abs(frequency / expected_Hz - 1.0) < 1.2 * CLOSE
+    inside = np.abs(frequency / expected_Hz - 1.0) < AROUND * CLOSE
     heard = level > HEARD * level.max(where=inside, initial=0.0)
     seen = np.flatnonzero(peaks(level) & inside & heard)
     off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in seen]
@@ -177,7 +181,7 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
         clear, turns = one_sided(log[:count], SWING)
         again, then = one_sided(log[count // 2 : count // 2 + count], SWING)
         # a beat goes on, a bend of the mode's own laws does not
-        if clear > best and again > AGAIN and abs(turns - then) * count < 1.5:
+        if clear > best and again > AGAIN and abs(turns - then) * count < ALIKE:
             best = clear
             line = [float(found.lines_Hz[0] + turns * sampling_Hz / found.spacing)]
     return line

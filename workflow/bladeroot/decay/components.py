@@ -28,11 +28,12 @@ from bladeroot.signal.lines import loudest, mode_Hz
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
 MOST, ROUNDS = 8, 8
 # What lies below this part of the mode's frequency belongs to the baseline, which is then followed
-# up to this multiple of it, but not beyond this part of the mode's frequency.
-LOW, ABOVE, HIGHEST = 0.15, 2.5, 0.45
+# up to this multiple of it, but not beyond this part of the mode's frequency. A line this close
+# above what is followed belongs to it too.
+LOW, ABOVE, HIGHEST, FOLLOWED = 0.15, 2.5, 0.45, 1.05
 # Knots in the time in which the mode and its nearest neighbour differ by a turn; fewest cycles of
-# the mode from knot to knot; most intervals, which bound the cost of a long record.
-KNOTS, FEWEST_CYCLES, INTERVALS = 0.8, 1.5, 400
+# the mode, and samples, from knot to knot; most intervals, which bound the cost of a long record.
+KNOTS, FEWEST_CYCLES, FEWEST_SAMPLES, INTERVALS = 0.8, 1.5, 8.0, 400
 # A blow rises to this part of the record's largest step out of what is quieter than that part, and
 # within two cycles of the mode to that part of it.
 RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
@@ -44,8 +45,8 @@ STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
 GROWN, CLEAR = 1.02, 6.0
 # A mode has drowned where its envelope is no more than so many times what is left of it at the end,
 # if it began so many times higher and is not falling still (by that part in a tenth of the time);
-# fewest cycles that are left to a decay.
-ABOVE_FLOOR, DEEP, FALLING, LIFE_CYCLES = 2.0, 30.0, 0.85, 16.0
+# how much longer, and by how many intervals, it is followed; fewest cycles left to a decay.
+ABOVE_FLOOR, DEEP, FALLING, LONGER, LIFE_CYCLES = 2.0, 30.0, 0.85, (1.1, 4), 16.0
 # Part of what two notions of smoothness differ by, and of what neither follows, that is taken as a
 # standard error; as on drawn records of close modes.
 DOUBT = 0.5
@@ -231,7 +232,8 @@ def _lasting(found: Envelopes) -> int:
     if size[0] < DEEP * floor or floor < FALLING * before:
         return found.samples
     last = int(np.flatnonzero(size > ABOVE_FLOOR * floor)[-1])
-    return min(int((1.1 * last + 4) * found.spacing), found.samples)
+    times, more = LONGER
+    return min(int((times * last + more) * found.spacing), found.samples)
 
 
 def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) -> int:
@@ -284,7 +286,7 @@ def _sways(found: Envelopes) -> bool:
 
 def _slowest(base_Hz: float, own_Hz: float) -> float:
     """What is slower (Hz) is known to belong to the baseline."""
-    return min(1.05 * base_Hz / ABOVE, LOW * own_Hz)
+    return min(FOLLOWED * base_Hz / ABOVE, LOW * own_Hz)
 
 
 def _followed(
@@ -298,7 +300,7 @@ def _followed(
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     spacing = max(KNOTS / nearest, FEWEST_CYCLES / own_Hz)
     spacing = min(spacing, 0.5 / max(base_Hz, 1e-9))
-    spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, 8.0))
+    spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, FEWEST_SAMPLES))
     return demodulated(velocity, sampling_Hz, lines, spacing, base_Hz)
 
 

@@ -13,7 +13,7 @@ from numpy import ndarray
 from bladeroot.decay.ending import RISE, find_end, running_power, strikes
 from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
-from bladeroot.signal.lines import quantum, white_noise
+from bladeroot.signal.lines import FASTEST, quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 from bladeroot.variables import dataset
 
@@ -72,9 +72,9 @@ def cut(
     }  # fmt: skip
     span, finding = (0, 0), ""
     duration = velocity.size / sampling_Hz
-    if expected_Hz >= 0.45 * sampling_Hz:
+    if expected_Hz >= FASTEST * sampling_Hz:
         finding = (
-            f"expected_Hz {expected_Hz:.6g} lies above 0.45 of the sampling frequency "
+            f"expected_Hz {expected_Hz:.6g} lies above {FASTEST} of the sampling frequency "
             f"{sampling_Hz:.6g} Hz"
         )
     elif duration * expected_Hz < 2 * FEWEST_CYCLES:

@@ -27,6 +27,13 @@ SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
 STEPPED = "the digitiser's steps"  # why a decay ends
 # Neither noise nor a decaying mode by itself makes the smoothed envelope rise by half.
 RISE = float(np.log(1.5))
+# Frames over which the largest before a strike is taken: a power of two.
+BEFORE = 16
+# The noise's mean square and so many of its standard errors end a decay, over half the frames in
+# which ln A falls by one, these at most; from so many times the noise on a phase is known.
+ERRORS, LONGEST, KNOWN = 3.0, 4096, 5.0
+# Points of a coarser scale by which a finer one may find the same kink later, in its own.
+LATER = 6
 
 
 def running_power(seen: Envelope, size: int) -> Float[ndarray, " frame"]:
@@ -45,12 +52,12 @@ def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
     struck = np.zeros(seen.level.size, bool)
     for size in (seen.rest, moved):
         before = size
-        for shift in (1, 2, 4, 8):
+        for shift in 2 ** np.arange(int(np.log2(BEFORE))):
             before = np.maximum(before[shift:], before[:-shift])
-        now = size[15 + lag :]
+        now = size[BEFORE - 1 + lag :]
         usual = np.maximum(before[: now.size], white)
-        own = np.exp(seen.level[15 + lag :])
-        struck[15 + lag :] |= (now > STRIKE * usual) & (now > HARMFUL * own)
+        own = np.exp(seen.level[BEFORE - 1 + lag :])
+        struck[BEFORE - 1 + lag :] |= (now > STRIKE * usual) & (now > HARMFUL * own)
     return struck & ~np.concatenate([[False], struck[:-1]])
 
 
@@ -80,10 +87,9 @@ def find_end(
         at = trough if creeps else over[0]
         ends.append((seen.time[at] - 0.5 * seen.frame_s, "disturbed"))
     pace = (trough - begin) / max(seen.level[begin] - seen.level[trough], 0.1)
-    size = int(np.clip(0.5 * pace, FRAME_STEPS, 4096))
+    size = int(np.clip(0.5 * pace, FRAME_STEPS, LONGEST))
     power = running_power(seen, size)[begin:]
-    # the mean square of noise, and three of its standard errors
-    limit = noise**2 * (1.0 + 3.0 * np.sqrt(OVERLAP / size))
+    limit = noise**2 * (1.0 + ERRORS * np.sqrt(OVERLAP / size))
     lost = np.flatnonzero(power <= limit)
     if lost.size:
         last = begin + int(lost[0])
@@ -107,8 +113,7 @@ def find_end(
 
 def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | None:
     """Time of the first kink in an otherwise smooth decay, found at several scales."""
-    # a phase is only known where the mode stands out of the noise
-    weak = np.flatnonzero(seen.level[begin : last + 1] < np.log(max(5.0 * noise, 1e-300)))
+    weak = np.flatnonzero(seen.level[begin : last + 1] < np.log(max(KNOWN * noise, 1e-300)))
     stop = begin + int(weak[0]) if weak.size else last + 1
     found: int | None = None
     for size in SIZES:
@@ -127,7 +132,7 @@ def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | N
             place = tested.place[near][np.argmax(tested.gain[near])]
             early = min(place, tested.place[real[0]] + reach)
             at = max(int(start + (early - 1) * size), 0)
-            # a finer scale sees the same kink more sharply, up to three coarser points later
-            if found is None or at < found + 6 * size:
+            # a finer scale sees the same kink more sharply
+            if found is None or at < found + LATER * size:
                 found = at
     return None if found is None else float(seen.time[found] - 0.5 * seen.frame_s)

@@ -12,6 +12,7 @@ from bladeroot.decay.cut import coarse, cut
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
+from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
@@ -43,7 +44,7 @@ def free_decay(
     struck = onset(clear, rate / expected_Hz)
     asked = expected_Hz, modes_Hz, whole.notes, recording
     several = _several(decay)
-    if expected_Hz >= 0.45 * rate or clear.size * expected_Hz < 16 * rate:
+    if expected_Hz >= FASTEST * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, *asked)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
     how = decay.attrs["excitation"] or "hammer"

@@ -30,6 +30,25 @@ SURE = 4
 SUDDEN_CYCLES = 1.2
 # A tip leaves within half a cycle and frames see it no better: no bend is surer than this (frames).
 LETTING_GO = 0.8
+# The release lies within so much of ln A below the peak and this part of the fall: a kink further
+# down is the decay's end.
+DEEPEST, UPPER = 1.0, 0.3
+# A step counts from so many of its standard errors on, and is no bend where a bend that makes as
+# much would lie more than so many points away.
+STEP_ERRORS, BESIDE = 4.0, 2.0
+# Least error of ln A and phase that a point is given: no digitiser is better.
+BEST = 1e-5
+# Before a blow it is quiet: ln A below what follows by the first. A rise begins there and ends at
+# the second.
+QUIET, RISEN = np.log(10.0), np.log(3.0)
+# Frames of the smooth decay that is continued backwards, at least and at most; a parabola from more
+# than so many on, else a line. It is not believed to rise by more than this (ln).
+SIDE, LONGEST_SIDE, STRAIGHT, HIGHEST = 8, 40, 16, 2.0
+# A change of the variance by so many nats is real: less is what any two pieces of noise differ by.
+# Samples on either side of it at least.
+CHANGE, APART = 30.0, 4
+# Where samples tell the instant, to this part of a cycle; what is earlier is none.
+INSTANT = 0.1
 
 
 @dataclass(frozen=True)
@@ -59,8 +78,7 @@ def find_release(
     what comes after it is smooth. A bend is placed where two smooth sides meet, a step by the raw
     samples: before it they are not what the smooth decay, continued backwards, says.
     """
-    # the release lies in the first third of the fall, a kink further down is the decay's end
-    depth = min(1.0, 0.3 * (level[peak] - level[trough]))
+    depth = min(DEEPEST, UPPER * (level[peak] - level[trough]))
     low = _last_above(level, peak, trough, level[peak] - depth)
     middle = _last_above(level, peak, low, level[peak] - 0.5 * depth)
     pace = max(low - middle, 1) / (0.5 * depth)
@@ -163,7 +181,7 @@ def log_points(
     first = stop - count * size
     log = seen.log[first:stop].reshape(count, size).mean(axis=1)
     std = np.minimum(noise * np.exp(-log.real), 1.0) * np.sqrt(0.5 * OVERLAP / size)
-    return log, np.maximum(std, 1e-5), first  # no digitiser is better
+    return log, np.maximum(std, BEST), first
 
 
 def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, bool, float] | None:
@@ -172,7 +190,7 @@ def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, boo
     And how many points apart a bend would seem to lie that has such a step beside it.
     """
     step = np.abs(tested.step)
-    stepped = (step > STEP) & (step > 4.0 * tested.step_std)
+    stepped = (step > STEP) & (step > STEP_ERRORS * tested.step_std)
     bent = (np.abs(tested.bend) * reach > turn) & (tested.bare > GAIN)
     real = np.flatnonzero((tested.gain > GAIN) & (stepped | bent) & (tested.place <= last))
     if not real.size:
@@ -181,7 +199,7 @@ def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, boo
     near = np.arange(max(0, real[-1] - 2 * reach), real[-1] + 1)
     best = near[np.argmax(tested.gain[near])]
     shift = step[best] / max(np.abs(tested.bend[best]), 1e-300)
-    return int(tested.place[best]), bool(stepped[best] and shift > 2.0), float(shift)
+    return int(tested.place[best]), bool(stepped[best] and shift > BESIDE), float(shift)
 
 
 def _bend(log: Complex[ndarray, " point"], std: Float[ndarray, " later"]) -> tuple[float, float]:
@@ -209,11 +227,11 @@ def _excitation(quiet: int | None) -> str:
 def _quiet(seen: Envelope, at: int) -> int | None:
     """The last quiet frame before frame `at`, if what led up to `at` was sudden; else None."""
     after = seen.level[min(at + FRAME_STEPS, seen.log.size - 1)]
-    quiet = np.flatnonzero(seen.level[: at + 1] < after - np.log(10.0))
+    quiet = np.flatnonzero(seen.level[: at + 1] < after - QUIET)
     if not quiet.size:
         return None
     # a second blow may have doubled or halved what the first one left
-    up = np.flatnonzero(seen.level[quiet[-1] :] > after - np.log(3.0))
+    up = np.flatnonzero(seen.level[quiet[-1] :] > after - RISEN)
     rise = (up[0] if up.size else 0) * seen.step_s * seen.frequency_Hz
     return int(quiet[-1]) if rise < SUDDEN_CYCLES else None
 
@@ -233,9 +251,9 @@ def _sudden(
     the last quiet frame, if there is one, and `low` one where the decay has fallen.
     """
     cycle = 1.0 / seen.frequency_Hz
-    head = max(min(clean, seen.log.size - 8), 0)
-    tail = min(max(low, head + 8), head + 40, seen.log.size)
-    order = 2 if tail - head > 16 else 1
+    head = max(min(clean, seen.log.size - SIDE), 0)
+    tail = min(max(low, head + SIDE), head + LONGEST_SIDE, seen.log.size)
+    order = 2 if tail - head > STRAIGHT else 1
     polynomial = np.polynomial.polynomial
     curve = polynomial.polyfit(seen.time[head:tail] - seen.time[head], seen.log[head:tail], order)
     first = max(0, int((seen.time[max(near, 0)] - 0.5 * seen.frame_s) * sampling_Hz))
@@ -244,12 +262,11 @@ def _sudden(
     stop = int((seen.time[head] + 0.5 * seen.frame_s) * sampling_Hz)
     time = np.arange(first, stop) / sampling_Hz
     model = polynomial.polyval(time - seen.time[head], curve)
-    model.real = np.minimum(model.real, curve[0].real + 2.0)
+    model.real = np.minimum(model.real, curve[0].real + HIGHEST)
     decay = np.exp(model + 2j * np.pi * np.mod(seen.frequency_Hz * time, 1.0))
     piece = velocity[first:stop] - seen.mean[head]
     pick, gain = _variance_change(piece - decay.real, 1e-6 * np.exp(curve[0].real))
-    # less than this is what any two pieces of noise differ by
-    nothing = gain < 30.0 or pick < 0.1 * cycle * sampling_Hz
+    nothing = gain < CHANGE or pick < INSTANT * cycle * sampling_Hz
     still = np.std(piece[:pick]) < 0.5 * np.std(decay[:pick]) if pick > 1 else False
     if first == 0 and (nothing or not still):
         return Release(0.0, 0.0, "begins in the decay")
@@ -258,7 +275,7 @@ def _sudden(
     excitation = "hammer" if first == 0 else _excitation(quiet)
     if still and _from_rest(piece, decay):
         excitation = "step"
-    return Release((first + pick) / sampling_Hz, 0.1 * cycle, excitation)
+    return Release((first + pick) / sampling_Hz, INSTANT * cycle, excitation)
 
 
 def _from_rest(piece: ndarray, decay: Complex[ndarray, " sample"]) -> bool:
@@ -271,7 +288,7 @@ def _from_rest(piece: ndarray, decay: Complex[ndarray, " sample"]) -> bool:
 def _variance_change(x: Float[ndarray, " sample"], least: float) -> tuple[int, float]:
     """Sample at which the variance changes most likely, and the gain in log-likelihood."""
     total = np.concatenate([[0.0], np.cumsum(x**2)])
-    k = np.arange(4, x.size - 4)
+    k = np.arange(APART, x.size - APART)
     if not k.size:
         return 0, 0.0
     early = total[k] / k + least**2

@@ -14,6 +14,8 @@ from bladeroot.signal.runs import medians
 SUDDEN = 0.1  # ln A above the plateau's line of a block that slips
 LEFT = 0.1  # largest share, of what a sudden fall had two blocks before, that may be left after it
 WITHIN = 0.3  # blocks: standard error of the moment, from sliders of known critical amplitude
+ERRORS = 5.0  # standard errors of a block above the plateau's line while it slips
+SETTLED = 5  # blocks after it at least
 NEAR = 9  # blocks whose median error is that of any one of them
 
 
@@ -36,8 +38,8 @@ def sudden_onset(
     above = log - rate * time
     sharp = above[std < 2.0 * np.median(std)]
     above = above - np.median(sharp[-sharp.size // 4 :])
-    slipping = np.flatnonzero(above > np.maximum(SUDDEN, 5.0 * std))
-    if not slipping.size or not 1 <= slipping[-1] <= time.size - 5:
+    slipping = np.flatnonzero(above > np.maximum(SUDDEN, ERRORS * std))
+    if not slipping.size or not 1 <= slipping[-1] <= time.size - SETTLED:
         return None
     last = int(slipping[-1])
     weight = std[last + 2 :] ** -2.0

@@ -16,6 +16,8 @@ from bladeroot.plateau.evidence import Fits
 from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES
 
 NORMAL = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # ends of the central intervals, in %
+TWO_SIDED = 1.96  # standard deviations to the ends of the interval of 95 %
+UNHEARD = 1e-6  # of the weight: what less of it says is left out
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Mixture:
 
     def quantiles(self, share: tuple[float, ...]) -> Float[ndarray, " share"]:
         """Where so much of the probability lies below."""
-        some = self.weight > 1e-6 * self.weight.max()
+        some = self.weight > UNHEARD * self.weight.max()
         weight, std = self.weight[some], np.sqrt(self.variance[some])
         mean, weight = self.mean[some], weight / weight.sum()
         low = np.full(len(share), (mean - 4.0 * std).min())
@@ -47,7 +49,7 @@ class Mixture:
         parts of hardly any weight that are far away.
         """
         q = self.quantiles((*NORMAL[95], *NORMAL[68], 0.5))
-        return float(q[4]), float(np.sqrt(0.5 * (q[3] - q[2]) * (q[1] - q[0]) / 3.92))
+        return float(q[4]), float(np.sqrt(0.5 * (q[3] - q[2]) * (q[1] - q[0]) / (2.0 * TWO_SIDED)))
 
 
 SHORTEST = np.log(2.0)  # a constant segment that is no shorter, in ln A, counts as shown
@@ -90,7 +92,7 @@ class Channel:
         if not self.tenable.any():
             return np.nan, np.nan
         rate, std = self.rate[0, self.tenable], np.sqrt(self.bent * self.variance[0, self.tenable])
-        return float((rate - 1.96 * std).min()), float((rate + 1.96 * std).max())
+        return float((rate - TWO_SIDED * std).min()), float((rate + TWO_SIDED * std).max())
 
 
 @dataclass(frozen=True)
@@ -205,7 +207,7 @@ def _channel(
     # a flat law is a plateau when its rest at the smallest amplitude is within the error
     flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
     shown = 0.0
-    if weight[flat].sum() > 1e-6:
+    if weight[flat].sum() > UNHEARD:
         shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
     hinge = weight[1 + DOUBTS * SMOOTH :].reshape(-1, HINGES * DOUBTS).sum(axis=1)
     shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST].sum()

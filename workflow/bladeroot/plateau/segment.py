@@ -9,6 +9,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
 FEWEST_GROUPS = 8  # groups through which a straight line is laid
+# of the search for a departure: onsets per ln A, the narrowest window (ln A), and its fewest groups
+PER_FOLD, NARROWEST, FEWEST_IN = 8, 0.4, 10
 
 
 @dataclass(frozen=True)
@@ -134,10 +136,11 @@ def first_departure(segment: Segment, detection: float) -> float | None:
     hinge anywhere in them, against a chi-square gain of `detection` in either channel.
     """
     low, high = segment.log.min(), segment.log.max()
-    onsets = np.linspace(low, high, max(8, int(8 * (high - low)) + 1))
-    tops = onsets[3:][onsets[3:] >= low + 0.4]
+    onsets = np.linspace(low, high, max(PER_FOLD, int(PER_FOLD * (high - low)) + 1))
+    tops = onsets[3:][onsets[3:] >= low + NARROWEST]
     first = segment.firsts_below(tops)
-    tops, first = tops[segment.time.size - first >= 10], first[segment.time.size - first >= 10]
+    enough = segment.time.size - first >= FEWEST_IN
+    tops, first = tops[enough], first[enough]
     hinges = np.maximum(0.0, np.exp(segment.path) * np.exp(-onsets)[:, None] - 1.0)
     x = integral(segment, over_cells(segment, hinges))
     line, _ = line_of(segment)

@@ -29,6 +29,9 @@ REACH = np.log([4.0, 2.0, 1.5])  # how far above it, in ln A, the laws are weigh
 # prior weight of a constant over that of any other kind, where no law's ln evidence gets to that
 NO_DEPARTURE, NOTHING = 30.0, 10.0
 SEEDS = 60  # onsets at which each shape is tried first
+# onsets between the ends to begin with, most that matter that are refined, and new ones a round
+# between them and beside the best
+BEGIN, ENOUGH, BETWEEN, BESIDE = 10, 8, 8, 5
 MISFIT = 20.0  # excess variance about all laws from which the record does not speak for a constant
 
 
@@ -63,7 +66,7 @@ def _weighed(window: Segment) -> tuple[Weighed, float]:
     """Weights on one window, by a search for the onset that refines itself; largest excess."""
     low, high = float(window.log.min()), float(window.log.max())
     onsets, frame = np.empty(0), framed(window)
-    new = np.union1d(np.linspace(low, high, 12)[1:-1], _seeds(frame, low, high))
+    new = np.union1d(np.linspace(low, high, BEGIN + 2)[1:-1], _seeds(frame, low, high))
     total, evidence, best, excess = None, [np.empty(0)] * 2, [-np.inf] * 2, [1.0] * 2
     for _ in range(4):
         laws = hinge_laws(window, new)
@@ -135,10 +138,10 @@ def _finer(
     value = evidence.reshape(onsets.size, HINGES).max(axis=1)[order]
     good = np.flatnonzero(value > value.max() - NEGLIGIBLE)
     more = np.empty(0)
-    if good.size < 8:
-        more = np.linspace(around[good[0]], around[good[-1] + 2], 10)[1:-1]
+    if good.size < ENOUGH:
+        more = np.linspace(around[good[0]], around[good[-1] + 2], BETWEEN + 2)[1:-1]
     best = int(np.argmax(value))
     beside = value[max(best - 1, 0) : best + 2]
     if beside.max() - beside.min() > 1.0:
-        more = np.concatenate([more, np.linspace(around[best], around[best + 2], 7)[1:-1]])
+        more = np.concatenate([more, np.linspace(around[best], around[best + 2], BESIDE + 2)[1:-1]])
     return more

@@ -16,6 +16,21 @@ FRAME_CYCLES = 4
 COLOURED = 6.0
 # Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
 BAND, BAND_HZ = 16.0, 4000.0
+# Samples of a frame at least, and those from which on it tells the mode from other lines: harmonics
+# below this part of the sampling rate, and modes in these bands of its frequency. Nearer ones are
+# not told apart in four cycles.
+LEAST_FRAME, TELLS, HIGHEST = 16, 24, 0.42
+OTHERS = ((0.3, 0.65), (1.35, 1.7))
+# Standard errors out of the noise from which on the mode is clear.
+CLEAR = 8.0
+# Blind spans are long from this part of a cycle on.
+LONG = 0.1
+# Bands of the mode's frequency in which noise around it is looked for, and lines in them at least;
+# beyond this part of the rate a filter takes noise away.
+AROUND, FEWEST_LINES, OPEN = ((0.3, 0.8), (1.3, 1.8)), 24, 0.9
+# Width in lines of white noise through the Blackman-Harris taper; standard error of ln of the
+# median of n lines' powers, times sqrt(n).
+WIDTH, OF_MEDIAN = 2.0044, 1.2
 
 
 @dataclass(frozen=True)
@@ -60,8 +75,8 @@ class Frames:
 
     @cached_property
     def clear(self) -> int:
-        """Number of frames before the mode first sinks to eight times its standard error."""
-        lost = np.flatnonzero((self.std > 0.125) & self.whole)
+        """Number of frames before the mode first sinks to `CLEAR` times its standard error."""
+        lost = np.flatnonzero((self.std > 1.0 / CLEAR) & self.whole)
         return int(lost[0]) if lost.size else self.std.size
 
     @cached_property
@@ -113,12 +128,12 @@ class Examined:
         """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
         x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
         hop = max(1, round(rate / f))
-        width = min(max(FRAME_CYCLES, -(-16 // hop)), x.size // hop) * hop
-        # a louder mode leaks unless it is fitted too; nearer ones cannot be told apart
-        lines = [order * f for order in (2, 3) if order * f < 0.42 * rate]
+        width = min(max(FRAME_CYCLES, -(-LEAST_FRAME // hop)), x.size // hop) * hop
+        # a louder mode leaks unless it is fitted too
+        lines = [order * f for order in (2, 3) if order * f < HIGHEST * rate]
         ratio = [one / f for one in self.modes_Hz]
-        lines += [one * f for one in ratio if 0.3 < one < 0.65 or 1.35 < one < 1.7]
-        found = tapered(x, rate, f, hop, width, tuple(lines) if width >= 24 else ())
+        lines += [one * f for one in ratio if any(low < one < high for low, high in OTHERS)]
+        found = tapered(x, rate, f, hop, width, tuple(lines) if width >= TELLS else ())
         log, half = found.log, 0.5 * width
         return Frames(
             frequency_Hz=f,
@@ -134,7 +149,7 @@ class Examined:
         """Whether segments of samples are free of long blind spans."""
         clear = np.ones(first.size, bool)
         for start, stop in self.blind:
-            if stop - start > 0.1 * self.sampling_Hz / self.expected_Hz:
+            if stop - start > LONG * self.sampling_Hz / self.expected_Hz:
                 clear &= (last <= start) | (first >= stop)
         return clear
 
@@ -167,19 +182,19 @@ class Examined:
     def noise_around(self) -> float:
         """Rms of the white noise that has the power around the mode, where that is the larger.
 
-        The median from 0.3 to 0.8 and 1.3 to 1.8 of the mode's frequency in the later half, where
-        modes have died down most: what remains of them cannot raise it.
+        The median `AROUND` the mode's frequency in the later half, where modes have died down most:
+        what remains of them cannot raise it.
         """
         frequency, spectra, count = self.halves
         relative = frequency / self.own_Hz
-        around = ((relative > 0.3) & (relative < 0.8)) | ((relative > 1.3) & (relative < 1.8))
-        around &= frequency < 0.9 * frequency[-1]
-        if around.sum() < 24:
+        around = np.any([(relative > low) & (relative < high) for low, high in AROUND], axis=0)
+        around &= frequency < OPEN * frequency[-1]
+        if around.sum() < FEWEST_LINES:
             return self.noise
-        # of white noise through a Blackman-Harris taper (2.004 lines wide), median of chi2_2
-        white = 4.0 * np.log(2.0) * 2.0044 * self.floor**2 / (count * self.few)
+        # of white noise, the median of chi2_2
+        white = 4.0 * np.log(2.0) * WIDTH * self.floor**2 / (count * self.few)
         excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
-        sure = max(COLOURED * 1.2 / np.sqrt(around.sum() / 2.0), np.log(2.0))
+        sure = max(COLOURED * OF_MEDIAN / np.sqrt(around.sum() / 2.0), np.log(2.0))
         return float(self.floor * np.exp(0.5 * excess)) if excess > sure else self.noise
 
     def seconds(self, sample: float | np.number | int) -> float:

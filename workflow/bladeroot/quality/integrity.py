@@ -13,11 +13,12 @@ from numpy import ndarray
 
 from bladeroot.quality import findings
 from bladeroot.quality.examined import Examined, Finding
+from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import Recording
 from bladeroot.variables import dataset
 
-# FREEVIB needs eight cycles of a decay.
-FEWEST_CYCLES = 8
+# FREEVIB needs eight cycles of a decay; in a record of fewer than so many nothing is bridged.
+FEWEST_CYCLES, SHORTEST = 8, 40
 
 # What these find in a mode's course may also be what others left there: beside others they warn.
 # Beyond so many times its threshold it is what it looks like: leftovers of 114 real curves of three
@@ -119,7 +120,8 @@ def bridged(
     Short spans are bridged by straight lines, longer ones by the mode's own course; padding at
     either end is left.
     """
-    if expected_Hz >= 0.45 * sampling_Hz or velocity.size * expected_Hz < 40 * sampling_Hz:
+    fewest = SHORTEST * sampling_Hz
+    if expected_Hz >= FASTEST * sampling_Hz or velocity.size * expected_Hz < fewest:
         return velocity
     seen = Examined(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
     found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]

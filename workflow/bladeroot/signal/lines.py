@@ -7,6 +7,9 @@ from scipy import fft
 
 from bladeroot.signal.runs import medians
 
+# Part of the sampling frequency below which a mode must lie: an anti-alias filter takes what is
+# beyond.
+FASTEST = 0.45
 # Cycles that are looked at: the loudest of a record, and the first of a decay.
 LOUD_CYCLES, FIRST_CYCLES = 80.0, 100.0
 # A mode further than this (relative) from its expected frequency is not looked for. One in the

@@ -15,10 +15,12 @@ STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine
 THRESHOLD = 3.0
 # Where one extreme is clipped, the other is masked from this ratio on.
 OTHER = 1.5
-
-
-# So many cycles before the cut are looked at too: the loudest cycles may end with the release.
-LEAD = 30
+# A top is within so many of the digitiser's steps of the extreme, or so many times the noise; what
+# is masked goes so many times the noise below. Runs within this part of a cycle are one top.
+STEPS, NOISES, BELOW, ONE_TOP = 1.001, 3.0, 5.0, 0.1
+# So many cycles before the cut are looked at too, if there are so many at least and they are as
+# loud as this part of those after it: the loudest cycles may end with the release.
+LEAD, LEAST_LEAD, AS_LOUD = 30, 8.0, 0.9
 # A steadily driven wave with overtones piles up at its top too, by up to twice the threshold.
 DRIVEN = 3.0
 
@@ -30,7 +32,8 @@ def find(seen: Examined) -> Finding:
     first = seen.first - lead
     stop = seen.first + min(lead, seen.velocity.size)
     early, later = (np.abs(x).max(initial=0.0) for x in np.split(seen.whole[first:stop], [lead]))
-    if found.counts or lead < 8.0 * seen.sampling_Hz / seen.own_Hz or early < 0.9 * later:
+    least = LEAST_LEAD * seen.sampling_Hz / seen.own_Hz
+    if found.counts or lead < least or early < AS_LOUD * later:
         return found
     before = _flat(replace(seen, velocity=seen.whole[first:stop], first=first, blind=()))
     before = replace(before, statistic=before.statistic / DRIVEN)
@@ -53,7 +56,7 @@ def find_in(recording: Recording, seen: Examined) -> Finding:
 
 
 def _flat(seen: Examined) -> Finding:
-    """Samples within a step, or three times the noise, of the largest or smallest value.
+    """Samples within a step, or some times the noise, of the largest or smallest value.
 
     An unclipped decay is there on the tops of its first cycles only, for as long as the envelope
     says. The flat tops are masked, their flanks stay.
@@ -64,11 +67,11 @@ def _flat(seen: Examined) -> Finding:
         return Finding(statistic, THRESHOLD, "mask", "")
     x = seen.velocity
     # noise parts a flat top into runs
-    near = max(2, int(0.1 * seen.sampling_Hz / seen.own_Hz))
+    near = max(2, int(ONE_TOP * seen.sampling_Hz / seen.own_Hz))
     flat = np.zeros(x.size, bool)
     for sign, ratio in ratios.items():
         if ratio > OTHER:
-            level = (sign * x).max() - max(_reaches(seen)) - 5.0 * seen.floor
+            level = (sign * x).max() - max(_reaches(seen)) - BELOW * seen.floor
             flat |= sign * x >= level
     tops = joined(runs(flat), near)
     last = int(tops[-1, 1])
@@ -81,7 +84,7 @@ def _flat(seen: Examined) -> Finding:
 
 
 def _reaches(seen: Examined) -> tuple[float, float]:
-    return 1.001 * seen.quantum, 3.0 * seen.floor
+    return STEPS * seen.quantum, NOISES * seen.floor
 
 
 def _piled(seen: Examined, sign: float) -> float:

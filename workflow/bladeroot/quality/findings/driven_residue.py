@@ -15,28 +15,35 @@ THRESHOLD = 3.0
 # tenth at less than SLOWS times the rate of the tenth two before. Where it does not slow so, the
 # ratio is multiplied by STEADY, so that only one counts that no joint has.
 SLOWS, STEADY = 0.6, 0.3
+# Frames at least; parts of the fall between which the usual rate is taken.
+FEWEST, USUAL = 80, (0.5, 0.8)
+# A slope counts as the steepest that so many of its standard errors allow, and as this part of the
+# usual one at least.
+ERRORS, LEAST = 6.0, 1e-3
+# What lies below this many times the last amplitude is masked.
+MASKED = 5.0
 
 
 def find(seen: Examined) -> Finding | None:
-    """Compare slopes of ln A; what lies below five times the last amplitude is masked."""
+    """Compare slopes of ln A."""
     frames = seen.frames
     level = frames.log.real[: frames.clear]
-    if level.size < 80:
+    if level.size < FEWEST:
         return None
     part = level.size // 10
     tail = slice(level.size - part, level.size)
     std = frames.std[: level.size]
     slope, earlier = (_steepest(level, std, level.size - k * part, part) for k in (1, 3))
     fall = level[0] - level
-    half, most = (int(np.argmax(fall > share * fall.max())) for share in (0.5, 0.8))
+    half, most = (int(np.argmax(fall > share * fall.max())) for share in USUAL)
     usual = float(level[most] - level[half]) / max(most - half, 1)
     if usual >= 0.0 or not frames.whole[tail].all():
         return None
     last = float(np.median(level[tail]))
-    statistic = usual / min(slope, -1e-3 * abs(usual))
+    statistic = usual / min(slope, -LEAST * abs(usual))
     if slope < SLOWS * earlier:
         statistic *= STEADY
-    begin = int(np.argmax(level < last + np.log(5.0)))
+    begin = int(np.argmax(level < last + np.log(MASKED)))
     start = int(frames.centre[begin])
     text = (
         f"driven residue: from {seen.seconds(frames.centre[tail.start]):.4g} s on the amplitude "
@@ -48,9 +55,9 @@ def find(seen: Examined) -> Finding | None:
 def _steepest(
     level: Float[ndarray, " frame"], std: Float[ndarray, " frame"], first: int, count: int
 ) -> float:
-    """Slope of ln A over some frames, less six standard errors of independent frames."""
+    """Slope of ln A over some frames, less `ERRORS` standard errors of independent frames."""
     part = slice(first, first + count)
     x = np.arange(count, dtype=float)
     x -= x.mean()
     square = float(x @ x)
-    return float(x @ level[part]) / square - 6.0 * float(std[part].mean()) / np.sqrt(square)
+    return float(x @ level[part]) / square - ERRORS * float(std[part].mean()) / np.sqrt(square)

@@ -20,6 +20,8 @@ LACKS = 0.4
 HARM = 0.1
 # Periods that must fit, and the farthest line over the mode's frequency.
 FEWEST, FARTHEST = 5.5, 0.16
+# Frames that are looked at at most, and lines within reach at least.
+FRAMES, LINES = 4096, 8
 # Parts that are looked at: the degree of the trend that is taken off, and the first frames alone,
 # where noise is least.
 DEGREE, EARLY_DEGREE, EARLY = 9, 3, (40, 80, 160, 320, 640)
@@ -31,7 +33,7 @@ def find(seen: Examined) -> Finding | None:
     A gain 1 + r cos(2 pi g t) adds r cos(2 pi g t) to ln A and nothing to the phase, and so
     changes the decay rate by up to 2 pi g r.
     """
-    count = min(seen.frames.clear, 4096)
+    count = min(seen.frames.clear, FRAMES)
     parts = [(slice(2, count), DEGREE), (slice(count // 2, count), DEGREE)]
     parts += [(slice(2, 2 + some), EARLY_DEGREE) for some in EARLY if some < count // 2]
     found = [_strongest(seen, *part) for part in parts]
@@ -47,7 +49,7 @@ def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     turns = fft.rfftfreq(2 * rest.size)  # per hop
     cycle = seen.sampling_Hz / seen.own_Hz / frames.hop
     inside = (turns * rest.size >= FEWEST) & (turns * cycle <= FARTHEST)
-    if inside.sum() < 8:
+    if inside.sum() < LINES:
         return None
     swing, turning = (2.0 * line / hann(rest.size).sum() for line in lines)
     usual = float(medians(np.concatenate([swing[inside], turning[inside]])))

@@ -24,8 +24,13 @@ REACH = 6
 FEWEST = 6
 # Smooth backgrounds over these lines: constant, straight and bent.
 _AWAY = np.linalg.qr(np.vander(np.arange(-REACH, REACH + 1.0) / REACH, 3, increasing=True))[0]
-# The two halves show the same line if they differ by less than this part of it.
-UNEVEN = 0.12
+# The two halves show the same line if they differ by less than this part of it or so many errors.
+UNEVEN, UNEVEN_ERRORS = 0.12, 4.0
+# No line is told from the mode within so many lines and this part of its frequency.
+LINES_AWAY, PART_AWAY = 7.0, 0.01
+# Frequencies tried for a line: so many in a line's width, from the least to the most of them. One
+# that ends outside of the mains' wander by this part of a line is another's.
+A_LINE, LEAST, MOST, BESIDE = 8.0, 5, 81, 0.1
 
 
 def find(seen: Examined) -> Finding | None:
@@ -50,7 +55,7 @@ def steady_lines(seen: Examined) -> Finding | None:
     orders = [int(np.clip(2.0 * seen.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
     mains = np.repeat(MAINS_HZ, orders)
     nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
-    near = 7.0 * rate / count + 0.01 * seen.own_Hz
+    near = LINES_AWAY * rate / count + PART_AWAY * seen.own_Hz
     clear = np.abs(nominal - seen.own_Hz) > near
     clear &= (nominal / frequency[1] > REACH // 2) & (nominal < frequency[-REACH - 2])
     if not clear.any():
@@ -86,7 +91,7 @@ def _steady(
     data = spectra[:, bins]  # half, line, bin
     data = data - (data @ _AWAY) @ _AWAY.T
     room = np.maximum(0.5 * rate / count, WANDER * nominal)
-    trials = int(np.clip(np.ceil(8.0 * room.max() * count / rate), 5, 81))
+    trials = int(np.clip(np.ceil(A_LINE * room.max() * count / rate), LEAST, MOST))
 
     def fit(at):
         """Phasors of a line at each frequency in both halves, and the shape's power."""
@@ -111,8 +116,9 @@ def _steady(
     left = np.maximum(total - 2.0 * np.abs(phasor) ** 2 * power, 1e-12 * total)
     error = np.sqrt(left / (2 * (len(_AWAY) - 4)) / (2.0 * power)) + 1e-300
     ratio = np.abs(phasor) / error
-    uneven = np.abs(parts[0] - parts[1]) > np.maximum(UNEVEN * np.abs(phasor), 4.0 * error)
-    off = np.abs(at - nominal) > WANDER * nominal + 0.1 * rate / count
+    allowed = np.maximum(UNEVEN * np.abs(phasor), UNEVEN_ERRORS * error)
+    uneven = np.abs(parts[0] - parts[1]) > allowed
+    off = np.abs(at - nominal) > WANDER * nominal + BESIDE * rate / count
     ratio[uneven | off] = 0.0
     return at, phasor, ratio
 

@@ -29,6 +29,12 @@ FEWEST, DEGREE = 4.0, 9
 # The first frames alone show a mode that dies sooner than this one; fewer periods and a plainer
 # trend do there.
 EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
+# Frames that are looked at, at least and at most; the farthest line over the mode's frequency.
+FRAMES, FARTHEST = (40, 4096), 0.16
+# A line is on one side where it is this many times that on the other; two parts show the same one
+# where it turns within so many turns alike over the shorter. A frame's taper weakens a line to this
+# part at most.
+ONE_SIDED, SAME, LEAST_GAIN = 2.5, 1.5, 0.2
 
 
 @dataclass(frozen=True)
@@ -44,7 +50,7 @@ class _Line:
         """Whether another segment shows the same line."""
         shortest = min(self.count, other.count)
         clear = min(self.finding.statistic, other.finding.statistic) > AGAIN
-        return clear and abs(self.turns - other.turns) * shortest < 1.5
+        return clear and abs(self.turns - other.turns) * shortest < SAME
 
 
 def find(seen: Examined) -> Finding | None:
@@ -56,8 +62,9 @@ def find(seen: Examined) -> Finding | None:
     lines on one side of zero only; laws of frequency and damping change it smoothly, and bend it
     but once.
     """
-    count = min(seen.frames.clear, 4096)
-    if count < 40:
+    fewest, most = FRAMES
+    count = min(seen.frames.clear, most)
+    if count < fewest:
         return None
     later = _line(seen, slice(count // 2, count), SHORTER)
     early = [
@@ -96,7 +103,7 @@ def _line(
     # the frames' own taper weakens a line at this distance from the mode
     local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
     span = np.abs(turns) * cycle
-    inside = (np.abs(turns) * log.size >= fewest) & (span <= 0.16)
+    inside = (np.abs(turns) * log.size >= fewest) & (span <= FARTHEST)
     if not inside.any():
         return None
     level = np.where(inside, np.abs(line), 0.0)
@@ -107,8 +114,8 @@ def _line(
         2.0 * np.pi / seen.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * seen.own_Hz)
     )
     gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
-    size = float(level[k] / max(gain, 0.2))
-    one_sided = level[k] > 2.5 * other
+    size = float(level[k] / max(gain, LEAST_GAIN))
+    one_sided = level[k] > ONE_SIDED * other
     statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) / shorter if one_sided else 0.0
     distance = turns[k] * seen.sampling_Hz / frames.hop
     text = (

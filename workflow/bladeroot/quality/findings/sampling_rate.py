@@ -13,9 +13,14 @@ RATIOS = tuple(
     for factor in (1.28, 2.0, 2.5, 2.56, 4.0, 5.12, 10.0, 48.0 / 44.1, 51.2 / 50.0)
     for ratio in (factor, 1.0 / factor)
 )
-CLOSE = 0.01
+# A line is at a mode's place within this (relative), or so many times that where a sheet alone says
+# where the mode is.
+CLOSE, LOOSE = 0.01, 3.0
 # An axial force moves all bending modes by as much as this: a smaller ratio tells nothing.
 TELLING = 1.2
+# Lines that are looked at; each from this part of the strongest on, so many times the median one,
+# and that far (relative) from a stronger one.
+MOST, LEAST, CLEAR, APART = 12, 0.003, 8.0, 0.03
 
 
 def find(seen: Examined) -> Finding | None:
@@ -46,10 +51,10 @@ def without_decay(seen: Examined) -> str:
     if abs(line / expected - 1.0) < TOLERANCE:
         return ""
     alias = abs(expected - rate * round(expected / rate))
-    if expected > 0.5 * rate and abs(line / max(alias, 1e-9) - 1.0) < 3.0 * CLOSE:
+    if expected > 0.5 * rate and abs(line / max(alias, 1e-9) - 1.0) < LOOSE * CLOSE:
         return f"the strongest line, {line:.5g} Hz, is where {expected:.5g} Hz is aliased to"
     ratio = min(RATIOS, key=lambda ratio: abs(np.log(line / (expected * ratio))))
-    if abs(line / (expected * ratio) - 1.0) < 3.0 * CLOSE:
+    if abs(line / (expected * ratio) - 1.0) < LOOSE * CLOSE:
         return (
             f"the strongest line, {line:.5g} Hz, is near {ratio:.4g} times the expected "
             "frequency: is the sampling rate right?"
@@ -57,16 +62,16 @@ def without_decay(seen: Examined) -> str:
     return f"the strongest line is at {line:.5g} Hz"
 
 
-def _lines(seen: Examined, most: int = 12) -> np.ndarray:
+def _lines(seen: Examined) -> np.ndarray:
     """Frequencies of the strongest distinct lines of the decay's first part."""
     frequency, level = seen.early
     tops = np.flatnonzero(peaks(level))
-    tops = tops[level[tops] > max(0.003 * level.max(), 8.0 * np.median(level))]
+    tops = tops[level[tops] > max(LEAST * level.max(), CLEAR * np.median(level))]
     chosen: list[float] = []
     for k in tops[np.argsort(level[tops])[::-1]]:
-        if all(abs(frequency[k] - f) > 0.03 * f for f in chosen):
+        if all(abs(frequency[k] - f) > APART * f for f in chosen):
             chosen.append(float(frequency[k]))
-        if len(chosen) == most:
+        if len(chosen) == MOST:
             break
     return np.array(chosen)
 
@@ -75,4 +80,4 @@ def _matches(lines: np.ndarray, modes: np.ndarray, ratio: float) -> int:
     if not lines.size:
         return 0
     off = np.abs(lines[:, None] / (ratio * modes) - 1.0).min(axis=0)
-    return int((off < (CLOSE if ratio != 1.0 else 3.0 * CLOSE)).sum())
+    return int((off < (CLOSE if ratio != 1.0 else LOOSE * CLOSE)).sum())

@@ -25,14 +25,28 @@ LEAST, SLIGHT, BESIDE = 0.03, 0.005, 16
 MOST = 4
 # A step in phase alone is larger than this only where samples are missing.
 TOUCH = 0.3
-# Longest gap, in samples, that is looked for.
-LONGEST = 4096
-
-
+# Steps and places of this part of the largest are like it: many of them are a beat, no touch.
+ALIKE = 0.35
+# Steps so many cycles apart, and places that look like the largest, are two.
+TWO, TWO_ALIKE = 10, 6
+# A step whose part in ln A is this of its phase's at most is in phase alone.
+PURE = 0.1
+# Longest gap, in samples, that is looked for. It makes a step that is so to this part, beyond twice
+# the step's usual error, in ln A and in phase: what slopes on both sides do not tell of the gap.
+LONGEST, LEVEL_FITS, PHASE_FITS = 4096, 0.06, 0.02
+# Cycles on either side of a cut in which a step is looked for, and cycles masked around any.
+CUT_REACH, MARGIN = 35, 3
+# Beside a cut both sides are a free decay: so many frames at least, a parabola but for this part of
+# the step, with rates that differ by these factors at most. A larger step (in ln A) is a release.
+FEWEST, UNEVEN, RATES, RELEASE = 8, 0.3, (0.4, 2.5), 0.5
+# Below so many standard errors of a frame its ln A tells nothing of how far the mode falls.
+CLEAR = 8.0
 # Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
 MISSED_BEND = 0.15
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
+# Frames over which steps are compared with what is usual, and the median of a Rayleigh variable.
+USUAL, RAYLEIGH = 96, 1.18
 
 
 @dataclass(frozen=True)
@@ -53,7 +67,7 @@ class Step:
     def gap(self) -> bool:
         """Whether the step is in phase alone, and as large as only missing samples make it."""
         size = abs(self.size.imag)
-        pure = abs(self.size.real) < 0.1 * size
+        pure = abs(self.size.real) < PURE * size
         return pure and (size > TOUCH or (size > LEAST and self.lost != 0))
 
     @property
@@ -97,7 +111,7 @@ def _slight(seen: Examined) -> Finding:
     if step is None or step.statistic <= THRESHOLD:
         return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
     frames, reach = seen.frames, BESIDE * seen.frames.hop
-    places = joined(runs(_ratio(seen, SLIGHT) > THRESHOLD), 10)
+    places = joined(runs(_ratio(seen, SLIGHT) > THRESHOLD), TWO)
     spans = tuple(
         (
             max(int(frames.centre[first]) - reach, 0),
@@ -121,8 +135,8 @@ def at_ends(seen: Examined) -> tuple[Step, float, tuple[int, int]] | None:
 
     Looked for at the end and at the start; the decay's own side goes no further than the cut.
     """
-    count, margin = seen.velocity.size, 3 * seen.frames.hop
-    reach = int(35 * seen.sampling_Hz / seen.own_Hz)
+    count, margin = seen.velocity.size, MARGIN * seen.frames.hop
+    reach = int(CUT_REACH * seen.sampling_Hz / seen.own_Hz)
     start, stop = seen.first, seen.first + count
     ends = (
         (max(stop - reach, start), stop + reach, (count - margin, count)),
@@ -150,17 +164,17 @@ def _beside(seen: Examined, low: int, high: int) -> tuple[Step, float] | None:
     at = int(np.argmax(ratio))
     size = complex(step[at])
     sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
-    if abs(size.real) > 0.5 or min(side.size for side in sides) < 8:
+    if abs(size.real) > RELEASE or min(side.size for side in sides) < FEWEST:
         return None
     slopes = []
     for side in sides:
         x = np.arange(side.size)
         for part in (side.real, side.imag):
             fit = np.polyfit(x, part, 2)
-            if np.abs(part - np.polyval(fit, x)).max() > 0.3 * abs(size):
+            if np.abs(part - np.polyval(fit, x)).max() > UNEVEN * abs(size):
                 return None
         slopes.append(float(side.real[-1] - side.real[0]) / side.size)
-    free = slopes[1] < 0.0 and 0.4 < slopes[0] / slopes[1] < 2.5
+    free = slopes[1] < 0.0 and RATES[0] < slopes[0] / slopes[1] < RATES[1]
     if not free:
         return None
     moment = seen.seconds(low - seen.first + frames.centre[at])
@@ -177,9 +191,8 @@ def _lost(seen: Examined, at: int, size: complex) -> int:
     level = made.real - size.real
     phase = np.mod(made.imag - size.imag + np.pi, 2.0 * np.pi) - np.pi
     scale = jumps(seen)[1][at]
-    # twice the step's usual error, and what the slopes on both sides do not tell of the gap
-    fits = np.abs(level) < 2.0 * scale + 0.06 * abs(size.real)
-    fits &= (np.abs(phase) < 2.0 * scale + 0.02 * abs(size.imag)) & (count != 0)
+    fits = np.abs(level) < 2.0 * scale + LEVEL_FITS * abs(size.real)
+    fits &= (np.abs(phase) < 2.0 * scale + PHASE_FITS * abs(size.imag)) & (count != 0)
     found = count[fits]
     return int(found[np.argmin(np.abs(found))]) if found.size else 0
 
@@ -194,9 +207,8 @@ def largest(seen: Examined, least: float = LEAST) -> Step | None:
     # of neighbours with the same step, the one where the step is largest
     near = slice(max(at - 2, 0), at + 3)
     at = near.start + int(np.argmax(np.abs(step[near])))
-    # many places nearly as bad are a beat and not a touch
-    like = np.abs(step) > 0.35 * np.abs(step[at])
-    like = joined(runs(like & (ratio > 0.35 * ratio.max())), 6)
+    like = np.abs(step) > ALIKE * np.abs(step[at])
+    like = joined(runs(like & (ratio > ALIKE * ratio.max())), TWO_ALIKE)
     if len(like) > MOST:
         return None
     size = complex(step[at])
@@ -209,19 +221,19 @@ def _step(seen: Examined, at: int, size: complex, statistic: float) -> Step:
 
 
 def step_finding(seen: Examined, found: Step) -> Finding:
-    """A step: the lesser side of it is masked, with three cycles around it."""
+    """A step: the lesser side of it is masked, with some cycles around it."""
     frames = seen.frames
     over = np.flatnonzero(_ratio(seen) > THRESHOLD)
     edges = [0]
-    for k in over:  # steps more than ten cycles apart are different ones
-        if k - edges[-1] > 10:
+    for k in over:
+        if k - edges[-1] > TWO:
             edges.append(int(k))
     edges = edges[1:] or [found.at]
     bounds = [0, *edges, frames.clear - 1]
-    level = np.maximum(frames.log.real, np.log(frames.std * frames.amplitude * 8.0))
+    level = np.maximum(frames.log.real, np.log(frames.std * frames.amplitude * CLEAR))
     fall = [level[min(a + 3, b)] - level[max(b - 3, a)] for a, b in pairwise(bounds)]
     best = int(np.argmax(fall))
-    margin = 3 * frames.hop
+    margin = MARGIN * frames.hop
     first = 0 if best == 0 else int(frames.centre[bounds[best]]) + margin
     final = best == len(fall) - 1
     last = seen.velocity.size if final else int(frames.centre[bounds[best + 1]]) - margin
@@ -257,8 +269,8 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
     # where laws bend sharply a quadratic misses some of the bend
     bent[inner] = MISSED_BEND * np.abs(curve)
     scale = gain * frames.std[late] + bent
-    # what is rough throughout (1.18: median of a Rayleigh variable) hides a step
-    rough = block_scale(np.abs(step[inner]) / scale[inner], 96) / 1.18
+    # what is rough throughout hides a step
+    rough = block_scale(np.abs(step[inner]) / scale[inner], USUAL) / RAYLEIGH
     scale[inner] *= np.maximum(rough, 1.0)
     return step, scale
 

@@ -15,9 +15,15 @@ FIRST = True
 MIXED = True
 STATISTIC = "largest isolated miss of a sample by its 32 neighbours, in local rms of the miss"
 THRESHOLD = 8.0
-# More than this many in one place are a rough waveform, not single samples.
-CROWD = 6
+# More than this many within so many cycles are a rough waveform, not single samples.
+CROWD, PLACE = 6, 10.0
 MOST = 400
+# Wrong samples in a row at most. They are the cause where they explain all of the miss around but
+# for half the threshold or this part of its largest.
+IN_A_ROW, LEFT = 4, 0.02
+# Neighbours on either side that interpolate; places from which their weights are found, without
+# those that miss by so many times the median.
+NEIGHBOURS, PLACES, DEFECT = 16, 1500, 5.0
 # What is smaller than this part of the largest sample harms no curve.
 SMALL = 1e-5
 
@@ -43,7 +49,7 @@ def find(seen: Examined) -> Finding | None:
     over = joined(runs(ratio > THRESHOLD), 2 * reach)
     cycle = seen.sampling_Hz / seen.own_Hz
     spans, largest = [], 0.0
-    for first, last in _lonely(over, 10.0 * cycle)[:MOST]:
+    for first, last in _lonely(over, PLACE * cycle)[:MOST]:
         at = _single(left.miss, left.scale, left.response, int(first), int(last))
         if at:
             largest = max(largest, max(float(ratio[k]) for k in at))
@@ -76,9 +82,9 @@ def _single(
     low, high = max(first - reach, 0), min(last + reach, miss.size)
     rest = miss[low:high].copy()
     limit = 0.5 * THRESHOLD * scale[low:high]
-    allowed = np.maximum(limit, 0.02 * np.abs(rest).max())
+    allowed = np.maximum(limit, LEFT * np.abs(rest).max())
     found: list[int] = []
-    for _ in range(4):
+    for _ in range(IN_A_ROW):
         found.append(int(np.argmax(np.abs(rest / scale[low:high]))))
         columns = np.zeros((high - low, len(found)))
         for j, k in enumerate(found):
@@ -94,9 +100,9 @@ def _single(
 def residual(seen: Examined) -> Residual:
     """The record less what its neighbours tell of each sample."""
     x = seen.velocity
-    reach = min(16, (x.size - 1) // 6)
+    reach = min(NEIGHBOURS, (x.size - 1) // 6)
     view = sliding_window_view(x, 2 * reach + 1)
-    rows = view[np.linspace(0, len(view) - 1, 1500).astype(int)]
+    rows = view[np.linspace(0, len(view) - 1, PLACES).astype(int)]
     pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
     middle = rows[:, reach]
     keep = np.ones(middle.size, bool)
@@ -106,7 +112,7 @@ def residual(seen: Examined) -> Residual:
         gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
         weights = np.linalg.solve(gram, a.T @ middle[keep])
         left = np.abs(middle - pairs @ weights)
-        keep = left <= 5.0 * medians(left) + 1e-300
+        keep = left <= DEFECT * medians(left) + 1e-300
     response = np.concatenate([-weights[::-1], [1.0], -weights])
     miss = missed(x, weights)
     least = max(0.5 * seen.quantum, SMALL * float(np.abs(x).max()))

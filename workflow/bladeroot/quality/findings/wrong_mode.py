@@ -18,6 +18,8 @@ SECOND, NEARER = 0.5, 0.1
 # A mode that far (relative) from where it is expected may be another one. Sheets state frequencies
 # to some per cent, and few joints soften by more.
 FAR = 0.06
+# Two lines are apart from this (relative) on, and from so many lines of a quarter of the decay.
+APART, LINES = 0.06, 6.0
 
 
 def find(seen: Examined) -> Finding | None:
@@ -35,7 +37,7 @@ def find(seen: Examined) -> Finding | None:
         inside = np.abs(frequency / seen.expected_Hz - 1.0) <= TOLERANCE
     within = np.where(inside, level, 0.0)
     apart = np.abs(frequency / seen.own_Hz - 1.0) > max(
-        0.06, 6.0 * seen.sampling_Hz / (seen.own_Hz * max(seen.velocity.size // 4, 1))
+        APART, LINES * seen.sampling_Hz / (seen.own_Hz * max(seen.velocity.size // 4, 1))
     )
     second = np.where(apart & peaks(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
