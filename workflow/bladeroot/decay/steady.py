@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from bladeroot.decay.beside import Beside
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import lines_of
+from bladeroot.signal.lines import hann, lines_of
 
 # Parts of what follows the decay, in which the line's amplitude and phase are compared; fewest
 # cycles of the mode in each.
@@ -69,5 +69,5 @@ def _parts(
 ) -> tuple[Complex[ndarray, " part"], Float[ndarray, " part"]]:
     """A line's phasor in each part (Hann), and the parts' middles (s)."""
     turned = (after * np.exp(-2j * np.pi * line_Hz * time)).reshape(PARTS, -1)
-    taper = np.hanning(turned.shape[1])
+    taper = hann(turned.shape[1])
     return 2.0 * (turned @ taper) / taper.sum(), time.reshape(PARTS, -1).mean(axis=1)

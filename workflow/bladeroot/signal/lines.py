@@ -135,12 +135,16 @@ def hann(count: int) -> Float[ndarray, " sample"]:
     return np.sin(np.pi / count * (np.arange(count) + 0.5)) ** 2
 
 
+# Of the cosines of no, one, two and three turns in Blackman and Harris's taper (Harris 1978).
+TERMS = (0.35875, 0.48829, 0.14128, 0.01168)
+
+
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:
     """The four-term taper whose side lobes lie 92 dB down."""
     once = np.cos(2.0 * np.pi / count * np.arange(count))
     # cosines of the double and triple angle, in powers of the single one's
-    even = 0.35875 + 0.14128 * (2.0 * once**2 - 1.0)
-    return even - once * (0.48829 + 0.01168 * (4.0 * once**2 - 3.0))
+    even = TERMS[0] + TERMS[2] * (2.0 * once**2 - 1.0)
+    return even - once * (TERMS[1] + TERMS[3] * (4.0 * once**2 - 3.0))
 
 
 # A digitiser that cuts towards zero has a zero twice as wide as its other steps: it counts where

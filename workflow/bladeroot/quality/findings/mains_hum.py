@@ -7,6 +7,7 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 
 from bladeroot.quality.examined import Examined, Finding
+from bladeroot.signal.lines import TERMS
 
 STATISTIC = (
     "largest steady line at a multiple of 50 or 60 Hz (to the 7th, or to twice the mode), in "
@@ -128,7 +129,7 @@ def _taper_spectrum(turns: Float[ndarray, "*any"]) -> Complex[ndarray, "*any"]:
     turns = turns + 1e-9  # a pole of a term is a zero of the sine: not to hit it
     square = turns**2
     # a cosine's two sinc are one, times this; its sign and that of its shifted phase cancel
-    total = 1.0 - 0.48829 / 0.35875 * square / (square - 1.0)
-    total += 0.14128 / 0.35875 * square / (square - 4.0)
-    total -= 0.01168 / 0.35875 * square / (square - 9.0)
+    total = 1.0
+    for turn, term in enumerate(TERMS[1:], 1):
+        total = total + (-1) ** turn * term / TERMS[0] * square / (square - turn**2)
     return total * np.sinc(turns) * np.exp(-1j * np.pi * turns)
