@@ -1,7 +1,8 @@
-"""Two processes share the tests: a file stays together, and so do all that use one house.
+"""Two processes share the tests: a file stays together.
 
-Tiers: `pytest` (quick), `pytest -m slow` (the rest of what CI runs), `pytest -m suite` (long suites
-on demand). With the arrays' shapes checked, tests that give a wrong one are left out.
+Tiers: `pytest` (quick), `pytest -m slow` (the rest of what CI runs: what stands on a whole run, and
+what takes long), `pytest -m suite` (long suites on demand). With the arrays' shapes checked, tests
+that give a wrong one are left out.
 """
 
 import os
@@ -41,14 +42,22 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--jaxtyping-packages"):
         import shapes
 
-        shapes.check_outer_functions_alone()
+        shapes.check_outer_functions_at_first()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.config.getoption("--jaxtyping-packages"):
+        import shapes
+
+        shapes.calls.clear()
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Put a test into its group for `--dist loadgroup`: what a fixture makes is made once."""
-    shared = [name for name in ("house", "bare") if name in getattr(item, "fixturenames", ())]
     path = item.path.relative_to(TESTS)
-    item.add_marker(pytest.mark.xdist_group(*shared[:1] or [str(path)]))
+    item.add_marker(pytest.mark.xdist_group(str(path)))
+    if "house" in getattr(item, "fixturenames", ()):
+        item.add_marker("slow")
     if path.parts[0] == "unit":
         item.add_marker("unit")
 

@@ -6,7 +6,7 @@ from lab import Laboratory
 from matrix import run_case
 from runs import structures
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.suite]
 SEED = 7700
 CYCLES = 1  # half of a matrix's records
 # bar; slip shows within records, a hysteresis in repeats: neither needs more forces
@@ -27,8 +27,8 @@ def parametric(blind_house):
     ("number", "names", "pressures"),
     [
         (2, ("joint-slip",), FOUR),
-        pytest.param(0, (), PRESSURES, marks=pytest.mark.suite),
-        pytest.param(1, ("loading-hysteresis",), FIVE, marks=pytest.mark.suite),
+        (0, (), PRESSURES),
+        (1, ("loading-hysteresis",), FIVE),
     ],
 )
 def test_a_raw_case_is_answered(blind_house, parametric, number, names, pressures):

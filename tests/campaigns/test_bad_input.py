@@ -1,6 +1,5 @@
 """Bad input: told in one line a fault before any job, or by name when it shows only later."""
 
-import pytest
 from house import SMALL, lab, matrices_lab
 
 
@@ -59,7 +58,6 @@ def test_mechanisms_that_are_not_there_or_no_python_end_the_run(bare, tmp_path):
     assert refused(bare, *asked) == [f"bad input: {fault}"]
 
 
-@pytest.mark.slow
 def test_without_any_stick_frequency_there_is_still_a_report(house, tmp_path):
     """One mode, one force, every raw file spoilt: nothing to infer, and the report says so."""
     sheet = ["record,file,mode,force_N", "a,a.csv,1B,12000", "b,b.csv,1B,12000"]

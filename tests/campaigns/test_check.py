@@ -43,7 +43,6 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_what_is_said(case, house, tmp_path):
     """In a checkout that was copied to another place."""

@@ -6,7 +6,6 @@ import time
 
 import numpy as np
 import psutil
-import pytest
 import xarray as xr
 from bladeroot import runs
 
@@ -30,7 +29,6 @@ def artifacts(folder):
     return sorted(path.relative_to(folder) for place in results for path in place.rglob("*.nc"))
 
 
-@pytest.mark.slow
 def test_a_killed_run_goes_on_and_ends_in_the_same_numbers(house, untouched):
     broken = untouched
     finished = len(artifacts(house.folder))

@@ -278,7 +278,9 @@ HARMLESS = {
     }),
 }  # fmt: skip
 
-QUICK = [
+RECORD = urlsafe_b64encode(f"{RESULTS}stick.nc".encode()).decode()
+NUMPY = "Metadata-Version: 2.1\nName: numpy\nVersion: 9.9.9\n"
+TABLE = [
     ("nothing", lambda folder: None, NOTHING),
     ("lost .snakemake, a setting", both(FORGET, put(CONFIG, "1B: 0.5", "1B: 0.4")), "search joint amplitude diagnosis"),
     ("structure, older time", put_older(TINY, "poisson_ratio: 0.3\n", "poisson_ratio: 0.31\n"), STEMS),
@@ -286,11 +288,6 @@ QUICK = [
     ("plateau empty", new(RESULTS + "plateau/r001.nc", ""), "ringdown"),
     ("prior of a mechanism", put(LIBRARY + "mechanisms/drift.py", "2e-3, 1.0", "3e-3, 1.0"), "diagnosis"),
     ("code of cutting", code("decay/cut.py"), "ringdown"),
-]  # fmt: skip
-
-RECORD = urlsafe_b64encode(f"{RESULTS}stick.nc".encode()).decode()
-NUMPY = "Metadata-Version: 2.1\nName: numpy\nVersion: 9.9.9\n"
-TABLE = [
     # the sheet, the description, the bench, the structure, settings, libraries, code
     ("drive of a record", put(SHEET, "180,2.6", "180,2.8"), "bench ringdown"),
     ("mode's frequency", put(CAMPAIGN, "expected_Hz: 1450", "expected_Hz: 1451"), "ringdown diagnosis report"),
@@ -457,18 +454,12 @@ def closed(stages, reads):
     return found
 
 
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, id=case[0], marks=[pytest.mark.slow] * (case in TABLE)) for case in QUICK + TABLE],
-)  # fmt: skip
+@pytest.mark.parametrize("case", TABLE, ids=lambda case: case[0])
 def test_what_a_change_redoes(case, house, untouched):
     check(case, house, untouched)
 
 
-@pytest.mark.parametrize(
-    "group",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name != "what says the same")) for name in HARMLESS],
-)  # fmt: skip
+@pytest.mark.parametrize("group", HARMLESS)
 def test_what_redoes_nothing(group, house, tmp_path):
     check_harmless(HARMLESS[group], house, tmp_path)
 
@@ -476,7 +467,7 @@ def test_what_redoes_nothing(group, house, tmp_path):
 def test_the_table_is_of_so_many_changes():
     """Each by its name; the table of faults counts groups, not what is in them."""
     grouped = [one for _, changes in (*HARMLESS.values(), OWN_HARMLESS) for one in changes]
-    alone = [case[0] for rows in (QUICK, TABLE, MODEL_TABLE) for case in rows]
+    alone = [case[0] for rows in (TABLE, MODEL_TABLE) for case in rows]
     assert (len(alone), len(grouped)) == COUNTED
     assert len(set(alone)) + len(set(grouped)) > 130
 
@@ -601,7 +592,6 @@ def extended(house, tmp_path_factory):
     return made
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("case", MODEL_TABLE, ids=lambda case: case[0])
 def test_what_a_change_of_an_extended_model_redoes(case, extended, tmp_path):
     check(
@@ -609,6 +599,5 @@ def test_what_a_change_of_an_extended_model_redoes(case, extended, tmp_path):
     )
 
 
-@pytest.mark.slow
 def test_what_redoes_nothing_of_an_extended_model(extended, tmp_path):
     check_harmless(OWN_HARMLESS, extended, tmp_path, *EXTENDED)

@@ -125,6 +125,7 @@ def test_of_curves_of_one_condition_the_likeliest_causes_and_what_would_split_th
     assert not re.search(r"force|gauge|structure|flank|simulat|kN", words)
 
 
+@pytest.mark.slow
 def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected):
     seen = campaign(model, "exponent", 0.3, seed=4, rows=programme(cycles=2), curves=False)
     table = dovetail_table(model)

@@ -47,11 +47,11 @@ def test_scatter_between_records_is_found_and_widens_the_error():
     assert float(here["frequency_std"].mean()) == pytest.approx(error, rel=0.01)
 
 
-@pytest.mark.parametrize(("forces", "holds"), [(1, 4), (6, 2)])
-def test_records_of_one_hold_are_not_replicates(forces, holds):
+@pytest.mark.parametrize(("forces", "holds", "campaigns"), [(1, 4, 40), (6, 2, 12)])
+def test_records_of_one_hold_are_not_replicates(forces, holds, campaigns):
     rng = np.random.default_rng(4)
     z = []
-    for _ in range(40):
+    for _ in range(campaigns):
         made = [
             curve(1e3 * (1 + k), clamped + 0.02 * rng.standard_normal(), 5e-3, hold=f"{h}")
             for k in range(forces)
