@@ -60,6 +60,7 @@ def test_what_a_blow_leaves_in_the_first_cycle_is_no_part_of_the_curve():
     assert np.abs(found["loss_factor"].values[:20] / loss - 1.0).max() < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("noise_db", "ppm", "per_cent"), [(60, 20, 1.0), (40, 60, 6.0)], ids=["60 dB", "40 dB"]
 )

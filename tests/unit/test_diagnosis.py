@@ -332,6 +332,7 @@ def test_no_record_is_left_out_for_its_time_where_the_campaign_then_lacks(model)
     assert (data.ln_f.size, data.untimed, data.time_known) == (56, 0, False)
 
 
+@pytest.mark.slow
 def test_one_missing_time_does_not_hide_a_drift(model):
     seen = campaign(model, "drift", 0.01, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan
@@ -339,6 +340,7 @@ def test_one_missing_time_does_not_hide_a_drift(model):
     assert [cause["mechanism"] for cause in shown(said)] == ["drift"]
 
 
+@pytest.mark.slow
 def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
     seen = campaign(model, seed=2, curves=False)
     known = diagnose(seen, model, Settings(BIAS), CATALOGUE).data
@@ -353,6 +355,7 @@ def test_records_without_holds_that_follow_each_other_are_one_clamping(model):
     assert np.unique(few.hold).size == 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("column", "only", "lack"),
     [

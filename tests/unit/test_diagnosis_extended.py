@@ -112,6 +112,7 @@ def named():
     return read(written, few), seen
 
 
+@pytest.mark.slow
 def test_from_a_campaign_by_its_verdict_to_the_joint_posterior(named, tmp_path):
     """The diagnosis names the power; the posterior with it finds the exponent again."""
     extended, seen = named

@@ -30,6 +30,7 @@ def diagnosed(effect: str, seen=None):
     return diagnose(seen, _model(False), Settings(BIAS), wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_errors_fall_where_what_the_cause_acts_on_is_left_out(effect):
     name, _, key = EFFECTS[effect]

@@ -65,6 +65,7 @@ def null():
     return told(seen())
 
 
+@pytest.mark.slow
 def test_no_cause_is_named_where_there_is_none(null):
     _, said, model = null
     assert said["answer"] != "named", said["reason"]

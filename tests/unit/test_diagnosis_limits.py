@@ -45,6 +45,7 @@ def test_a_curve_of_few_points_has_no_limit():
     assert np.isnan(limits(seen).ln_f[0])
 
 
+@pytest.mark.slow
 def test_causes_are_found_where_no_record_has_a_plateau():
     model = parametric_model(beam_joint(), stiffness=(1e8, 1e11), tolerance=1e-6)
     seen = campaign(model, "exponent", 0.6, 1, rows=programme(cycles=1, records=1))

@@ -29,6 +29,7 @@ def judged(follows: str, thermometer: bool = True) -> dict:
     return verdict(diagnose(seen, _model(False), Settings(BIAS), RIVALS))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("follows", "name"), [("weather", "temperature"), ("wave", "drift")])
 def test_the_thermometer_decides_between_temperature_and_drift(follows, name):
     (cause,) = judged(follows)["causes"]
@@ -36,6 +37,7 @@ def test_the_thermometer_decides_between_temperature_and_drift(follows, name):
     assert cause["credible_set"] == [name]
 
 
+@pytest.mark.slow
 def test_without_a_thermometer_the_weather_is_something_over_time():
     """A wave and a rise, which no form of a drift has: a drift, or smooth in time."""
     said = judged("weather", thermometer=False)

@@ -32,6 +32,7 @@ def test_verdicts_on_many():
     check_verdicts(500, first=1000, most=10)  # 2 %
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise_db", [60, 40])
 def test_errors_hold(noise_db):
     rows = []

@@ -26,6 +26,7 @@ def test_a_difference_between_groups_is_told_with_its_size():
     assert "the loss factor of mode m2 depends on the group: in floor 2 it is 4" in line
 
 
+@pytest.mark.slow
 def test_groups_that_are_alike_are_seldom_told_apart():
     chances = np.array([float(compared(drawn([1.0] * 3, seed))["chance"][1]) for seed in range(20)])
     assert (chances < 0.01).sum() <= 1

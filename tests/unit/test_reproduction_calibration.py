@@ -86,6 +86,7 @@ def test_tables_of_one_geometry_contradict_nothing(known, fitted):
     assert all(one.chance > 1e-3 for one in left_out(problem, fitted, list(TRUSTED)))
 
 
+@pytest.mark.slow
 def test_a_wrong_table_is_named(known):
     _, right = known
     wrong = [

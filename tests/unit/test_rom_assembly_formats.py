@@ -1,6 +1,7 @@
 """The lap joint as CalculiX and Abaqus write it: the same frequencies, the same posterior."""
 
 import numpy as np
+import pytest
 import scipy.sparse as sp
 import yaml
 from bladeroot.diagnosis.interfaces import interface_stiffness
@@ -81,6 +82,7 @@ def posterior(model):
     return interface_stiffness(data, simulated, [fitted], [], asked.prior.mean.size)
 
 
+@pytest.mark.slow
 def test_frequencies_and_posterior_are_the_built_in_ones(tmp_path):
     back = reduced_structure(structure_file(tmp_path))
     model = parametric_structure(back, {"force_kN": (0.0, 30.0)})
