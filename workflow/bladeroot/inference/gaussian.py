@@ -433,8 +433,9 @@ def _iterated(
             continue
         if gain < -_RISE:
             new, gain = at, 0.0
-        # By how well the gain was foreseen (Nielsen 1999).
-        damping *= np.clip(1.0 - (2.0 * gain / max(expected, _RISE) - 1.0) ** 3, *_CHANGE)
+        # By how well the gain was foreseen (Nielsen 1999); what has just failed without is kept.
+        change = np.clip(1.0 - (2.0 * gain / max(expected, _RISE) - 1.0) ** 3, *_CHANGE)
+        damping *= max(change, 1.0) if failed else change
         damping, failed = (damping if damping > 0.01 * _DAMPING else 0.0), 0
         moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
         if free:
