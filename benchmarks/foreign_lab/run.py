@@ -79,9 +79,11 @@ def in_memory(kept: bool) -> Iterator[dict]:
             campaign=source["campaign"], simulated=source["simulated"], settings=settings
         )
 
-    def fetch(path):
+    def fetch(path, without=()):
         found = shelf.get(Path(path))
-        return load(path) if found is None else found.copy(deep=True)
+        if found is None:
+            return load(path, without)
+        return found.drop_vars(without, errors="ignore").copy(deep=True)
 
     if kept:
         yield shelf

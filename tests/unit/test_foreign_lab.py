@@ -1,6 +1,7 @@
 """The foreign laboratory's physics in closed form, its seal, its score; it stands apart."""
 
 import ast
+import inspect
 import json
 from dataclasses import replace
 from itertools import pairwise
@@ -12,6 +13,7 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 import xarray as xr
+from bladeroot import artifacts
 from foreign import tabled
 from foreign_lab import (
     case,
@@ -21,6 +23,7 @@ from foreign_lab import (
     further,
     jointed_beam,
     motion,
+    run,
     score,
     specimen,
 )
@@ -483,3 +486,15 @@ def test_stated_causes_are_those_that_the_verdict_shows():
     said = {"answer": "ambiguous", "causes": [shown, other, fault]}
     assert score.stated_causes(truth, said) == [(0.7, True), (0.2, False)]
     assert score.stated_causes(truth, said | {"answer": "nothing-missing"}) == []
+
+
+def test_artifacts_in_memory_are_asked_for_as_files_are(tmp_path):
+    asked = {name: inspect.signature(getattr(artifacts, name)) for name in ("load", "save")}
+    with run.in_memory(False) as shelf:
+        for name, own in asked.items():
+            held = inspect.signature(getattr(artifacts, name))
+            assert list(held.parameters) == list(own.parameters)
+        whole = xr.Dataset({"kept": 1.0, "left_out": 2.0}, attrs={"campaign": "a", "simulated": 1})
+        artifacts.save(whole, tmp_path / "a.nc")
+        assert list(artifacts.load(tmp_path / "a.nc", {"left_out"})) == ["kept"]
+    assert list(shelf) == [tmp_path / "a.nc"]
