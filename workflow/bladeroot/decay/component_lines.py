@@ -13,7 +13,7 @@ from bladeroot.signal.runs import medians
 # the further: frames of whole cycles tell it off), and from this many times the median around it.
 LEAST, CLEAR = 3e-3, 8.0
 # Nor is one looked for above this part of the sampling frequency.
-FASTEST = 0.48
+HIGHEST = 0.48
 # Lines of a spectrum that share a median.
 CHUNK = 64
 # Lines nearer to the mode than this part of its frequency are left to it, unless a known one is
@@ -92,7 +92,7 @@ def _peaks(
     peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
-    peak &= frequency < FASTEST * sampling_Hz
+    peak &= frequency < HIGHEST * sampling_Hz
     # within the resolution of a segment what leaks from the mode looks like a line
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
