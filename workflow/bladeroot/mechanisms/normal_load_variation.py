@@ -48,8 +48,9 @@ MECHANISM = Mechanism(
             "preload over the axial force; an opening whatever the force is none of a flank",
         ),
         Parameter(
-            "dissipation", "1", 0.08, 0.8, 0.0, 0.25,
-            "loss over lost stiffness: little is dissipated where the flanks part", bounded=True,
+            "dissipation", "1", 0.03, 0.8, 0.0, 0.1,
+            "loss over lost stiffness: a coefficient of restitution of 0.6 and more loses at most "
+            "0.1 of the contact's energy a radian", bounded=True,
         ),
         SPREAD,
     ),
