@@ -232,7 +232,7 @@ def test_the_page_counts_what_was_scored():
         ("drift", verdict("named", cause("drift", "time", value=0.004))),
         ("nothing", verdict("nothing-missing")),
         ("nothing", verdict("named", cause("drift", "time"))),
-        ("step-change", verdict("unexplained")),
+        ("spell", verdict("unexplained")),
         ("added-mass", verdict("named", cause("added-mass", "level", value=0.004)) | GAIN),
         ("rig-compliance", verdict("nothing-missing")),
         ("rig-compliance", verdict("nothing-missing")),

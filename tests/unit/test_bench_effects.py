@@ -26,7 +26,7 @@ CLASSES = {
         "force-gain",
     },
     "level": {"force-offset", "added-mass", "modulus-density", "rig-compliance"},
-    "time": {"drift", "force-relaxation", "damping-drift", "ageing"},
+    "time": {"step-change", "drift", "force-relaxation", "damping-drift", "ageing"},
     "direction": {"loading-hysteresis"},
     "record": {"clipping", "shaker-recontact", "mode-beating", "mains-hum"},
 }
@@ -53,6 +53,7 @@ CHANGES = {
     "damping-drift": {"loss"},
     "force-dependent-damping": {"loss"},
     "step-change": {"kn", "kt"},
+    "spell": {"kn", "kt"},
     "ageing": {"kn", "kt"},
     "mode-coupling": {"oscillator", "oscillator_Hz", "oscillator_loss"},
 }
@@ -128,6 +129,9 @@ def test_sizes_of_the_laws():
     step = ratio("step-change", 0.2, "kn")
     assert set(np.round(step, 12)) == {0.8, 1.0}
     assert (np.diff(step) <= 0).all()
+    spell = ratio("spell", 0.2, "kn")
+    assert set(np.round(spell, 12)) == {0.8, 1.0}
+    assert spell[0] == spell[-1] == 1.0
 
 
 def test_a_tuned_cause_has_the_effect_that_was_asked_for():

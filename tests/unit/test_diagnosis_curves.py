@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis.curve_model import LOOSE, OFFSET, curve_data, problem
 from bladeroot.diagnosis.dataset import level_offsets
+from bladeroot.mechanisms.catalogue import catalogue
 from diagnosis_bench import FORCES, NOISE, campaign
 from stiffness_beam import _model
 
@@ -63,3 +64,21 @@ def test_a_wild_first_point_is_not_the_zero_of_a_level_without_a_plateau():
     data = curve_data(seen, ("1B", "2B"))
     loss = data.value[data.value.size // 2 :][data.level == 0]
     assert np.median(np.abs(loss)) < 0.01
+
+
+def test_the_covariance_turns_as_by_differences():
+    data = curve_data(campaign(_model(False), seed=1), ("1B", "2B"))
+    slip = next(one for one in catalogue() if one.id == "joint-slip")
+    made = problem(data, [slip, next(o for o in catalogue() if o.id == "quadratic-drag")])
+    at, scales = made.prior.mean, made.scales.mean
+    chance = np.random.default_rng(5)
+    vector, matrix = chance.normal(size=data.value.size), chance.normal(size=2 * data.value.shape)
+    matrix = matrix + matrix.T
+    times, traces = made.predict(at).turns(scales, vector, matrix)
+    for k in range(at.size):
+        step = 1e-4 * np.eye(at.size)[k]
+        ends = [made.covariance(made.predict(at + way * step), scales)[0] for way in (-1, 1)]
+        turned = (ends[1] - ends[0]) / 2e-4
+        scale = np.abs(turned @ vector).max() + 1e-30
+        assert times[:, k] == pytest.approx(turned @ vector, abs=1e-5 * scale)
+        assert traces[k] == pytest.approx(np.sum(turned * matrix), rel=1e-4)

@@ -176,6 +176,17 @@ def test_no_slider_of_a_sum_is_seen_by_itself(law):
         assert np.abs(np.diff(slope)).max() < 0.25 * np.ptp(slope)
 
 
+def test_a_steep_density_of_thresholds_is_smooth_too():
+    """Segalman's power of -0.8: what is lost grows as the amplitude to 0.2."""
+    iwan = next(one for one in EVERY if one.form == "Iwan")
+    amplitude = np.exp(np.arange(-18.0, -12.0, 0.02))
+    one = np.ones(amplitude.size)
+    points = Points(np.zeros(one.size, int), 12e3 * one, amplitude, 3e-3 * one)
+    lost = -iwan.curve(points, np.array([1e-3, 1.0, 1e-9, 0.5, 1.0, -0.8, 0.0])).ln_f
+    power = np.diff(np.log(lost)) / 0.02
+    np.testing.assert_allclose(power, 0.2, atol=4e-3)
+
+
 @pytest.mark.parametrize("below", [0.5, 1.5, 2.5])
 def test_slip_of_uneven_pressure_begins_smoothly(below):
     """Where the first edges slip, the loss is the integral over the thresholds."""

@@ -6,6 +6,7 @@ it keeps a free offset. The baseline has no slip, or that of the simulation that
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -158,7 +159,21 @@ def problem(
             columns.append(slope * chain)
             effects.append(both)
             mean = mean + both
-        return State(mean, np.hstack(columns), {"effects": np.array(effects).reshape(-1, n)})
+        whole = np.array(effects).reshape(-1, n)
+        turns = partial(turned, whole, columns[1:])
+        return State(mean, np.hstack(columns), {"effects": whole}, turns=turns)
+
+    def turned(
+        effects: ndarray, slopes: Sequence[ndarray], _: ndarray, vector: ndarray, matrix: ndarray
+    ) -> tuple[ndarray, ndarray]:
+        """The covariance's derivatives by the parameters, as `State` says."""
+        times, traces = [np.zeros((n, 0))], [np.zeros(0)]
+        for e, grown in zip(effects, slopes, strict=True):
+            of_effect = grown * (kernel @ (e * vector))[:, None]
+            of_effect += e[:, None] * (kernel @ (grown * vector[:, None]))
+            times.append(TRUST_CURVE**2 * of_effect)
+            traces.append(2.0 * TRUST_CURVE**2 * (((kernel * matrix) @ e) @ grown))
+        return np.hstack(times), np.concatenate(traces)
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
         stated = np.exp(2.0 * scales[0]) * data.noise

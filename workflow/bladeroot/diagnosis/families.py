@@ -14,6 +14,7 @@ from bladeroot.inference.hold_out import asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
 
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
+_ROUGH = 0.1  # nats a step, at which a fit over amplitude ends: laws explain hundreds there
 _INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
 
 
@@ -207,7 +208,7 @@ def _fitted(
     starts = [np.append(one, start) for one in before for start in own]
     if thorough:
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
-        ends = [fit(problem, start, current.scales) for start in starts]
+        ends = [fit(problem, start, current.scales, _ROUGH) for start in starts]
         return max(ends, key=lambda end: end.log_evidence)
     scales = [current.scales]
     if asks and one.starts:

@@ -1,37 +1,40 @@
-"""Contact stiffness that changes from clamping to clamping: flanks bed in, or wear."""
+"""Contact stiffness that changes from clamping to clamping: flanks bed in, wear, or give way."""
 
 from collections.abc import Callable
 
 import numpy as np
 
+from bladeroot.mechanisms.drift import MOMENT, MOMENTS, columns, step
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 _EARLY = 10.0  # how much faster than in proportion bedding-in begins
+_BOTH = ("ln_kn", "ln_kt")
 
 
-def law(course: Callable[[np.ndarray], np.ndarray], stiffnesses: tuple[str, ...]):
+def law(course: Callable, stiffnesses: tuple[str, ...]):
     """The hook: `change` of ln k from first to last clamping, by a course of their number."""
 
     def stick(records: Records, values: np.ndarray) -> StickEffect:
-        along = course(records.clamping) - 0.5
-        changes, slopes = values[0] * along, along[:, None]
-        return StickEffect(dict.fromkeys(stiffnesses, changes), dict.fromkeys(stiffnesses, slopes))
+        change, slopes = columns(course, records, values)
+        return StickEffect(dict.fromkeys(stiffnesses, change), dict.fromkeys(stiffnesses, slopes))
 
     return stick
 
 
-def _linear(u: np.ndarray) -> np.ndarray:
-    return u
+def _linear(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return records.clamping - 0.5, np.zeros((records.clamping.size, 1))
 
 
-def _fast_at_first(u: np.ndarray) -> np.ndarray:
-    return np.log1p(_EARLY * u) / np.log1p(_EARLY)
+def _fast_at_first(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    course = np.log1p(_EARLY * records.clamping) / np.log1p(_EARLY)
+    return course - 0.5, np.zeros((course.size, 1))
 
 
 MECHANISM = Mechanism(
     id="ageing",
     kind="time",
-    sentence="the contact changes with every clamping: its surfaces bed in, or wear",
+    sentence="the contact changes from clamping to clamping: its surfaces bed in, wear, or give "
+    "way at once",
     parameters=(
         Parameter(
             "change", "1", 0.0, 0.3, -1.5, 1.5,
@@ -39,13 +42,19 @@ MECHANISM = Mechanism(
         ),
     ),
     splitter="the same clamping kept over hours beside many in a row",
-    stick=law(_linear, ("ln_kn", "ln_kt")),
+    stick=law(_linear, _BOTH),
     over=("clamping",),
     form="kn and kt",
 )  # fmt: skip
 for _course, _names, _form in (
     (_linear, ("ln_kt",), "kt"),
-    (_fast_at_first, ("ln_kn", "ln_kt"), "kn and kt, fast at first"),
+    (_fast_at_first, _BOTH, "kn and kt, fast at first"),
     (_fast_at_first, ("ln_kt",), "kt, fast at first"),
 ):
     MECHANISM = MECHANISM.also(_form, stick=law(_course, _names))
+MECHANISM = MECHANISM.also(
+    "kn and kt, at once",
+    MOMENT,
+    stick=law(step, _BOTH),
+    starts=tuple((0.1, at) for _, at in MOMENTS),
+)

@@ -19,10 +19,11 @@ from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Paramet
 # the loss has a kink where each does: with a coarser rule a fit finds a false maximum at each.
 _NODES = np.linspace(-4.5, 4.5, 121)
 _WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
-# ln of the part of sliders that is weaker, for distributions with a strongest slider: so far down
-# that the rest, a part of 1e-6, shows in no record.
-_LN_PART = np.linspace(-14.0, 0.0, 225)
-_PART = np.exp(_LN_PART) * np.where(_LN_PART < 0.0, 1.0, 0.5)  # trapezoidal rule
+# For distributions with a strongest slider: ln of thresholds over its own, or of the part of all
+# that is weaker; what lies further down slides whole in any record.
+_BELOW = np.linspace(-14.0, 0.0, 225)
+_EDGES = np.append(0.5 * (_BELOW[1:] + _BELOW[:-1]), 0.0)
+_PART = np.exp(_BELOW) * np.where(_BELOW < 0.0, 1.0, 0.5)  # trapezoidal rule
 _PART = _PART / _PART.sum()
 # Free distribution: places of ln threshold about the law's, each smeared by so much.
 PLACES = np.linspace(-3.2, 3.2, 9)
@@ -97,13 +98,14 @@ def power(shape: Float[ndarray, " 2"]) -> tuple[ndarray, ndarray, ndarray, ndarr
     the strongest, about which a part `shape[1]` of all sliders stands.
     """
     steep, at_once = shape
-    nodes, weights = _LN_PART / (1.0 + steep), (1.0 - at_once) * _PART
-    by_nodes = np.stack([-nodes / (1.0 + steep), np.zeros(nodes.size)], axis=1)
-    by_weights = np.stack([np.zeros(nodes.size), -_PART], axis=1)
-    last = np.stack([np.zeros(_SMEAR.size), _SMEARED], axis=1)
+    weaker = np.exp((1.0 + steep) * _EDGES)
+    part, by_steep = np.diff(weaker, prepend=0.0), np.diff(_EDGES * weaker, prepend=0.0)
+    by_weights = np.zeros((part.size + _SMEAR.size, 2))
+    by_weights[: part.size] = np.column_stack([(1.0 - at_once) * by_steep, -part])
+    by_weights[part.size :, 1] = _SMEARED
     return (
-        np.append(nodes, _AGAIN * _SMEAR), np.append(weights, at_once * _SMEARED),
-        np.vstack([by_nodes, np.zeros(last.shape)]), np.vstack([by_weights, last]),
+        np.append(_BELOW, _AGAIN * _SMEAR), np.append((1.0 - at_once) * part, at_once * _SMEARED),
+        np.zeros(by_weights.shape), by_weights,
     )  # fmt: skip
 
 
@@ -111,7 +113,7 @@ def rounded(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, nda
     """Cattaneo's and Mindlin's contact: stiffness falls by (1 - x/x_slip)^shape, one half for a
     sphere; slip begins at once, at the contact's edge.
     """
-    left = np.maximum(-np.expm1(_LN_PART), 1e-6)
+    left = np.maximum(-np.expm1(_BELOW), 1e-6)
     root = left ** (1.0 / shape[0])
     nodes = np.log(np.maximum(1.0 - root, 1e-9))
     slope = np.where(1.0 - root > 1e-9, root * np.log(left) / (shape[0] ** 2 * (1.0 - root)), 0.0)

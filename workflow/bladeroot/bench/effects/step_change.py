@@ -1,4 +1,4 @@
-"""Step change (in no catalogue): something at the flanks gives way at one moment of the campaign.
+"""Step change: something at the flanks gives way at one moment of the campaign.
 
 Size: the part by which kn and kt are lower from then on; the moment lies between a quarter and
 three quarters of the campaign.
@@ -9,7 +9,8 @@ from dataclasses import replace
 from bladeroot.bench.chance import generator
 from bladeroot.bench.conditions import Conditions, Moment
 
-CLASS = "outside"
+CLASS = "time"
+CAUSE = "ageing"  # of the catalogue: contact stiffness that changes at once
 UNIT = "1"
 BOUND = 0.10
 SIGNED = False
