@@ -128,10 +128,17 @@ def stiffening(model):
     ],
 )
 def test_an_effect_on_stick_frequencies_is_named_and_gains(model, effect, size, name):
-    _, said = judged(model, effect, size)
+    _, said = judged(model, effect, size, rows=programme(cycles=2))
     assert said["answer"] == "named"
     assert names(said) == [name]
     assert said["gain"]["log_score"]["after"] > said["gain"]["log_score"]["before"]
+
+
+@pytest.mark.slow
+def test_one_way_up_and_one_down_do_not_part_hysteresis_from_a_contact_that_gives_way(model):
+    _, said = judged(model, "hysteresis", 0.3)
+    assert said["answer"] == "ambiguous"
+    assert said["causes"][0]["credible_set"] == ["loading-hysteresis", "ageing"]
 
 
 def test_what_is_of_no_catalogue_may_be_a_contact_that_any_load_changes(stiffening):
