@@ -41,15 +41,15 @@ class Outcome:
     parameter: int | None
 
 
-def cause_of(name: str) -> str:
+def known_as(name: str) -> str:
     """What the catalogue calls a hidden effect."""
     return getattr(effect(name), "CAUSE", name)
 
 
 def score(answer: dict, verdict: dict) -> Outcome:
     """Score a verdict (the content of verdict.json) against a sealed answer."""
-    hidden = [cause_of(name) for name, _ in answer["effects"]]
-    classes = {cause_of(name): effect(name).CLASS for name, _ in answer["effects"]}
+    hidden = [known_as(name) for name, _ in answer["effects"]]
+    classes = {known_as(name): effect(name).CLASS for name, _ in answer["effects"]}
     causes = verdict["causes"] if verdict["answer"] in SECURE else []
     sure, sets = [], []
     for cause in causes:

@@ -15,7 +15,7 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 
 from bladeroot.diagnosis.guards import TRUST_CURVE
-from bladeroot.diagnosis.stick_model import near
+from bladeroot.diagnosis.stick_model import near, own_error_turned
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
@@ -167,12 +167,11 @@ def problem(
         effects: ndarray, slopes: Sequence[ndarray], _: ndarray, vector: ndarray, matrix: ndarray
     ) -> tuple[ndarray, ndarray]:
         """The covariance's derivatives by the parameters, as `State` says."""
-        times, traces = [np.zeros((n, 0))], [np.zeros(0)]
-        for e, grown in zip(effects, slopes, strict=True):
-            of_effect = grown * (kernel @ (e * vector))[:, None]
-            of_effect += e[:, None] * (kernel @ (grown * vector[:, None]))
-            times.append(TRUST_CURVE**2 * of_effect)
-            traces.append(2.0 * TRUST_CURVE**2 * (((kernel * matrix) @ e) @ grown))
+        parts = [
+            own_error_turned(TRUST_CURVE, kernel, e, slope, vector, matrix)
+            for e, slope in zip(effects, slopes, strict=True)
+        ]
+        times, traces = zip((np.zeros((n, 0)), np.zeros(0)), *parts, strict=True)
         return np.hstack(times), np.concatenate(traces)
 
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:

@@ -202,9 +202,8 @@ def problem(
             if one.kind == "level":
                 e = e - of_mode @ _means(of_mode, e)
                 grown = grown - of_mode @ _means(of_mode, grown)
-            times += TRUST**2 * grown * (kernel @ (e * vector))[:, None]
-            times += TRUST**2 * e[:, None] * (kernel @ (grown * vector[:, None]))
-            traces += 2.0 * TRUST**2 * ((kernel * matrix) @ e) @ grown
+            by_error = own_error_turned(TRUST, kernel, e, grown, vector, matrix)
+            times, traces = times + by_error[0], traces + by_error[1]
         return times, traces
 
     beyond = _of_limits(data)
@@ -279,6 +278,17 @@ def _of_thermometer(records: Records) -> Float[ndarray, "record record"]:
     kelvin = np.where(np.abs(kelvin) < LEAST_KELVIN, LEAST_KELVIN, kelvin)
     readings = 0.5 * (READING / TRUST) ** 2 * (near(records.time, HOUR) + np.eye(kelvin.size))
     return near(kelvin, KELVIN) + readings / np.outer(kelvin, kelvin)
+
+
+def own_error_turned(
+    trust: float, kernel: ndarray, effect: ndarray, slope: ndarray, vector: ndarray, matrix: ndarray
+) -> tuple[ndarray, ndarray]:
+    """How the covariance of a law's own error, a part `trust` of its effect, turns as the effect
+    grows with parameters by `slope`: as `State.turns` says.
+    """
+    times = slope * (kernel @ (effect * vector))[:, None]
+    times += effect[:, None] * (kernel @ (slope * vector[:, None]))
+    return trust**2 * times, 2.0 * trust**2 * ((kernel * matrix) @ effect) @ slope
 
 
 def same_mode(data: StickData) -> Bool[ndarray, "record record"]:
