@@ -8,7 +8,7 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.beside import Beside, harmonics
+from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
@@ -21,6 +21,7 @@ from bladeroot.decay.component_lines import (
     moved,
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import steady_line
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import loudest, mode_Hz
@@ -120,36 +121,40 @@ def separated(
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
-    trimmed = heard = beaten = paired = False
+    trimmed = heard = searched = locked = beaten = paired = False
     near: list[Beside] = []
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz)
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
-        if not near and not trimmed:
-            near = harmonics(found, sampling_Hz, APART)
-            if near:  # what was found of others may have been theirs
-                velocity = velocity.copy()
-                velocity[first:] -= sum(one.wave for one in near)
-                x, lines = velocity[first:], named
-                continue
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
         if not trimmed and (turn or not more):
             last = _lasting(found)
             steady = None if heard else steady_line(x, found, last, sampling_Hz, APART)
             if steady is not None:  # without it the mode is followed for longer
-                heard = True
-                near.append(steady)
-                velocity = velocity.copy()
-                velocity[first:] -= steady.wave
-                x, lines = velocity[first:], named
+                heard, lines = True, named
+            one = steady or clearest_harmonic(x, found, sampling_Hz, APART)
+            if one is not None:
+                near.append(one)
+                velocity = _without(one, velocity, first)
+                x = velocity[first : first + x.size]
                 continue
-            hidden = [one.hides(found, sampling_Hz) for one in near]
-            last, trimmed = min([last, *hidden]), True
+            searched = not more
+            last, trimmed = min([last, *(one.hides(found, sampling_Hz) for one in near)]), True
             # what is hidden from its start on leaves nothing that could be followed
             if 0 < last < found.samples:
                 x = x[:last]
                 continue
+        if not more and not locked:
+            one = None if searched else clearest_harmonic(x, found, sampling_Hz, APART)
+            if one is not None:
+                near.append(one)
+                velocity = _without(one, velocity, first)
+                last = one.hides(found, sampling_Hz)
+                x = velocity[first : first + (last or x.size)]
+                continue
+            locked = True
+            near += veiled_harmonics(found, sampling_Hz, near)
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz)
             if close:
@@ -162,8 +167,7 @@ def separated(
                 own_Hz = pair[0]
                 near.append(pair[1])
                 lines = np.concatenate([[own_Hz], lines[1:]])
-                velocity = velocity.copy()
-                velocity[first : first + x.size] -= pair[1].wave
+                velocity = _without(pair[1], velocity, first)
                 x = velocity[first : first + x.size]
                 continue
         if not more:
@@ -197,13 +201,14 @@ def separated(
     doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
     time = (first + (np.arange(doubt.size) + 0.5) * spacing) / sampling_Hz
     for one in near:
-        off = one.over(found.envelope(0), time - first / sampling_Hz)
-        doubt = np.hypot(doubt, np.minimum(off, 1.0))
+        doubt = np.hypot(doubt, one.doubt(found.envelope(0), time - first / sampling_Hz))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
     loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
-    taken_Hz = [float(lines[1 + k]) for k in loud] + [one.frequency_Hz for one in near]
+    taken_Hz = [float(lines[1 + k]) for k in loud] + [
+        one.frequency_Hz for one in near if one.wave.any()
+    ]
     remarks = [(one.finding, one.remark) for one in near]
     if close:
         remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
@@ -221,6 +226,15 @@ def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
     if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():
         return 0
     return first if size[first : first + int(2 * cycle) + 1].max() > SUDDEN * size.max() else 0
+
+
+def _without(
+    one: Beside, velocity: Float[ndarray, " sample"], first: int
+) -> Float[ndarray, " sample"]:
+    """The record without a wave that begins with sample `first`."""
+    left = velocity.copy()
+    left[first : first + one.wave.size] -= one.wave
+    return left
 
 
 def _lasting(found: Envelopes) -> int:

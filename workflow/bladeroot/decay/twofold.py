@@ -60,11 +60,12 @@ def twofold(
     turn = np.exp(1j * np.pi * found.lines_Hz[0] * (found.spacing - 1) / sampling_Hz)
     wave = (size[k] * turn * np.exp(rate * now)).real
     middle = np.arange(z.size)
-    cycles = own_Hz / (SHARE * abs(line[1] - line[0]))  # that err alike
-    error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle * np.sqrt(cycles)
+    error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle
     remark = REMARK.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
     time = (middle + 0.5) * step_s
-    return float(own_Hz), Beside(float(line[k]), wave, time, error, "close-mode", remark)
+    alike = own_Hz / (SHARE * abs(line[1] - line[0]))
+    beside = Beside(float(line[k]), wave, time, error, "close-mode", remark, alike)
+    return float(own_Hz), beside
 
 
 def _exponentials(

@@ -1,0 +1,129 @@
+"""A harmonic beside the mode by regressions in windows, whatever its part of the line does.
+
+Against the harmonic's phase the mode turns, and from one interval to a later one, over which the
+mode is multiplied by rho,
+
+    y' = rho y + g (h' - rho h),    y = mode + g h,
+
+so rho and g follow from a linear regression in each of some windows. They need agree but roughly,
+as where modes in resonance drive one another.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+from numpy import ndarray
+
+from bladeroot.decay.locked import Locked
+
+# Turns of the mode against the harmonic over the regression's step and over a window.
+STEP, WINDOW = 1.0 / 6.0, 0.7
+# Part of the mode by which a window may be wrong for the mode's own laws, least and (as on records
+# of a beam, and where fewer windows than FEWEST tell) most.
+LAWS, FEWEST = (0.002, 0.05), 3
+PASSES = 3
+# A window counts from so many standard errors on, and a harmonic where all of them make so many
+# and agree in phase (rad, rms).
+SEEN, CLEAR, IN_PHASE = 3.0, 8.0, 0.5
+# A friction's harmonic is there while it slips: one law must leave no more than this part of what
+# all windows see.
+MISSED = 0.2
+# Its part of the line falls with the line's power, or grows, by no more than these exponents.
+EXPONENT = (-1.0, 0.5)
+
+
+def windowed(
+    y: Complex[ndarray, " interval"], h: Complex[ndarray, " interval"], turns: float
+) -> Locked | None:
+    """A harmonic in the mode's phasor, None where none is clear; of its gain nothing is known.
+
+    y: the mode with the harmonic; h: the harmonic of unit size, against the same carrier. turns: of
+    the mode against it in an interval.
+    """
+    lag, length = (max(int(part / turns), 1) for part in (STEP, WINDOW))
+    size = np.maximum(np.abs(h), 1e-12)
+    still = y * np.exp(-1j * np.angle(h))
+    for _ in range(PASSES):  # in a window it falls as the line's power does, to an exponent
+        law = _law(still, size, lag, max(length, 12))
+        if law is None:
+            return None
+        size = size ** (1.0 + law.slope)
+    phasor = law.part * size * np.exp(1j * np.angle(h))
+    # further from the windows that see it, its law is less sure
+    error = law.error * np.hypot(1.0, 0.5 * (np.log(size) - law.centre)) * np.abs(phasor)
+    return Locked(phasor, error, 0.0)
+
+
+@dataclass(frozen=True)
+class _Law:
+    """A harmonic is `part` of a line's power, to an exponent larger by `slope`; relative error.
+
+    `centre` is ln of the power where it is seen best.
+    """
+
+    part: complex
+    slope: float
+    centre: float
+    error: float
+
+
+def _law(
+    y: Complex[ndarray, " interval"], size: Float[ndarray, " interval"], lag: int, length: int
+) -> _Law | None:
+    """What the windows say together; None where they see no harmonic clearly."""
+    starts = range(0, y.size - length - lag + 1, max(length // 2, 1))
+    windows = [_regression(*(x[a : a + length + lag] for x in (y, size)), lag) for a in starts]
+    if not windows:
+        return None
+    g, std, level, mode = (np.array(column) for column in zip(*windows, strict=True))
+    std = np.hypot(std, _laws(g, mode) * mode)
+    every, clear = (g, std, np.log(level)), np.abs(g) > SEEN * std
+    g, std, x = (values[clear] for values in every)
+    weight = (np.abs(g) / std) ** 2
+    if weight.sum() < CLEAR**2:
+        return None
+    mean = np.sum(weight * g / np.abs(g))
+    mean /= np.abs(mean)
+    log = np.log(g / mean)
+    if np.sqrt(np.average(log.imag**2, weights=weight)) > IN_PHASE:
+        return None
+    # where few windows see it, it goes with the line's power as it is
+    centre, middle = np.average(x, weights=weight), np.average(log.real, weights=weight)
+    slope = np.sum(weight * (x - centre) * log.real) / (np.sum(weight * (x - centre) ** 2) + 1.0)
+    slope = float(np.clip(slope, *EXPONENT))
+    left = np.abs(log - middle - slope * (x - centre))
+    error = float(np.sqrt(np.average(left**2, weights=weight) + 1.0 / weight.sum()))
+    part = complex(mean * np.exp(middle - slope * centre))
+    g, std, x = every
+    missed = np.sum(np.abs((g - part * np.exp(slope * x)) / std) ** 2)
+    if missed > MISSED * np.sum(np.abs(g / std) ** 2):
+        return None
+    return _Law(part, slope, (1.0 + slope) * float(centre), error)
+
+
+def _regression(
+    y: Complex[ndarray, " interval"], h: Float[ndarray, " interval"], lag: int
+) -> tuple[complex, float, float, float]:
+    """The harmonic's part in a window, its standard error, mean level of line and mode."""
+    before, after = slice(0, y.size - lag), slice(lag, y.size)
+    falls = float(np.mean(h[after] / h[before]))
+    weight = 1.0 / np.maximum(np.abs(y[before]), 1e-300)
+    design = np.stack([y[before], h[before]], axis=1) * weight[:, None]
+    wanted = y[after] * weight
+    inverse = np.linalg.pinv(design.conj().T @ design)
+    rho, kappa = found = inverse @ (design.conj().T @ wanted)
+    left = wanted - design @ found
+    variance = float(inverse[1, 1].real) * np.mean(np.abs(left) ** 2) * lag
+    g = kappa / (falls - rho)
+    mode = np.median(np.abs(y - g * h) / h)
+    std = np.sqrt(variance) / abs(falls - rho)
+    return complex(g), float(std), float(np.mean(h)), float(mode)
+
+
+def _laws(g: Complex[ndarray, " window"], mode: Float[ndarray, " window"]) -> float:
+    """Part of the mode by which windows err for its laws: they turn, and so windows differ."""
+    loud = mode[1:] > np.abs(g[1:])
+    if np.count_nonzero(loud) < FEWEST:
+        return LAWS[1]
+    return float(np.clip(np.median((np.abs(np.diff(g)) / mode[1:])[loud]), *LAWS))
