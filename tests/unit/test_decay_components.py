@@ -188,6 +188,17 @@ def test_a_blow_is_seen_to_the_sample(before_s):
     assert onset(velocity, RATE / 80.0) == pytest.approx(before_s * RATE, abs=2)
 
 
+def test_a_record_that_ends_early_in_its_decay_says_so():
+    velocity = decay(297.0, 0.0003, 0.02, np.arange(3200) / RATE)
+    velocity += NOISE * np.random.default_rng(5).standard_normal(velocity.size)
+    judged, found = curve(velocity, 300.0)
+    assert judged.attrs["verdict"] == "usable"
+    assert "short-fall" in judged["finding_id"].values
+    off = np.abs(found["loss_factor"].values - 0.0006) / found["loss_factor_std"].values
+    assert off.max() < 3.5
+    assert np.abs(found["frequency"].values / 297.0 - 1.0).max() < 1e-4
+
+
 def test_what_begins_in_motion_or_grows_slowly_was_not_struck():
     assert onset(blow(MODES, before_s=0.0), RATE / 80.0) == 0
     time = np.arange(int(4.0 * RATE)) / RATE

@@ -248,6 +248,33 @@ def test_what_is_wrong_is_said(velocity, expected_Hz, text):
     assert "\n" not in found.attrs["findings"]
 
 
+def swept(level, cycles=150, rate=4000.0, own_Hz=200.0):
+    """A mode whose ln A is a function of the part of the record that has passed, with noise."""
+    part = np.arange(int(cycles / own_Hz * rate)) / (cycles / own_Hz * rate)
+    wave = np.exp(level(part)) * np.cos(2.0 * np.pi * cycles * part + 0.4)
+    return wave + 1e-4 * np.random.default_rng(3).standard_normal(part.size)
+
+
+@pytest.mark.parametrize(("fall", "taken"), [(1.9, True), (1.4, True), (1.1, False)])
+def test_a_record_that_ends_early_in_its_decay_is_one_if_it_falls_all_the_way(fall, taken):
+    found = cut(swept(lambda part: -np.log(fall) * part), 4000.0, 200.0)
+    assert (found.attrs["verdict"] == "usable") == taken
+    assert found.attrs["fall"] == pytest.approx(fall, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "level",
+    [
+        lambda part: 0.3 * np.cos(2.0 * np.pi * part),  # a drive that beats
+        lambda part: 0.3 * np.cos(6.0 * np.pi * part) - 0.1 * part,
+        lambda part: -0.5 * np.minimum(part, 0.5),  # one that is turned down and goes on
+        lambda part: 0.0 * part,
+    ],
+)
+def test_what_is_driven_on_is_no_short_decay(level):
+    assert cut(swept(level), 4000.0, 200.0).attrs["verdict"] == "rejected"
+
+
 def test_unreadable_record(tmp_path):
     found = rejected("expected a NetCDF file")
     assert set(found.variables) == set(cut(ring_down(0)[0], 25600.0, 250.0).variables)

@@ -1,4 +1,4 @@
-"""Harmonics beside the mode: found and known as well as is said, or told where no record can tell."""
+"""Harmonics beside the mode: known as well as is said, or told where no record can tell."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ RATE, COUNT = 2000.0, 120
 
 
 def frames(seed, part, turns, exponent=0.0, bent=0.3):
-    """A mode whose laws bend, with a harmonic of a line; the mode, the harmonic, that of unit size."""
+    """A mode whose laws bend, a harmonic of a line, that of unit size, and noise."""
     rng = np.random.default_rng(seed)
     time = np.arange(COUNT) / COUNT
     fall = rng.uniform(2.0, 3.5)

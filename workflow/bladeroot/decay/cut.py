@@ -20,8 +20,9 @@ from bladeroot.variables import dataset
 # FREEVIB needs eight cycles of a decay.
 FEWEST_CYCLES = 8
 # A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
-# Where it is known when it was let go, a short record of it falls by less.
-LEAST_FALL, SHORT_FALL = 2.0, 1.1
+# Where it is known when it was let go, a short record of it falls by less; and where it falls over
+# that part of the record at once, by less than beats would.
+LEAST_FALL, SHORT_FALL, STEADY_FALL, THROUGHOUT = 2.0, 1.1, 1.25, 0.95
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
 # followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
 SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
@@ -47,11 +48,11 @@ def cut(
     mode is lost in the noise, or where something disturbs it (the tip's return, another blow), or,
     with hardly any noise, where it is but some steps of the digitiser high.
     Attributes: `release_s` and `release_std_s` (the release and its standard error),
-    `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `decays` (decays in the
-    record at least half as deep as this one), `start_s` and `end_s` (first and last sample kept, in
-    the raw record's time), `end_reason`, `noise_velocity` (m/s, rms), `verdict` and `findings`. A
-    record that cannot be used is returned with verdict "rejected" and one line in findings; its
-    `time` may be empty.
+    `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `fall` (factor by which the
+    smoothed envelope falls), `decays` (decays in the record at least half as deep as this one),
+    `start_s` and `end_s` (first and last sample kept, in the raw record's time), `end_reason`,
+    `noise_velocity` (m/s, rms), `verdict` and `findings`. A record that cannot be used is returned
+    with verdict "rejected" and one line in findings; its `time` may be empty.
 
     Args:
         velocity: the raw record in m/s.
@@ -116,7 +117,9 @@ def rejected(finding: str) -> xr.Dataset:
 
 def _nothing() -> dict[str, float | str | int]:
     """The attributes of a record in which no decay has been found yet."""
-    numbers = ("sampling_Hz", "release_s", "release_std_s", "start_s", "end_s", "noise_velocity")
+    numbers = (
+        "sampling_Hz", "release_s", "release_std_s", "start_s", "end_s", "noise_velocity", "fall",
+    )  # fmt: skip
     return dict.fromkeys(numbers, float("nan")) | {"excitation": "", "decays": 0, "end_reason": ""}
 
 
@@ -150,13 +153,16 @@ def _span(
     floor, broken = seen.noise(noise, sampling_Hz), strikes(seen, noise)
     first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
     fall, level, found = _falls(seen, floor, broken, min(first, seen.time.size - 2))
+    peak, trough = found[0]
     least_fall = SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
+    if trough - peak > THROUGHOUT * seen.time.size:
+        least_fall = min(least_fall, STEADY_FALL)
+    attrs["fall"] = float(np.exp(fall))
     if fall < np.log(least_fall):
         return (0, 0), (
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
             f"factor of {np.exp(fall):.3g}, at least {least_fall:g} is needed"
         )
-    peak, trough = found[0]
     release = known or find_release(velocity, sampling_Hz, seen, floor, level, peak, trough)
     start_s = release.time_s + 2.0 * release.std_s
     begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)

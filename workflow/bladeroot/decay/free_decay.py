@@ -8,7 +8,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.components import Separated, onset, separated
-from bladeroot.decay.cut import coarse, cut
+from bladeroot.decay.cut import LEAST_FALL, coarse, cut
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
@@ -19,6 +19,10 @@ from bladeroot.variables import dataset
 SEVERAL = (
     "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
     "make a record of each"
+)
+SHORT = (
+    "the mode falls by a factor of {:.3g} only: this is a free decay if nothing drives it, and "
+    "the record ends soon"
 )
 
 
@@ -43,7 +47,7 @@ def free_decay(
     decay = window(seen, clear)
     struck = onset(clear, rate / expected_Hz)
     asked = expected_Hz, modes_Hz, whole.notes, recording
-    several = _several(decay)
+    said = _remarks(decay)
     if expected_Hz >= FASTEST * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, *asked)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
@@ -57,7 +61,7 @@ def free_decay(
         if struck:
             sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
             decay = window(sooner, clear)
-        return _with_widening(judge(decay, motion, *asked, None, several), parts)
+        return _with_widening(judge(decay, motion, *asked, None, said), parts)
     freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
@@ -66,14 +70,16 @@ def free_decay(
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
     freed = window(freed, parts.velocity)
-    judged = judge(freed, motion, *asked, parts.velocity, several + parts.remarks)
+    judged = judge(freed, motion, *asked, parts.velocity, said + parts.remarks)
     return _with_widening(judged, parts)
 
 
-def _several(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
-    """A finding that warns where a record holds more than one decay."""
-    count = decay.attrs["decays"]
-    return (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
+def _remarks(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
+    """Findings that warn where a record holds more than one decay, or but the start of one."""
+    count, fall, begins = (decay.attrs[name] for name in ("decays", "fall", "excitation"))
+    several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
+    short = begins == "begins in the decay" and fall < LEAST_FALL
+    return (*several, ("short-fall", SHORT.format(fall))) if short else several
 
 
 def _let_go(
