@@ -193,7 +193,7 @@ def test_a_record_that_ends_early_in_its_decay_says_so():
     velocity += NOISE * np.random.default_rng(5).standard_normal(velocity.size)
     judged, found = curve(velocity, 300.0)
     assert judged.attrs["verdict"] == "usable"
-    assert "short-fall" in judged["finding_id"].values
+    assert "short-record" in judged["finding_id"].values
     off = np.abs(found["loss_factor"].values - 0.0006) / found["loss_factor_std"].values
     assert off.max() < 3.5
     assert np.abs(found["frequency"].values / 297.0 - 1.0).max() < 1e-4

@@ -79,7 +79,7 @@ def _remarks(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
     count, fall, begins = (decay.attrs[name] for name in ("decays", "fall", "excitation"))
     several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
     short = begins == "begins in the decay" and fall < LEAST_FALL
-    return (*several, ("short-fall", SHORT.format(fall))) if short else several
+    return (*several, ("short-record", SHORT.format(fall))) if short else several
 
 
 def _let_go(
