@@ -37,7 +37,7 @@ STEPS, SETTLES, STILL = 20, 5, 0.1
 SIZE, EXPONENT = 0.1, 0.3
 # A harmonic counts where the record is likelier with it by so many nats, it is known to this part
 # of itself, and its exponent is no larger.
-CLEAR, KNOWN, LARGEST = 12.0, 0.35, 0.7
+CLEAR, KNOWN, LARGEST = 14.0, 0.35, 0.7
 TINY = 1e-300  # of what holds no noise at all
 
 
