@@ -121,14 +121,14 @@ def separated(
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
         return Separated(velocity, first, [], *np.zeros((2, 0)))
-    trimmed = heard = searched = locked = beaten = paired = False
+    trimmed = heard = searched = beaten = paired = False
     near: list[Beside] = []
     close: list[float] = []
     for turn in range(ROUNDS):
         found = _followed(x, sampling_Hz, lines, base_Hz)
         lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
-        if not trimmed and (turn or not more):
+        if (turn and not trimmed) or not (more or searched):
             last = _lasting(found)
             steady = None if heard else steady_line(x, found, last, sampling_Hz, APART)
             if steady is not None:  # without it the mode is followed for longer
@@ -137,24 +137,16 @@ def separated(
             if one is not None:
                 near.append(one)
                 velocity = _without(one, velocity, first)
-                x = velocity[first : first + x.size]
+                x, trimmed = velocity[first : first + x.size], False
                 continue
             searched = not more
-            last, trimmed = min([last, *(one.hides(found, sampling_Hz) for one in near)]), True
-            # what is hidden from its start on leaves nothing that could be followed
-            if 0 < last < found.samples:
-                x = x[:last]
-                continue
-        if not more and not locked:
-            one = None if searched else clearest_harmonic(x, found, sampling_Hz, APART)
-            if one is not None:
-                near.append(one)
-                velocity = _without(one, velocity, first)
-                last = one.hides(found, sampling_Hz)
-                x = velocity[first : first + (last or x.size)]
-                continue
-            locked = True
-            near += veiled_harmonics(found, sampling_Hz, near)
+            if not trimmed:
+                last = min([last, *(one.hides(found, sampling_Hz) for one in near)])
+                trimmed = True
+                # what is hidden from its start on leaves nothing that could be followed
+                if 0 < last < found.samples:
+                    x = x[:last]
+                    continue
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz)
             if close:
@@ -178,6 +170,7 @@ def separated(
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
+    near += veiled_harmonics(found, sampling_Hz, near)
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)

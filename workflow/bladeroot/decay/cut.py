@@ -98,7 +98,7 @@ def decay_starts(
     own_Hz = _own_frequency(velocity, sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     fall, level, found = _falls(seen, seen.noise(noise, sampling_Hz), strikes(seen, noise))
-    if fall < np.log(LEAST_FALL):
+    if fall < np.log(_least_fall(seen, *found[0])):
         return []
     return sorted(float(seen.time[p]) for p, _ in _deep(fall, level, found))
 
@@ -154,9 +154,7 @@ def _span(
     first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
     fall, level, found = _falls(seen, floor, broken, min(first, seen.time.size - 2))
     peak, trough = found[0]
-    least_fall = SHORT_FALL if known is not None and known.time_s > 0.0 else LEAST_FALL
-    if trough - peak > THROUGHOUT * seen.time.size:
-        least_fall = min(least_fall, STEADY_FALL)
+    least_fall = _least_fall(seen, peak, trough, known)
     attrs["fall"] = float(np.exp(fall))
     if fall < np.log(least_fall):
         return (0, 0), (
@@ -185,6 +183,13 @@ def _span(
             f"to {end_s:.4g} s ({reason}), at least {FEWEST_CYCLES} are needed"
         )
     return (first, stop), ""
+
+
+def _least_fall(seen: Envelope, peak: int, trough: int, known: Release | None = None) -> float:
+    """By how much a decay from one frame to another falls at least."""
+    if known is not None and known.time_s > 0.0:
+        return SHORT_FALL
+    return STEADY_FALL if trough - peak > THROUGHOUT * seen.time.size else LEAST_FALL
 
 
 def _falls(

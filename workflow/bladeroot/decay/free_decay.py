@@ -47,7 +47,6 @@ def free_decay(
     decay = window(seen, clear)
     struck = onset(clear, rate / expected_Hz)
     asked = expected_Hz, modes_Hz, whole.notes, recording
-    said = _remarks(decay)
     if expected_Hz >= FASTEST * rate or clear.size * expected_Hz < 16 * rate:
         return judge(decay, motion, *asked)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
@@ -61,7 +60,7 @@ def free_decay(
         if struck:
             sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
             decay = window(sooner, clear)
-        return _with_widening(judge(decay, motion, *asked, None, said), parts)
+        return _with_widening(judge(decay, motion, *asked, None, _remarks(seen, decay)), parts)
     freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
@@ -70,15 +69,19 @@ def free_decay(
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
     freed = window(freed, parts.velocity)
-    judged = judge(freed, motion, *asked, parts.velocity, said + parts.remarks)
+    remarks = _remarks(seen, freed) + parts.remarks
+    judged = judge(freed, motion, *asked, parts.velocity, remarks)
     return _with_widening(judged, parts)
 
 
-def _remarks(decay: xr.Dataset) -> tuple[tuple[str, str], ...]:
-    """Findings that warn where a record holds more than one decay, or but the start of one."""
-    count, fall, begins = (decay.attrs[name] for name in ("decays", "fall", "excitation"))
+def _remarks(whole: xr.Dataset, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:
+    """Findings that warn where a record holds more than one decay, or but the start of one.
+
+    whole: the cut of the record as it is; mode: of the mode by itself.
+    """
+    count, fall = whole.attrs["decays"], mode.attrs["fall"]
     several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
-    short = begins == "begins in the decay" and fall < LEAST_FALL
+    short = mode.attrs["excitation"] == "begins in the decay" and fall < LEAST_FALL
     return (*several, ("short-record", SHORT.format(fall))) if short else several
 
 

@@ -182,15 +182,15 @@ class _Harmonic:
             factor = cholesky_banded(own, lower=True)
             white = np.concatenate(np.split(dtbtrs(factor, right.T, uplo="L")[0], 2, axis=1))
             bare, left, design = white[:, 0], white[:, 1], white[:, 2:]
-            known, count = -2.0 * np.log(factor[0]).sum(), left.size
-            nothing = max(nothing, known - 0.5 * count * np.log(max(bare @ bare, TINY)))
-            power_of = max(left @ left / count, TINY)
+            count, log_det = left.size, 2.0 * np.log(factor[0]).sum()
+            nothing = max(nothing, -log_det - 0.5 * count * np.log(max(bare @ bare, TINY)))
+            noise = max(left @ left / count, TINY)
             for _ in range(2):  # the noise that is left
-                fisher = design.T @ design / power_of + np.diag(prior)
-                slope = design.T @ left / power_of - prior * unknown[: prior.size]
+                fisher = design.T @ design / noise + np.diag(prior)
+                slope = design.T @ left / noise - prior * unknown[: prior.size]
                 move = np.linalg.solve(fisher, slope)
-                power_of = max(np.mean((left - design @ move) ** 2), TINY)
-            likelihood = known - 0.5 * count * np.log(power_of * count)
+                noise = max(np.mean((left - design @ move) ** 2), TINY)
+            likelihood = -log_det - 0.5 * count * np.log(noise * count)
             likelihood -= 0.5 * prior @ (unknown[: prior.size] + move) ** 2
             if likelihood > best:
                 best, found = likelihood, (move, np.linalg.inv(fisher))
