@@ -248,6 +248,19 @@ def test_acceleration_that_begins_in_the_decay_is_right_from_its_start():
     assert np.abs(missed[5:100]).max() < 2e-3
 
 
+@pytest.mark.parametrize("a_cycle", [3.3, 5.4, 6.236, 9.7])
+def test_few_samples_a_cycle_of_acceleration_are_right_at_both_ends(a_cycle):
+    turn = np.exp(2j * np.pi * np.arange(1600) / a_cycle)
+    motion = recording((1j * turn).real, "m/s^2", "here", sampling_Hz=a_cycle / 2 / np.pi)
+    found, few = velocity(motion, 1.0 / 2 / np.pi), int(4 * a_cycle)
+    columns = np.stack([turn.real, turn.imag, np.ones(1600), np.arange(1600.0)], axis=1)
+    middle, *ends = (
+        np.hypot(*np.linalg.lstsq(columns[part], found[part], rcond=None)[0][:2])
+        for part in (slice(600, 1000), slice(4, few), slice(-few, -4))
+    )
+    assert np.abs(np.array(ends) / middle - 1.0).max() < 5e-4
+
+
 def test_acceleration_offset_leaves_no_drift():
     signal = 5.0 + np.sin(2 * np.pi * 100 * TIME)
     found = velocity(recording(signal, "m/s^2", "here", sampling_Hz=RATE), 100.0)

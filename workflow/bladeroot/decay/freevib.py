@@ -31,6 +31,9 @@ STEADY, SHOWN = 0.02, 3.0
 # noise or another mode may be followed.
 SURE = 0.005
 FEWEST = 4
+# The curves begin and end where the standard error of the loss factor is less than this part of
+# it, where so large a part of their points is.
+KNOWN, KNOWN_PART = 0.1, 0.7
 # Fall of ln A in which what waves is distinguished from a law; fewest such segments, fewest that
 # wave, and fewest points in each.
 SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
@@ -118,6 +121,9 @@ def freevib(
             f"the mode's frequency is known to {100.0 * SURE:g} % in {np.count_nonzero(keep)} of "
             f"{keep.size} cycles or groups of them, at least {FEWEST} are needed"
         )
+    known = np.flatnonzero(keep & (loss_std < KNOWN * loss))
+    if known.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
+        keep[: known[0]] = keep[known[-1] + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
     if np.ptp(value[0, 0][keep]) < max(STEADY, SHOWN * float(np.median(std[0, 0][keep]))):
         raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")

@@ -8,8 +8,9 @@ from jaxtyping import Float
 from numpy import ndarray
 
 SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
-# Cycles of the mode over which acceleration's integral is averaged to find its drift.
-DRIFT_CYCLES = 5
+# Most cycles of the mode over which acceleration's integral is averaged to find its drift: of
+# lengths from half of it on, the one in which they are nearest to whole.
+DRIFT_CYCLES = 7
 # Weights of the samples 1 to 4 ahead in the eighth-order central difference.
 _CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 
@@ -65,9 +66,11 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
     slope = _derivative(x)
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]))]) - (slope - slope[0]) / 12.0
     gain = 0.5 * angle / np.tan(0.5 * angle) + angle**2 * gain / 12.0
-    width = 2 * round(DRIFT_CYCLES * np.pi / angle) + 1
-    width = min(width, (x.size - 1) // 3 | 1)
-    kept = 1.0 - (np.sin(0.5 * width * angle) / (width * np.sin(0.5 * angle))) ** 2
+    most = (x.size - 1) // 3 | 1
+    widths = np.arange(1, 2 * round(DRIFT_CYCLES * np.pi / angle) + 2, 2)
+    widths = np.minimum(widths[widths.size // 2 :], most)
+    left = np.abs(np.sin(0.5 * widths * angle) / (widths * np.sin(0.5 * angle)))
+    width, kept = int(widths[np.argmin(left)]), 1.0 - left.min() ** 2
     gain *= max(kept, 0.5)  # less only in a record of a cycle or two, which the cut rejects
     summed = summed * (step / gain)
     return summed - _drift(summed, width)
