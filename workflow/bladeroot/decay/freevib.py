@@ -19,10 +19,10 @@ LEFT = 16.0  # cycles that a cut leaves at least
 # Largest number of points of the curves, and of those at which their errors are worked out.
 POINTS, SHARP = 500, 120
 # So many first blocks are no free decay where a parabola through twice as many later ones, that
-# goes on backwards, misses them by more than this (mean square in errors: noise's, and a part of
-# what it differs by from a straight line). As on drawn records: of those that are right from their
-# first block on, one of thirty is above.
-EARLY, UNLIKE, BENDS = 6, 2.0, 0.5
+# goes on backwards, misses half of them, the first, by more than this (mean square in errors:
+# noise's, and a part of what it differs by from a straight line). As on drawn records: of those
+# that are right from their first block on, one of sixty is above, of the others a third.
+EARLY, UNLIKE, BENDS = 6, 1.5, 0.5
 # Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
 PLAIN = 2.0
 # What falls by less than this in all, and by less than so many of its errors, is a steady tone.
@@ -33,7 +33,7 @@ SURE = 0.005
 FEWEST = 4
 # The curves begin and end where the standard error of the loss factor is less than this part of
 # it, where so large a part of their points is.
-KNOWN, KNOWN_PART = 0.1, 0.7
+KNOWN, KNOWN_PART = 0.1, 0.5
 # Fall of ln A in which what waves is distinguished from a law; fewest such segments, fewest that
 # wave, and fewest points in each.
 SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
@@ -192,7 +192,8 @@ def _settled(blocks: Phasors) -> float:
     straight, bent = misses
     variance = std[early] ** 2 + np.sum((powers[early] @ inverse) ** 2, axis=1)
     variance += (BENDS * np.abs(bent - straight)[early]) ** 2
-    unlike = 0.5 * np.mean(np.abs(bent[early]) ** 2 / variance) > UNLIKE
+    missed = 0.5 * np.abs(bent[early]) ** 2 / variance
+    unlike = np.mean(missed[: EARLY // 2]) > UNLIKE
     return float(0.5 * (time[EARLY - 1] + time[EARLY])) if unlike else 0.0
 
 
