@@ -249,6 +249,16 @@ def test_a_mode_hidden_from_its_start_on_is_not_followed_in_no_samples(monkeypat
     assert parts.velocity.size == velocity.size
 
 
+@pytest.mark.parametrize("part", [0.84, 0.88, 1.15])
+def test_a_mode_a_seventh_away_in_a_long_record_is_taken_off(part):
+    velocity = blow([(429.0, 0.001, 0.02), (429.0 * part, 0.002, 0.001)], length_s=6.0)
+    judged, found = curve(velocity, 427.0)
+    assert np.abs(np.array(judged.attrs["components_Hz"]) / (429.0 * part) - 1.0).min() < 1e-3
+    assert "mode-beating" not in judged["finding_id"].values
+    loud = found["amplitude"].values > 0.05 * found["amplitude"].values.max()
+    assert np.abs(found["loss_factor"].values[loud][3:] / 0.002 - 1.0).max() < 0.02
+
+
 def test_a_steady_line_beside_the_mode_is_taken_off():
     velocity = blow([(257.0, 0.003, 0.02)], length_s=6.0)
     time = np.arange(velocity.size) / RATE

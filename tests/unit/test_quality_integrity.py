@@ -239,6 +239,12 @@ def test_hum_near_the_mode_is_taken_off(line):
     assert np.std(left) < 0.2 * np.std(hum)
 
 
+def test_hum_that_is_taken_off_does_not_beat():
+    clean = decay(frequency_Hz=270.0, second=0.0, noise_db=60)
+    hum = 0.01 * START * np.cos(2 * np.pi * 300.0 * time_of(clean) + 0.4)
+    assert ids(judged(clean + hum, 270.0)) == {"mains-hum"}
+
+
 def test_no_hum_where_the_mode_itself_lies_on_a_line():
     for frequency in (100.0, 250.0):
         velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))

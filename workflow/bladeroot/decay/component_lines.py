@@ -17,9 +17,10 @@ HIGHEST = 0.48
 # Lines of a spectrum that share a median.
 CHUNK = 64
 # Lines nearer to the mode than this part of its frequency are left to it, unless a known one is
-# nearer and a segment tells them apart by so many lines of its spectrum; nearer to one another than
-# that part, or that part of the distance from the mode to the nearest, are one.
-APART, TOLD, SAME, SAME_NEAR = 0.17, 8.0, 0.1, 0.3
+# nearer, or its envelope reaches less far by that factor, and a segment tells them apart by so many
+# lines of its spectrum; nearer to one another than that part, or that part of the distance from the
+# mode to the nearest, are one.
+APART, REACHES, TOLD, SAME, SAME_NEAR = 0.17, 1.25, 8.0, 0.1, 0.3
 # Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
 # that is its skirt, where it is chirping.
 SKIRT, FAINT = 0.35, 0.03
@@ -96,7 +97,8 @@ def _peaks(
     # within the resolution of a segment what leaks from the mode looks like a line
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
-    peak &= np.abs(frequency - own_Hz) > max(min(APART * own_Hz, nearest), TOLD * width)
+    left = min(APART * own_Hz, nearest, REACHES * 0.5 * sampling_Hz / found.spacing)
+    peak &= np.abs(frequency - own_Hz) > max(left, TOLD * width)
     near = slice(part.start // found.spacing, max(part.stop // found.spacing, 1))
     others = range(1, found.lines_Hz.size)
     loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[near]) ** 2))) for k in others]

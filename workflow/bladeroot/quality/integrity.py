@@ -172,6 +172,8 @@ def examine(seen: Examined, freed: Examined | None = None) -> list[tuple[str, Fi
         finding = module.find(seen if hasattr(module, "MIXED") else freed)
         if finding is not None:
             found.append((finding.name or name, finding))
+            if finding.counts and finding.excess is not None:  # what is taken off beats no more
+                freed = replace(freed, velocity=freed.velocity - finding.excess)
     return found
 
 
