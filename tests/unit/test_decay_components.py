@@ -259,6 +259,14 @@ def test_a_mode_a_seventh_away_in_a_long_record_is_taken_off(part):
     assert np.abs(found["loss_factor"].values[loud][3:] / 0.002 - 1.0).max() < 0.02
 
 
+@pytest.mark.parametrize(("other_Hz", "told"), [(408.0, True), (460.0, False)])
+def test_a_mode_of_the_sheet_that_the_record_does_not_tell_apart_is_said(other_Hz, told):
+    velocity = blow([(400.0, 0.004, 0.02)], length_s=2.0)
+    judged, _ = curve(velocity, 399.0, (other_Hz,))
+    assert ("close-mode" in judged["finding_id"].values) == told
+    assert judged.attrs["verdict"] == "usable"
+
+
 def test_a_steady_line_beside_the_mode_is_taken_off():
     velocity = blow([(257.0, 0.003, 0.02)], length_s=6.0)
     time = np.arange(velocity.size) / RATE

@@ -53,9 +53,16 @@ ABOVE_FLOOR, DEEP, FALLING, LONGER, LIFE_CYCLES = 2.0, 30.0, 0.85, (1.1, 4), 16.
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
+# A mode of the sheet is not told apart that no line shows and that lies within so many half-power
+# bandwidths of the mode.
+OVERLAP = 3.0
 CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
     "the other is taken off; the sheet had better name both"
+)
+NOT_APART = (
+    "the mode near {:.5g} Hz lies within {:.2g} half-power bandwidths of this one, and the record "
+    "does not tell them apart: frequency and damping may be of both"
 )
 # A course falls by no more than this (of ln A) below its top: what is lower is noise. Its slope is
 # a mean over so many intervals on either side.
@@ -171,6 +178,9 @@ def separated(
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
     near += veiled_harmonics(found, sampling_Hz, near)
+    remarks = [
+        ("close-mode", NOT_APART.format(*one)) for one in _hidden(found, sampling_Hz, modes_Hz)
+    ]
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)
@@ -181,7 +191,7 @@ def separated(
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1
         return separated(*again)
     if lone:
-        return Separated(velocity, first, [], *np.zeros((2, 0)))
+        return Separated(velocity, first, [], *np.zeros((2, 0)), tuple(remarks))
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, base_Hz, course)
@@ -202,7 +212,7 @@ def separated(
     taken_Hz = [float(lines[1 + k]) for k in loud] + [
         one.frequency_Hz for one in near if one.wave.any()
     ]
-    remarks = [(one.finding, one.remark) for one in near]
+    remarks += [(one.finding, one.remark) for one in near]
     if close:
         remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
     return Separated(left, first, taken_Hz, time, doubt, tuple(remarks), (found, single))
@@ -228,6 +238,21 @@ def _without(
     left = velocity.copy()
     left[first : first + one.wave.size] -= one.wave
     return left
+
+
+def _hidden(
+    found: Envelopes, sampling_Hz: float, modes_Hz: tuple[float, ...]
+) -> list[tuple[float, float]]:
+    """Frequencies (Hz) of other modes that no line shows, and how many bandwidths away they lie."""
+    size = np.abs(found.envelope(0))
+    size = size[int(np.argmax(size)) :]
+    low = np.flatnonzero(size < size[0] / np.e)
+    last = int(low[0]) if low.size else size.size - 1
+    fall = np.log(size[0] / max(size[last], 1e-300)) if last else 0.0
+    width = fall * sampling_Hz / (np.pi * max(last, 1) * found.spacing)
+    other = [one for one in modes_Hz if (np.abs(found.lines_Hz[1:] / one - 1.0) > ABOUT).all()]
+    away = [(one, abs(one - found.lines_Hz[0]) / max(width, 1e-300)) for one in other]
+    return [one for one in away if one[1] < OVERLAP]
 
 
 def _lasting(found: Envelopes) -> int:

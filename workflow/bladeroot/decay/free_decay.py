@@ -60,7 +60,8 @@ def free_decay(
         if struck:
             sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
             decay = window(sooner, clear)
-        return _with_widening(judge(decay, motion, *asked, None, _remarks(seen, decay)), parts)
+        remarks = _remarks(seen, decay) + parts.remarks
+        return _with_widening(judge(decay, motion, *asked, None, remarks), parts)
     freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
