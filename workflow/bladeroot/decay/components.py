@@ -333,6 +333,7 @@ def _followed(
     spacing = max(KNOTS / nearest, FEWEST_CYCLES / own_Hz)
     spacing = min(spacing, 0.5 / max(base_Hz, 1e-9))
     spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, FEWEST_SAMPLES))
+    spacing = min(spacing, velocity.size // 2)  # a course has two intervals at least
     return demodulated(velocity, sampling_Hz, lines, spacing, base_Hz)
 
 
