@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bladeroot.decay.beside import Beside
+from bladeroot.decay.component_lines import meant
 from bladeroot.decay.components import onset, separated
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
@@ -121,6 +122,22 @@ def test_a_close_mode_that_dies_before_it_beats_is_taken_off(close_Hz, size):
     off = np.abs(found["frequency"].values - 80.0)
     assert (off < np.maximum(3.0 * found["frequency_std"].values, 0.01)).all()
     assert off[found["time"].values < 0.3].max() < 0.1
+
+
+@pytest.mark.parametrize("part", [0.001, 0.002, 0.005, 0.02])
+def test_a_far_weaker_mode_that_lasts_is_not_the_one_that_is_meant(part):
+    """The loud mode is where it is expected; the other one, as close as a sheet errs, is not."""
+    velocity = blow([(840.0, 1.6e-4, 0.02), (871.5, 8e-5, 0.02 * part)], length_s=6.0)
+    _, found = curve(velocity, 840.0)
+    assert np.abs(found["frequency"].values / 840.0 - 1.0).max() < 1e-3
+    assert found["amplitude"][0] == pytest.approx(0.02 / (2 * np.pi * 840.0), rel=0.1)
+
+
+def test_a_mode_of_the_sheet_far_from_both_lines_does_not_choose_between_them():
+    lines = np.array([1192.0, 810.0, 1125.0])
+    assert meant(lines, -1, 1132.0, (810.0,))[0] == 1125.0
+    assert meant(lines, -1, 1132.0, ())[0] == 1125.0
+    assert meant(lines, -1, 1185.0, (1120.0,))[0] == 1192.0
 
 
 def test_a_decay_begins_where_its_first_cycles_are_like_the_later_ones():

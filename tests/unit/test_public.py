@@ -32,6 +32,21 @@ def test_samples_that_were_cut_towards_zero_are_made_good_and_it_is_said():
     assert np.median(cut.curves["loss_factor"]) == pytest.approx(LOSS, rel=0.02)
 
 
+def test_masked_samples_are_no_samples():
+    masked = np.ma.masked_array(samples(), np.arange(int(3.0 * RATE)) // 50 == 60)
+    with pytest.raises(ValueError, match="finite numbers, got nan at sample 3001 and 50 in all"):
+        br.ringdown(masked, mode_Hz=210.0, sampling_Hz=RATE)
+
+
+def test_each_finding_is_told_once_and_by_itself():
+    v = samples()
+    v += 1e-3 * np.cos(2 * np.pi * 50.0 * np.arange(v.size) / RATE)
+    v[5000] = 0.05
+    decay = br.ringdown(v, mode_Hz=210.0, sampling_Hz=RATE)
+    assert len(decay.findings) == len(set(decay.findings)) >= 2
+    assert sum("wrong sample" in one for one in decay.findings) == 1
+
+
 def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path):
     v = samples()
     time = np.arange(v.size) / RATE
@@ -66,6 +81,14 @@ def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():
     ("given", "told"),
     [
         ({"mode_Hz": -1.0, "sampling_Hz": RATE}, "mode_Hz must be positive"),
+        ({"mode_Hz": None, "sampling_Hz": RATE}, "mode_Hz must be positive, in Hz, got None"),
+        ({"mode_Hz": 210.0, "sampling_Hz": "fast"}, "sampling_Hz must be positive"),
+        (
+            {"mode_Hz": 210.0, "sampling_Hz": RATE, "other_modes_Hz": [300.0, np.nan]},
+            "other_modes_Hz must be positive",
+        ),
+        ({"mode_Hz": 210.0, "sampling_Hz": RATE, "quantity": "strain"}, "one of velocity, disp"),
+        ({"mode_Hz": 210.0, "sampling_Hz": RATE, "damping": "none"}, "damping must be hyst"),
         ({"mode_Hz": 200.0}, "needs sampling_Hz"),
         ({"mode_Hz": 200.0, "sampling_Hz": RATE, "unit": "V"}, "needs a sensitivity"),
     ],

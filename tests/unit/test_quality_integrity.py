@@ -245,6 +245,14 @@ def test_hum_that_is_taken_off_does_not_beat():
     assert ids(judged(clean + hum, 270.0)) == {"mains-hum"}
 
 
+def test_a_decay_that_was_cut_from_a_bridged_dropout_is_rejected():
+    velocity = decay()
+    found = cut(velocity, RATE, 250.0)
+    judged_as = judge(found, np.zeros_like(velocity), 250.0)
+    assert "nothing but zeros from" in judged_as.attrs["reason"]
+    assert judged_as.attrs["verdict"] == "rejected"
+
+
 def test_no_hum_where_the_mode_itself_lies_on_a_line():
     for frequency in (100.0, 250.0):
         velocity = decay(frequency_Hz=frequency, softening=0.002, eta=(0.003, 0.003))

@@ -99,7 +99,8 @@ def _peaks(
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
     left = min(APART * own_Hz, nearest, REACHES * 0.5 * sampling_Hz / found.spacing)
     peak &= np.abs(frequency - own_Hz) > max(left, TOLD * width)
-    near = slice(part.start // found.spacing, max(part.stop // found.spacing, 1))
+    first = min(part.start // found.spacing, found.samples // found.spacing - 1)
+    near = slice(first, max(part.stop // found.spacing, first + 1))
     others = range(1, found.lines_Hz.size)
     loud = [float(np.sqrt(np.mean(np.abs(found.envelope(k)[near]) ** 2))) for k in others]
     made = []
@@ -194,10 +195,15 @@ def meant(
 ) -> Float[ndarray, " line"]:
     """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
 
-    The one nearer to where it is expected, where other modes near by are left the other; where
-    nobody knows of one, the louder, unless that is further off than a sheet may be.
+    The one nearer to where it is expected, where the other is left to another mode of the sheet;
+    where neither is one's, the louder, unless that is further off than a sheet may be.
     """
-    near = [one for one in modes_Hz if 0.0 < abs(one - expected_Hz) < CLOSE * expected_Hz]
+    both, close_Hz = lines[[0, close]], CLOSE * expected_Hz
+    near = [
+        one
+        for one in modes_Hz
+        if 0.0 < abs(one - expected_Hz) < close_Hz and np.abs(np.log(both / one)).min() < ABOUT
+    ]
     if not near and abs(np.log(lines[0] / expected_Hz)) < ABOUT:
         return lines
 

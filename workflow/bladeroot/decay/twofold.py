@@ -20,6 +20,9 @@ SEGMENTS, ALIVE = (12, 18, 27, 40), 0.02
 # over an interval (what is shorter is a transient), and one differs from the other by that many
 # turns over the segment (less is a bend of the mode's own).
 CLEAR, LIVES, TURNS = 5.0, 0.5, 0.4
+# The mode that is meant has more of the energy, weighed by how far it lies from where the sheet has
+# it, which has that standard deviation.
+SHEET = 0.02
 # Part of what is taken off that is left as a standard error: its own laws are not known.
 DOUBT = 0.5
 REMARK = (
@@ -52,7 +55,8 @@ def twofold(
     pole, size = pair
     step_s = found.spacing / sampling_Hz
     line = found.lines_Hz[0] + np.angle(pole) / (2.0 * np.pi * step_s)
-    order = np.argsort(-np.abs(pole))  # what lasts goes on as the mode
+    energy = np.abs(size) ** 2 / np.maximum(1.0 - np.abs(pole) ** 2, 1e-3)
+    order = np.argsort(-energy * np.exp(-0.5 * (np.log(line / expected_Hz) / SHEET) ** 2))
     own_Hz = meant(line[order], -1, expected_Hz, modes_Hz)[0]
     k = int(line[0] == own_Hz)  # the other
     now = np.arange(found.samples) - 0.5 * (found.spacing - 1)

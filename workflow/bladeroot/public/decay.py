@@ -48,7 +48,7 @@ class Ringdown:
     @property
     def findings(self) -> tuple[str, ...]:
         """What was found wrong in the record, a line each."""
-        return tuple(line for line in str(self.free_decay.attrs["findings"]).split("\n") if line)
+        return tuple(dict.fromkeys(map(str, self.free_decay["finding_text"].values)))
 
     def plot(self):
         """Frequency and loss factor over amplitude with their standard errors; a Figure."""
@@ -119,8 +119,13 @@ def ringdown(
     >>> round(decay.stick_frequency[0], 2)
     200.0
     """
-    if not (np.isfinite(mode_Hz) and mode_Hz > 0.0):
-        raise ValueError(f"mode_Hz must be positive, got {mode_Hz}")
+    mode_Hz = _hertz("mode_Hz", mode_Hz)
+    other_modes_Hz = [_hertz("other_modes_Hz", one) for one in np.atleast_1d(other_modes_Hz)]
+    sampling_Hz = None if sampling_Hz is None else _hertz("sampling_Hz", sampling_Hz)
+    if quantity is not None and quantity not in SI:
+        raise ValueError(f"quantity must be one of {', '.join(SI)}, got {quantity!r}")
+    if damping not in ("hysteretic", "viscous"):
+        raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
     return of_recording(taken, mode_Hz, name, other_modes_Hz, damping)
@@ -145,6 +150,17 @@ def of_recording(
         "simulated": False,
     }
     return Ringdown(*analyse(taken, known, {}, {"damping": damping}))
+
+
+def _hertz(name: str, value: object) -> float:
+    """A frequency that a caller gives."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not (np.isfinite(number) and number > 0.0):
+        raise ValueError(f"{name} must be positive, in Hz, got {value!r}")
+    return number
 
 
 def starts(taken: Recording, mode_Hz: float) -> list[float]:
@@ -174,6 +190,8 @@ def _recording(
         raise ValueError("an array of samples needs sampling_Hz")
     if unit is None:
         unit = SI[quantity or "velocity"]
+    if isinstance(source, np.ma.MaskedArray):
+        source = source.astype(float).filled(np.nan)
     return recording(
         np.asarray(source), unit, "the given array", time, sampling_Hz, quantity, sensitivity
     )

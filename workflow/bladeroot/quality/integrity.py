@@ -27,6 +27,7 @@ FEWEST_CYCLES, SHORTEST = 8, 40
 LEFTOVER, CLEARLY = "leftover", 4.0
 OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
 HARD = ("mask", "drop")
+ZEROS, ENDS = "nothing but zeros from {:.4g} s to {:.4g} s", ("start_s", "end_s")
 
 
 @cache
@@ -71,10 +72,12 @@ def judge(
     found += [(name, _fact(text, "warn")) for name, text in remarks]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
+    if not decay.attrs["findings"] and not examined(decay, whole, expected_Hz).velocity.any():
+        decay = decay.assign_attrs(findings=ZEROS.format(*map(decay.attrs.get, ENDS)))
     if decay.attrs["findings"]:
         kind = "cut" if whole.size else "unreadable"
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
-        if whole.size and np.isfinite(decay.attrs["sampling_Hz"]):
+        if whole.any() and np.isfinite(decay.attrs["sampling_Hz"]):
             rate = decay.attrs["sampling_Hz"]
             seen = Examined(velocity, rate, expected_Hz, 0.0, whole)
             for name, module in checks().items():
