@@ -133,6 +133,22 @@ def test_a_far_weaker_mode_that_lasts_is_not_the_one_that_is_meant(part):
     assert found["amplitude"][0] == pytest.approx(0.02 / (2 * np.pi * 840.0), rel=0.1)
 
 
+@pytest.mark.parametrize("part", [0.001, 0.003])
+def test_a_weak_close_mode_counts_where_the_damping_is_low(part):
+    """It makes the loss factor, 3.2e-4, swing by a half and more."""
+    time = np.arange(6900) / 610.0
+    turn = 2.0 * np.pi * np.cumsum(80.0 * (1.0 - 0.005 * np.exp(-0.08 * time))) / 610.0
+    beat = part * np.exp(-0.04 * time) * np.cos(2.0 * np.pi * 83.0 * time)
+    velocity = 1e-3 * (np.exp(-0.08 * time) * np.cos(turn) + beat)
+    velocity += 2e-8 * np.random.default_rng(0).standard_normal(time.size)
+    parts = separated(velocity, 610.0, 80.0)
+    assert [name for name, _ in parts.remarks] == ["close-mode"]
+    taken = parts.time, parts.widening, parts.doubt
+    loss = freevib(parts.velocity, 610.0, 80.0, 2e-8, taken=taken)["loss_factor"].values
+    middle = slice(loss.size // 4, 3 * loss.size // 4)
+    assert np.abs(loss[middle] / 3.2e-4 - 1.0).max() < 0.02
+
+
 def test_a_mode_of_the_sheet_far_from_both_lines_does_not_choose_between_them():
     lines = np.array([1192.0, 810.0, 1125.0])
     assert meant(lines, -1, 1132.0, (810.0,))[0] == 1125.0

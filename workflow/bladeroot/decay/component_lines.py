@@ -38,9 +38,10 @@ AUDIBLE = 0.08
 CLOSE, ABOUT, HEARD, AROUND, RESOLVING = 0.3, 0.04, 0.01, 1.2, 8.0
 # A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
 # is over the median one by that factor (by the other one half a segment later, where it turns
-# alike within so many turns), and swings the logarithm by that much.
+# alike within so many turns), and makes the logarithm's change in an interval swing by that much,
+# or by that part of its mean.
 BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
-CLEAR_BEAT, AGAIN, ALIKE, SWING = 10.0, 3.0, 1.5, 0.01
+CLEAR_BEAT, AGAIN, ALIKE, SWING, SWAYED = 10.0, 3.0, 1.5, 0.015, 0.2
 # A line moves by this part of the distance to the next one at most when it is placed better.
 MOVED = 0.1
 
@@ -178,11 +179,14 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
     z = z[: weak[0]] if weak.size else z
     log = np.log(np.maximum(np.abs(z), 1e-300)) + 1j * np.unwrap(np.angle(z))
     best, line = CLEAR_BEAT, []
+    if log.size < BEATEN[0]:
+        return line
+    least = min(SWING, SWAYED * (log[0] - log[-1]).real / log.size)
     for count in BEATEN:
         if count + count // 2 > log.size:
             break
-        clear, turns = one_sided(log[:count], SWING)
-        again, then = one_sided(log[count // 2 : count // 2 + count], SWING)
+        clear, turns = one_sided(log[:count], least)
+        again, then = one_sided(log[count // 2 : count // 2 + count], least)
         # a beat goes on, a bend of the mode's own laws does not
         if clear > best and again > AGAIN and abs(turns - then) * count < ALIKE:
             best = clear

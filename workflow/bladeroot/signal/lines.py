@@ -109,8 +109,8 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
 
     A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)): lines on one side of zero
     only, which no knock, bend or law of amplitude makes. A smooth course is taken off; the line
-    makes FEWEST_TURNS turns at least, swings the logarithm by `least`, and is compared with the
-    median one. (0, 0): there is none.
+    makes FEWEST_TURNS turns at least, makes the logarithm's change in a frame swing by `least`, and
+    is compared with the median one. (0, 0): there is none.
     """
     trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE)
     taper = hann(log.size)
@@ -121,7 +121,8 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
     if not apart.any():
         return 0.0, 0.0
     k = int(np.argmax(np.where(apart, level, 0.0)))
-    if level[k] < max(least, ONE_SIDED * level[-k]):
+    change = 2.0 * np.pi * abs(turns[k]) * level[k]
+    if change < least or level[k] < ONE_SIDED * level[-k]:
         return 0.0, 0.0
     middle = float(np.median(level[apart]))
     return float(level[k]) / max(middle, 1e-300), float(turns[k])
