@@ -81,8 +81,16 @@ def test_a_record_of_noise_is_rejected_with_a_reason_and_no_exception():
     ("given", "told"),
     [
         ({"mode_Hz": -1.0, "sampling_Hz": RATE}, "mode_Hz must be positive"),
-        ({"mode_Hz": None, "sampling_Hz": RATE}, "mode_Hz must be positive, in Hz, got None"),
-        ({"mode_Hz": 210.0, "sampling_Hz": "fast"}, "sampling_Hz must be positive"),
+        pytest.param(
+            {"mode_Hz": None, "sampling_Hz": RATE},
+            "mode_Hz must be positive, in Hz, got None",
+            marks=pytest.mark.wrong_shape,
+        ),
+        pytest.param(
+            {"mode_Hz": 210.0, "sampling_Hz": "fast"},
+            "sampling_Hz must be positive",
+            marks=pytest.mark.wrong_shape,
+        ),
         (
             {"mode_Hz": 210.0, "sampling_Hz": RATE, "other_modes_Hz": [300.0, np.nan]},
             "other_modes_Hz must be positive",
