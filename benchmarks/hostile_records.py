@@ -5,8 +5,8 @@
     python benchmarks/hostile_records.py --small                # some seconds
 
 Record i has the seed SEED + i. Frequencies span four decades, 2.5 to 40 samples a cycle, 20 to
-20,000 cycles; other modes lie 1 to 50 % away, and the caller names half of them. It was drawn by
-somebody who had not read the library, and shares nothing with the other worlds.
+20,000 cycles; other modes lie 1 to 50 % away, and the caller names half of them. What is drawn was
+chosen by somebody who had not read the library; nothing is shared with the other worlds.
 """
 
 import argparse
