@@ -301,6 +301,13 @@ def test_a_mode_of_the_sheet_that_the_record_does_not_tell_apart_is_said(other_H
     assert judged.attrs["verdict"] == "usable"
 
 
+def test_a_mode_of_the_sheet_that_dies_sooner_is_told_once():
+    velocity = blow([(400.0, 0.008, 0.02), (415.0, 0.02, 0.014)], length_s=2.0)
+    judged, _ = curve(velocity, 399.0, (415.0,))
+    assert np.abs(np.array(judged.attrs["components_Hz"]) / 415.0 - 1.0).min() < 1e-3
+    assert judged["finding_id"].values.tolist().count("close-mode") == 1
+
+
 def test_a_steady_line_beside_the_mode_is_taken_off():
     velocity = blow([(257.0, 0.003, 0.02)], length_s=6.0)
     time = np.arange(velocity.size) / RATE

@@ -178,9 +178,10 @@ def separated(
         fast = [line for line in more if line >= resolved]
         lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
     near += veiled_harmonics(found, sampling_Hz, near)
-    remarks = [
-        ("close-mode", NOT_APART.format(*one)) for one in _hidden(found, sampling_Hz, modes_Hz)
-    ]
+    shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
+    other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
+    hidden = _overlapping(found, sampling_Hz, other_Hz)
+    remarks = [("close-mode", NOT_APART.format(*one)) for one in hidden]
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)
@@ -240,18 +241,17 @@ def _without(
     return left
 
 
-def _hidden(
-    found: Envelopes, sampling_Hz: float, modes_Hz: tuple[float, ...]
+def _overlapping(
+    found: Envelopes, sampling_Hz: float, modes_Hz: list[float]
 ) -> list[tuple[float, float]]:
-    """Frequencies (Hz) of other modes that no line shows, and how many bandwidths away they lie."""
+    """Of some modes (Hz) those that overlap with the one that is followed; bandwidths away."""
     size = np.abs(found.envelope(0))
     size = size[int(np.argmax(size)) :]
     low = np.flatnonzero(size < size[0] / np.e)
     last = int(low[0]) if low.size else size.size - 1
     fall = np.log(size[0] / max(size[last], 1e-300)) if last else 0.0
     width = fall * sampling_Hz / (np.pi * max(last, 1) * found.spacing)
-    other = [one for one in modes_Hz if (np.abs(found.lines_Hz[1:] / one - 1.0) > ABOUT).all()]
-    away = [(one, abs(one - found.lines_Hz[0]) / max(width, 1e-300)) for one in other]
+    away = [(one, abs(one - found.lines_Hz[0]) / max(width, 1e-300)) for one in modes_Hz]
     return [one for one in away if one[1] < OVERLAP]
 
 
