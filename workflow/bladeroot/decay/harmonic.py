@@ -2,8 +2,7 @@
 
 A sensor or a joint that is not linear makes of a mode z a small g z^2 / |z0| and g z^3 / |z0|^2.
 Where such a line lies within some per cent of the mode asked for, no spectrum of a decay shows
-both, but its phase is known: `locked` finds what of that phase makes the mode beat, `windowed` what
-no constant part of the line explains.
+both, but its phase is known (`windowed`).
 """
 
 import numpy as np
@@ -12,14 +11,13 @@ from numpy import ndarray
 
 from bladeroot.decay.beside import HIDDEN, Beside
 from bladeroot.decay.envelope_model import SHARE, Envelopes
-from bladeroot.decay.locked import ENOUGH, locked
 from bladeroot.decay.windowed import WINDOW, windowed
 from bladeroot.signal.phasors import Segment, fit_frames
 
 ORDERS = (2, 3)
-# One that cannot be told from the mode may be that part of its line; it matters from that part of
-# the mode on.
-UNKNOWN, VEIL = 0.005, 0.003
+# One that turns against the mode less often in the record is not told from it unless it is found:
+# it may be that part of its line, and matters from that part of the mode on.
+ENOUGH, UNKNOWN, VEIL = 6.0, 0.005, 0.003
 TAKEN_OFF = (
     "a harmonic, {} x {:.5g} Hz, rings beside the mode, up to {:.3g} % of it; taken off, and the "
     "curve ends where it hides the mode"
@@ -49,13 +47,12 @@ def clearest_harmonic(
     made = []
     for line, order, at_Hz in near:
         turns = abs(at_Hz - own_Hz) * found.spacing / sampling_Hz
-        h, loudest = _unit(found, line, order)
-        own = y, h[: y.size]
-        law = locked(*own, loudest, turns) or windowed(*own, turns)
+        h, _ = _unit(found, line, order)
+        law = windowed(y, h[: y.size], turns)
         made += [(law, line, order, at_Hz)] if law is not None else []
     if not made:
         return None
-    law, line, order, at_Hz = max(made, key=lambda entry: entry[0].gain)
+    law, line, order, at_Hz = max(made, key=lambda entry: entry[0].clear)
     time = np.arange(y.size) * found.spacing + 0.5 * (found.spacing - 1)
     now, carrier = np.arange(found.samples), 2j * np.pi * at_Hz / sampling_Hz
     slow = law.phasor * found.turn[: y.size, 0] * np.exp(-carrier * time)

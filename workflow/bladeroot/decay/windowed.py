@@ -15,8 +15,6 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.locked import Locked
-
 # Turns of the mode against the harmonic over the regression's step and over a window.
 STEP, WINDOW = 1.0 / 6.0, 0.7
 # Part of the mode by which a window may be wrong for the mode's own laws, least and (as on records
@@ -33,10 +31,19 @@ MISSED = 0.2
 EXPONENT = (-1.0, 0.5)
 
 
+@dataclass(frozen=True)
+class Harmonic:
+    """A harmonic against the mode's carrier, its error, and how clear it is (standard errors)."""
+
+    phasor: Complex[ndarray, " interval"]
+    error: Float[ndarray, " interval"]
+    clear: float
+
+
 def windowed(
     y: Complex[ndarray, " interval"], h: Complex[ndarray, " interval"], turns: float
-) -> Locked | None:
-    """A harmonic in the mode's phasor, None where none is clear; of its gain nothing is known.
+) -> Harmonic | None:
+    """A harmonic in the mode's phasor, None where none is clear.
 
     y: the mode with the harmonic; h: the harmonic of unit size, against the same carrier. turns: of
     the mode against it in an interval.
@@ -52,20 +59,21 @@ def windowed(
     phasor = law.part * size * np.exp(1j * np.angle(h))
     # further from the windows that see it, its law is less sure
     error = law.error * np.hypot(1.0, 0.5 * (np.log(size) - law.centre)) * np.abs(phasor)
-    return Locked(phasor, error, 0.0)
+    return Harmonic(phasor, error, law.clear)
 
 
 @dataclass(frozen=True)
 class _Law:
     """A harmonic is `part` of a line's power, to an exponent larger by `slope`; relative error.
 
-    `centre` is ln of the power where it is seen best.
+    `centre` is ln of the power where it is seen best; `clear`: standard errors of all windows.
     """
 
     part: complex
     slope: float
     centre: float
     error: float
+    clear: float
 
 
 def _law(
@@ -99,7 +107,8 @@ def _law(
     missed = np.sum(np.abs((g - part * np.exp(slope * x)) / std) ** 2)
     if missed > MISSED * np.sum(np.abs(g / std) ** 2):
         return None
-    return _Law(part, slope, (1.0 + slope) * float(centre), error)
+    clear = float(np.sqrt(weight.sum()))
+    return _Law(part, slope, (1.0 + slope) * float(centre), error, clear)
 
 
 def _regression(
