@@ -102,7 +102,8 @@ def _let_go(
     freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
     own = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
     driven = own.attrs["excitation"] == "shaker"
-    return round(own.attrs["start_s"] * sampling_Hz) if driven else 0
+    later = max(decay.attrs["start_s"], own.attrs["start_s"])
+    return round(later * sampling_Hz) if driven else 0
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:

@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray
 
 from bladeroot.quality.blocks import joined
 from bladeroot.quality.examined import Examined, Finding
@@ -23,6 +25,8 @@ STEPS, NOISES, BELOW, ONE_TOP = 1.001, 3.0, 5.0, 0.1
 LEAD, LEAST_LEAD, AS_LOUD = 30, 8.0, 0.9
 # A steadily driven wave with overtones piles up at its top too, by up to twice the threshold.
 DRIVEN = 3.0
+# What is held before it is let go stands still, over a cycle to this part of how far it is out.
+STILL = 0.3
 
 
 def find(seen: Examined) -> Finding:
@@ -34,6 +38,8 @@ def find(seen: Examined) -> Finding:
     early, later = (np.abs(x).max(initial=0.0) for x in np.split(seen.whole[first:stop], [lead]))
     least = LEAST_LEAD * seen.sampling_Hz / seen.own_Hz
     if found.counts or lead < least or early < AS_LOUD * later:
+        return found
+    if _held(seen.whole[first : seen.first], round(seen.sampling_Hz / seen.own_Hz)):
         return found
     before = _flat(replace(seen, velocity=seen.whole[first:stop], first=first, blind=()))
     before = replace(before, statistic=before.statistic / DRIVEN)
@@ -53,6 +59,14 @@ def find_in(recording: Recording, seen: Examined) -> Finding:
     stop = found.spans[-1][1]
     text = found.text.replace("masked", "masked up to there")
     return replace(found, text=text, spans=((0, stop),))
+
+
+def _held(x: Float[ndarray, " sample"], cycle: int) -> bool:
+    """Whether what goes before the decay stands still at its extreme for a cycle at least."""
+    cycles = x[: x.size // cycle * cycle].reshape(-1, cycle)
+    far = np.abs(cycles.mean(axis=1))
+    still = np.ptp(cycles, axis=1) < STILL * far
+    return bool((still & (far > 0.5 * np.abs(x).max())).any())
 
 
 def _flat(seen: Examined) -> Finding:
@@ -88,16 +102,17 @@ def _reaches(seen: Examined) -> tuple[float, float]:
 
 
 def _piled(seen: Examined, sign: float) -> float:
-    """Samples at one extreme over those expected."""
-    x, frames = seen.velocity, seen.frames
-    top = float(x.max() if sign > 0.0 else -x.min())
+    """Samples at one extreme over those expected of cycles of what is loudest, by their rms."""
+    x = sign * seen.velocity
+    top = float(x.max())
     if top <= 0.0:
         return 0.0
-    envelope = frames.amplitude * (top / frames.amplitude.max())
+    frequency, level = seen.early
+    cycle = min(max(round(seen.sampling_Hz / float(frequency[np.argmax(level)])), 2), x.size)
+    power = np.mean(x[: x.size // cycle * cycle].reshape(-1, cycle) ** 2, axis=1)
+    envelope = top * np.sqrt(power / power.max())
     ratio = 0.0
     for reach in _reaches(seen):
-        angle = np.arccos(np.clip((top - reach) / envelope, -1.0, 1.0))
-        limit = sign * (top - reach)
-        count = np.count_nonzero(x >= limit if sign > 0.0 else x <= limit)
-        ratio = max(ratio, float(count / (1.0 + frames.hop / np.pi * angle.sum())))
-    return ratio
+        share = np.arccos(np.clip((top - reach) / np.maximum(envelope, reach), -1.0, 1.0)) / np.pi
+        ratio = max(ratio, np.count_nonzero(x >= top - reach) / (1.0 + cycle * share.sum()))
+    return float(ratio)
