@@ -1,8 +1,9 @@
 """From the evidence of laws to what a record says: weights, verdict, rates, and the onset.
 
 Four kinds of law have the same prior weight: a constant, laws that bend all the way down, flat
-ones, and hinges (ln A0 and shape uniform); a constant has more where no departure shows. Phase and
-log-amplitude have shapes of their own; in half of the prior their onset is one.
+ones, and hinges (ln A0 and shape uniform). A constant has more where no departure shows, but in the
+verdict alone: what would not show is in the rates' errors. Phase and log-amplitude have shapes of
+their own; in half of the prior their onset is one.
 """
 
 from dataclasses import dataclass, replace
@@ -67,11 +68,12 @@ class Channel:
     """What one channel says, with what the other one knows of the onset.
 
     `weight` sums to one over all laws: the constant, the smooth ones and the hinges, in all their
-    doubts. `rate` and `variance` belong to them, at zero shape and at the smallest amplitude.
-    `tenable` marks those from sqrt(A) upwards that fit no worse than the best of those that bend
-    all the way down, as far as the misfit of that one excuses. `plateau` is the weight of laws
-    with a plateau long enough to be shown, `doubtful` that of the greatest doubt. `bent`: by how
-    much the misfit of the best of those that bend, taken at its word, exceeds the variances.
+    doubts, each kind as likely beforehand. `rate` and `variance` belong to them, at zero shape and
+    at the smallest amplitude. `tenable` marks those from sqrt(A) upwards that fit no worse than the
+    best of those that bend all the way down, as far as the misfit of that one excuses. `plateau` is
+    the weight of laws with a plateau long enough to be shown, `doubtful` that of the greatest
+    doubt. `bent`: by how much the misfit of the best of those that bend, taken at its word, exceeds
+    the variances.
     """
 
     weight: Float[ndarray, " law"]
@@ -145,14 +147,13 @@ def combined(
     by_channel = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
     by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in by_channel]
     channels = []
+    facts = list(zip(both, constant, still, bent, strict=True))
     for one, (smooth, hinge) in enumerate(by_channel):
         # an onset of the other channel speaks for the same one here
         other = by_onset[1 - one]
         tie = 1.0 - 0.5 * other.sum() + 0.5 * other / catalogue.prior
         weight = np.concatenate([smooth, (hinge * tie[:, None, None]).ravel()])
-        channels.append(
-            _channel(catalogue, both[one], weight / weight.sum(), constant[one], bent[one])
-        )
+        channels.append(_channel(catalogue, weight / weight.sum(), *facts[one]))
     onset, departs = _onset(catalogue, by_onset)
     return Weighed(*channels, onset, departs, catalogue.low)
 
@@ -186,12 +187,14 @@ def _weights(
 
 def _channel(
     catalogue: Catalogue,
-    found: Fits,
     weight: Float[ndarray, " law"],
+    found: Fits,
     constant: tuple[float, float],
+    still: float,
     bent: float,
 ) -> Channel:
-    """What the weights make of one channel."""
+    """What the weights make of one channel; the constant has `still` times another kind's prior."""
+    even = np.concatenate([weight[:1] / still, weight[1:]])
     rate, variance = (
         np.column_stack([np.full(2, base), values.reshape(2, -1)])
         for base, values in zip(constant, (found.rate, found.variance), strict=True)
@@ -203,7 +206,8 @@ def _channel(
     bending = np.arange(evidence.size) <= DOUBTS * len(BENDING)
     tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE * bent
     doubtful = float(weight[DOUBTS::DOUBTS].sum())
-    one = Channel(weight, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
+    even /= even.sum()
+    one = Channel(even, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
     # a flat law is a plateau when its rest at the smallest amplitude is within the error
     flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
     shown = 0.0
