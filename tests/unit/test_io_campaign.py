@@ -355,3 +355,41 @@ def test_a_stick_table_is_read_as_it_was_checked(folder):
     stick = stick_from_table(stick_table(folder / "stick.csv"))
     assert stick["force"].values.tolist() == [3580.5]
     assert stick["frequency"].values.ravel().tolist() == [520.1]
+
+
+OWN = "title: a\nload: {name: torque, unit: Nm}\nmodes:\n  B1: {expected_Hz: 60}\n"
+OWN_HEADER = "record,file,mode,load,sensor,channel,band_Hz\n"
+
+
+def own(folder, description, row="r1,r1.nc,B1,1,,,"):
+    (folder / "campaign.yaml").write_text(description)
+    (folder / "records.csv").write_text(f"{OWN_HEADER}{row}\n")
+    return load_campaign(folder)
+
+
+def test_a_mode_may_be_called_by_a_number_or_a_word_of_yaml(folder):
+    for name in ("1", "on", "no", "1.5"):
+        text = OWN.replace("B1", name)
+        if "." in name:
+            with pytest.raises(CampaignError):
+                own(folder, text, f"r1,r1.nc,{name},1,,,")
+        else:
+            made = own(folder, text, f"r1,r1.nc,{name},1,,,")
+            assert list(made.description["modes"]) == [name]
+
+
+def test_what_stands_twice_or_has_a_decimal_comma_is_told(folder):
+    with pytest.raises(CampaignError, match=r"'B1' in line 5 stands in line 4 already"):
+        own(folder, f"{OWN}  B1: {{expected_Hz: 320}}\n")
+    with pytest.raises(CampaignError, match="decimal comma"):
+        own(folder, OWN.replace("60", "60,5"))
+
+
+def test_a_sensor_has_its_channel_and_a_band_holds_its_mode(folder):
+    sensors = "sensors:\n  tip: {channel: Acc tip}\n  root: {channel: 3}\n"
+    made = own(folder, OWN + sensors, "r1,r1.nc,B1,1,tip root,,40-80")
+    assert [(one["sensor"], one["channel"]) for one in made.records] == [
+        ("tip", "Acc tip"), ("root", "3"),
+    ]  # fmt: skip
+    with pytest.raises(CampaignError, match=r"band_Hz must hold the 60 Hz of B1.*row 2"):
+        own(folder, OWN, "r1,r1.nc,B1,1,,,70-90")

@@ -40,6 +40,38 @@ def test_csv_unit_as_argument_and_separator(tmp_path):
     np.testing.assert_allclose(read(path, unit="mm/s").samples, 1e-3 * WAVE, atol=1e-11)
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "t / s,v / (mm/s)", "t/s,v / mm/s", "Zeit in s,v in mm/s", "Seconds,v (mm/s)",
+        '"Time (s)","velocity, tip (mm/s)"', "x-axis [s],1 [mm/s]",
+    ],
+)  # fmt: skip
+def test_headers_as_standards_and_instruments_write_them(tmp_path, header):
+    found = read(csv(tmp_path / "a.csv", header))
+    np.testing.assert_allclose(found.samples, 1e-3 * WAVE, atol=1e-11)
+    assert found.sampling_Hz == pytest.approx(RATE, rel=1e-6)
+
+
+def test_times_of_too_few_digits_need_the_frequency_and_agree_with_it(tmp_path):
+    rows = [[round(t, 4), v] for t, v in zip(TIME, WAVE, strict=True)]
+    path = csv(tmp_path / "a.csv", "time_s,v_mm/s", rows)
+    with pytest.raises(ValueError, match="too few digits, sampling_Hz can tell"):
+        read(path)
+    assert read(path, sampling_Hz=RATE).sampling_Hz == RATE
+    with pytest.raises(ValueError, match="too few digits"):
+        read(path, sampling_Hz=1.02 * RATE)
+    rows[200:] = [[t + 0.001, v] for t, v in rows[200:]]
+    with pytest.raises(ValueError, match="time must be uniform"):
+        read(csv(tmp_path / "gap.csv", "time_s,v_mm/s", rows), sampling_Hz=RATE)
+
+
+def test_a_channel_is_called_as_messages_list_it(tmp_path):
+    path = csv(tmp_path / "a.csv", "time_s;weg;kraft", [[t, v, v] for t, v in rows_with(0)], ";")
+    path.write_text(path.read_text().replace("kraft\n", "kraft\ns;mm;N\n", 1))
+    assert read(path, channel="weg [mm]").quantity == "displacement"
+
+
 def rows_with(k, time=None, value=None):
     rows = [[t, v] for t, v in zip(TIME, WAVE, strict=True)]
     rows[k] = [rows[k][0] if time is None else time, rows[k][1] if value is None else value]
@@ -56,9 +88,9 @@ def rows_with(k, time=None, value=None):
         ("time_s,velocity_mm", None, "is called velocity, its unit mm is one of displacement"),
         ("time_s,velocity_m", None, None),
         ("x,velocity_m/s", None, "expected a time column or a positive sampling_Hz"),
-        ("a,b", None, r"got none of 1: a, 2: b; channel in records\.csv names one"),
+        ("a,b", None, r"got none of 1: a, 2: b; channel names one"),
         ("time_s,b_m/s,c_mm/s", [(t, w, w) for t, w in zip(TIME, WAVE, strict=True)],
-         r"got several of 1: time_s, 2: b_m/s, 3: c_mm/s; channel"),
+         r"got several of 2: b_m/s, 3: c_mm/s; channel"),
         ("time_s,velocity_m/s", rows_with(7)[:20], "at least 64 samples, got 20"),
         ("time_s,velocity_m/s", [], "expected a header and rows"),
     ],

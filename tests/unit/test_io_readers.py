@@ -113,6 +113,25 @@ def test_labview_measurement_file(tmp_path, end):
         read(tmp_path / "b.lvm")
 
 
+@pytest.mark.parametrize("clock", [True, False])
+def test_labview_says_the_unit_of_each_channel(tmp_path, clock):
+    two = {"Channels\t1": "Channels\t2", "Samples\t400": "Samples\t400\t400",
+           "Label\tmm/s": "Label\tN\tmm/s", "0,0000000000000000E+0": "0,0E+0\t0,0E+0",
+           "{step}": "0,0001953125\t0,0001953125", "laser": "hammer\tlaser",
+           "Columns\tOne": "Columns\tOne" if clock else "Columns\tNo"}  # fmt: skip
+    text = LABVIEW
+    for old, new in two.items():
+        text = text.replace(old, new)
+    times = [f"{t:.6f}" if clock else "" for t in TIME]
+    text += "".join(f"{t}\t1,0\t{v:.8f}\t\n" for t, v in zip(times, WAVE, strict=True))
+    (tmp_path / "a.lvm").write_text(text.replace(".", ","))
+    found = read(tmp_path / "a.lvm")
+    np.testing.assert_allclose(found.samples, 1e-3 * WAVE, atol=1e-11)
+    assert found.sampling_Hz == RATE
+    with pytest.raises(ValueError, match="unit contradicts: 'm/s'"):
+        read(tmp_path / "a.lvm", channel="laser", unit="m/s")
+
+
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ",")])
 def test_a_table_in_quotation_marks(tmp_path, separator, decimal):
     lines = [["unit", "mm/s"], ["time_s", "laser"]]
@@ -152,7 +171,7 @@ def test_tdms_of_several_channels(tmp_path):
     np.testing.assert_allclose(read(path, channel="tip").samples, WAVE, atol=1e-12)
     np.testing.assert_allclose(read(path, channel="run/root").samples, 1e-3 * WAVE, atol=1e-12)
     np.testing.assert_allclose(read(path, channel="2").samples, WAVE, atol=1e-12)
-    told = r"got several of 1: run/hammer \[N\], 2: run/tip \[mm/s\], 3: run/root \[mm/s\];"
+    told = r"got several of 2: run/tip \[mm/s\], 3: run/root \[mm/s\];"
     with pytest.raises(ValueError, match=told):
         read(path)
     with pytest.raises(ValueError, match=r"mode contradicts: 2B in records.csv, 1B in the file"):
@@ -216,7 +235,7 @@ def test_matlab_says_what_was_found(tmp_path):
     from scipy.io import savemat
 
     savemat(tmp_path / "a.mat", {"p": WAVE, "q": FORCE, "note": "hello"})
-    with pytest.raises(ValueError, match=r"got none of 1: p, 2: q; channel in records.csv names"):
+    with pytest.raises(ValueError, match=r"got none of 1: p, 2: q; channel names"):
         read(tmp_path / "a.mat", unit="m/s")
     with pytest.raises(ValueError, match="expected a time column or a positive sampling_Hz"):
         read(tmp_path / "a.mat", unit="m/s", channel="p")

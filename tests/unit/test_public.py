@@ -8,6 +8,8 @@ import bladeroot as br
 import numpy as np
 import pytest
 import xarray as xr
+from decay_bench import RATE as SHAKEN_HZ
+from decay_bench import START, shaken
 from scipy.io import wavfile
 
 RATE, MODE, LOSS = 8192.0, 211.0, 0.004
@@ -45,6 +47,32 @@ def test_each_finding_is_told_once_and_by_itself():
     decay = br.ringdown(v, mode_Hz=210.0, sampling_Hz=RATE)
     assert len(decay.findings) == len(set(decay.findings)) >= 2
     assert sum("wrong sample" in one for one in decay.findings) == 1
+
+
+@pytest.mark.parametrize("seed", [4, 26, 29])
+def test_a_drive_ends_where_it_does_beside_modes_that_it_does_not_reach(seed):
+    v, release_s, _, _ = shaken(seed, tip=False)
+    since = np.arange(v.size) / SHAKEN_HZ - release_s
+    for f, size, decline in ((110.0, 0.03, 0.7), (390.0, 0.015, 7.4)):
+        wave = np.exp(-decline * since) * np.cos(2 * np.pi * f * since + 0.9)
+        v = v + size * START * np.where(since > 0.0, wave, 0.0)
+    known = {"sampling_Hz": SHAKEN_HZ, "other_modes_Hz": (110.0, 390.0)}
+    decay = br.ringdown(v, mode_Hz=250.0, **known).free_decay
+    assert -1.0 < (decay.attrs["start_s"] - release_s) * 250.0 < 12.0
+    parts = {"from_s": release_s - 0.1, "to_s": release_s + 1.5, "start_s": 0.3, "end_s": 1.2}
+    decay = br.ringdown(v, mode_Hz=250.0, **known, **parts).free_decay
+    assert decay.attrs["start_s"] == pytest.approx(0.3, abs=1e-3)
+    assert decay.attrs["end_s"] == pytest.approx(1.2, abs=1e-3)
+    with pytest.raises(ValueError, match="end_s must end after it begins"):
+        br.ringdown(v, mode_Hz=250.0, **known, start_s=1.0, end_s=0.5)
+
+
+def test_what_is_held_before_it_is_let_go_is_not_clipped():
+    t = np.arange(int(4.0 * RATE)) / RATE - 0.5
+    x = np.where(t > 0.0, np.exp(-2.0 * t) * np.cos(2 * np.pi * 30.0 * t), 1.0)
+    x = 1e-3 * (x + 1e-4 * np.random.default_rng(0).standard_normal(t.size))
+    decay = br.ringdown(x, mode_Hz=30.0, sampling_Hz=RATE, quantity="displacement")
+    assert decay.findings == ()
 
 
 def test_a_ring_down_from_array_file_and_data_array_is_one_and_the_same(tmp_path):

@@ -40,7 +40,7 @@ def parse_yaml(path: str | Path) -> Any:
             raise ValueError(f"expected a YAML text of {LARGEST_BYTES} bytes at most, got {size}")
         text = path.read_text(encoding="utf-8")
         _check_size(text)
-        return yaml.load(text, Loader=_LOADER)
+        return yaml.load(text, Loader=_Loader)
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror} ({path})") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -52,7 +52,22 @@ def parse_yaml(path: str | Path) -> Any:
 
 
 # libyaml's parser is ten times as fast; both are safe ones.
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+    """Keys are texts, whatever they look like (a mode may be called 1 or on), and none twice."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict:
+        """Raise ValueError for a key that stands twice."""
+        first: dict[str, int] = {}
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag == "tag:yaml.org,2002:merge":
+                continue
+            key.tag = "tag:yaml.org,2002:str"
+            if key.value in first:
+                line = key.start_mark.line + 1
+                before = first[key.value]
+                raise ValueError(f"{key.value!r} in line {line} stands in line {before} already")
+            first[key.value] = key.start_mark.line + 1
+        return super().construct_mapping(node, deep)
 
 
 def _check_size(text: str) -> None:
@@ -63,7 +78,7 @@ def _check_size(text: str) -> None:
     sizes: dict[str, int] = {}  # of what a name stands for
     open_names: list[tuple[str | None, int]] = []  # of the nodes around, with the count before them
     count = 0
-    for event in yaml.parse(text, Loader=_LOADER):
+    for event in yaml.parse(text, Loader=_Loader):
         if isinstance(event, yaml.AliasEvent):
             if any(name == event.anchor for name, _ in open_names):
                 raise ValueError(f"*{event.anchor} stands within what it refers to")
@@ -105,7 +120,7 @@ def check(document: object, schema: str, where: str) -> None:
 @cache
 def _schema(name: str) -> dict:
     text = (_SCHEMAS / f"{name}.schema.yaml").read_text(encoding="utf-8")
-    return yaml.load(text, Loader=_LOADER)
+    return yaml.load(text, Loader=_Loader)
 
 
 def _not_finite(node: object, place: str = "") -> list[str]:
@@ -129,5 +144,7 @@ def _line(fault: Any, where: str) -> str:
     message = fault.message if len(fault.message) < 200 else f"{fault.message[:200]}..."
     if fault.validator == "type" and _EXPONENT.fullmatch(str(fault.instance)):
         message = f"{fault.instance!r} is a text in YAML, a number is written as 1.0e+7"
+    if fault.validator == "additionalProperties" and re.search(r"\('\d+' was", fault.message):
+        message += "; a number with a decimal comma? it must be a point"
     expected = f"; expected: {hint}" if hint else ""
     return f"{place}: {message}{expected} ({where})"

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from bladeroot.io.campaign import load_campaign
+from bladeroot.io.campaign import Campaign, load_campaign
 
 
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 def command(campaign: Path) -> None:
-    """Check campaign.yaml, the sheet and the files that they name, a line a fault.
+    """Check campaign.yaml, the sheet and the raw files, which are all read, a line a fault.
 
     Of a file in results/ (or a campaign's folder there, which stands for its report) say whether it
     is what its inputs, settings and code would make now, and why not.
@@ -25,14 +25,25 @@ def command(campaign: Path) -> None:
         from bladeroot.public.diagnosis import structures_of  # late: arrays, for matrices alone
 
         structures_of(made)
-    for line in made.warnings:
-        click.echo(f"warning: {line}", err=True)
+    tell_warnings(made)
+    if made.records and not made.simulated:
+        from bladeroot.public.decay import faults_of_files  # late: arrays
+
+        faults = faults_of_files(made)
+        if faults:
+            raise ValueError("\n".join(faults))
     modes = ", ".join(made.description["modes"])
     rows = (
         f"{len(made.records)} records" if made.records else f"{len(made.stick)} stick frequencies"
     )
     left = f", {len(made.excluded)} excluded" if made.excluded else ""
     click.echo(f"{made.name}: {rows}{left}, modes {modes}: nothing wrong")
+
+
+def tell_warnings(made: Campaign) -> None:
+    """What is suspicious in a campaign's files and no fault, a line each."""
+    for line in made.warnings:
+        click.echo(f"warning: {line}", err=True)
 
 
 def _tell_currency(result: Path) -> None:

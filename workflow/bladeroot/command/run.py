@@ -9,6 +9,8 @@ from pathlib import Path
 
 import click
 
+from bladeroot.command.check import tell_warnings
+from bladeroot.io.campaign import load_campaign
 from bladeroot.runs import system_fault
 
 CHECKOUT = Path(__file__).resolve().parents[3]
@@ -36,6 +38,7 @@ def command(campaign: Path, jobs: int, options: tuple[str, ...]) -> None:
     snakefile = CHECKOUT / "Snakefile"
     if not snakefile.is_file():
         raise ValueError(f"the workflow is not part of the library; expected a clone's {snakefile}")
+    tell_warnings(load_campaign(campaign))
     asked = [
         sys.executable, "-m", "snakemake", f"-j{jobs}", "--snakefile", str(snakefile),
         "--workflow-profile", str(CHECKOUT / "profiles" / "default"), *options,

@@ -71,23 +71,28 @@ def cut(
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
     }  # fmt: skip
-    span, finding = (0, 0), ""
-    duration = velocity.size / sampling_Hz
-    if expected_Hz >= FASTEST * sampling_Hz:
-        finding = (
-            f"expected_Hz {expected_Hz:.6g} lies above {FASTEST} of the sampling frequency "
-            f"{sampling_Hz:.6g} Hz"
-        )
-    elif duration * expected_Hz < 2 * FEWEST_CYCLES:
-        finding = (
-            f"too short: {duration:.4g} s hold {duration * expected_Hz:.3g} cycles at "
-            f"{expected_Hz:.6g} Hz, at least {2 * FEWEST_CYCLES} are needed"
-        )
-    else:
+    span, finding = (0, 0), too_fast_or_short(velocity.size, sampling_Hz, expected_Hz)
+    if not finding:
         span, finding = _span(velocity, sampling_Hz, expected_Hz, noise, least, end, attrs, release)
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
     return _dataset(velocity, sampling_Hz, span, attrs, bins)
+
+
+def too_fast_or_short(samples: int, sampling_Hz: float, expected_Hz: float) -> str:
+    """Why so many samples cannot hold a decay of a mode, or ""."""
+    if expected_Hz >= FASTEST * sampling_Hz:
+        return (
+            f"expected_Hz {expected_Hz:.6g} lies above {FASTEST} of the sampling frequency "
+            f"{sampling_Hz:.6g} Hz"
+        )
+    duration = samples / sampling_Hz
+    if duration * expected_Hz < 2 * FEWEST_CYCLES:
+        return (
+            f"too short: {duration:.4g} s hold {duration * expected_Hz:.3g} cycles at "
+            f"{expected_Hz:.6g} Hz, at least {2 * FEWEST_CYCLES} are needed"
+        )
+    return ""
 
 
 def decay_starts(

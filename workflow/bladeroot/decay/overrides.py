@@ -23,15 +23,17 @@ def windowed(
     """A cut with the start and the end (s in the raw record) that a person gives.
 
     decay: from `bladeroot.decay.cut.cut`; a side that is not given stays, or is the record's own
-    where nothing was found. whole: the record it was cut from, m/s. What the cut found amiss is
-    then a person's to judge, unless nothing is left.
+    where nothing was found or the other side lies beyond it. whole: the record it was cut from,
+    m/s. What the cut found amiss is then a person's to judge, unless nothing is left.
     """
     rate = float(decay.attrs["sampling_Hz"])
     if (start_s is None and end_s is None) or not (np.isfinite(rate) and whole.size):
         return decay
-    known = decay.sizes["time"] > 0
-    begin = decay.attrs["start_s"] if known else 0.0
-    finish = decay.attrs["end_s"] if known else (whole.size - 1) / rate
+    begin, finish = 0.0, (whole.size - 1) / rate
+    if decay.sizes["time"]:
+        found = decay.attrs["start_s"], decay.attrs["end_s"]
+        begin = found[0] if end_s is None or found[0] < end_s else begin
+        finish = found[1] if start_s is None or start_s < found[1] else finish
     begin = begin if start_s is None else start_s
     finish = finish if end_s is None else end_s
     first = int(np.clip(np.ceil(begin * rate), 0, whole.size))

@@ -36,11 +36,16 @@ def from_file(
     A record that cannot be read or used comes back without points, rejected with a reason.
     """
     try:
-        recording = read(raw, **{name: known.get(name) for name in SAID})
-        recording = part(recording, known.get("from_s"), known.get("to_s"), str(raw))
+        recording = recorded(raw, known)
     except ValueError as error:
         return not_analysed(known, str(error), estimation)
     return analyse(recording, known, cutting, estimation)
+
+
+def recorded(raw: str | Path, known: Mapping) -> Recording:
+    """The recording of a record in a file, in SI units. ValueError, one line: it has none."""
+    whole = read(raw, **{name: known.get(name) for name in SAID})
+    return part(whole, known.get("from_s"), known.get("to_s"), str(raw))
 
 
 def analyse(

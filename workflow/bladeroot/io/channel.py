@@ -16,6 +16,8 @@ _LISTED = 12
 _DENSEST = 1100
 # Of more bytes than this, a hundred times the file are zeros that would fill the memory.
 _LARGE, _DENSE = 1 << 28, 100
+# Names that are a time's where their unit is.
+_AXES = ("x", "x-axis", "x axis", "index")
 # What a channel t is in where it is no time.
 _TEMPERATURE = ("°c", "degc", "celsius", "c", "k", "kelvin", "°f", "degf", "f")
 
@@ -53,10 +55,15 @@ class Entry:
     quantity: str | None = None
     timelike: bool = False
 
+    @property
+    def shown(self) -> str:
+        """`laser [mm/s]`, the name with its unit."""
+        unit = f" [{self.unit}]" if self.unit and f"{self.unit}" not in self.name else ""
+        return f"{self.name}{unit}"
+
     def __str__(self) -> str:
         """`2: laser [mm/s]`, as messages list it."""
-        unit = f" [{self.unit}]" if self.unit and f"{self.unit}" not in self.name else ""
-        return f"{self.number}: {self.name}{unit}"
+        return f"{self.number}: {self.shown}"
 
 
 def moving(entries: Sequence[Entry]) -> tuple[Entry, ...]:
@@ -81,7 +88,7 @@ class ChannelError(ValueError):
 def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, path: str) -> Entry:
     """The one channel that is meant.
 
-    A `channel` is a name, a name without its unit, the last part of a name with parts, or a
+    A `channel` is a name, with or without its unit, the last part of a name with parts, or a
     number. Without it: the only channel of motion (of `quantity`, if given), or the only one.
 
     Raises:
@@ -90,7 +97,7 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
     motion = [entry for entry in entries if not entry.timelike]
     if channel:
         wanted = f"channel {channel!r}"
-        fits = [entry for entry in entries if entry.name == channel]
+        fits = [entry for entry in entries if channel in (entry.name, entry.shown)]
         fits = fits or [entry for entry in motion if bare(entry.name) == channel]
         ends = (f"/{channel}", f".{channel}")
         fits = fits or [entry for entry in motion if entry.name.endswith(ends)]
@@ -107,11 +114,12 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
         return fits[0]
     if not entries:
         raise ChannelError(f"expected {wanted}, got no vector of real numbers ({path})", entries)
-    listed = ", ".join(map(str, entries[:_LISTED]))
-    more = f" and {len(entries) - _LISTED} more" if len(entries) > _LISTED else ""
+    those = fits or entries
+    listed = ", ".join(map(str, those[:_LISTED]))
+    more = f" and {len(those) - _LISTED} more" if len(those) > _LISTED else ""
     raise ChannelError(
-        f"expected {wanted}, got {'several' if fits else 'none'} of {listed}{more}; channel in "
-        f"records.csv names one ({path})",
+        f"expected {wanted}, got {'several' if fits else 'none'} of {listed}{more}; channel names "
+        f"one, by its name or number ({path})",
         entries,
     )
 
@@ -122,10 +130,13 @@ def bare(name: str) -> str:
 
 
 def split_name(name: str) -> tuple[str, str | None]:
-    """A name and its unit: velocity_m/s, velocity [m/s], velocity (m/s)."""
+    """A name and its unit: velocity_m/s, velocity [m/s], velocity (m/s), velocity / m/s, t/s."""
     match = re.fullmatch(r"([^\[(]*?)\s*[\[(]\s*(.+?)\s*[\])]", name)
     if match:
         return match[1].strip(), match[2]
+    match = re.fullmatch(r"(.+?)(?:\s+(?:/|in)\s+|/)(\S+)", name)
+    if match and (seconds(match[2]) if _is_time(match[1]) else quantity_of("", match[2])):
+        return match[1], match[2]
     base, _, tail = name.rpartition("_")
     motion = normal_unit(tail) in USUAL or ("/" in tail and quantity_of("", tail))
     known = motion or (_is_time(base) and seconds(tail))
@@ -139,6 +150,8 @@ def time_factor(name: str, unit: str | None, path: str) -> float | None:
         ValueError: a time in a unit that is not known.
     """
     base, own = split_name(name)
+    if base.strip().lower() in _AXES and seconds(unit or own or ""):
+        return seconds(unit or own)
     unit = unit or own or "s"
     if not _is_time(base) or (base.strip().lower() == "t" and unit.strip().lower() in _TEMPERATURE):
         return None
@@ -151,7 +164,7 @@ def time_factor(name: str, unit: str | None, path: str) -> float | None:
 
 
 def _is_time(base: str) -> bool:
-    return base.strip().lower() in ("time", "t", "zeit", "elapsed time", "x_value")
+    return base.strip().lower() in ("time", "t", "zeit", "elapsed time", "seconds", "x_value")
 
 
 def check_claim(count: int, width: int, path: str) -> None:

@@ -73,7 +73,7 @@ def recording(
         raise ValueError(f"the samples look as if their bytes were in the other order ({where})")
     notes = _suspicions(max(abs(low), abs(high)) * abs(factor), found, where)
     if time is not None:
-        sampling_Hz, start_s = uniform(time, raw.size, where)
+        sampling_Hz, start_s = uniform(time, raw.size, where, sampling_Hz)
     elif sampling_Hz is None or not (np.isfinite(sampling_Hz) and sampling_Hz > 0.0):
         raise ValueError(
             f"expected a time column or a positive sampling_Hz, got sampling_Hz {sampling_Hz} "

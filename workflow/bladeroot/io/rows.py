@@ -92,6 +92,7 @@ class RecordRows(Cells):
         hold = values.get("clamping") or values.get("hold") or event or record
         lines = []
         for mode in modes:
+            self._in_band(row, common["band_Hz"], mode)
             for channel, sensor in zip(channels, sensors, strict=True):
                 name = record
                 if len(modes) * len(channels) > 1:
@@ -117,9 +118,14 @@ class RecordRows(Cells):
 
     def _channels(self, values: dict, naming: dict[str, bool]) -> list[str | None]:
         """The channels that a cell names: split by ; or |, or by blanks where no channel has that
-        name as a whole.
+        name as a whole; without it, those that campaign.yaml has of the row's sensors.
         """
         cell = values.get("channel", "")
+        if not cell:
+            declared = self._declared()
+            named = values.get("sensor", "").replace(",", " ").split()
+            known = [declared.get(name, {}).get("channel") for name in named]
+            return [str(one) for one in known] if known and all(known) else [None]
         if re.search(r"[;|]", cell):
             return [part.strip() for part in re.split(r"[;|]", cell) if part.strip()]
         parts = cell.split()
@@ -185,6 +191,17 @@ class RecordRows(Cells):
         first, last = self._times(row, values, "from_s", "to_s")
         return {"from_s": first, "to_s": last, "start_s": start, "end_s": end, "band_Hz": band}
 
+    def _in_band(self, row: int, band_Hz: list[float] | None, mode: str | None) -> None:
+        """A band holds the mode that it is for."""
+        if band_Hz and mode:
+            expected_Hz = float(self.description["modes"][mode]["expected_Hz"])
+            if not band_Hz[0] < expected_Hz < band_Hz[1]:
+                self.fault(
+                    f"band_Hz must hold the {expected_Hz:g} Hz of {mode}, got {band_Hz[0]:g} to "
+                    f"{band_Hz[1]:g}",
+                    row,
+                )
+
     def _times(self, row: int, values: dict, begin: str, end: str) -> list[float | None]:
         """Two optional times, the second after the first."""
         first, last = found = [self.optional_number(row, values, name) for name in (begin, end)]
@@ -246,7 +263,8 @@ class RecordRows(Cells):
         first_row: dict[tuple, int] = {}
         for row, values in rows:
             part = values.get("from_s", ""), values.get("to_s", "")
-            place = (values["file"], values.get("channel", ""), values["mode"], *part)
+            where = values.get("channel", ""), values.get("sensor", "")
+            place = (values["file"], *where, values["mode"], *part)
             if values["file"] and place in first_row:
                 self.warn(f"file {values['file']} stands in row {first_row[place]} already", row)
             first_row.setdefault(place, row)

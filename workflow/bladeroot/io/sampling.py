@@ -10,11 +10,14 @@ from numpy import ndarray
 CHANCE = 0.125
 
 
-def uniform(time: Float[ndarray, " sample"], count: int, where: str) -> tuple[float, float]:
+def uniform(
+    time: Float[ndarray, " sample"], count: int, where: str, stated_Hz: float | None = None
+) -> tuple[float, float]:
     """Sampling frequency and first time of a uniform time column; rounded digits are tolerated.
 
     A straight line through all times, so that no single one decides; a usual frequency within
-    three standard errors of it is taken for it.
+    three standard errors of it is taken for it. Of times with too few digits to tell, a stated
+    frequency with which all of them agree to their last digit.
 
     Raises:
         ValueError: times that are not `count` finite numbers which rise in equal steps.
@@ -28,25 +31,36 @@ def uniform(time: Float[ndarray, " sample"], count: int, where: str) -> tuple[fl
             f"time must be finite, got {time[bad[0]]} at sample {bad[0] + 1} ({where})"
         )
     steps = np.diff(time)
-    back = np.flatnonzero(steps <= 0.0)
-    if back.size:
-        k = int(back[0])
-        raise ValueError(
-            f"time must rise, got {time[k + 1]:.9g} after {time[k]:.9g} at sample {k + 2} ({where})"
-        )
+    rising = steps.min() > 0.0
     index = np.arange(count) - 0.5 * (count - 1)
-    middle = time.mean()
-    step = float(index @ (time - middle)) / (count * (count**2 - 1) / 12.0)
+    middle = time.mean() if rising else 0.0
+    step = float(index @ (time - middle)) / (count * (count**2 - 1) / 12.0) if rising else 0.0
     off = time - (middle + step * index)
-    if not max(-off.min(), off.max()) <= 0.1 * step:
-        k = int(np.argmax(np.abs(steps - np.median(steps))))
-        raise ValueError(
-            f"time must be uniform, got steps of {steps.min():.9g} to {steps.max():.9g} s, the "
-            f"oddest at sample {k + 2} ({where})"
-        )
+    fault = "" if rising and np.abs(off).max() <= 0.1 * step else _fault(time, steps)
+    if fault:
+        digit = float(steps[steps > 0.0].min(initial=np.inf))
+        coarse = steps.min() >= 0.0 and steps.max() < np.median(steps) + 1.5 * digit
+        late = time - np.arange(count) / (stated_Hz or np.nan)
+        if coarse and np.ptp(late) < 1.01 * digit:
+            return stated_Hz, float(np.median(late))
+        hint = "; the times have too few digits, sampling_Hz can tell" if coarse else ""
+        raise ValueError(f"{fault}{hint} ({where})")
     error = float(np.std(off)) * np.sqrt(12.0 / count**3) / step
     rate = 1.0 / step
     return usual_rate(rate, 3.0 * error + 1e-9) or rate, float(middle + step * index[0])
+
+
+def _fault(time: Float[ndarray, " sample"], steps: Float[ndarray, " step"]) -> str:
+    """Where times do not rise, or where their steps are oddest."""
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        k = int(back[0])
+        return f"time must rise, got {time[k + 1]:.9g} after {time[k]:.9g} at sample {k + 2}"
+    k = int(np.argmax(np.abs(steps - np.median(steps))))
+    return (
+        f"time must be uniform, got steps of {steps.min():.9g} to {steps.max():.9g} s, the "
+        f"oddest at sample {k + 2}"
+    )
 
 
 def usual_rate(rate: float, tolerance: float = 1e-9) -> float | None:

@@ -67,6 +67,8 @@ def normal_unit(unit: str) -> str:
     text = re.sub(r"\bm\s?s\^-([12])\b", lambda of: "m/s" if of[1] == "1" else "(m/s^2)", text)
     text = re.sub(r"\s+per\s+", "/", text)
     text = re.sub(r"\s*([/*^])\s*", r"\1", text)
+    if text.lower() in ("volt", "volts"):
+        return "V"
     bare = text.removeprefix("(").removesuffix(")")
     return "g" if bare == "g_n" else bare if bare in USUAL else text
 

@@ -1,6 +1,6 @@
 """One ring-down, from a file or an array to its curves over amplitude and its stick frequency."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,10 +9,11 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.cut import decay_starts
-from bladeroot.decay.record import analyse
+from bladeroot.decay.cut import decay_starts, too_fast_or_short
+from bladeroot.decay.record import analyse, recorded
+from bladeroot.io.campaign import Campaign
 from bladeroot.io.read import read
-from bladeroot.io.recording import recording
+from bladeroot.io.recording import part, recording
 from bladeroot.signal.recording import SI, Recording, uncut, velocity
 from bladeroot.terms import length
 
@@ -89,9 +90,14 @@ def ringdown(
     quantity: str | None = None,
     unit: str | None = None,
     sensitivity: str | None = None,
-    channel: str | None = None,
+    channel: str | int | None = None,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
+    from_s: float | None = None,
+    to_s: float | None = None,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    band_Hz: tuple[float, float] | None = None,
 ) -> Ringdown:
     """Frequency and damping over amplitude of one mode of a ring-down.
 
@@ -103,9 +109,13 @@ def ringdown(
         quantity: velocity (of an array without a unit), displacement or acceleration.
         unit: of the samples, such as `mm/s`; by default SI, or what the file says.
         sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`.
-        channel: of a file that has several.
+        channel: of a file that has several, its name or number.
         other_modes_Hz: other modes that are known to be there.
         damping: law, `hysteretic` or `viscous`.
+        from_s, to_s: part of the source that is looked at, s after its first sample.
+        start_s, end_s: where the decay begins and ends, s after that part's first sample; by
+            default where it is found to.
+        band_Hz: nothing but this band of the decay is used.
 
     Raises:
         ValueError: what cannot be read, in one line. A record that is read and cannot be used
@@ -126,9 +136,15 @@ def ringdown(
         raise ValueError(f"quantity must be one of {', '.join(SI)}, got {quantity!r}")
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
+    for name, pair in (("to_s", (from_s, to_s)), ("end_s", (start_s, end_s)), ("band_Hz", band_Hz)):
+        if pair is not None and None not in pair and not pair[0] < pair[1]:
+            raise ValueError(f"{name} must end after it begins, got {pair[0]:g} to {pair[1]:g}")
+    channel = None if channel is None else str(channel)
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
-    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping)
+    taken = part(taken, from_s, to_s, name)
+    overruled = {"start_s": start_s, "end_s": end_s, "band_Hz": band_Hz}
+    return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, overruled)
 
 
 def of_recording(
@@ -137,8 +153,9 @@ def of_recording(
     name: str,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
+    overruled: Mapping[str, object] | None = None,
 ) -> Ringdown:
-    """The same of a recording that is already read."""
+    """The same of a recording that is already read; overruled: start_s, end_s, band_Hz."""
     known = {
         "record": name,
         "mode": f"{mode_Hz:g} Hz",
@@ -148,6 +165,7 @@ def of_recording(
         "hold": name,
         "direction": "",
         "simulated": False,
+        **(overruled or {}),
     }
     return Ringdown(*analyse(taken, known, {}, {"damping": damping}))
 
@@ -167,6 +185,24 @@ def starts(taken: Recording, mode_Hz: float) -> list[float]:
     """When each decay of a mode in a recording begins, s after its first sample."""
     motion = velocity(uncut(taken, mode_Hz), mode_Hz)
     return decay_starts(motion, taken.sampling_Hz, mode_Hz)
+
+
+def faults_of_files(campaign: Campaign) -> list[str]:
+    """Why raw files of a campaign cannot be read as its sheet says, or are too short for their
+    mode: a line a record.
+    """
+    faults = []
+    for known in campaign.records:
+        expected_Hz = float(campaign.description["modes"][known["mode"]]["expected_Hz"])
+        path = campaign.folder / known["file"]
+        try:
+            found = recorded(path, known)
+            fault = too_fast_or_short(found.samples.size, found.sampling_Hz, expected_Hz)
+            fault = fault and f"{fault} ({path})"
+        except ValueError as error:
+            fault = str(error)
+        faults += [f"{known['record']}: {fault}"] if fault else []
+    return faults
 
 
 def _recording(

@@ -33,6 +33,8 @@ _WORD = re.compile(
     r"([^;,\t]+?|[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*[;,\t]?\s*[a-z/]*)[\s;,]*",
     re.IGNORECASE,
 )
+# LabVIEW says that there are no times, and leaves their column empty.
+_HOLLOW = re.compile(r"^X_Columns\tNo\b", re.MULTILINE | re.IGNORECASE)
 # Words that say the unit of the motion, without blanks and underscores.
 _UNIT_WORDS = ("unit", "units", "einheit", "yunit", "yunits", "yunitlabel")
 # Units that channels beside motion and time have in the line below the names.
@@ -44,7 +46,7 @@ _OTHERS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa
 class _Form:
     """How the table is written: encoding, first row of numbers, separator, decimal sign, names.
 
-    quoted: whether the numbers stand in quotation marks.
+    quoted: whether the numbers stand in quotation marks. hollow: whether the first column is empty.
     """
 
     encoding: str
@@ -56,6 +58,7 @@ class _Form:
     names: tuple[str, ...]
     units: tuple[str | None, ...]
     words: dict[str, str]
+    hollow: bool = False
 
 
 def read(path: str, channel: str | None = None, quantity: str | None = None) -> Channel:
@@ -72,11 +75,13 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     form = _form(path)
     columns = list(zip(form.names, form.units, strict=True))
     factors = [time_factor(name, unit, path) for name, unit in columns]
+    if form.hollow:
+        factors[0] = None
     clock = _unnamed_clock(path, form)
     entries = [
         Entry(k + 1, name, unit or split_name(name)[1],
               timelike=factors[k] is not None or (k == 0 and clock != ""))
-        for k, (name, unit) in enumerate(columns)
+        for k, (name, unit) in enumerate(columns) if k or not form.hollow
     ]  # fmt: skip
     entry = pick(entries, channel, quantity, path)
     times = [k for k, factor in enumerate(factors) if factor is not None and k != entry.number - 1]
@@ -132,7 +137,8 @@ def _form(path: str) -> _Form:
     text = start.decode(encoding, errors="replace")
     # the last line is cut off, here or in the file, or is empty
     lines = re.split(r"\r\n|\n|\r", text)[:-1]
-    first = next((k for k, line in enumerate(lines) if _is_row(line)), None)
+    hollow = _HOLLOW.search(text) is not None
+    first = next((k for k, line in enumerate(lines) if _is_row(line, hollow)), None)
     rows = [
         [] if line.startswith(_COMMENTS) else _fields(line, separator_of(line)) for line in lines
     ]
@@ -151,7 +157,7 @@ def _form(path: str) -> _Form:
     )
     if commas:
         check_commas([_fields(line, separator) for line in lines[first:]], first, path)
-    heads = [_fields(lines[k], separator) for k in above[-2:]]
+    heads = [_names(lines[k], separator) for k in above[-2:]]
     names = heads[-1] if heads else []
     if len(fields) == 1 and names:
         names = [" ".join(names)]  # what stands above a single column is its name, blanks and all
@@ -170,7 +176,10 @@ def _form(path: str) -> _Form:
             f"({path}, row {above[-1] + 1})"
         )
     # the names of columns are no words
-    words = _words([line for k, line in enumerate(lines[:first]) if k not in used])
+    others = [line for k, line in enumerate(lines[:first]) if k not in used]
+    words = _words(others)
+    if not any(units):
+        units = _units_above(others, separator, len(fields)) or units
     return _Form(
         encoding,
         first,
@@ -181,7 +190,27 @@ def _form(path: str) -> _Form:
         tuple(names),
         tuple(units),
         words,
+        hollow,
     )
+
+
+def _names(line: str, separator: str | None) -> list[str]:
+    """Fields of a header, in which quotation marks may hold what splits fields."""
+    if not separator or '"' not in line:
+        return _fields(line, separator)
+    names = [name.strip() for name in next(csv.reader([line], delimiter=separator))]
+    while names and not names[-1]:
+        names.pop()
+    return names
+
+
+def _units_above(lines: list[str], separator: str | None, count: int) -> list[str | None]:
+    """Units of the columns but the first, a time, from a line that begins with such a word."""
+    for line in lines:
+        word, *texts = _fields(line, separator) or [""]
+        if re.sub(r"[\s_]+", "", word.lower()) in _UNIT_WORDS and len(texts) == count - 1 > 1:
+            return [None, *(text if _unit(text) else None for text in texts)]
+    return []
 
 
 def _commented(lines: list[str], separator: str | None, count: int) -> list[str]:
@@ -200,9 +229,10 @@ def _fields(line: str, separator: str | None) -> list[str]:
     return fields
 
 
-def _is_row(line: str) -> bool:
-    """Whether a line is a row of numbers; cells at its end may be empty."""
+def _is_row(line: str, hollow: bool) -> bool:
+    """Whether a line is a row of numbers; cells at its end, or the first, may be empty."""
     fields = _fields(line, separator_of(line))
+    fields = fields[1:] if hollow and len(fields) > 1 and not fields[0] else fields
     return bool(fields) and not line.startswith(_COMMENTS) and all(map(numeric, fields))
 
 
@@ -211,10 +241,14 @@ def _unit(text: str) -> bool:
 
 
 def _words(lines: list[str]) -> dict[str, str]:
-    """What the lines above the table say as `name: value` or `name = value`."""
+    """What the lines above the table say as `name: value` or `name = value`, or for each column."""
     words = {}
     for line in lines:
-        if match := _WORD.fullmatch(line.replace('"', "")):
+        line = line.replace('"', "")
+        name, *values = (field.strip() for field in re.split(r"[;\t]", line))
+        if len(set(filter(None, values))) == 1:
+            line = f"{name}: {next(filter(None, values))}"
+        if match := _WORD.fullmatch(line):
             words[match[1].strip().lower()] = match[2].strip()
     return words
 

@@ -7,7 +7,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.quality.blocks import joined
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME, Examined, Finding
+from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import SI, Recording
 from bladeroot.signal.runs import runs
@@ -25,6 +26,8 @@ STEPS, NOISES, BELOW, ONE_TOP = 1.001, 3.0, 5.0, 0.1
 LEAD, LEAST_LEAD, AS_LOUD = 30, 8.0, 0.9
 # A steadily driven wave with overtones piles up at its top too, by up to twice the threshold.
 DRIVEN = 3.0
+# A line this close to the mode is the mode's.
+OWN = 0.3
 # What is held before it is let go stands still, over a cycle to this part of how far it is out.
 STILL = 0.3
 
@@ -102,17 +105,26 @@ def _reaches(seen: Examined) -> tuple[float, float]:
 
 
 def _piled(seen: Examined, sign: float) -> float:
-    """Samples at one extreme over those expected of cycles of what is loudest, by their rms."""
+    """Samples at one extreme over those expected of the loudest line, whose envelope is known."""
     x = sign * seen.velocity
     top = float(x.max())
     if top <= 0.0:
         return 0.0
-    frequency, level = seen.early
-    cycle = min(max(round(seen.sampling_Hz / float(frequency[np.argmax(level)])), 2), x.size)
-    power = np.mean(x[: x.size // cycle * cycle].reshape(-1, cycle) ** 2, axis=1)
-    envelope = top * np.sqrt(power / power.max())
+    cycle, amplitude = _loudest(seen)
+    envelope = amplitude * (top / amplitude.max())
     ratio = 0.0
     for reach in _reaches(seen):
-        share = np.arccos(np.clip((top - reach) / np.maximum(envelope, reach), -1.0, 1.0)) / np.pi
+        share = np.arccos(np.clip((top - reach) / envelope, -1.0, 1.0)) / np.pi
         ratio = max(ratio, np.count_nonzero(x >= top - reach) / (1.0 + cycle * share.sum()))
     return float(ratio)
+
+
+def _loudest(seen: Examined) -> tuple[int, Float[ndarray, " frame"]]:
+    """Samples in a cycle of the loudest line, the mode's or another's; its amplitude, by cycles."""
+    frequency, level = seen.early
+    line = float(frequency[np.argmax(level)])
+    if abs(line / seen.own_Hz - 1.0) < OWN:
+        return seen.frames.hop, seen.frames.amplitude
+    cycle = min(max(round(seen.sampling_Hz / line), 1), seen.velocity.size)
+    width = min(max(FRAME_CYCLES, -(-LEAST_FRAME // cycle)), seen.velocity.size // cycle) * cycle
+    return cycle, np.exp(tapered(seen.velocity, seen.sampling_Hz, line, cycle, width).log.real)
