@@ -16,6 +16,8 @@ from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
+# Cycles of the mode by which two looks at its release differ at most: a frame.
+SMEARED = 3.0
 SEVERAL = (
     "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
     "make a record of each"
@@ -95,15 +97,18 @@ def _let_go(
 ) -> int:
     """The sample in which a drive ends, 0 where none is seen.
 
-    A mode that beats with others looks driven, too: what remains without them decides.
+    A mode that beats with others looks driven, too: what remains without them decides. Their
+    lines, followed from before the release on, smear it: where it lies cycles earlier than in the
+    record as it is, that is the one.
     """
     if decay.attrs["excitation"] != "shaker":
         return 0
     freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
     own = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
     driven = own.attrs["excitation"] == "shaker"
-    later = max(decay.attrs["start_s"], own.attrs["start_s"])
-    return round(later * sampling_Hz) if driven else 0
+    early = decay.attrs["start_s"] - own.attrs["start_s"] > SMEARED / expected_Hz
+    start_s = (decay if early else own).attrs["start_s"]
+    return round(start_s * sampling_Hz) if driven else 0
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:
