@@ -1,5 +1,6 @@
 """The benchmarks' truths: closed forms, independent integration, and scores of known errors."""
 
+import bench_top
 import bound
 import decays
 import numpy as np
@@ -153,3 +154,21 @@ def test_peers_get_their_best_setting():
     setting, medians = decays.best_setting(records)
     assert (setting, medians["stick"]) == ("b", 8.0)
     assert decays.best_setting([{}, {}])[1]["stick"] == np.inf
+
+
+def test_the_bench_top_s_motion_and_truth_are_those_of_its_laws():
+    rng, time = np.random.default_rng(3), np.linspace(0.0, 0.5, 4001)
+    for _ in range(6):
+        mode = bench_top.drawn_mode(rng, 40.0, 1e-6)
+        x, v, a = (
+            mode.motion(3e-6, time, 0.4, q) for q in ("displacement", "velocity", "acceleration")
+        )
+        for value, slope in ((x, v), (v, a)):
+            np.testing.assert_allclose(
+                np.gradient(value, time)[2:-2], slope[2:-2], atol=3e-4 * np.abs(slope).max()
+            )
+    plain = bench_top.Mode(lambda a: 250.0 + 0.0 * a, lambda a: 2.0 + 0.0 * a)
+    frequency, loss = plain.truth(np.array([1e-6, 1e-3]))
+    square = 250.0**2 - 2.0**2
+    np.testing.assert_allclose(frequency, np.sqrt(square) / (2.0 * np.pi))
+    np.testing.assert_allclose(loss, 2.0 * 250.0 * 2.0 / square)

@@ -291,3 +291,20 @@ def test_padding_after_a_record_is_not_a_decay():
     found = judge(cut(x, 25_600.0, 500.0), x, 500.0)
     assert found.attrs["verdict"] == "rejected"
     assert "nothing but zeros" in found.attrs["findings"]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 6, 10])
+def test_a_steady_drive_ends_where_other_modes_and_hum_hide_its_end(seed):
+    rate, own_Hz, release_s = 500.0, 93.6, 5.2
+    rng = np.random.default_rng(seed)
+    time = np.arange(int(30.0 * rate)) / rate
+    since, fall = np.maximum(time - release_s, 0.0), np.pi * own_Hz * 0.025
+    softer = np.where(since > 0.0, (1.0 - np.exp(-fall * since)) / fall, time - release_s)
+    turns = own_Hz * (time - release_s - 0.01 * softer)
+    motion = np.exp(-fall * since) * np.cos(2 * np.pi * turns)
+    for f, loss in ((26.9, 0.004), (60.2, 0.01)):
+        wave = np.exp(-np.pi * f * loss * since) * np.cos(2 * np.pi * f * since + rng.uniform(0, 6))
+        motion += 0.03 * (since > 0.0) * wave
+    motion += 2e-3 * rng.standard_normal(time.size) + 0.02 * np.sin(2 * np.pi * 50.0 * time + 0.7)
+    found = cut(2e-3 * motion, rate, own_Hz)
+    assert release_s - 0.02 < found.attrs["start_s"] < release_s + 0.1

@@ -105,7 +105,8 @@ def _let_go(
         return 0
     freed = separated(velocity, sampling_Hz, expected_Hz, modes_Hz).velocity
     own = decay if freed is velocity else cut(freed, sampling_Hz, expected_Hz)
-    driven = own.attrs["excitation"] == "shaker"
+    # what ends where the drive does is the drive
+    driven = own.attrs["excitation"] == "shaker" or own.attrs["end_s"] < decay.attrs["start_s"]
     early = decay.attrs["start_s"] - own.attrs["start_s"] > SMEARED / expected_Hz
     start_s = (decay if early else own).attrs["start_s"]
     return round(start_s * sampling_Hz) if driven else 0

@@ -36,6 +36,9 @@ DEEPEST, UPPER = 1.0, 0.3
 # A step counts from so many of its standard errors on, and is no bend where a bend that makes as
 # much would lie more than so many points away.
 STEP_ERRORS, BESIDE = 4.0, 2.0
+# Without a kink, what takes that many times as long over its first fall (ln A) as it then would is
+# driven until there.
+FLAT, SLOWER = 0.1, 3.0
 # Least error of ln A and phase that a point is given: no digitiser is better.
 BEST = 1e-5
 # Before a blow it is quiet: ln A below what follows by the first. A rise begins there and ends at
@@ -75,8 +78,9 @@ def find_release(
 
     At scales from coarse to fine, the last place is taken at which the log-phasor has a step (a
     blow, a step release, a knock of the leaving tip) or a bend (a steady or beating drive let go);
-    what comes after it is smooth. A bend is placed where two smooth sides meet, a step by the raw
-    samples: before it they are not what the smooth decay, continued backwards, says.
+    what comes after it is smooth. Where other modes hide it, a steady drive still ends. A bend is
+    placed where two smooth sides meet, a step by the raw samples: before it they are not what the
+    smooth decay, continued backwards, says.
     """
     depth = min(DEEPEST, UPPER * (level[peak] - level[trough]))
     low = _last_above(level, peak, trough, level[peak] - depth)
@@ -97,6 +101,9 @@ def find_release(
             break
         found = after
     if found is None:
+        flat = _last_above(level, peak, trough, level[peak] - FLAT)
+        if flat - peak > SLOWER * FLAT * pace + FRAME_STEPS:
+            return Release(float(seen.time[flat]), 0.5 * seen.frame_s, "shaker")
         if peak > 3 * FRAME_STEPS:
             quiet = _quiet(seen, peak)
             return Release(float(seen.time[peak]), 0.5 * seen.frame_s, _excitation(quiet))
