@@ -195,6 +195,8 @@ def main() -> None:
     sticks = collections.Counter()
     for number in range(chosen.records):
         event = drawn(chosen.seed, number)
+        if not np.isfinite(event.samples).all():
+            continue  # a law that cannot be
         curves, stick, line = judged(event, chosen.seed, number)
         counts[event.kind][curves] += 1
         sticks[stick.partition(" by")[0]] += 1
