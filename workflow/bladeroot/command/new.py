@@ -69,7 +69,9 @@ def command(folder: Path) -> None:
     found = timed or found
     if not found:
         known = ", ".join(sorted(formats()))
-        raise ValueError(f"expected raw files ending in {known} that can be read ({folder})")
+        raise ValueError(
+            f"expected raw files ending in {known} that can be read, in the folder itself ({folder})"
+        )
     modes = common([lines for one in found for lines in one.lines])
     (folder / "campaign.yaml").write_text(
         description(folder.resolve().name, modes), encoding="utf-8"

@@ -31,6 +31,7 @@ from bladeroot.variables import dataset, names
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
+_LEAST = 0.005  # of a question: what decides less of it decides nothing
 
 
 @dataclass(frozen=True)
@@ -227,9 +228,10 @@ def _row(
         at = np.array([pivot])
         rows = stiffness_law(first.fit.parameters, base, first.mechanisms, at, names, pivot)[1]
         ln_std = np.sqrt(np.diag(rows[:, 0] @ covariance @ rows[:, 0].T))
+    part = min(gained / whole, 1.0) if whole > 0.0 else np.nan
     return {
         "option": one.what,
-        "decided": min(gained / whole, 1.0) if whole > 0.0 else np.nan,
+        "decided": 0.0 if part < _LEAST else part,
         "hours": one.hours,
         "size_std": ratio,
         "expected_ln_std": ln_std,

@@ -170,8 +170,11 @@ class RecordRows(Cells):
             if name and not is_id(name):
                 self.fault(f"sensor must be {ID_RULE}, got {short(name)!r}", row)
             elif name and declared and name not in declared:
+                given = "sensor" if values.get("sensor") else "channel"
+                known = ", ".join(declared if given == "sensor" else of_channel)
                 self.fault(
-                    f"sensor must be one of {', '.join(declared)} (campaign.yaml), got {name!r}",
+                    f"{given} must be one of {known} (campaign.yaml), got "
+                    f"{values.get(given, name)!r}",
                     row,
                 )
         return named
