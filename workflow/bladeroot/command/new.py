@@ -70,7 +70,7 @@ def command(folder: Path) -> None:
     if not found:
         known = ", ".join(sorted(formats()))
         raise ValueError(
-            f"expected raw files ending in {known} that can be read, in the folder itself ({folder})"
+            f"expected readable raw files in the folder itself, ending in {known} ({folder})"
         )
     modes = common([lines for one in found for lines in one.lines])
     (folder / "campaign.yaml").write_text(

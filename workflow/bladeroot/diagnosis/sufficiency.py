@@ -22,11 +22,8 @@ def lacking(data: StickData, kind: str = "structure", contact: bool = True) -> l
     if kind == "none" and not data.ln_f.size:
         return ["records that reach a stick plateau: no frequency at small amplitude is known"]
     if kind == "none":
-        return (
-            []
-            if replicated(data)
-            else ["repeated clampings: without them their scatter is not known"]
-        )
+        phrase = "repeated clampings: without them their scatter is not known"
+        return [] if replicated(data) else [phrase]
     forces = np.unique(records.force)
     lacks = []
     if contact and np.unique(records.mode).size < guards.MODES:
