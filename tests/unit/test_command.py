@@ -122,7 +122,7 @@ def test_a_folder_without_raw_files_is_told(tmp_path):
     (tmp_path / "notes.docx").write_text("x")
     done = called("new", tmp_path)
     assert done.exit_code == 1
-    assert "expected raw files" in done.stderr
+    assert "readable raw files" in done.stderr
     assert "Traceback" not in done.stderr
 
 
