@@ -91,6 +91,12 @@ def test_several_blows_in_a_file_are_a_row_each_and_the_hammer_is_no_motion(tmp_
     assert "3 decays, from " in looked
 
 
+def test_a_line_of_the_mains_is_shown_and_is_no_mode():
+    made = yaml.safe_load(description("a", [50.02, 61.0, 99.98]))
+    assert [one["expected_Hz"] for one in made["modes"].values()] == [61.0]
+    assert description("a", [50.02]).count("FILL_IN") == 1
+
+
 def test_harmonics_of_a_line_are_shown_and_are_no_modes():
     text = description("t", [80.47, 160.94, 241.2, 297.7])
     modes = yaml.safe_load(text)["modes"]

@@ -20,6 +20,8 @@ from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 FILL = "FILL_IN"
 # Lines that are so nearly such a multiple of another (relative) are its harmonics, or look alike.
 MULTIPLES, AT_A_MULTIPLE = (2, 3, 4, 5), 0.002
+# Where the mains hum, and how near a line is theirs.
+MAINS_HZ, AT_THE_MAINS = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0), 0.001
 # What of the time between two decays goes to the second: it must begin at rest.
 BEFORE = 0.02
 # The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
@@ -121,15 +123,19 @@ def looked_at(path: Path) -> Found:
 def description(title: str, modes: Sequence[float]) -> str:
     """The text of campaign.yaml."""
     overtones = harmonics(modes)
-    named = [f for f in modes if f not in overtones]
+    mains = [f for f in modes if any(abs(f / one - 1.0) < AT_THE_MAINS for one in MAINS_HZ)]
+    overtones = {f: of for f, of in overtones.items() if f not in mains}
+    named = [f for f in modes if f not in overtones and f not in mains]
     lines = [f"  m{k}: {{expected_Hz: {f:.4g}}}" for k, f in enumerate(named, 1)]
+    lines = lines or [f"  m1: {{expected_Hz: {FILL}}}"]
+    lines += [f"  # {f:.4g} Hz is where the mains hum" for f in mains]
     lines += [f"  # {f:.4g} Hz is {n} times {base:.4g} Hz" for f, (n, base) in overtones.items()]
     listed = "\n".join(lines)
     return f"""title: {json.dumps(title)}
 # The modes that are measured, by any name. These are the lines that stand out of most spectra:
 # strike out what is no mode of the structure (suspension, mains), and name the others.
 modes:
-{listed or f"  m1: {{expected_Hz: {FILL}}}"}
+{listed}
 # What is varied between records, if anything; records.csv then needs a column `load`.
 # load: {{name: bolt torque, unit: Nm, accuracy: 0.2}}
 # What the measurement is judged against: a table (CSV) or structures; without it, a linear mode.
