@@ -1,9 +1,11 @@
 """Every mechanism of the catalogue: its statement is whole, its derivatives are right."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bladeroot.mechanisms import added_mass
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Points, Records, StickEffect
 from bladeroot.mechanisms.per_mode import modes_of, of_modes
@@ -462,3 +464,17 @@ def test_a_law_of_an_unknown_variable_is_refused():
     one = next(one for one in catalogue() if one.id == "drift")
     with pytest.raises(ValueError, match="over must be of"):
         replace(one, over=("humidity",))
+
+
+@pytest.mark.wrong_shape  # of a structure only what is asked for
+def test_a_mass_sits_on_the_display_line_wherever_its_coordinates_begin():
+    along = np.linspace(-0.2, 0.2, 9)
+    rows = np.random.default_rng(0).standard_normal((9, 3, 4))
+    made = [
+        added_mass.structure(
+            SimpleNamespace(display_x=along + begin, display=rows, beam=np.zeros((4, 4))),
+            np.array([0.02, 0.01]),
+        )[0]
+        for begin in (0.0, 0.26)
+    ]
+    np.testing.assert_allclose(made[0].mass, made[1].mass, rtol=1e-9)

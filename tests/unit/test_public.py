@@ -67,6 +67,24 @@ def test_a_drive_ends_where_it_does_beside_modes_that_it_does_not_reach(seed):
         br.ringdown(v, mode_Hz=250.0, **known, start_s=1.0, end_s=0.5)
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        ([[0, 1, 2]], [[0, 4, 5]], "paired with themselves"),
+        ([[0, 1, 2]] * 2, [[3, 4, 5]] * 2, "each pair of nodes once"),
+    ],
+)
+def test_pairs_that_are_none_are_refused(first, second, told):
+    first, second = np.array(first), np.array(second)
+    normal = np.tile([1.0, 0.0, 0.0], (len(first), 1))
+    pairs = br.ContactPairs(first, second, normal, np.ones(len(first)))
+    k, m = np.diag([3.0e6, 3.3e6, 3.6e6] * 2), 2.0 * np.eye(6)
+    with pytest.raises(ValueError, match=told):
+        br.Joint.from_matrices(k, m, pairs, {"n": 1})
+    with pytest.raises(ValueError, match="K must be real"):
+        br.Joint.from_matrices(k * 1j, m, pairs, {"n": 1})
+
+
 def test_what_is_held_before_it_is_let_go_is_not_clipped():
     t = np.arange(int(4.0 * RATE)) / RATE - 0.5
     x = np.where(t > 0.0, np.exp(-2.0 * t) * np.cos(2 * np.pi * 30.0 * t), 1.0)

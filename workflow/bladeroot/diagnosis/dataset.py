@@ -49,6 +49,7 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"] if one["shown"]),
         lacks=made.terms.say(";".join(made.lacks)),
+        not_judged=made.terms.say(made.not_judged),
         insufficient=made.terms.say(". ".join(insufficient(made, spelled))),
         insufficient_causes=";".join(found.insufficient for found in made.found),
         least_force_N=made.settings.least_force,

@@ -97,7 +97,7 @@ def diagnose(
     baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)
-    barred = _barred(candidates, data, bool(lacks), settings.splits)
+    barred = _barred(candidates, data, bool(lacks), settings.splits, simulated)
     known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
@@ -160,15 +160,25 @@ def with_lower_forces(
 
 
 def _barred(
-    candidates: Sequence[Mechanism], data: StickData, few: bool, splits: Mapping[str, tuple]
+    candidates: Sequence[Mechanism],
+    data: StickData,
+    few: bool,
+    splits: Mapping[str, tuple],
+    simulated: Simulation,
 ) -> dict[str, str]:
-    """Mechanisms that the campaign cannot speak of, and why."""
+    """Mechanisms that the campaign, or the simulation, cannot speak of, and why."""
     barred = {}
+    fixed = simulated.kind == "table" and not simulated.knows_contact
     for one in candidates:
         if one.measured_by in splits:
             continue
         if few and (one.kind == "level" or one.id in GAUGE_AND_LEVEL):
             barred[one.id] = "too few records to tell it from the scatter of clampings"
+        elif fixed and one.id in GAUGE_AND_LEVEL:
+            barred[one.id] = (
+                "the table does not say how the contact's stiffness acts (by_ln_kn, by_ln_kt), and "
+                "a wrong one looks alike"
+            )
         elif one.kind == "direction" and not replicated(data):
             barred[one.id] = "no repeated clampings to tell it from their scatter"
     return barred

@@ -10,10 +10,11 @@ _STEP = 1e-3  # m
 
 
 def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
-    """Mass (kg) at a place on the display line (m from mid-span), moving with it."""
+    """Mass (kg) at a place on the display line (m from its middle), moving with it."""
     mass, x = values
-    reach = float(np.abs(ritz.display_x).max()) - 1.01 * _STEP
-    x = float(np.clip(x, -reach, reach))
+    first, last = float(ritz.display_x.min()), float(ritz.display_x.max())
+    reach = 0.5 * (last - first) - 1.01 * _STEP
+    x = 0.5 * (first + last) + float(np.clip(x, -reach, reach))
     none = np.zeros_like(ritz.beam)
 
     def unit(place: float) -> np.ndarray:

@@ -209,6 +209,8 @@ class Joint:
 
 def _square(name: str, matrix) -> sp.csr_array:
     """A symmetric matrix of finite numbers, sparse."""
+    if np.iscomplexobj(matrix.data if sp.issparse(matrix) else np.asarray(matrix)):
+        raise ValueError(f"{name} must be real")
     made = sp.csr_array(matrix, dtype=float)
     if made.ndim != 2 or made.shape[0] != made.shape[1]:
         raise ValueError(f"{name} must be square, got shape {made.shape}")
@@ -245,6 +247,11 @@ def _contact_rows(pairs: ContactPairs, size: int) -> tuple[dict, dict]:
         raise ValueError("pairs.area must be positive")
     if max(first.max(), second.max()) >= size or min(first.min(), second.min()) < -1:
         raise ValueError(f"pairs must name rows from 0 to {size - 1}, or -1 where fixed")
+    if ((first == second) & (first >= 0)).any():
+        raise ValueError("pairs must join two nodes, got rows that are paired with themselves")
+    both = np.hstack([first, second])
+    if len(np.unique(both, axis=0)) < count:
+        raise ValueError("pairs must name each pair of nodes once")
     length = np.linalg.norm(normal, axis=1)
     if not (np.isfinite(length).all() and (length > 0.0).all()):
         raise ValueError("pairs.normal must not vanish")

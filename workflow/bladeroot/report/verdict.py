@@ -272,6 +272,8 @@ def _because(one: xr.Dataset, said: Mapping) -> list[str]:
         lines.append("No cause of the catalogue explains it.")
     if said["answer"] == "insufficient-data" and lacks_of(one):
         lines.append(f"The campaign lacks {'; '.join(lacks_of(one))}.")
+    if said["causes"] and (silent := str(one.attrs.get("not_judged", ""))):
+        lines.append(f"{silent[0].upper()}{silent[1:]}.")
     return lines
 
 
