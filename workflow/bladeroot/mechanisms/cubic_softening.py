@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.over_amplitude import of_spring
+from bladeroot.mechanisms.over_amplitude import OWN_LOSS, of_spring
 
 REFERENCE_AMPLITUDE = 1e-5  # m
 
@@ -11,8 +11,8 @@ REFERENCE_AMPLITUDE = 1e-5  # m
 def power(points: Points, values: np.ndarray) -> CurveEffect:
     """ln f falls by `fall` at 10 um, over amplitude as a power, at all forces alike."""
     x = np.log(points.amplitude / REFERENCE_AMPLITUDE)
-    course = -np.exp(values[2] * x)
-    return of_spring(points, values[:2], course, course * x)
+    course = -np.exp(values[3] * x)
+    return of_spring(points, values[:3], course, course * x)
 
 
 MECHANISM = Mechanism(
@@ -28,6 +28,7 @@ MECHANISM = Mechanism(
             "another mode over the first: the same spring by another shape", log=True,
             ratio=True,
         ),
+        OWN_LOSS,
         Parameter(
             "power", "1", 2.0, 0.4, 0.5, 6.0,
             "of the amplitude: 2 for a cubic law or a slight asymmetry, 1 for a kink, 4 beyond",
@@ -36,5 +37,5 @@ MECHANISM = Mechanism(
     ),
     splitter="loss factors at the same amplitudes, which friction raises; twice the {load}",
     curve=power,
-    starts=tuple((float(np.log(1e-4)), 0.0, float(np.log(p))) for p in (1.0, 4.0)),
+    starts=tuple((float(np.log(1e-4)), 0.0, OWN_LOSS.start, float(np.log(p))) for p in (1.0, 4.0)),
 )  # fmt: skip

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
-from bladeroot.mechanisms.over_amplitude import of_spring
+from bladeroot.mechanisms.over_amplitude import OWN_LOSS, of_spring
 
 _TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness at A = 2 gap
 _SPREAD = 0.25 * np.linspace(-2.5, 2.5, 21)  # of ln gap
@@ -12,16 +12,16 @@ _WEIGHTS = np.exp(-0.5 * (_SPREAD / 0.25) ** 2) / np.exp(-0.5 * (_SPREAD / 0.25)
 
 def cubic(points: Points, values: np.ndarray) -> CurveEffect:
     """Restoring force x + alpha x^3 (3/8 alpha A^2 of ln f); the other modes' times a ratio."""
-    return of_spring(points, values[:2], 0.375 * points.amplitude**2)
+    return of_spring(points, values[:3], 0.375 * points.amplitude**2)
 
 
 def large(points: Points, values: np.ndarray) -> CurveEffect:
     """The same where the stretch gives way at large amplitudes: A^2 / (1 + (A / bend)^2)."""
     square = points.amplitude**2
-    left = 1.0 / (1.0 + square / values[2] ** 2)
+    left = 1.0 / (1.0 + square / values[3] ** 2)
     return of_spring(
-        points, values[:2], 0.375 * square * left,
-        0.75 * square**2 * left**2 / values[2] ** 3,
+        points, values[:3], 0.375 * square * left,
+        0.75 * square**2 * left**2 / values[3] ** 3,
     )  # fmt: skip
 
 
@@ -32,15 +32,15 @@ def stop(points: Points, values: np.ndarray) -> CurveEffect:
     ratio.
     """
     other = points.mode > 0
-    gap = values[2] * np.where(other, values[3], 1.0)
+    gap = values[3] * np.where(other, values[4], 1.0)
     s = np.minimum(gap[:, None] * np.exp(_SPREAD) / points.amplitude[:, None], 1.0)
     touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _WEIGHTS
     by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _WEIGHTS
-    scale = 1.5 * values[2] ** 2 / _TWICE
+    scale = 1.5 * values[3] ** 2 / _TWICE
     return of_spring(
-        points, values[:2], scale * touching,
-        scale * (2.0 * touching + by_ln) / values[2],
-        scale * by_ln * other / values[3],
+        points, values[:3], scale * touching,
+        scale * (2.0 * touching + by_ln) / values[3],
+        scale * by_ln * other / values[4],
     )  # fmt: skip
 
 
@@ -60,6 +60,7 @@ MECHANISM = Mechanism(
             "another mode over the first: the same stretch by another shape", log=True,
             ratio=True,
         ),
+        OWN_LOSS,
     ),
     splitter="higher harmonics of the velocity; the same amplitudes at another {load}",
     curve=cubic,
@@ -77,7 +78,7 @@ MECHANISM = Mechanism(
     ),
     curve=stop,
     starts=tuple(
-        (float(np.log(3e6)), float(np.log(0.5)), float(np.log(gap)), float(np.log(0.7)))
+        (*np.log([3e6, 0.5]).tolist(), OWN_LOSS.start, *np.log([gap, 0.7]).tolist())
         for gap in (1e-6, 2e-5)
     ),
 )  # fmt: skip
