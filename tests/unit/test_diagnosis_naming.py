@@ -91,6 +91,24 @@ def test_as_a_model_of_noise_a_law_explains_nothing():
     assert named(search(loose, Known())) == set()
 
 
+def test_a_law_of_the_right_course_explains_whatever_size_its_error_allows():
+    """A crude law is fitted too large, as its error then covers more of what it misses."""
+    course = np.linspace(0.5, 1.5, SIZE)
+    bent = line("bent", course * (1.0 + 0.1 * np.cos(3.0 * np.arange(SIZE))))
+    crude = channel(200.0 * course, [bent], trust=0.1)
+    without, with_it = (fit(crude.problem(chosen, ()), np.full(len(chosen), 200.0))
+                        for chosen in ((), (bent,)))  # fmt: skip
+
+    def at(size):
+        theta = np.array([size])
+        return replace(with_it, parameters=theta, state=with_it.problem.predict(theta))
+
+    whole = explained_by_law(without, with_it)
+    assert whole > 1000.0
+    assert explained_by_law(without, at(600.0)) > 0.9 * whole
+    assert explained_by_law(without, at(-200.0)) < 0.0
+
+
 def test_a_right_law_is_not_noise_where_its_error_took_what_the_rest_explains(shapes):
     """Beside the law's error it pays to leave a free parameter near its prior; without it, not."""
     a, _, c, _ = shapes

@@ -4,7 +4,7 @@ A level is a mode at a force in one group; `bladeroot.pooling.level_curve` avera
 it keeps a free offset. The baseline has no slip, or that of the simulation that it is given.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,7 +15,7 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 
 from bladeroot.diagnosis.guards import TRUST_CURVE
-from bladeroot.diagnosis.stick_model import near, own_error_turned
+from bladeroot.diagnosis.stick_model import near, own_error_turned, rough
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
@@ -141,7 +141,7 @@ def problem(
     size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
     free = size**2 * (group[:, None] == group)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
-    kernel = law_kernel(data)
+    kernel = law_kernel(data, rough)
     prior = Prior(
         np.concatenate([np.zeros(0), *(m.start for m in mechanisms)]),
         np.concatenate([np.zeros(0), *(m.std for m in mechanisms)]),
@@ -194,12 +194,12 @@ def problem(
     return Problem(data.value, predict, covariance, prior, Prior(means, stds))
 
 
-def law_kernel(data: CurveData) -> Float[ndarray, "datum datum"]:
+def law_kernel(data: CurveData, alike: Callable = near) -> Float[ndarray, "datum datum"]:
     """Correlation of errors of a law between points: alike in amplitude, force, mode, quantity."""
     twice, quantity = data.twice, data.quantity
     same = (twice.mode[:, None] == twice.mode) & (quantity[:, None] == quantity)
     return (
-        same * near(np.log(twice.amplitude), LN_A_LENGTH) * near(np.log(twice.force), LN_F_LENGTH)
+        same * alike(np.log(twice.amplitude), LN_A_LENGTH) * near(np.log(twice.force), LN_F_LENGTH)
     )
 
 

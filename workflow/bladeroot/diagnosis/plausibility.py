@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy import ndarray
 from scipy.linalg import cho_factor, cho_solve
 
 from bladeroot.diagnosis import guards
@@ -101,22 +102,27 @@ def explained_by_law(current: Fit, fitted: Fit) -> float:
     """Nats of misfit and prior that the last cause of a fit takes away by its mean alone.
 
     The error that its own law is allowed is left out: as a mere model of noise it explains nothing.
-    What else is free is fitted again beside its mean (the model made straight), for that error has
-    had its part of what the rest can explain.
+    The mean counts at the part of its size that explains most, as its error scales it, too. What
+    else is free is fitted again beside it (the model made straight), for that error has had its
+    part of what the rest can explain.
     """
     effects = fitted.state.facts["effects"].copy()
+    own = effects[-1].copy()
     effects[-1] = 0.0
     strict = replace(fitted.state, facts={**fitted.state.facts, "effects": effects})
     covariance, _ = fitted.problem.covariance(strict, fitted.scales)
     rest = current.parameters.size
 
-    def cost(at: Fit) -> float:
+    def left(at: Fit) -> tuple[ndarray, tuple[ndarray, bool], ndarray]:
         prior = at.problem.prior
         off = at.parameters - prior.mean
         miss = at.problem.data - at.state.mean + at.state.slope[:, :rest] @ off[:rest]
         free = at.state.slope[:, :rest] * prior.std[:rest]
-        whole = cho_factor(covariance + free @ free.T)
-        own = off[rest:] / prior.std[rest:]
-        return 0.5 * float(miss @ cho_solve(whole, miss) + own @ own)
+        return miss, cho_factor(covariance + free @ free.T), off[rest:] / prior.std[rest:]
 
-    return cost(current) - cost(fitted)
+    before, whole, _ = left(current)
+    cost = before @ cho_solve(whole, before)
+    miss, whole, off = left(fitted)
+    known = cho_solve(whole, own)
+    miss = miss + own * (1.0 - np.clip(known @ (miss + own) / max(known @ own, 1e-300), 0.0, 1.0))
+    return 0.5 * float(cost - miss @ cho_solve(whole, miss) - off @ off)

@@ -299,3 +299,9 @@ def same_mode(data: StickData) -> Bool[ndarray, "record record"]:
 def near(values: Float[ndarray, " record"], length: float) -> Float[ndarray, "record record"]:
     """Correlation that falls with the distance of values, 0.6 at `length`."""
     return np.exp(-0.5 * ((values[:, None] - values) / length) ** 2)
+
+
+def rough(values: Float[ndarray, " record"], length: float) -> Float[ndarray, "record record"]:
+    """The same of what is differentiable but once, as a law with a kink is (Matern 3/2)."""
+    away = np.sqrt(3.0) * np.abs(values[:, None] - values) / length
+    return (1.0 + away) * np.exp(-away)
