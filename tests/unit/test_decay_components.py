@@ -297,7 +297,7 @@ def test_a_mode_a_seventh_away_in_a_long_record_is_taken_off(part):
 def test_a_mode_of_the_sheet_that_the_record_does_not_tell_apart_is_said(other_Hz, told):
     velocity = blow([(400.0, 0.004, 0.02)], length_s=2.0)
     judged, _ = curve(velocity, 399.0, (other_Hz,))
-    assert ("close-mode" in judged["finding_id"].values) == told
+    assert ("not-apart" in judged["finding_id"].values) == told
     assert judged.attrs["verdict"] == "usable"
 
 

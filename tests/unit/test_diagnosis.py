@@ -212,6 +212,17 @@ def test_faulty_records_are_named_beyond_false_alarms(model):
         assert len(said["records"]) == count
 
 
+@pytest.mark.parametrize("left", [56, 36])
+def test_a_mode_that_is_taken_off_is_named_and_leaves_the_curves(model, left):
+    """Of what only beats, the curves are not used."""
+    seen = campaign(model, rows=programme(cycles=1))
+    seen["findings"] = ("record", np.full(56, "close-mode", "<U12"))
+    seen["findings"][left:] = "mode-beating"
+    said = verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE))
+    assert names(said) == ["mode-beating"]
+    assert (f"{left} remain" in said["reason"]) == (left < 56)
+
+
 @pytest.mark.parametrize(("effect", "answer"), [("bump", "unexplained"), ("", "named")])
 def test_faulty_records_do_not_name_what_is_missing_besides(model, effect, answer):
     """A smooth bump in one mode stays unexplained, however many records hum."""

@@ -181,7 +181,7 @@ def separated(
     shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
     other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
     hidden = _overlapping(found, sampling_Hz, other_Hz)
-    remarks = [("close-mode", NOT_APART.format(*one)) for one in hidden]
+    remarks = [("not-apart", NOT_APART.format(*one)) for one in hidden]
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)

@@ -20,7 +20,7 @@ from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, Known, search
 from bladeroot.diagnosis.posterior import UNKNOWN
-from bladeroot.diagnosis.records import Faulty, faulty_records
+from bladeroot.diagnosis.records import Faulty, faulty_records, showing
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import parametric
 from bladeroot.diagnosis.stick_model import StickData
@@ -219,8 +219,9 @@ def _spoiled(seen: xr.Dataset, faulty: Sequence[Faulty]) -> tuple[np.ndarray, st
     skip = np.zeros(seen.sizes["record"], dtype=bool)
     names = []
     for one in faulty:
-        if one.named and one.mechanism.spoils:
-            skip |= one.records
+        spoiled = showing(seen, one.mechanism.spoils)
+        if one.named and spoiled.any():
+            skip |= spoiled
             names.append(one.mechanism.id)
     if not names:
         return skip, ""

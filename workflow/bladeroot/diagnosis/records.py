@@ -40,13 +40,11 @@ def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Fa
     Any share of the records, all as likely, stands against the rate of false alarms that the
     mechanism's prior states.
     """
-    findings = [set(text.split(";")) for text in seen["findings"].values.astype(str)]
     found = []
     for one in candidates:
         if one.channel != "record":
             continue
-        ids = set(one.finding.split(";"))
-        shown = np.array([bool(ids & own) for own in findings], dtype=bool)
+        shown = showing(seen, one.finding)
         count, total = int(shown.sum()), shown.size
         odds = -_MOST
         if count:
@@ -56,3 +54,11 @@ def faulty_records(seen: xr.Dataset, candidates: Sequence[Mechanism]) -> list[Fa
             odds = float(np.clip(-np.log(total + 1.0) - alarms - PRIOR, -_MOST, _MOST))
         found.append(Faulty(one, shown, odds))
     return found
+
+
+def showing(seen: xr.Dataset, findings: str) -> Bool[ndarray, " record"]:
+    """The records with any of some findings, whose ids are joined by semicolons."""
+    ids = set(findings.split(";")) - {""}
+    return np.array(
+        [not ids.isdisjoint(text.split(";")) for text in seen["findings"].values.astype(str)], bool
+    )

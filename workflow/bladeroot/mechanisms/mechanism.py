@@ -187,8 +187,8 @@ class Mechanism:
     starts: coordinates of the fit to begin from besides the prior's mean, a row a start.
     measured_by: the independent measurement of its first parameter, as campaigns call it. needed:
     whether it is never named by itself without that, for its siblings explain the same data.
-    finding: ids of findings, joined by semicolons. spoils: whether a record with such a finding is
-    no use for curves.
+    finding: ids of findings, joined by semicolons. spoils: those of them that leave no use for
+    curves.
     """
 
     id: str
@@ -205,7 +205,7 @@ class Mechanism:
     starts: tuple[tuple[float, ...], ...] = ()
     measured_by: str = ""
     needed: bool = False
-    spoils: bool = False
+    spoils: str = ""
     form: str = ""
     forms: tuple["Mechanism", ...] = ()
 

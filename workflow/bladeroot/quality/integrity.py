@@ -99,7 +99,9 @@ def judge(
                 # what separation leaves of other modes looks alike; the errors know of it
                 what = finding.text.partition(";")[0]
                 text = f"{what}; or what other modes leave: nothing masked"
-                if finding.statistic <= CLEARLY * finding.threshold:
+                # a close mode that is struck or let go with this one makes a step in its course
+                stepped = name != "mode-beating" and any(one == "close-mode" for one, _ in remarks)
+                if stepped or finding.statistic <= CLEARLY * finding.threshold:
                     name = LEFTOVER
                 finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
