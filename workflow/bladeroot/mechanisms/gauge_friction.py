@@ -22,10 +22,14 @@ def constant(records: Records, values: np.ndarray) -> StickEffect:
     return _effect(records, values, np.full(records.force.size, REFERENCE_FORCE))
 
 
-def from_the_top(records: Records, values: np.ndarray) -> StickEffect:
-    """In proportion, but that the lag turns over below the upper turning point."""
-    opening = hysteresis.from_the_top(hysteresis.part(records))
-    return _effect(records, values, records.force * np.where(records.sign < 0, opening, 1.0))
+def turning_over(records: Records, values: np.ndarray) -> StickEffect:
+    """In proportion; below the upper turning point it turns over as Dahl's friction does."""
+    down, width = records.sign < 0, values[1]
+    way = 1.0 - hysteresis.part(records)
+    left = 2.0 * np.exp(-way / width)
+    made = _effect(records, values, records.force * np.where(down, 1.0 - left, 1.0))
+    slope = values[0] * records.sign * records.force * np.where(down, left * way / width**2, 0.0)
+    return StickEffect(made.changes, {"force": np.column_stack([made.slopes["force"], slope])})
 
 
 def _effect(records: Records, values: np.ndarray, lag: np.ndarray) -> StickEffect:
@@ -49,5 +53,7 @@ MECHANISM = Mechanism(
     over=("sign", "force"),
     form="proportional",
 ).also("constant", stick=constant).also(
-    "closed at the upper turning point", stick=from_the_top
+    "turning over",
+    Parameter("width", "1", 0.2, 0.7, 0.01, 2.0, "part of the range of forces", log=True),
+    stick=turning_over,
 )  # fmt: skip
