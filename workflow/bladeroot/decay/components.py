@@ -214,7 +214,7 @@ def separated(
         one.frequency_Hz for one in near if one.wave.any()
     ]
     remarks += [(one.finding, one.remark) for one in near]
-    if close:
+    if close and abs(close[0] / own_Hz - 1.0) < APART:
         remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
     return Separated(left, first, taken_Hz, time, doubt, tuple(remarks), (found, single))
 

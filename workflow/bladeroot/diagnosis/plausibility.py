@@ -79,20 +79,21 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
     """Whether each cause is `guards.SIGMAS` standard deviations or more from none.
 
     By what it changes, and by its first parameter where that may be zero: at the kn and kt of the
-    fit, whose error scales the parameter and makes it no nearer to nothing.
+    fit, whose error scales the parameter and makes it no nearer to nothing; whatever the other
+    causes may be.
     """
-    first, precision = channel.base, np.linalg.inv(fitted.covariance)
+    base, first = channel.base, 0
+    causes = np.linalg.inv(np.linalg.inv(fitted.covariance)[base:, base:])
     for number, one in enumerate(chosen):
         own = slice(first, first + len(one.parameters))
         first = own.stop
-        alone = np.linalg.inv(precision[own, own])
         effect = fitted.state.facts["effects"][number]
         k = int(np.argmax(np.abs(effect)))
-        slope = fitted.state.slope[k, own]
-        if abs(effect[k]) < guards.SIGMAS * np.sqrt(slope @ alone @ slope):
+        slope = fitted.state.slope[k, base:][own]
+        if abs(effect[k]) < guards.SIGMAS * np.sqrt(slope @ causes[own, own] @ slope):
             return False
-        main = one.parameters[0]
-        near = abs(fitted.parameters[own.start]) < guards.SIGMAS * np.sqrt(alone[0, 0])
+        main, size = one.parameters[0], fitted.parameters[base + own.start]
+        near = abs(size) < guards.SIGMAS * np.sqrt(causes[own.start, own.start])
         if near and not (main.log or main.bounded):
             return False
     return True

@@ -254,11 +254,11 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         return data.kernels[tuple(over)]
     records = data.records
     kernels = {
-        "force": lambda: near(np.log(records.force), FORCE_LENGTH),
-        "time": lambda: near(records.time, TIME_LENGTH * max(records.span, 1.0)),
-        "clamping": lambda: near(records.clamping, TIME_LENGTH),
+        "force": lambda: rough(np.log(records.force), FORCE_LENGTH),
+        "time": lambda: rough(records.time, TIME_LENGTH * max(records.span, 1.0)),
+        "clamping": lambda: rough(records.clamping, TIME_LENGTH),
         "since": lambda: (
-            near(records.since, max(records.hold_span, 1.0))
+            rough(records.since, max(records.hold_span, 1.0))
             * (1.0 + (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold))
         ),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
