@@ -45,3 +45,14 @@ def test_units_and_stiff_springs_do_not_make_a_matrix_singular():
     right = np.random.default_rng(0).standard_normal(30)
     moves = factor(chain)(units @ right)
     np.testing.assert_allclose(units @ moves, np.cumsum(np.cumsum(right[::-1])[::-1] / links))
+
+
+def test_a_soft_support_does_not_spoil_the_modes():
+    """All columns of the inverse are nearly the one motion on the support, a chain's as a whole."""
+    size = 300
+    links = np.diff(np.eye(size), axis=0)
+    stiffness = sp.csr_array(links.T @ links + 1e-12 * np.eye(size))
+    values, shapes = lowest_eigenpairs(stiffness, sp.eye_array(size, format="csr"), 5)
+    exact = 4.0 * np.sin(0.5 * np.pi * np.arange(5) / size) ** 2 + 1e-12
+    np.testing.assert_allclose(values[1:], exact[1:], rtol=1e-6)
+    np.testing.assert_allclose(shapes.T @ shapes, np.eye(5), atol=1e-10)

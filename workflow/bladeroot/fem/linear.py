@@ -16,6 +16,8 @@ _BLOCK = 10  # columns of a Lanczos block
 _MOST = 12  # vectors for each mode before giving up
 _SINGULAR = 1e12  # growth of a random vector by the inverse, the diagonal scaled to 1
 _CONVERGED = 1e-9  # residual of a shape; its eigenvalue errs by the square
+_PASSES = 3  # of orthogonalisation, which serve columns of any condition
+_LOST = 1e-13  # of the largest inner product: rounding
 
 
 def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
@@ -87,15 +89,15 @@ def lowest_eigenpairs(
         return shift + 1.0 / inverse, _signed(shapes / np.sqrt(inverse))
     solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve
     block = np.random.default_rng(0).standard_normal((size, min(count, _BLOCK)))
-    product = block.T @ (mass @ block)
     basis, weighted = np.empty((size, 0)), np.empty((size, 0))
     projected = np.empty((0, 0))
-    while basis.shape[1] < min(_MOST * count + 4 * _BLOCK, size):
-        block = block @ _inverse_root(product)
-        block -= basis @ (weighted.T @ block)  # rounding has let known directions in again
-        weight = mass @ block
-        root = _inverse_root(block.T @ weight)
-        basis, weighted = np.hstack([basis, block @ root]), np.hstack([weighted, weight @ root])
+    while basis.shape[1] <= min(_MOST * count + 4 * _BLOCK, size) - block.shape[1]:
+        for _ in range(_PASSES):
+            block -= basis @ (weighted.T @ block)  # rounding lets known directions in again
+            weight = mass @ block
+            root = _inverse_root(block.T @ weight)
+            block, weight = block @ root, weight @ root
+        basis, weighted = np.hstack([basis, block]), np.hstack([weighted, weight])
         known = len(projected)
         block = solve(weighted[:, known:])
         column = weighted.T @ block
@@ -117,8 +119,13 @@ def lowest_eigenpairs(
 
 
 def _inverse_root(product: Float[ndarray, "k k"]) -> Float[ndarray, "k k"]:
-    """What makes columns with these inner products orthonormal."""
-    return np.linalg.inv(np.linalg.cholesky(product)).T
+    """What makes columns with these inner products orthonormal, but for directions of rounding.
+
+    Inner products square the columns' condition: a direction that is lost in their rounding grows
+    by a bounded factor, and the next pass sees it (shifted Cholesky QR, Fukaya et al. 2020).
+    """
+    values, vectors = np.linalg.eigh(product)
+    return vectors / np.sqrt(np.maximum(values, _LOST * values[-1]))
 
 
 def _signed(shapes: Float[ndarray, "dof mode"]) -> Float[ndarray, "dof mode"]:

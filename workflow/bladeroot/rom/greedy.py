@@ -27,6 +27,7 @@ from bladeroot.rom.joint import (
 from bladeroot.rom.ritz import Ritz, contact_factor, residual_bound, solve
 
 _TRAINING = 250
+_TRAINED = 0.5  # of the tolerance, left at training points: the bound is larger between them
 _MOST = 60  # exact solutions
 _SAME_MODE = 1e-5  # of omega^2: a basis that gives another value than its sample has swapped modes
 _COUPLED = 1e-6  # modal product of a sample and a neighbour, above which the two modes may mix
@@ -117,14 +118,14 @@ def _worst(
     tolerance: float,
     missed: Int[ndarray, " missed"],
 ) -> tuple[set[int], Int[ndarray, " above"]]:
-    """The training point where the bound is largest, if above the tolerance, and all that miss it.
+    """The training point where the bound is largest, if that is too much, and all that miss.
 
     A basis only grows: those that met the tolerance before are asked again once all others do.
     """
     for places in (missed, np.arange(len(training))):
         points = training[places]
         bound = mode.amplification * residual_bound(mode.residual, solve(mode, points), points)
-        above = places[~(bound <= tolerance)]
+        above = places[~(bound <= _TRAINED * tolerance)]
         if len(above):
             return {int(places[bound.argmax()])}, above
     return set(), places
