@@ -315,6 +315,34 @@ def test_each_interface_has_its_own_stiffness():
     assert stiff > soft
 
 
+def uneven(modes):
+    """The second mass held four times as stiffly: contact saturates the lower modes."""
+    _, M, pairs = two_masses()
+    return br.Joint.from_matrices(np.diag([1e6, 1.1e6, 1.2e6, 4e6, 4.4e6, 4.8e6]), M, pairs, modes)
+
+
+@pytest.mark.parametrize("fe_bias", [1e-3, 1e-5])
+def test_a_step_to_where_the_model_has_no_modes_is_shortened(fe_bias):
+    joint = uneven({"1": 1, "2": 2, "3": 3})
+    modes = joint.modes_at(np.log([2e6, 2e5]))
+    measured = {name: (f, 1e-4) for name, f in zip(joint.modes, modes.frequency, strict=True)}
+    found = br.fit_contact(joint, measured, fe_bias=fe_bias)
+    np.testing.assert_allclose([found.kn, found.kt], [2e6, 2e5], rtol=1e-3)
+
+
+def test_a_step_to_where_no_mode_has_the_shape_is_shortened():
+    """As contact stiffens, one mass alone becomes both against each other, a MAC of a half."""
+    ln_k = np.log([1e4, 2e4])
+    shapes = uneven({name: n for n, name in enumerate("abcdef", 1)}).modes_at(ln_k).shape
+    joint = uneven({"n": shapes[:, 3], "t": shapes[:, 4]})
+    measured = {n: (f, 1e-4) for n, f in zip("nt", joint.modes_at(ln_k).frequency, strict=True)}
+    found = br.fit_contact(joint, measured, fe_bias=1e-5, stiffness_range=(1e2, 1e10))
+    np.testing.assert_allclose([found.kn, found.kt], np.exp(ln_k), rtol=1e-2)
+    joint = uneven({"n": shapes[:, 3] + shapes[:, 4]})
+    with pytest.raises(ValueError, match="no mode agrees with the shape of n"):
+        br.fit_contact(joint, {"n": (225.0, 0.1)})
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [

@@ -18,6 +18,10 @@ _SINGULAR = 1e12  # growth of a random vector by the inverse, the diagonal scale
 _CONVERGED = 1e-9  # residual of a shape; its eigenvalue errs by the square
 _PASSES = 3  # of orthogonalisation, which serve columns of any condition
 _LOST = 1e-13  # of the largest inner product: rounding
+_INDEFINITE = (
+    "expected a positive definite stiffness of {} dofs, got one that moves against a load: a sign, "
+    "or mass and stiffness exchanged"
+)
 
 
 def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
@@ -41,10 +45,7 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
     if not np.linalg.norm(answer) < _SINGULAR * np.linalg.norm(probe):
         raise ValueError(_singular(matrix))
     if not probe @ answer > 0.0:
-        raise ValueError(
-            f"expected a positive definite stiffness of {matrix.shape[0]} dofs, got one that moves "
-            "against a load: a sign, or mass and stiffness exchanged"
-        )
+        raise ValueError(_INDEFINITE.format(matrix.shape[0]))
 
     def solve(right: ndarray) -> ndarray:
         if right.ndim == 1:
@@ -84,7 +85,10 @@ def lowest_eigenpairs(
     if size <= _SMALL * count:
         weight, dense = (p.toarray() if sp.issparse(p) else p for p in (mass, stiffness))
         # of the inverse, too: the largest stiffness would set the rounding of the lowest modes
-        inverse, shapes = scipy.linalg.eigh(weight, dense - shift * weight)
+        try:
+            inverse, shapes = scipy.linalg.eigh(weight, dense - shift * weight)
+        except np.linalg.LinAlgError:
+            raise ValueError(_INDEFINITE.format(size)) from None
         inverse, shapes = inverse[::-1][:count], shapes[:, ::-1][:, :count]
         return shift + 1.0 / inverse, _signed(shapes / np.sqrt(inverse))
     solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve

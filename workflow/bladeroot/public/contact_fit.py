@@ -120,7 +120,8 @@ def fit_contact(
     the prior decides along what the data leave open, and `ln_std` shows it.
 
     Raises:
-        ValueError: an unknown mode, an error that is not positive, a joint that is not stable.
+        ValueError: an unknown mode, an error that is not positive, a joint that is not stable, a
+            mode that is nowhere found.
 
     >>> import numpy as np, bladeroot as br
     >>> one, other = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])
@@ -144,13 +145,21 @@ def fit_contact(
     if not 0.0 < low < high:
         raise ValueError(f"stiffness_range must be 0 < low < high, got {stiffness_range}")
 
+    refused: list[ValueError] = []
+
     def modes_at(ln_k: ndarray) -> tuple[ndarray, ndarray, bool]:
-        modes = joint.modes_at(ln_k, load, names)
+        try:
+            modes = joint.modes_at(ln_k, load, names)
+        except ValueError as error:  # of a trial step: the search takes a shorter one
+            refused.append(error)
+            return np.full(len(names), np.nan), np.zeros((len(names), ln_k.size)), False
         return np.log(modes.frequency), joint.gradient(ln_k, modes), True
 
     prior = ln_range(low, high, len(joint.parameters))
     made = fit_stiffness(modes_at, np.log(value), np.hypot(std / value, bias), prior)
     found = made.fit
+    if not found.state.inside:  # at no start
+        raise refused[0]
     probability = made.probability
     if made.freedom <= 0:  # of a miss where there should be a root
         probability = float(chi2.sf(made.chi_square, 1))
