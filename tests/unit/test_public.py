@@ -261,6 +261,17 @@ def test_a_free_joint_has_no_rigid_motion_among_its_modes():
     assert joint.modes_at(np.log([4e6, 9e5])).frequency[0] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("load", [-1e-4, 1.0, 1e7])
+def test_a_load_that_stiffens_a_rigid_motion_makes_no_elastic_mode(load):
+    """Two free masses; the load holds their common motion along y alone."""
+    _, M, pairs = two_masses()
+    along = np.array([0.0, 1.0, 0.0, 0.0, 1.0, 0.0])
+    joint = br.Joint.from_matrices(np.zeros((6, 6)), M, pairs, {"1": 1}, Kg=np.outer(along, along))
+    expected = np.sqrt(2.0 * 9e5 / MASS) / (2.0 * np.pi)  # the lower of the elastic ones
+    found = joint.modes_at(np.log([4e6, 9e5]), load=load).frequency
+    assert found[0] == pytest.approx(expected, rel=1e-9)
+
+
 def fit(frequencies, modes=(0, 1), **options):
     K, M, pairs = two_masses()
     names = dict(zip(frequencies, (against(axis) for axis in modes), strict=True))

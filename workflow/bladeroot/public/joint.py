@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +24,8 @@ _SYMMETRIC = 1e-6
 _SHIFT = 1e-3
 # Where the dovetail's modes are named by parity: N/m a flank, as the source finds, and N.
 _MIDDLE_STIFFNESS, _MIDDLE_FORCE = 2e9, 12e3
-# omega^2 below this part of the highest that is looked at is a rigid motion.
-_RIGID = 1e-7
+# omega^2 below this part of the highest of so many modes without load is a rigid motion.
+_RIGID, _LOOKED_AT = 1e-7, 12
 
 
 @dataclass(frozen=True)
@@ -161,25 +162,45 @@ class Joint:
         A share k phi' Kc phi / omega^2 is what contact carries; half of it is d ln f / d ln k.
         """
         omega2 = (2.0 * np.pi * at.frequency) ** 2
-        rows = [rows for name in self.interfaces for rows in (self.gap[name], self.slip[name])]
-        share = np.array([((row @ at.shape) ** 2).sum(axis=0) for row in rows])
+        share = np.array([((row @ at.shape) ** 2).sum(axis=0) for row in self._rows])
         return 0.5 * (np.exp(ln_k)[:, None] * share / omega2).T
 
+    @cached_property
+    def _rigid(self) -> Float[ndarray, "dof motion"]:
+        """Rigid motions of free bodies, of unit modal mass.
+
+        Neither load nor contact stiffness changes them: where they are sought contact is about as
+        stiff as the bodies.
+        """
+        contact = sp.csr_array(sum(row.T @ row for row in self._rows))
+        k = abs(self.stiffness).max() / abs(contact).max()
+        values, shapes = self._lowest(self.stiffness + (k or 1.0) * contact, _LOOKED_AT)
+        return shapes[:, values < _RIGID * values[-1]]
+
+    @property
+    def _rows(self) -> list[sp.csr_array]:
+        """Gaps and slips in the order of the parameters."""
+        return [rows for name in self.interfaces for rows in (self.gap[name], self.slip[name])]
+
+    def _lowest(self, whole: sp.csr_array, count: int) -> tuple[ndarray, ndarray]:
+        """Lowest modes of a stiffness; a shift keeps the factor away from rigid motions."""
+        weight = self.mass.diagonal()
+        scale = float(np.min(whole.diagonal()[weight > 0.0] / weight[weight > 0.0]))
+        count = min(count, whole.shape[0])
+        return lowest_eigenpairs(sp.csr_array(whole), self.mass, count, shift=-_SHIFT * scale)
+
     def _elastic(self, ln_k, load, count) -> tuple[ndarray, ndarray]:
-        """Lowest elastic modes: omega^2 and shapes; rigid motions of free bodies are left out."""
+        """Lowest elastic modes: omega^2 and shapes; rigid motions of free bodies are left out.
+
+        A load may stiffen these as if they were elastic, or soften: they are known by their shapes.
+        """
         whole = self.stiffness if self.geometric is None else self.stiffness + load * self.geometric
-        rows = [rows for name in self.interfaces for rows in (self.gap[name], self.slip[name])]
-        for k, row in zip(np.exp(ln_k), rows, strict=True):
+        for k, row in zip(np.exp(ln_k), self._rows, strict=True):
             whole = whole + k * (row.T @ row)
-        size = whole.shape[0]
-        scale = float(np.min(whole.diagonal() / self.mass.diagonal()))
-        # Free bodies have six rigid motions, which the shift keeps the factor away from.
-        values, shapes = lowest_eigenpairs(
-            sp.csr_array(whole), self.mass, min(count + 6, size), shift=-_SHIFT * scale
-        )
-        if values[0] < -10.0 * _RIGID * values[-1]:
+        values, shapes = self._lowest(whole, count + self._rigid.shape[1])
+        elastic = ((self._rigid.T @ (self.mass @ shapes)) ** 2).sum(axis=0) < 0.5
+        if (values[elastic] <= 0.0).any():
             raise ValueError(f"the joint must be stable, but is not at a load of {load:g}")
-        elastic = values > _RIGID * values[-1]
         return values[elastic], shapes[:, elastic]
 
     def _column(self, name: str, shapes: ndarray, count: int) -> int:
