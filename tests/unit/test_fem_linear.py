@@ -56,3 +56,16 @@ def test_a_soft_support_does_not_spoil_the_modes():
     exact = 4.0 * np.sin(0.5 * np.pi * np.arange(5) / size) ** 2 + 1e-12
     np.testing.assert_allclose(values[1:], exact[1:], rtol=1e-6)
     np.testing.assert_allclose(shapes.T @ shapes, np.eye(5), atol=1e-10)
+
+
+def test_dofs_without_mass_follow_the_others():
+    """A held chain, every second point without mass: there it lies between its neighbours."""
+    size = 300
+    links = np.eye(size) - np.eye(size, k=-1)
+    light = np.arange(size) % 2 == 0
+    mass = sp.diags_array(np.where(light, 0.0, 1.0), format="csr")
+    values, shapes = lowest_eigenpairs(sp.csr_array(links.T @ links), mass, 4)
+    half = np.eye(size // 2) - np.eye(size // 2, k=-1)
+    np.testing.assert_allclose(values, np.linalg.eigvalsh(0.5 * half.T @ half)[:4], rtol=1e-9)
+    between = 0.5 * (shapes[1:-1:2] + shapes[3::2])
+    np.testing.assert_allclose(shapes[2::2], between, atol=1e-7)

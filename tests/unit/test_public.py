@@ -361,6 +361,8 @@ def test_a_step_to_where_no_mode_has_the_shape_is_shortened():
         ({"K": np.triu(np.ones((6, 6)))}, "K must be symmetric"),
         ({"M": np.eye(5)}, "expected M with 6 rows"),
         ({"Kg": np.full((6, 6), np.nan)}, "Kg must hold finite numbers"),
+        ({"K": 2.0 * np.eye(6), "M": np.diag([3e6] * 6)}, "mass and stiffness exchanged"),
+        ({"M": np.diag([2.0] * 5 + [-2.0])}, "M must have masses on its diagonal, got from -2 kg"),
         ({"modes": {}}, "at least one mode"),
         ({"modes": {"a": 0}}, "order from 1"),
         ({"modes": {"a": np.ones(3)}}, "6 finite numbers"),
@@ -397,6 +399,17 @@ def test_a_shape_that_no_mode_has_is_told():
     joint = br.Joint.from_matrices(K, M, pairs, {"n": mixed})
     with pytest.raises(ValueError, match="no mode agrees with the shape of n"):
         joint.modes_at(np.log([4e6, 9e5]))
+
+
+@pytest.mark.parametrize("wrong", [10.0, (10.0,), ("10,0", 0.1)])
+@pytest.mark.wrong_shape
+def test_a_frequency_without_its_error_is_told(wrong):
+    joint = br.Joint.from_matrices(*two_masses(), {"n": 1, "t": 2})
+    for measured in ({"n": wrong, "t": wrong}, {"n": wrong, "t": (10.0, 0.1)}):
+        with pytest.raises(ValueError, match=r"be \(frequency, standard error\) in Hz by mode"):
+            br.fit_contact(joint, measured)
+    with pytest.raises(ValueError, match="fe_bias must be positive"):
+        br.fit_contact(joint, {"n": (10.0, 0.1), "t": (10.0, 0.1)}, fe_bias={"n": 0.01})
 
 
 def test_an_unknown_mode_is_told():

@@ -93,6 +93,7 @@ def lowest_eigenpairs(
         return shift + 1.0 / inverse, _signed(shapes / np.sqrt(inverse))
     solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve
     block = np.random.default_rng(0).standard_normal((size, min(count, _BLOCK)))
+    block = solve(mass @ block)  # dofs without mass follow the others
     basis, weighted = np.empty((size, 0)), np.empty((size, 0))
     projected = np.empty((0, 0))
     while basis.shape[1] <= min(_MOST * count + 4 * _BLOCK, size) - block.shape[1]:

@@ -136,8 +136,18 @@ def fit_contact(
     unknown = [name for name in names if name not in joint.modes]
     if unknown or not names:
         raise ValueError(f"modes must be among {', '.join(joint.modes)}, got {', '.join(unknown)}")
-    value, std = np.array([frequencies[name] for name in names], float).T
-    bias = np.array([fe_bias[n] if isinstance(fe_bias, Mapping) else fe_bias for n in names])
+    try:
+        pairs = np.array([frequencies[name] for name in names], float)
+    except (TypeError, ValueError):  # a text, or some with an error and some without
+        pairs = np.empty(0)
+    if pairs.shape != (len(names), 2):
+        raise ValueError(
+            "frequencies must be (frequency, standard error) in Hz by mode, got "
+            + ", ".join(f"{name}: {frequencies[name]!r}" for name in names)
+        )
+    value, std = pairs.T
+    given = fe_bias if isinstance(fe_bias, Mapping) else dict.fromkeys(names, fe_bias)
+    bias = np.array([given.get(name, np.nan) for name in names], float)
     for text, numbers in (("frequency", value), ("its standard error", std), ("fe_bias", bias)):
         if not (np.isfinite(numbers).all() and (numbers > 0.0).all()):
             raise ValueError(f"{text} must be positive, got {numbers.tolist()}")

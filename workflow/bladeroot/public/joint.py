@@ -26,6 +26,9 @@ _SHIFT = 1e-3
 _MIDDLE_STIFFNESS, _MIDDLE_FORCE = 2e9, 12e3
 # omega^2 below this part of the highest of so many modes without load is a rigid motion.
 _RIGID, _LOOKED_AT = 1e-7, 12
+# omega^2 (rad^2/s^2) that some dof alone has in any structure that rings: exchanged matrices show
+# its inverse.
+_SLOWEST = 1.0
 
 
 @dataclass(frozen=True)
@@ -85,14 +88,16 @@ class Joint:
         """A joint of any bodies, free or held, from matrices without its contact springs.
 
         Args:
-            K, M: stiffness (N/m) and mass (kg), dense or sparse, of the same rows.
+            K, M: stiffness (N/m) and mass (kg), dense or sparse, of the same rows; rotations may be
+                without mass.
             pairs: where bodies touch.
             modes: what the measured modes are called, and by what each is known: its order among
                 the elastic modes, or its shape.
             Kg: change of K per unit of load, in the units of K over those of the load.
 
         Raises:
-            ValueError: sizes, symmetry or rows that do not fit, an interface without pairs.
+            ValueError: sizes, symmetry or rows that do not fit, an interface without pairs, M and K
+                exchanged.
 
         >>> import numpy as np, bladeroot as br
         >>> K = np.diag([3.0e6, 3.3e6, 3.6e6] * 2)  # two masses, each held to the ground
@@ -109,6 +114,7 @@ class Joint:
                 raise ValueError(
                     f"expected {name} with {stiffness.shape[0]} rows as K, got {matrix.shape[0]}"
                 )
+        _refuse_exchanged(stiffness, mass)
         _check_modes(modes, stiffness.shape[0])
         gap, slip = _contact_rows(pairs, stiffness.shape[0])
         return cls(mass, stiffness, geometric, gap, slip, dict(modes))
@@ -241,6 +247,19 @@ def _square(name: str, matrix) -> sp.csr_array:
     if off > _SYMMETRIC * abs(made).max():
         raise ValueError(f"{name} must be symmetric, got differences up to {off:.3g}")
     return sp.csr_array(0.5 * (made + made.T))
+
+
+def _refuse_exchanged(stiffness: sp.csr_array, mass: sp.csr_array) -> None:
+    held, weight = stiffness.diagonal(), mass.diagonal()
+    moving = weight > 0.0
+    if (weight < 0.0).any() or not moving.any():
+        raise ValueError(f"M must have masses on its diagonal, got from {weight.min():.3g} kg")
+    highest = float(np.max(held[moving] / weight[moving]))
+    if 0.0 < highest < _SLOWEST:
+        raise ValueError(
+            f"expected K in N/m and M in kg, got no dof faster than {highest:.2g} rad^2/s^2 by "
+            "itself: mass and stiffness exchanged, or units"
+        )
 
 
 def _check_modes(modes: Mapping[str, object], rows: int) -> None:
