@@ -222,6 +222,15 @@ def with_table(folder, table, sheet="record,file,mode,torque_Nm\nr1,a.csv,first,
     return loaded(folder, sheet, TORQUE + "simulation: sim.csv\n")
 
 
+@pytest.mark.parametrize("row", ["0.3,0.25", "17.0,3.0", "-0.1,0.2"])
+def test_contact_that_carries_more_than_a_mode_is_refused(folder, row):
+    table = f"mode,torque_Nm,frequency_Hz,by_ln_kn,by_ln_kt\nfirst,5,7.0,{row}\nfirst,20,7,0.5,0\n"
+    (folder / "sim.csv").write_text(table)
+    with pytest.raises(ValueError, match=r"between 0 and 0\.5, .* by_ln_kn .* row 2") as told:
+        read_table(folder / "sim.csv", {"modes": {"first": {}}}, Load("bolt torque", "Nm"))
+    assert "row 3" not in str(told.value)
+
+
 def test_a_table_is_a_simulation(folder):
     assert with_table(folder, SIMULATED).description["simulation"] == "sim.csv"
     frame = read_table(folder / "sim.csv", {"modes": {"first": {}}}, Load("bolt torque", "Nm"))

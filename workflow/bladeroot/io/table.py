@@ -17,6 +17,10 @@ from bladeroot.io.sheet import read_sheet
 AMPLITUDES = {"amplitude_m": 1.0, "amplitude_mm": 1e-3, "amplitude_um": 1e-6}
 _KNOWN = ("mode", *COLUMNS, "frequency_Hz", "loss_factor", *AMPLITUDES)
 BY = "by_"
+CONTACT = ("by_ln_kn", "by_ln_kt")
+# A share k phi'Kc phi / omega^2 of a mode's stiffness moves ln f by half of itself (5.16, in log
+# k), and all shares make 1; differences between two simulations round.
+_MOST, _ROUNDING = 0.5, 5e-3
 
 
 def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame:
@@ -47,6 +51,7 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
             line["amplitude_m"] = None if value is None else value * AMPLITUDES[name]
         for name in own:
             line[name] = cells.number(row, values, name)
+        _shares(cells, row, line)
         place = (line["mode"], line["load"], line.get("amplitude_m"))
         if None not in place[:2]:  # nor is a row that has a fault another one's double
             cells.once(row, place, first, "the combination of mode, load and amplitude")
@@ -97,6 +102,19 @@ def _header(path: Path) -> list[str]:
     return [
         name.strip().strip('"') for name in line.replace(";", ",").replace("\t", ",").split(",")
     ]
+
+
+def _shares(cells: Cells, row: int, line: dict) -> None:
+    """Contact carries no less than nothing of a mode's stiffness and no more than all."""
+    given = {name: line[name] for name in CONTACT if line.get(name) is not None}
+    least, whole = min(given.values(), default=0.0), sum(given.values())
+    if least < -_ROUNDING or whole > _MOST + _ROUNDING:
+        said = " and ".join(f"{name} {value:g}" for name, value in given.items())
+        cells.fault(
+            f"derivatives of ln f by ln kn and ln kt must lie between 0 and {_MOST:g}, as must "
+            f"their sum, got {said}: in Hz, per cent or by k itself?",
+            row,
+        )
 
 
 def _whole(frame: pd.DataFrame, path: Path) -> None:
