@@ -105,6 +105,16 @@ def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effec
     assert made["stick_force"].values.max() == pytest.approx(seen["force"].values.max())
 
 
+def test_a_size_without_structure_has_the_assumed_part_of_the_joint_in_its_error(model, expected):
+    seen = campaign(model, "exponent", 0.5, seed=3, rows=programme(cycles=2), curves=False)
+    _, said, _ = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    (cause,) = (one for one in said["causes"] if one["mechanism"] == "load-dependent-stiffness")
+    exponent, *_ = cause["parameters"]
+    assert exponent["value"] < 0.1  # contact carries less than is assumed
+    assert abs(exponent["value"] - 0.5) < 3.0 * exponent["std"]
+    assert "their errors hold a factor of 10" in said["reason"]
+
+
 def test_of_curves_of_one_condition_the_likeliest_causes_and_what_would_split_them_is_said(
     model, expected
 ):

@@ -14,7 +14,7 @@ from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.linear import JOINT, Linear
+from bladeroot.diagnosis.simulation.linear import JOINT, JOINT_DOUBT, Linear
 from bladeroot.diagnosis.simulation.own_range import (
     dataset_in_own,
     in_catalogue,
@@ -39,7 +39,7 @@ SILENT_LOAD = "; so is its line over the load, and with it the scale and the zer
 CONTACT_LAWS = ("load-dependent-stiffness", "incomplete-contact", "loading-hysteresis")
 AS_IF = (
     f". Sizes of laws of the joint's stiffness are as if {100.0 * JOINT:.0f} % of the modes' "
-    "stiffness went through it"
+    f"stiffness went through it; their errors hold a factor of {JOINT_DOUBT:g} in that"
 )
 Made = tuple[xr.Dataset, dict, dict | None]
 # Standard deviation of a model's frequencies where nothing is stated, per cent.

@@ -20,6 +20,17 @@ def sizes(mechanism: Mechanism, fitted: Fit, first: int) -> list[tuple[float, fl
     return list(zip(values.tolist(), (chain * fitted.std[own]).tolist(), strict=True))
 
 
+def by_effect(mechanism: Mechanism, fitted: Fit, first: int, cause: int) -> np.ndarray:
+    """What each parameter of a cause, number `cause` of the fit, loses were its effect twice as
+    large at the same parameters: all else is fitted again (the model made straight).
+    """
+    own = slice(first, first + len(mechanism.parameters))
+    covariance, _ = fitted.problem.covariance(fitted.state, fitted.scales)
+    pull = fitted.state.slope.T @ np.linalg.solve(covariance, fitted.state.facts["effects"][cause])
+    _, chain = mechanism.values(fitted.parameters[own])
+    return chain * (fitted.covariance @ pull)[own]
+
+
 def plausible(mechanism: Mechanism, fitted: Fit, first: int) -> bool:
     """Whether its parameters, from place `first` of the fit on, are within physical limits."""
     return all(

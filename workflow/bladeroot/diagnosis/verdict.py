@@ -10,7 +10,7 @@ from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.guards import CERTAIN
 from bladeroot.diagnosis.naming import Cause, Found
-from bladeroot.diagnosis.plausibility import changes, plausible, sizes
+from bladeroot.diagnosis.plausibility import by_effect, changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
@@ -22,6 +22,7 @@ from bladeroot.diagnosis.posterior import (
     together,
 )
 from bladeroot.diagnosis.shortfall import of_curves, of_records
+from bladeroot.diagnosis.simulation.linear import JOINT_DOUBT, of_joint
 from bladeroot.diagnosis.sufficiency import FEW
 
 SCHEMA = "bladeroot-verdict-1"
@@ -60,11 +61,11 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     for found in made.found:
         first = found.channel.base
         for cause in found.causes:
-            rows.append((cause.gain, _cause(found, cause, first, sets)))
+            rows.append((cause.gain, _cause(made, found, cause, first, sets)))
             first += len(cause.mechanism.parameters)
         if found.open:
             supposed, cause, first = _as_if(found)
-            rows.append((cause.gain, _cause(supposed, cause, first, sets)))
+            rows.append((cause.gain, _cause(made, supposed, cause, first, sets)))
     for one in made.faulty:
         if one.named:
             rows.append((one.log_odds, _fault(one)))
@@ -72,11 +73,19 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     return [row | {"splitter": made.terms.say(row["splitter"])} for row in rows]
 
 
-def _cause(found: Found, cause: Cause, first: int, sets: Sets) -> dict:
+def _cause(made: Diagnosis, found: Found, cause: Cause, first: int, sets: Sets) -> dict:
     mechanism = cause.mechanism
     by_id = {one.id: one for one in found.channel.candidates}
     own = sizes(mechanism, found.final, first)
     own[0] = found.sizes.get(mechanism.id, own[0])
+    if found.channel.name == "stick" and made.simulated.kind == "none" and of_joint(mechanism):
+        # the joint's part is assumed: where it is less, they are larger
+        number = [one is cause for one in found.causes].index(True)
+        moved = (JOINT_DOUBT - 1.0) * by_effect(mechanism, found.final, first, number)
+        own = [
+            (value, float(np.hypot(std, more)))
+            for (value, std), more in zip(own, moved, strict=True)
+        ]
     kinds = sorted({by_id[name].kind for name in cause.credible if name in by_id})
     chance = inclusion(sets, mechanism.id)
     return {

@@ -4,7 +4,8 @@ Over a load its frequency follows stress stiffening, f^2 = f0^2 (1 + F/Fc): a li
 Level and line are free, so that nothing is said of kn and kt, of the load's gauge or of what is the
 same at all loads; all else is judged as with a structure. A law of the contact stiffness acts on
 the part of a mode's stiffness that goes through the joint. How the modes' parts differ is free, but
-not how large they are on the whole: sizes of such laws are as if that were JOINT.
+not how large they are on the whole: sizes of such laws are as if that were JOINT, and their errors
+hold a factor of JOINT_DOUBT in that.
 """
 
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ STIFFENING = 0.3  # of f^2 over the range of the load
 # that no law's size is beyond its limits for want of it; and ln of a mode's part over it.
 JOINT = 0.3
 JOINT_SPREAD = 1.5
+# By which that mean may be less, one standard deviation: 2 % in the shipped dovetail, 5 % in a lap.
+JOINT_DOUBT = 10.0
 # ln of the scatter of a frequency between clampings, what all modes share and each mode's own.
 SCATTER = (np.log(2e-4), 1.5)
 _LEAST = 0.05  # of f^2, where a line in it would pass zero
@@ -74,6 +77,11 @@ def acts_on(one: Mechanism) -> set[str]:
     none = np.zeros(2)
     records = Records(np.zeros(2, int), some, np.array([1.0, -1.0]), none, none, 1.0, 1.0, none)
     return set(one.stick(records, one.values(one.start)[0]).changes)
+
+
+def of_joint(one: Mechanism) -> bool:
+    """Whether a law changes the contact's stiffness."""
+    return one.stick is not None and bool(acts_on(one) & {"ln_kn", "ln_kt"})
 
 
 class _OfRecords(OneMode):
