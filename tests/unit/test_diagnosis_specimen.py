@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -133,6 +134,19 @@ def test_of_curves_of_one_condition_the_likeliest_causes_and_what_would_split_th
     ]
     words = re.sub(r"\b[a-z]+(-[a-z]+)+\b", "", str(told))
     assert not re.search(r"force|gauge|structure|flank|simulat|kN", words)
+
+
+def test_a_verdict_says_how_far_the_frequencies_lie_from_the_table(model):
+    seen = campaign(model, seed=4, scatter=0.03, rows=programme(cycles=2), curves=False)
+    table = dovetail_table(model)
+    low = replace(table, ln_f=tuple(ln_f - np.log(1.01) for ln_f in table.ln_f))
+    apart = []
+    for one in (table, low):
+        _, said, _ = judged.with_table(seen, one, SETTINGS, CATALOGUE)
+        text = re.search(r"lie from the table's by (\S+) % \(1B\), (\S+) % \(2B\)", said["reason"])
+        apart.append([float(number) for number in text.groups()])
+        assert re.search(r"takes for kn times .*, an FE bias of .* % \(2B\)", said["reason"])
+    np.testing.assert_allclose(np.diff(apart, axis=0)[0], 1.0, atol=0.15)
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from bladeroot.diagnosis.simulation.own_range import (
     verdict_in_own,
 )
 from bladeroot.diagnosis.simulation.parametric import Parametric, of_assembly
-from bladeroot.diagnosis.simulation.table import Table, table_of, with_loads
+from bladeroot.diagnosis.simulation.table import Table, moved, table_of, with_loads
 from bladeroot.diagnosis.verdict import SCHEMA, records_of, verdict
 from bladeroot.loads import shown
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -176,6 +176,10 @@ def _in_own(
         if any(one["mechanism"] in CONTACT_LAWS for one in said["causes"] if one["shown"]):
             silent += AS_IF
         said["reason"] = ". ".join(filter(None, (said["reason"], silent)))
+    if isinstance(simulated, Table):
+        stick = [one.final for one in made.found if one.channel.name == "stick"]
+        far = [moved(simulated, made.data.records, made.data.ln_f, one) for one in stick]
+        said["reason"] = ". ".join([said["reason"], *far])
     said["structure"] = name or None
     said = _with_groups(said, seen)
     whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}

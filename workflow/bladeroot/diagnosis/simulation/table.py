@@ -17,7 +17,7 @@ from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.diagnosis.simulation.parametric import scatter_of_clampings
-from bladeroot.inference.gaussian import Prior, Slopes
+from bladeroot.inference.gaussian import Fit, Prior, Slopes
 from bladeroot.io.table import CONTACT
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import BIAS_TILT, CORRELATION, SCATTER
@@ -127,6 +127,33 @@ class _OfRecords(OneMode):
         if None in self.contact:  # of frequencies: a hundredth of the contact's scatter
             g[:, 0], g[:, 1] = 0.01, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
         return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
+
+
+def moved(table: Table, records: Records, ln_f: Float[ndarray, " record"], fitted: Fit) -> str:
+    """How far measured ln f lie from the table, and what a fit takes that for, in words."""
+    bare = _OfRecords(table, records, np.arange(ln_f.size), 0.0)
+    off = ln_f - bare.at(0.0 * bare.prior.mean, np.zeros((ln_f.size, 4))).mean
+    above = [
+        f"{100.0 * np.expm1(np.median(off[records.mode == m])):+.2g} % ({mode})"
+        for m, mode in enumerate(table.modes)
+        if (records.mode == m).any()
+    ]
+    values, std = fitted.parameters, fitted.std
+    taken = [
+        f"{name.removeprefix('by_ln_')} times {np.exp(values[k]):.3g} (a factor of "
+        f"{np.exp(std[k]):.3g})"
+        if name in CONTACT
+        else f"{name.removeprefix('by_')} {values[k]:+.2g} +- {std[k]:.2g}"
+        for k, name in enumerate(table.names)
+    ]
+    taken += [
+        f"an FE bias of {100.0 * values[k]:+.2g} +- {100.0 * std[k]:.2g} % ({mode})"
+        for k, mode in enumerate(table.modes, len(table.names))
+    ]
+    return (
+        f"the measured frequencies lie from the table's by {', '.join(above)}, which the fit takes "
+        f"for {', '.join(taken)}"
+    )
 
 
 def along(
