@@ -40,7 +40,7 @@ class ContactFit:
 
     @property
     def covariance(self) -> Float[ndarray, "parameter parameter"]:
-        """Covariance of ln k."""
+        """Covariance of ln k, too narrow a region where few modes leave a bent ridge."""
         return self.result["ln_covariance"].values
 
     @property
@@ -118,6 +118,11 @@ def fit_contact(
     With as many modes as stiffnesses the fit is exact where a root exists, and its misfit says by
     how much there is none; with more, chi-square says whether the model fits at all; with fewer,
     the prior decides along what the data leave open, and `ln_std` shows it.
+
+    The covariance is the curvature's at the estimate (Laplace). With one or two modes the posterior
+    of (ln kn, ln kt) is a bent ridge, which an ellipse follows badly: ellipses of 95 % held 91 and
+    82 % of 120 truths drawn from the prior by one mode of two lapped beams each, 93 % of 60 by two
+    modes; a further mode straightens it.
 
     Raises:
         ValueError: an unknown mode, an error that is not positive, a joint that is not stable, a
