@@ -53,6 +53,8 @@ ABOVE_FLOOR, DEEP, FALLING, LONGER, LIFE_CYCLES = 2.0, 30.0, 0.85, (1.1, 4), 16.
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
+# Two modes are close where a beat lasts for more than eight cycles.
+CLOSE = 0.125
 # A mode of the sheet is not told apart that no line shows and that lies within so many half-power
 # bandwidths of the mode.
 OVERLAP = 3.0
@@ -214,7 +216,7 @@ def separated(
         one.frequency_Hz for one in near if one.wave.any()
     ]
     remarks += [(one.finding, one.remark) for one in near]
-    if close and abs(close[0] / own_Hz - 1.0) < APART:
+    if close and abs(close[0] / own_Hz - 1.0) < CLOSE:
         remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
     return Separated(left, first, taken_Hz, time, doubt, tuple(remarks), (found, single))
 
