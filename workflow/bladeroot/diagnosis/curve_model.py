@@ -15,7 +15,7 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 
 from bladeroot.diagnosis.guards import TRUST_CURVE
-from bladeroot.diagnosis.stick_model import near, own_error_turned, rough
+from bladeroot.diagnosis.stick_model import kinked, near, own_error_turned
 from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
@@ -141,7 +141,7 @@ def problem(
     size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
     free = size**2 * (group[:, None] == group)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
-    kernel = law_kernel(data, rough)
+    kernel = law_kernel(data, kinked)
     prior = Prior(
         np.concatenate([np.zeros(0), *(m.start for m in mechanisms)]),
         np.concatenate([np.zeros(0), *(m.std for m in mechanisms)]),

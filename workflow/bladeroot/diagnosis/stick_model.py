@@ -254,11 +254,11 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         return data.kernels[tuple(over)]
     records = data.records
     kernels = {
-        "force": lambda: rough(np.log(records.force), FORCE_LENGTH),
-        "time": lambda: rough(records.time, TIME_LENGTH * max(records.span, 1.0)),
-        "clamping": lambda: rough(records.clamping, TIME_LENGTH),
+        "force": lambda: kinked(np.log(records.force), FORCE_LENGTH),
+        "time": lambda: kinked(records.time, TIME_LENGTH * max(records.span, 1.0)),
+        "clamping": lambda: kinked(records.clamping, TIME_LENGTH),
         "since": lambda: (
-            rough(records.since, max(records.hold_span, 1.0))
+            kinked(records.since, max(records.hold_span, 1.0))
             * (1.0 + (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold))
         ),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
@@ -301,7 +301,7 @@ def near(values: Float[ndarray, " record"], length: float) -> Float[ndarray, "re
     return np.exp(-0.5 * ((values[:, None] - values) / length) ** 2)
 
 
-def rough(values: Float[ndarray, " record"], length: float) -> Float[ndarray, "record record"]:
+def kinked(values: Float[ndarray, " record"], length: float) -> Float[ndarray, "record record"]:
     """The same of what is differentiable but once, as a law with a kink is (Matern 3/2)."""
     away = np.sqrt(3.0) * np.abs(values[:, None] - values) / length
     return (1.0 + away) * np.exp(-away)
