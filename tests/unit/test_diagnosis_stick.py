@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
-from bladeroot.diagnosis.stick_model import problem, stick_data, trust_kernel
+from bladeroot.diagnosis.stick_model import kinked, near, problem, stick_data, trust_kernel
 from bladeroot.diagnosis.structures import Structures
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric import ln_frequencies
@@ -128,3 +128,16 @@ def test_a_record_without_a_direction_has_that_of_its_hold():
     way = np.array(["up", "", "", "down", "", "up", "down", ""])
     hold = np.array(["a", "a", "b", "c", "c", "d", "d", "d"])
     assert directions(way, hold).tolist() == [1, 1, 0, -1, -1, 1, -1, 0]
+
+
+@pytest.mark.parametrize(("kernel", "grown"), [(kinked, 8.0), (near, 16.0)])
+def test_errors_with_kinks_bend_more_over_short_distances(kernel, grown):
+    """Of second differences the variance grows by the distance's cube, of smooth ones its fourth
+    power.
+    """
+
+    def bent(step):
+        return np.array([1.0, -2.0, 1.0]) @ kernel(step * np.arange(3.0), 0.8) @ [1.0, -2.0, 1.0]
+
+    assert bent(0.02) / bent(0.01) == pytest.approx(grown, rel=0.03)
+    assert np.linalg.eigvalsh(kernel(np.linspace(0.0, 3.0, 31), 0.8)).min() > -1e-12

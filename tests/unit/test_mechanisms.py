@@ -478,3 +478,14 @@ def test_a_mass_sits_on_the_display_line_wherever_its_coordinates_begin():
         for begin in (0.0, 0.26)
     ]
     np.testing.assert_allclose(made[0].mass, made[1].mass, rtol=1e-9)
+
+
+def test_a_gauges_lag_is_one_at_the_turning_point_and_the_other_way_far_below():
+    """Dahl's law: from the loading branch over to the unloading one, by half after ln 2 widths."""
+    width = 0.1
+    part = np.array([1.0, 1.0, 1.0 - width * np.log(2.0), 0.0])
+    sign = np.array([1.0, -1.0, -1.0, -1.0])
+    rows = replace(RECORDS, force=2e3 + 1e4 * part, sign=sign)
+    form = law_of_form("gauge-friction", "turning over")
+    lag = form.stick(rows, np.array([0.08, width])).changes["force"] / (0.08 * rows.force)
+    np.testing.assert_allclose(lag, [-1.0, -1.0, 0.0, 1.0], atol=1e-4)
