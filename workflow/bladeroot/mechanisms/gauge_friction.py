@@ -24,11 +24,10 @@ def constant(records: Records, values: np.ndarray) -> StickEffect:
 
 def turning_over(records: Records, values: np.ndarray) -> StickEffect:
     """In proportion; below the upper turning point it turns over as Dahl's friction does."""
-    down, width = records.sign < 0, values[1]
-    way = 1.0 - hysteresis.part(records)
-    left = 2.0 * np.exp(-way / width)
-    made = _effect(records, values, records.force * np.where(down, 1.0 - left, 1.0))
-    slope = values[0] * records.sign * records.force * np.where(down, left * way / width**2, 0.0)
+    reached, by_width = hysteresis.turned_over(records, values[1])
+    lag = np.where(records.sign < 0, 2.0 * reached - 1.0, 1.0)
+    made = _effect(records, values, records.force * lag)
+    slope = 2.0 * values[0] * records.force * by_width
     return StickEffect(made.changes, {"force": np.column_stack([made.slopes["force"], slope])})
 
 
@@ -53,7 +52,5 @@ MECHANISM = Mechanism(
     over=("sign", "force"),
     form="proportional",
 ).also("constant", stick=constant).also(
-    "turning over",
-    Parameter("width", "1", 0.2, 0.7, 0.01, 2.0, "part of the range of forces", log=True),
-    stick=turning_over,
+    "turning over", hysteresis.WIDTH, stick=turning_over
 )  # fmt: skip

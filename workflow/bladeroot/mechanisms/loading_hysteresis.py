@@ -41,9 +41,27 @@ def lens(part: np.ndarray) -> np.ndarray:
     return 4.0 * part * (1.0 - part)
 
 
-def from_the_top(part: np.ndarray) -> np.ndarray:
-    """The upper turning point remembered: opens as the force falls from there."""
-    return 1.0 - part
+WIDTH = Parameter(
+    "width", "1", 0.2, 0.7, 0.01, 2.0, "part of the range of forces, from the turning point on",
+    log=True,
+)  # fmt: skip
+
+
+def turned_over(records: Records, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """How much of the other branch is reached below the upper turning point, as by Dahl's friction;
+    its derivative by `width`. Nothing when loading.
+    """
+    down, way = records.sign < 0, 1.0 - part(records)
+    left = np.exp(-way / width)
+    return np.where(down, 1.0 - left, 0.0), np.where(down, -left * way / width**2, 0.0)
+
+
+def from_the_top(records: Records, values: np.ndarray) -> StickEffect:
+    """The upper turning point remembered: the branches part as the force falls from there."""
+    reached, by_width = turned_over(records, values[1])
+    slope = np.column_stack([reached, values[0] * by_width])
+    both = ("ln_kn", "ln_kt")
+    return StickEffect(dict.fromkeys(both, values[0] * reached), dict.fromkeys(both, slope))
 
 
 MECHANISM = Mechanism(
@@ -64,7 +82,7 @@ MECHANISM = Mechanism(
 ).also("kt alone", stick=law(constant, ("ln_kt",)))  # fmt: skip
 for _form, _opening in (
     ("closed at both turning points", lens),
-    ("closed at the upper turning point", from_the_top),
     ("closed at both, wide at low forces", lambda part: 1.0 - (2.0 * np.sqrt(part) - 1.0) ** 2),
 ):
     MECHANISM = MECHANISM.also(_form, stick=law(_opening))
+MECHANISM = MECHANISM.also("closed at the upper turning point", WIDTH, stick=from_the_top)
