@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 from bladeroot.loads import AXIAL_FORCE
 
+# Columns of a table of simulated frequencies: derivatives of ln f by the contact stiffness.
+CONTACT = ("by_ln_kn", "by_ln_kt")
 _OF_MODES = ("linear modes explain", "linear modes", "than in a linear mode")
 _OF_SIMULATION = ("the simulation explains", "the simulation without it", "than simulated")
 

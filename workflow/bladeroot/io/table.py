@@ -13,11 +13,11 @@ import pandas as pd
 from bladeroot.io.cells import Cells
 from bladeroot.io.load import COLUMNS, Load
 from bladeroot.io.sheet import read_sheet
+from bladeroot.terms import CONTACT
 
 AMPLITUDES = {"amplitude_m": 1.0, "amplitude_mm": 1e-3, "amplitude_um": 1e-6}
 _KNOWN = ("mode", *COLUMNS, "frequency_Hz", "loss_factor", *AMPLITUDES)
 BY = "by_"
-CONTACT = ("by_ln_kn", "by_ln_kt")
 # A share k phi'Kc phi / omega^2 of a mode's stiffness moves ln f by half of itself (5.16, in log
 # k), and all shares make 1; differences between two simulations round.
 _MOST, _ROUNDING = 0.5, 5e-3

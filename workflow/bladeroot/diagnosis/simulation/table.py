@@ -18,9 +18,9 @@ from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.diagnosis.simulation.parametric import scatter_of_clampings
 from bladeroot.inference.gaussian import Fit, Prior, Slopes
-from bladeroot.io.table import CONTACT
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.stiffness.priors import BIAS_TILT, CORRELATION, SCATTER
+from bladeroot.terms import CONTACT
 
 # Standard deviation beforehand of a named parameter: its column says in what unit it is one.
 PRIOR = 1.0
