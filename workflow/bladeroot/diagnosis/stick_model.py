@@ -254,7 +254,7 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         return data.kernels[tuple(over)]
     records = data.records
     kernels = {
-        "force": lambda: kinked(np.log(records.force), FORCE_LENGTH),
+        "force": lambda: near(np.log(records.force), FORCE_LENGTH),
         "time": lambda: kinked(records.time, TIME_LENGTH * max(records.span, 1.0)),
         "clamping": lambda: kinked(records.clamping, TIME_LENGTH),
         "since": lambda: (
