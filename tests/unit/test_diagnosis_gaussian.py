@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bladeroot.inference.gaussian import Prior, Problem, State, best_fit, fit
-from bladeroot.inference.hold_out import asked_for, hold_out
+from bladeroot.inference.hold_out import asked_along, asked_for, hold_out
 from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)
@@ -126,6 +126,19 @@ def test_a_further_covariance_is_asked_for_where_the_misses_have_it():
     assert abs(without.mean()) < 0.25
     assert without.std() == pytest.approx(1.0, abs=0.25)
     assert np.median(beside) > 5.0
+
+
+def test_further_parameters_are_asked_for_by_the_misfit_that_they_take_off():
+    found = fit(straight_line(drawn(2), Prior(np.array([np.log(0.3)]), np.array([1e-4]))))
+    slope = np.stack([X**2, np.tanh(9.0 * (X - 0.3))], axis=1)
+    root = np.linalg.cholesky(found.precision).T
+    best = np.linalg.lstsq(root @ slope, root @ found.residual, rcond=None)[0]
+    before, after = (
+        rest @ found.precision @ rest for rest in (found.residual, found.residual - slope @ best)
+    )
+    assert asked_along(found, slope) == pytest.approx(before - after, rel=1e-9)
+    doubled = np.column_stack([slope, slope[:, 0]])
+    assert asked_along(found, doubled) == pytest.approx(before - after, rel=1e-6)
 
 
 def test_a_model_too_steep_for_its_rounding_has_no_evidence():

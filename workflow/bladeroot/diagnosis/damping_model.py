@@ -5,7 +5,7 @@ they would count one chance as often as there are modes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import xarray as xr
@@ -39,7 +39,8 @@ def damping_data(seen: xr.Dataset, stick: StickData) -> DampingData | None:
     if not kept.size:
         return None
     r = stick.records
-    parts = {k: v[kept] for k, v in vars(r).items() if isinstance(v, ndarray)}
+    known = {one.name: getattr(r, one.name) for one in fields(r)}
+    parts = {name: part[kept] for name, part in known.items() if isinstance(part, ndarray)}
     here = replace(
         stick,
         records=replace(r, **parts),

@@ -9,12 +9,13 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import temperature
-from bladeroot.inference.gaussian import Fit, about, best_fit, fit, maxima_of
-from bladeroot.inference.hold_out import asked_for
+from bladeroot.inference.gaussian import Fit, Problem, about, best_fit, fit, maxima_of
+from bladeroot.inference.hold_out import asked_along, asked_for
 from bladeroot.mechanisms.mechanism import Mechanism
 
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from
 _ROUGH = 0.1  # nats a step, at which a fit over amplitude ends: laws explain hundreds there
+_PLACES = 8  # of a step or a bend that are begun from
 _INSIDE = 1e-3  # of its range, from a limit at which a bounded parameter has no coordinate
 
 
@@ -191,20 +192,25 @@ def _fitted(
     """The baseline starts afresh: where it made up for a cause, there is no way down, but for
     steps that see how the covariance turns.
 
-    like: another form that was fitted, from whose parameters of the same names to begin too.
+    like: another form that was fitted, from whose end to begin, and from its own parameters of the
+    same names too.
     """
     current = model.fit
     problem = channel.problem([*model.causes, one], ())
-    baseline = problem.prior.mean if current.state.turns is None else current.parameters
-    own_part = current.parameters[channel.base :]
-    bases = [baseline, *(one.parameters for one in model.maxima)]
-    before = [np.append(one[: channel.base], own_part) for one in bases]
     own = [one.start, *map(np.asarray, one.starts)]
     thorough = channel.name == "curve" and asks
-    if like is not None:
+    if like is None:
+        baseline = problem.prior.mean if current.state.turns is None else current.parameters
+        bases = [baseline, *(other.parameters for other in model.maxima)]
+        own_part = current.parameters[channel.base :]
+        before = [np.append(base[: channel.base], own_part) for base in bases]
+    else:
         # Over amplitude a start costs a whole fit, and forms differ little in what they share.
         kept = own[:1] if thorough and set(_names(like[0])) & set(_names(one)[2:]) else own
         own = [*kept, _alike(one, *like[:2])]
+        before = [like[1].parameters[: current.parameters.size]]
+    if len(own) > _PLACES and not thorough:
+        own = _leading(problem, current, own)
     starts = [np.append(one, start) for one in before for start in own]
     if thorough:
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
@@ -217,6 +223,13 @@ def _fitted(
         scales.append(problem.scales.mean - problem.scales.std)
     ends = [best_fit(problem, starts, one) for one in scales]
     return max(ends, key=lambda end: end.log_evidence)
+
+
+def _leading(problem: Problem, current: Fit, own: list[np.ndarray]) -> list[np.ndarray]:
+    """Of many starts those that the misses ask for most."""
+    states = [problem.predict(np.append(current.parameters, start)) for start in own]
+    asked = [asked_along(current, one.slope[:, current.parameters.size :]) for one in states]
+    return [own[k] for k in np.argsort(asked)[: -_PLACES - 1 : -1]]
 
 
 def _names(one: Mechanism) -> list[str]:

@@ -19,6 +19,15 @@ def asked_for(fitted: Fit, unit: Float[ndarray, "datum datum"]) -> float:
     return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(2.0 * np.sum(seen * seen.T)))
 
 
+def asked_along(fitted: Fit, slope: Float[ndarray, "datum parameter"]) -> float:
+    """How much a fit's misses ask for further parameters of such slopes (Rao's score test): twice
+    the nats that they would gain.
+    """
+    seen = fitted.precision @ slope
+    pull = seen.T @ fitted.residual
+    return float(pull @ np.linalg.lstsq(slope.T @ seen, pull, rcond=1e-10)[0])
+
+
 @dataclass(frozen=True)
 class HeldOut:
     """Predictions of parts of the data by the rest: error, its covariance's blocks, log score."""

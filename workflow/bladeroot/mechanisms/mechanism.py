@@ -10,6 +10,7 @@ derivatives, so that every fit is a Newton fit.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -123,7 +124,7 @@ class Records:
     hold_span: float
     temperature: Float[ndarray, " record"] | None = None
 
-    @property
+    @cached_property
     def clamping(self) -> Float[ndarray, " record"]:
         """Number of the clamping by when it began, from 0 to 1."""
         number = np.unique(np.round(self.time - self.since), return_inverse=True)[1]

@@ -146,9 +146,10 @@ def _derivatives(
     x: Float[ndarray, "point 3"], count: int, scale: Float[ndarray, "3"], order: int
 ) -> Float[ndarray, "derivative point 3 coefficient"]:
     """Chebyshev polynomials and their derivatives by the unscaled coordinates."""
-    results = [np.cos(np.arccos(x)[..., None] * np.arange(count))]
+    results = [chebyshev.chebvander(x, count - 1)]
     for _ in range(order):
-        results.append(scale[:, None] * (results[-1] @ _differentiation(count)))
+        rows = results[-1].reshape(-1, count) @ _differentiation(count)
+        results.append(scale[:, None] * rows.reshape(results[-1].shape))
     return np.array(results)
 
 
