@@ -4,7 +4,7 @@ import netCDF4
 import numpy as np
 import pytest
 from bladeroot.io.read import formats, read
-from bladeroot.io.recording import recording
+from bladeroot.io.recording import part, recording
 from bladeroot.signal.recording import velocity
 
 RATE = 5120.0
@@ -81,7 +81,7 @@ def rows_with(k, time=None, value=None):
 @pytest.mark.parametrize(
     ("header", "rows", "message"),
     [
-        ("time_s,velocity_m/s", rows_with(7, value=np.nan), "finite number, got 'nan'.*row 9"),
+        ("time_s,velocity_m/s", rows_with(7, time=np.nan), "finite number, got 'nan'.*row 9"),
         ("time_s,velocity_m/s", rows_with(7, time=5.0), "time must rise.*sample 9"),
         ("time_s,velocity_m/s", rows_with(7, time=TIME[7] + 1e-4), "time must be uniform"),
         ("time_s,velocity", None, "expected a unit, got none from the file"),
@@ -182,8 +182,14 @@ def test_csv_without_time(tmp_path):
     [
         ("\n0.0009765625,", "\n0.0009765625,1,", "expected 2 fields, got 3 .*row 7"),
         ("\n0.0009765625,", "\n0.0009765625;", "expected 2 fields, got 1 .*row 7"),
-        ("\n0.0009765625,", "\n0.0009765625,_", "expected a finite number, got '_.*row 7"),
+        ("\n0.0009765625,", "\n0.0009765625,_", "expected a finite number.*, got '_.*row 7"),
         ("\n0.0009765625,", '\n"0.0009765625",', "expected a finite number, got '\"0.*row 7"),
+        ("\n0.0009765625,", "\n0.0009765625,off ", "mark of a lost .*, got 'off 0.*row 7"),
+        (
+            "\n0.0009765625,",
+            "\nNaN,",
+            "expected a finite number, got 'NaN'.*row 7, column 'time_s'",
+        ),
         ("time_s,", "\0", "zero bytes"),
     ],
 )
@@ -192,6 +198,59 @@ def test_csv_damage_is_named_by_its_row(tmp_path, old, new, told):
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(ValueError, match=told):
         read(path)
+
+
+def marked(folder, mark, at, separator=",", decimal="."):
+    """A file with a mark in the place of some samples."""
+    lines = [f"{t:.9g}{separator}{v:.9g}" for t, v in zip(TIME, WAVE, strict=True)]
+    for k in at:
+        lines[k] = f"{TIME[k]:.9g}{separator}{mark}"
+    path = folder / "a.csv"
+    text = "\n".join([f"time_s{separator}velocity_m/s", *lines, ""])
+    path.write_text(text.replace(".", decimal))
+    return path
+
+
+OVERLOADS = ("OVR", "OVL", "Overload", "over range", "inf", "-Inf")
+
+
+@pytest.mark.parametrize("mark", ["NaN", "", "---", "#N/A", "-nan", "#NUM!", '"n/a"', *OVERLOADS])
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_mark_in_the_place_of_a_number_is_a_lost_sample(tmp_path, mark, separator):
+    at = [0, 7, 8, 20, TIME.size - 1]
+    decimal = "." if separator == "," else ","
+    found = read(marked(tmp_path, mark, at, separator, decimal))
+    assert found.lost.tolist() == at[:-1]
+    assert found.over.tolist() == (at[:-1] if mark in OVERLOADS else [])
+    assert "no numbers for the last 1 of" in " ".join(found.notes)
+    np.testing.assert_allclose(found.samples[1:], WAVE[1:-1], rtol=1e-3, atol=1e-3)
+
+
+def test_a_single_column_may_begin_over_the_range(tmp_path):
+    (tmp_path / "a.csv").write_text(
+        "\n".join(["velocity_m/s", "OVR", *map(repr, WAVE.tolist()), ""])
+    )
+    found = read(tmp_path / "a.csv", sampling_Hz=RATE)
+    assert (found.over.tolist(), found.samples.size) == ([0], WAVE.size + 1)
+
+
+def test_a_column_of_marks_is_no_motion(tmp_path):
+    with pytest.raises(ValueError, match=r"90% of the samples.*, got none for .*sample 2, nan"):
+        read(marked(tmp_path, "---", range(1, TIME.size - 1)))
+
+
+def test_a_part_of_a_record_has_its_own_lost_samples(tmp_path):
+    whole = read(marked(tmp_path, "OVL", [7, 100, 101]))
+    found = part(whole, 50 / RATE, None, "a")
+    assert (found.lost.tolist(), found.over.tolist()) == ([50, 51], [50, 51])
+
+
+def test_lost_samples_are_filled_in_the_digitisers_steps(tmp_path):
+    whole = np.round(1e3 * WAVE)
+    coarse = np.where(np.arange(WAVE.size) % 30 == 5, np.nan, whole)
+    found = recording(coarse, "mm/s", "a", sampling_Hz=RATE)
+    assert set(np.unique(np.round(1e3 * found.samples, 9))) <= set(np.arange(-2000.0, 2000.0))
+    np.testing.assert_allclose(1e3 * found.samples, whole, atol=3.0)
 
 
 def test_a_last_line_without_its_end_is_cut_off(tmp_path):

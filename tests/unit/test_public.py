@@ -34,10 +34,13 @@ def test_samples_that_were_cut_towards_zero_are_made_good_and_it_is_said():
     assert np.median(cut.curves["loss_factor"]) == pytest.approx(LOSS, rel=0.02)
 
 
-def test_masked_samples_are_no_samples():
+def test_masked_samples_are_lost_ones():
     masked = np.ma.masked_array(samples(), np.arange(int(3.0 * RATE)) // 50 == 60)
-    with pytest.raises(ValueError, match="finite numbers, got nan at sample 3001 and 50 in all"):
-        br.ringdown(masked, mode_Hz=210.0, sampling_Hz=RATE)
+    decay, whole = (br.ringdown(v, mode_Hz=210.0, sampling_Hz=RATE) for v in (masked, samples()))
+    assert decay.findings == (
+        f"50 samples lost, the first {3000 / RATE:.6g} s into the record; masked",
+    )
+    assert decay.stick_frequency[0] == pytest.approx(whole.stick_frequency[0], rel=1e-6)
 
 
 def test_each_finding_is_told_once_and_by_itself():

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.decay.cut import cut, rejected
+from bladeroot.io.recording import recording
 from bladeroot.quality.findings.sampling_rate import RATIOS
-from bladeroot.quality.integrity import bridged, checks, examine, examined, judge
+from bladeroot.quality.integrity import bridged, carried, checks, examine, examined, judge
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording, velocity
 from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
@@ -117,6 +118,39 @@ def test_dropouts_are_masked(length, value):
     masked = np.flatnonzero(found["usable"].values == 0)
     assert set(range(start + 1, start + length - 1)) <= set(masked.tolist())
     assert masked.size < length + 30
+
+
+def test_lost_samples_are_told_and_those_in_the_decay_masked():
+    velocity, lost = decay(), np.array([5, 8000, *range(9000, 9300)])
+    known = Recording(velocity, RATE, "velocity", lost=lost, over=lost[:1])
+    found = uncut(velocity, recording=known)
+    assert np.flatnonzero(found["usable"].values == 0).tolist() == lost.tolist()
+    first = f"{5 / RATE:.6g} s into the record"
+    told = f"302 samples lost (1 over the sensor's range), the first {first}; masked"
+    assert text(found, "lost-samples") == told
+    none = judge(rejected("no decay"), velocity, 250.0, recording=known)
+    assert none.attrs["reason"] == "no decay"
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "displacement", "acceleration"])
+@pytest.mark.parametrize("length", [1, 40, 600])
+def test_the_mode_carries_a_record_over_a_gap(quantity, length):
+    """Velocity is right on both sides, though acceleration is summed through the gap."""
+    clean = ring_down(second=0.0, softening=0.0, noise_db=80)[0]
+    made = {
+        "velocity": clean,
+        "displacement": np.cumsum(clean) / RATE + 3e-3,
+        "acceleration": np.gradient(clean, 1.0 / RATE),
+    }[quantity]
+    lost = np.arange(8000, 8000 + length)
+    spoilt = np.where(np.isin(np.arange(made.size), lost), np.nan, made)
+    unit = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}[quantity]
+    one, other = (
+        velocity(carried(recording(x, unit, "a", sampling_Hz=RATE), 250.0), 250.0)
+        for x in (made, spoilt)
+    )
+    off = np.abs(one - other)
+    assert off.max() < 0.05 * np.abs(one[7900:8000]).max()
 
 
 def stepped(factor, at, noise=1e-3):

@@ -11,7 +11,7 @@ from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import LEAST_FALL, coarse, cut
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.release import Release
-from bladeroot.quality.integrity import bridged, judge
+from bladeroot.quality.integrity import bridged, carried, judge
 from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
@@ -40,7 +40,7 @@ def free_decay(
     Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: of a cut and the
     record it was cut from (m/s), the cut with the start and end that a person states.
     """
-    whole = uncut(recording, expected_Hz)
+    whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
     rate = recording.sampling_Hz
     clear = bridged(motion, rate, expected_Hz)

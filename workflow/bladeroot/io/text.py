@@ -1,6 +1,7 @@
 """Text as labs write it: encoding, what splits fields, decimal commas, signs between thousands."""
 
 import codecs
+import math
 import re
 
 _BOMS = {
@@ -14,6 +15,11 @@ _THOUSANDS = re.compile(
     re.IGNORECASE,
 )
 _UNSURE = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
+# Marks in the place of a number: of a sensor over its range, and of a sample that is lost.
+_OVER = re.compile(
+    r"[-+]?(ov[rl]?|ovld|ovfl|over([ -]?(load(ed)?|range|flow))?|ol|inf(inity)?|1\.#inf)", re.I
+)
+_LOST = re.compile(r"-*|[-+]?(nan|1\.#(qnan|snan|ind))|#?n/?a|#(num|value|div/0)!|null|none", re.I)
 
 
 def encoding_of(start: bytes, path: str) -> str:
@@ -63,6 +69,15 @@ def numeric(field: str) -> bool:
     return bool(
         re.fullmatch(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|[-+]?(nan|inf)", field, re.I)
     )
+
+
+def no_number(field: str) -> float | None:
+    """What a mark in the place of a number means: infinity for a sensor over its range, NaN for a
+    sample that is lost; None where it is no such mark.
+    """
+    if _OVER.fullmatch(field):
+        return math.inf
+    return math.nan if _LOST.fullmatch(field) else None
 
 
 def check_thousands(rows: list[list[str]], path: str) -> None:

@@ -10,6 +10,8 @@ from scipy import fft
 
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
+from bladeroot.signal.recording import REACH, SHORT_GAP, Recording
+from bladeroot.signal.runs import runs
 
 FRAME_CYCLES = 4
 # Noise around the mode counts as coloured from so many standard errors and twice the power on.
@@ -94,7 +96,7 @@ class Examined:
     noise, `modes_Hz` expected frequencies of the structure's
     other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
     but where the sensor's own channel is looked at. `mixed` is the decay with all that rings, where
-    this one has been freed of the rest.
+    this one has been freed of the rest. `recording` has the sensor's own samples, where known.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -107,6 +109,20 @@ class Examined:
     blind: tuple[tuple[int, int], ...] = ()
     unit: str = "m/s"
     mixed: "Examined | None" = None
+    recording: Recording | None = None
+
+    @cached_property
+    def lost(self) -> tuple[tuple[int, int], ...]:
+        """Spans of the decay that rest on samples that the sensor's recording has lost."""
+        if self.recording is None or not self.recording.lost.size:
+            return ()
+        at = np.zeros(self.recording.samples.size, bool)
+        at[self.recording.lost] = True
+        spans = runs(at)
+        if self.recording.quantity == "displacement":
+            spans += np.where(np.diff(spans) > SHORT_GAP, (-REACH, REACH), 0)
+        spans = np.clip(spans - self.first, 0, self.velocity.size)
+        return tuple((int(a), int(b)) for a, b in spans if a < b)
 
     @cached_property
     def early(self) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:

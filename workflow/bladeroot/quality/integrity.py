@@ -14,7 +14,7 @@ from numpy import ndarray
 from bladeroot.quality import findings
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.lines import FASTEST
-from bladeroot.signal.recording import Recording
+from bladeroot.signal.recording import SHORT_GAP, Recording
 from bladeroot.variables import dataset
 
 # FREEVIB needs eight cycles of a decay; in a record of fewer than so many nothing is bridged.
@@ -79,13 +79,13 @@ def judge(
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
         if whole.any() and np.isfinite(decay.attrs["sampling_Hz"]):
             rate = decay.attrs["sampling_Hz"]
-            seen = Examined(velocity, rate, expected_Hz, 0.0, whole)
+            seen = Examined(velocity, rate, expected_Hz, 0.0, whole, recording=recording)
             for name, module in checks().items():
                 text = module.without_decay(seen) if hasattr(module, "without_decay") else ""
                 found += [(name, _fact(text, "warn"))] if text else []
     else:
-        seen = examined(decay, whole, expected_Hz, modes_Hz)
-        own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz)
+        seen = examined(decay, whole, expected_Hz, modes_Hz, recording)
+        own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz, recording)
         candidates = examine(seen, own)
         decay = decay.assign_attrs(noise_velocity=own.noise_around)
         if recording is not None and recording.quantity != "velocity":
@@ -125,8 +125,7 @@ def bridged(
     Short spans are bridged by straight lines, longer ones by the mode's own course; padding at
     either end is left.
     """
-    fewest = SHORTEST * sampling_Hz
-    if expected_Hz >= FASTEST * sampling_Hz or velocity.size * expected_Hz < fewest:
+    if _too_short(velocity.size, sampling_Hz, expected_Hz):
         return velocity
     seen = Examined(velocity, sampling_Hz, expected_Hz, 0.0, velocity)
     found = [module.find(seen) for module in checks().values() if hasattr(module, "FIRST")]
@@ -140,11 +139,28 @@ def bridged(
     return mended(seen, spans).velocity if spans else velocity
 
 
+def carried(recording: Recording, expected_Hz: float) -> Recording:
+    """A recording with the mode's own course through its long gaps, to make a velocity of."""
+    x, rate = recording.samples, recording.sampling_Hz
+    if not recording.lost.size or _too_short(x.size, rate, expected_Hz):
+        return recording
+    mean = x.mean()
+    seen = Examined(x - mean, rate, expected_Hz, 0.0, x, recording=recording)
+    spans = tuple((first, stop) for first, stop in seen.lost if first and stop - first > SHORT_GAP)
+    return replace(recording, samples=mended(seen, spans).velocity + mean)
+
+
+def _too_short(count: int, sampling_Hz: float, expected_Hz: float) -> bool:
+    """Whether a record is sampled too slowly, or too short, for anything to be bridged."""
+    return expected_Hz >= FASTEST * sampling_Hz or count * expected_Hz < SHORTEST * sampling_Hz
+
+
 def examined(
     decay: xr.Dataset,
     whole: Float[ndarray, " whole"],
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
+    recording: Recording | None = None,
 ) -> Examined:
     """What the checks look at: the samples of the cut as they were recorded."""
     rate = float(decay.attrs["sampling_Hz"])
@@ -157,6 +173,7 @@ def examined(
         whole=whole,
         first=first,
         modes_Hz=tuple(modes_Hz),
+        recording=recording,
     )
 
 
@@ -167,6 +184,7 @@ def examine(seen: Examined, freed: Examined | None = None) -> list[tuple[str, Fi
     at the decay as it was recorded.
     """
     found = []
+    seen, freed = (one and mended(one, one.lost) for one in (seen, freed))
     freed = seen if freed is None else replace(freed, mixed=seen)
     first = [name for name, module in checks().items() if hasattr(module, "FIRST")]
     for name, module in checks().items():
@@ -189,6 +207,8 @@ def mended(seen: Examined, spans: tuple[tuple[int, int], ...]) -> Examined:
     keep = np.ones(seen.velocity.size, bool)
     for first, last in spans:
         keep[first:last] = False
+    if not keep.any():
+        return seen
     at = np.flatnonzero(keep)
     velocity = seen.velocity.copy()
     velocity[~keep] = np.interp(np.flatnonzero(~keep), at, velocity[at])

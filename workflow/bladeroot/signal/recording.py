@@ -1,10 +1,10 @@
 """A recording as an analysis takes it, and its motion as velocity."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
@@ -13,6 +13,9 @@ SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
 DRIFT_CYCLES = 7
 # Weights of the samples 1 to 4 ahead in the eighth-order central difference.
 _CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+# Samples on either side from which a displacement's velocity is made; lost ones in a row that their
+# neighbours tell well.
+REACH, SHORT_GAP = _CENTRAL.size, 4
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,8 @@ class Recording:
     """Uniformly sampled motion in SI units (m, m/s or m/s^2), as the sensor gives it.
 
     undone: takes the sensor's own response off samples at a sampling frequency, where it has one.
+    lost: which samples the file has no number for, in whose place stand curves through the others;
+    over: those of them that were over the sensor's range.
     """
 
     samples: Float[ndarray, " sample"]
@@ -28,6 +33,8 @@ class Recording:
     start_s: float = 0.0
     notes: tuple[str, ...] = ()
     undone: Callable[[ndarray, float], ndarray] | None = None
+    lost: Int[ndarray, " lost"] = field(default_factory=lambda: np.zeros(0, int))
+    over: Int[ndarray, " over"] = field(default_factory=lambda: np.zeros(0, int))
 
 
 def uncut(record: Recording, expected_Hz: float) -> Recording:

@@ -14,6 +14,7 @@ from bladeroot.io.text import (
     check_commas,
     check_thousands,
     encoding_of,
+    no_number,
     numeric,
     separator_of,
 )
@@ -69,7 +70,8 @@ def read(path: str, channel: str | None = None, quantity: str | None = None) -> 
     before it may say `sampling_Hz: 25600`, `fs: 25.6 kHz`, `unit: mm/s`, `mode: 1B`,
     `force_N: 12000`. Fields are split at commas, semicolons or tabs and may stand in
     quotation marks; a decimal comma may stand where commas do not split.
-    Signs between thousands are refused, and commas that may be such.
+    Signs between thousands are refused, and commas that may be such. Cells of the motion without a
+    number (NaN, ---, #N/A, empty) are lost samples, OVR and the like overloads.
     A last line without a line end counts as cut off.
     """
     form = _form(path)
@@ -159,6 +161,10 @@ def _form(path: str) -> _Form:
         check_commas([_fields(line, separator) for line in lines[first:]], first, path)
     heads = [_names(lines[k], separator) for k in above[-2:]]
     names = heads[-1] if heads else []
+    if len(names) == len(fields) + 1 and names[-1].lower() == "comment":
+        names = names[:-1]  # LabVIEW names a column of comments and leaves it out of the rows
+    if separator and len(names) <= lines[first].count(separator) + 1:
+        fields += [""] * (len(names) - len(fields))  # the last cells of the first row may be empty
     if len(fields) == 1 and names:
         names = [" ".join(names)]  # what stands above a single column is its name, blanks and all
     used = above[-1:] if len(fields) > 1 else []
@@ -168,8 +174,6 @@ def _form(path: str) -> _Form:
         units, names, used = list(bare), heads[0], above[-2:]
     if not above:
         names = _commented(lines[:first], separator, len(fields))
-    if len(names) == len(fields) + 1 and names[-1].lower() == "comment":
-        names = names[:-1]  # LabVIEW names a column of comments and leaves it out of the rows
     if len(names) != len(fields):
         raise ValueError(
             f"expected a name for each of the {len(fields)} columns, got {', '.join(names)} "
@@ -230,10 +234,15 @@ def _fields(line: str, separator: str | None) -> list[str]:
 
 
 def _is_row(line: str, hollow: bool) -> bool:
-    """Whether a line is a row of numbers; cells at its end, or the first, may be empty."""
+    """Whether a line is a row of numbers, and of marks of lost ones; it begins with a number or an
+    overload, as headers and lines that are drawn below them do not.
+    """
     fields = _fields(line, separator_of(line))
     fields = fields[1:] if hollow and len(fields) > 1 and not fields[0] else fields
-    return bool(fields) and not line.startswith(_COMMENTS) and all(map(numeric, fields))
+    if not fields or line.startswith(_COMMENTS):
+        return False
+    begins = numeric(fields[0]) or no_number(fields[0]) == np.inf
+    return begins and all(numeric(field) or no_number(field) is not None for field in fields)
 
 
 def _unit(text: str) -> bool:
@@ -254,7 +263,7 @@ def _words(lines: list[str]) -> dict[str, str]:
 
 
 def _numbers(path: str, form: _Form, columns: list[int]) -> np.ndarray:
-    """The wanted columns as floats, block by block."""
+    """The wanted columns as floats, block by block; in the first of them samples may be lost."""
     parts = []
     row = form.first + 1
     # UTF-8 and cp1252 are one byte a digit: only UTF-16 and a mark at the start must be known
@@ -298,7 +307,7 @@ def _block(block: str, row: int, form: _Form, columns: list[int], path: str) -> 
             return values
     except (ValueError, OverflowError):
         pass
-    raise ValueError(_bad_field(block, row, form, columns, path))
+    return _by_cells(block, row, form, columns, path)
 
 
 def _even(content: bytes, form: _Form) -> bool:
@@ -310,26 +319,41 @@ def _even(content: bytes, form: _Form) -> bool:
     return bool(((counts == form.separators) | (starts == ends)).all())
 
 
-def _bad_field(block: str, row: int, form: _Form, columns: list[int], path: str) -> str:
-    """The first line that is not as it should be."""
+def _by_cells(block: str, row: int, form: _Form, columns: list[int], path: str) -> np.ndarray:
+    """The same cell by cell: NaN for a lost sample, infinity for one over the range.
+
+    Raises:
+        ValueError: the first line that is not as it should be.
+    """
+    rows = []
     for number, line in enumerate(block.split("\n"), row):
         if not line.strip():
             continue
         if form.separator and line.count(form.separator) != form.separators:
-            return (
+            raise ValueError(
                 f"expected {form.separators + 1} fields, got {line.count(form.separator) + 1} "
                 f"({path}, row {number})"
             )
         fields = line.split(form.separator)
-        for column in columns:
-            field = fields[column].strip() if column < len(fields) else ""
-            try:
-                good = np.isfinite(float(field.replace(form.decimal, ".")))
-            except ValueError:
-                good = False
-            if not good or "_" in field:
-                return (
-                    f"expected a finite number, got {field[:40]!r} ({path}, row {number}, column "
-                    f"{form.names[column]!r})"
-                )
-    return f"expected {len(form.names)} columns of numbers from row {row} on ({path})"
+        cells = [fields[k].strip() if k < len(fields) else None for k in columns]
+        values = [_number(cell, form.decimal) for cell in cells]
+        lost = None if cells[0] is None else no_number(cells[0].strip('"'))
+        values[0] = values[0] if lost is None else lost
+        bad = next((k for k, value in enumerate(values) if value is None), None)
+        if bad is not None:
+            marks = "" if bad else " or the mark of a lost sample (NaN, ---, OVR, an empty cell)"
+            raise ValueError(
+                f"expected a finite number{marks}, got {(cells[bad] or '')[:40]!r} ({path}, row "
+                f"{number}, column {form.names[columns[bad]]!r})"
+            )
+        rows.append(values)
+    return np.array(rows, float).reshape(-1, len(columns))
+
+
+def _number(cell: str | None, decimal: str) -> float | None:
+    """A finite number, None where the cell is none."""
+    try:
+        value = float((cell or "").replace(decimal, "."))
+    except ValueError:
+        return None
+    return value if np.isfinite(value) and "_" not in cell else None

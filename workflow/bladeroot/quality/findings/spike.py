@@ -46,6 +46,8 @@ def find(seen: Examined) -> Finding | None:
     left = residual(seen)
     ratio = np.abs(left.miss) / left.scale
     reach = left.response.size // 2
+    for first, stop in seen.blind:
+        ratio[max(first - reach, 0) : stop + reach] = 0.0
     over = joined(runs(ratio > THRESHOLD), 2 * reach)
     cycle = seen.sampling_Hz / seen.own_Hz
     spans, largest = [], 0.0
