@@ -415,6 +415,34 @@ def test_a_frequency_without_its_error_is_told(wrong):
         br.fit_contact(joint, {"n": (10.0, 0.1), "t": (10.0, 0.1)}, fe_bias={"n": 0.01})
 
 
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"load": "12e3"}, "load must be a number, in the joint's unit of load, got '12e3'"),
+        ({"load": [12e3, 13e3]}, "load must be a number"),
+        ({"load": np.nan}, "load must be a number"),
+        ({"frequencies": [("n", 10.0, 0.1)]}, "frequencies must be a mapping .* got a list"),
+        ({"fe_bias": "small"}, "fe_bias must be a number, .* got 'small'"),
+        ({"stiffness_range": 1e9}, "stiffness_range two numbers in N/m, .* 1000000000.0"),
+    ],
+)
+@pytest.mark.wrong_shape
+def test_an_argument_of_another_kind_is_told_by_its_name(change, told):
+    joint = br.Joint.from_matrices(*two_masses(), {"n": 1, "t": 2})
+    given = {"frequencies": {"n": (10.0, 0.1), "t": (12.0, 0.1)}} | change
+    with pytest.raises(ValueError, match=told):
+        br.fit_contact(joint, **given)
+    if "load" in change:
+        with pytest.raises(ValueError, match=told):
+            joint.modes_at(np.log([1e6, 1e6]), change["load"])
+
+
+@pytest.mark.wrong_shape
+def test_modes_in_a_list_are_told():
+    with pytest.raises(ValueError, match=r"modes must be a mapping .* got a list"):
+        br.Joint.from_matrices(*two_masses(), ["n", "t"])
+
+
 def test_an_unknown_mode_is_told():
     joint = br.Joint.from_matrices(*two_masses(), {"n": 1})
     with pytest.raises(ValueError, match="modes must be among n"):

@@ -10,7 +10,7 @@ from numpy import ndarray
 from scipy.stats import chi2
 
 from bladeroot.inference.least_squares import FE_BIAS, NOTABLE, fit_stiffness, ln_range
-from bladeroot.public.joint import Joint
+from bladeroot.public.joint import Joint, load_number
 
 RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
 
@@ -125,8 +125,8 @@ def fit_contact(
     modes; a further mode straightens it.
 
     Raises:
-        ValueError: an unknown mode, an error that is not positive, a joint that is not stable, a
-            mode that is nowhere found.
+        ValueError: what is no number or mapping, an unknown mode, an error that is not positive, a
+            joint that is not stable, a mode that is nowhere found.
 
     >>> import numpy as np, bladeroot as br
     >>> one, other = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])
@@ -137,6 +137,12 @@ def fit_contact(
     >>> [f"{k:.2g}" for k in (fit.kn, fit.kt)], fit.fits
     (['4e+06', '9e+05'], True)
     """
+    load = load_number(load)
+    if not isinstance(frequencies, Mapping):
+        raise ValueError(
+            "frequencies must be a mapping of each mode to (frequency, standard error) in Hz, "
+            f"got a {type(frequencies).__name__}"
+        )
     names = tuple(frequencies)
     unknown = [name for name in names if name not in joint.modes]
     if unknown or not names:
@@ -152,11 +158,17 @@ def fit_contact(
         )
     value, std = pairs.T
     given = fe_bias if isinstance(fe_bias, Mapping) else dict.fromkeys(names, fe_bias)
-    bias = np.array([given.get(name, np.nan) for name in names], float)
+    try:
+        bias = np.array([given.get(name, np.nan) for name in names], float)
+        low, high = map(float, stiffness_range)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            "fe_bias must be a number, or one by mode, and stiffness_range two numbers in N/m, got "
+            f"{fe_bias!r} and {stiffness_range!r}"
+        ) from error
     for text, numbers in (("frequency", value), ("its standard error", std), ("fe_bias", bias)):
         if not (np.isfinite(numbers).all() and (numbers > 0.0).all()):
             raise ValueError(f"{text} must be positive, got {numbers.tolist()}")
-    low, high = stiffness_range
     if not 0.0 < low < high:
         raise ValueError(f"stiffness_range must be 0 < low < high, got {stiffness_range}")
 
@@ -191,7 +203,7 @@ def fit_contact(
         },
         coords={"parameter": list(joint.parameters), "mode": list(names)},
         attrs={
-            "load": float(load),
+            "load": load,
             "chi2": made.chi_square,
             "freedom": made.freedom,
             "probability": probability,

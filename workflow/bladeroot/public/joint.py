@@ -150,9 +150,10 @@ class Joint:
         """The named modes (all without names) at contact stiffnesses exp(ln_k) N/m and a load.
 
         Raises:
-            ValueError: the joint is not stable there, or a mode is not found: no shape among the
-                lowest agrees with its own to a MAC of LEAST_MAC.
+            ValueError: a load that is no number, the joint is not stable there, or a mode is not
+                found: no shape among the lowest agrees with its own to a MAC of LEAST_MAC.
         """
+        load = load_number(load)
         names = tuple(names) or tuple(self.modes)
         orders = [self.modes[n] for n in names if not isinstance(self.modes[n], ndarray)]
         count = max([len(self.modes), *orders]) + SEARCHED
@@ -249,6 +250,17 @@ def _square(name: str, matrix) -> sp.csr_array:
     return sp.csr_array(0.5 * (made + made.T))
 
 
+def load_number(load: object) -> float:
+    """A load that a caller gives. ValueError: it is no finite number."""
+    try:
+        value = np.nan if isinstance(load, str) else float(load)
+    except (TypeError, ValueError):
+        value = np.nan
+    if not np.isfinite(value):
+        raise ValueError(f"load must be a number, in the joint's unit of load, got {load!r}")
+    return value
+
+
 def _refuse_exchanged(stiffness: sp.csr_array, mass: sp.csr_array) -> None:
     held, weight = stiffness.diagonal(), mass.diagonal()
     moving = weight > 0.0
@@ -263,6 +275,11 @@ def _refuse_exchanged(stiffness: sp.csr_array, mass: sp.csr_array) -> None:
 
 
 def _check_modes(modes: Mapping[str, object], rows: int) -> None:
+    if not isinstance(modes, Mapping):
+        raise ValueError(
+            "modes must be a mapping of each mode's name to its order or shape, got a "
+            f"{type(modes).__name__}"
+        )
     if not modes:
         raise ValueError("modes must name at least one mode")
     for name, known in modes.items():
