@@ -249,6 +249,28 @@ def test_a_column_that_is_no_remark_is_named(folder):
     assert "or note... for remarks" in line
 
 
+@pytest.mark.parametrize(
+    ("loads", "told"),
+    [
+        (("7,160", "3,580"), "got '7,160', whose comma may be that or a decimal one"),
+        (("7160,5", "3.580"), "expected one decimal sign, got '7160,5' and '3.580'"),
+        (("7160,5", "3,580"), None),
+        (("7160,5", "3580.0"), None),
+        (("7160.5", "13.580"), None),
+    ],
+)
+def test_a_sign_that_may_stand_between_thousands_is_a_fault(folder, loads, told):
+    rows = (f"r{k};r1.nc;1B;{load};b{k}" for k, load in enumerate(loads))
+    text = "\n".join(["record;file;mode;force_N;hold", *rows, ""])
+    if told:
+        (line,) = faults(folder, "records.csv", text)
+        assert told in line
+        assert "records.csv, row" in line
+    else:
+        (folder / "records.csv").write_text(text)
+        assert load_campaign(folder).records[0]["force_N"] == float(loads[0].replace(",", "."))
+
+
 def test_a_decimal_comma_between_commas_is_a_fault(folder):
     (line,) = faults(folder, "records.csv", "record,file,mode,force_N\nr1,r1.nc,1B,3580,5\n")
     assert "expected 4 cells, got 5" in line

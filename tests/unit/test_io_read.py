@@ -56,7 +56,7 @@ def test_headers_as_standards_and_instruments_write_them(tmp_path, header):
 def test_times_of_too_few_digits_need_the_frequency_and_agree_with_it(tmp_path):
     rows = [[round(t, 4), v] for t, v in zip(TIME, WAVE, strict=True)]
     path = csv(tmp_path / "a.csv", "time_s,v_mm/s", rows)
-    with pytest.raises(ValueError, match="too few digits, sampling_Hz can tell"):
+    with pytest.raises(ValueError, match="too few digits, or a row twice"):
         read(path)
     assert read(path, sampling_Hz=RATE).sampling_Hz == RATE
     with pytest.raises(ValueError, match="too few digits"):

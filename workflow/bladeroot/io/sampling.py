@@ -43,7 +43,7 @@ def uniform(
         late = time - np.arange(count) / (stated_Hz or np.nan)
         if coarse and np.ptp(late) < 1.01 * digit:
             return stated_Hz, float(np.median(late))
-        hint = "; the times have too few digits, sampling_Hz can tell" if coarse else ""
+        hint = "; too few digits, or a row twice? sampling_Hz can tell" if coarse else ""
         raise ValueError(f"{fault}{hint} ({where})")
     error = float(np.std(off)) * np.sqrt(12.0 / count**3) / step
     rate = 1.0 / step

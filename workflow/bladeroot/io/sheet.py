@@ -1,10 +1,9 @@
 """The form of a campaign's sheet: encoding, separator, header and cells, all as text."""
 
 import csv
-import re
 from pathlib import Path
 
-from bladeroot.io.text import decode, separator_of
+from bladeroot.io.text import check_commas, decode, numeric, separator_of, unsure
 
 # Bytes of a sheet; one of ten thousand records has two million.
 LARGEST = 50_000_000
@@ -21,7 +20,8 @@ def read_sheet(
     commas where semicolons do.
 
     Raises:
-        ValueError: not a sheet, or columns other than `columns` and remarks; a line a fault.
+        ValueError: not a sheet, columns other than `columns` and remarks, or commas whose meaning
+            is open; a line a fault.
     """
     try:
         size = path.stat().st_size
@@ -64,13 +64,31 @@ def read_sheet(
         if len(cells) != len(header):
             faults.append(f"expected {len(header)} cells, got {len(cells)} ({path}, row {row})")
             continue
-        values = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-        if separator == ";":
-            values |= {name: _decimal(values[name]) for name in values if name in numbers}
-        rows.append((row, values))
+        rows.append((row, {name: cell.strip() for name, cell in zip(header, cells, strict=True)}))
+    if separator == ";":
+        rows = _decimal(rows, numbers, str(path))
     return rows, faults
 
 
-def _decimal(text: str) -> str:
-    """A number with its decimal comma as a point."""
-    return text.replace(",", ".") if re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text) else text
+def _decimal(
+    rows: list[tuple[int, dict]], numbers: tuple[str, ...], path: str
+) -> list[tuple[int, dict]]:
+    """Rows with the decimal commas of their numbers as points.
+
+    Raises:
+        ValueError: no comma is a decimal one for certain, or a point beside them may stand between
+            thousands.
+    """
+    found = {
+        row: {name: values[name] for name in values if name in numbers and numeric(values[name])}
+        for row, values in rows
+    }
+    doubtful: list[list[str]] = [[] for _ in range(max(found, default=0))]  # by line
+    for row, given in found.items():
+        doubtful[row - 1] = [cell for cell in given.values() if "," in cell or unsure(cell)]
+    if any("," in cell for line in doubtful for cell in line):
+        check_commas(doubtful, 0, path)
+    return [
+        (row, values | {name: cell.replace(",", ".") for name, cell in found[row].items()})
+        for row, values in rows
+    ]

@@ -9,12 +9,12 @@ _BOMS = {
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
-# Commas or points between thousands for certain, and commas that may be such.
+# Commas or points between thousands for certain, and those that may be such.
 _THOUSANDS = re.compile(
     r"[-+]?\d{1,3}((,\d{3})+\.\d*|(\.\d{3})+,\d*|(,\d{3}){2,}|(\.\d{3}){2,})(e[-+]?\d+)?",
     re.IGNORECASE,
 )
-_UNSURE = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
+_UNSURE = re.compile(r"[-+]?[1-9]\d{0,2}[,.]\d{3}")
 # Marks in the place of a number: of a sensor over its range, and of a sample that is lost.
 _OVER = re.compile(
     r"[-+]?(ov[rl]?|ovld|ovfl|over([ -]?(load(ed)?|range|flow))?|ol|inf(inity)?|1\.#inf)", re.I
@@ -80,6 +80,11 @@ def no_number(field: str) -> float | None:
     return math.nan if _LOST.fullmatch(field) else None
 
 
+def unsure(field: str) -> bool:
+    """Whether a number's only comma or point may stand between thousands."""
+    return _UNSURE.fullmatch(field) is not None
+
+
 def check_thousands(rows: list[list[str]], path: str) -> None:
     """Refuse signs between thousands, in a row of nothing but numbers."""
     for k, fields in enumerate(rows):
@@ -104,7 +109,7 @@ def check_commas(rows: list[list[str]], first: int, path: str) -> None:
             f"expected one decimal sign, got {field!r} and {points[0][1]!r} ({path}, rows "
             f"{first + row + 1} and {first + points[0][0] + 1})"
         )
-    if all(_UNSURE.fullmatch(field) for _, field in commas):
+    if all(unsure(field) for _, field in commas):
         raise ValueError(
             f"expected numbers without commas between thousands, got {field!r}, whose comma may "
             f"be that or a decimal one ({path}, row {first + row + 1})"
