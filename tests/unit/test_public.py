@@ -43,6 +43,34 @@ def test_masked_samples_are_lost_ones():
     assert decay.stick_frequency[0] == pytest.approx(whole.stick_frequency[0], rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    "given",
+    [{"from_s": np.nan}, {"to_s": "end"}, {"band_Hz": 210.0}, {"band_Hz": (200.0, None)}],
+)
+@pytest.mark.wrong_shape
+def test_ends_that_are_no_numbers_are_told_by_name(given):
+    with pytest.raises(ValueError, match=f"{next(iter(given))}.* must be two numbers, got"):
+        br.ringdown(samples(), mode_Hz=210.0, sampling_Hz=RATE, **given)
+
+
+@pytest.mark.parametrize("kind", ["datetime64[ns]", "timedelta64[us]"])
+def test_times_of_a_data_array_may_be_dates(kind):
+    seconds = np.arange(int(3.0 * RATE)) / RATE
+    time = np.round(1e9 * seconds).astype("timedelta64[ns]").astype(kind)
+    array = xr.DataArray(samples(), dims="time", coords={"time": time}, attrs={"units": "m/s"})
+    plain = array.assign_coords(time=seconds)
+    one, other = (br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE) for x in (array, plain))
+    assert one.stick_frequency[0] == pytest.approx(other.stick_frequency[0], rel=1e-9)
+
+
+def test_a_sensitivity_may_be_a_factor():
+    one, other = (
+        br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE, sensitivity=factor)
+        for x, factor in ((samples(), None), (2.0 * samples(), 0.5))
+    )
+    np.testing.assert_array_equal(one.curves["amplitude"], other.curves["amplitude"])
+
+
 def test_each_finding_is_told_once_and_by_itself():
     v = samples()
     v += 1e-3 * np.cos(2 * np.pi * 50.0 * np.arange(v.size) / RATE)
@@ -66,7 +94,7 @@ def test_a_drive_ends_where_it_does_beside_modes_that_it_does_not_reach(seed):
     decay = br.ringdown(v, mode_Hz=250.0, **known, **parts).free_decay
     assert decay.attrs["start_s"] == pytest.approx(0.3, abs=1e-3)
     assert decay.attrs["end_s"] == pytest.approx(1.2, abs=1e-3)
-    with pytest.raises(ValueError, match="end_s must end after it begins"):
+    with pytest.raises(ValueError, match="end_s must be in order"):
         br.ringdown(v, mode_Hz=250.0, **known, start_s=1.0, end_s=0.5)
 
 

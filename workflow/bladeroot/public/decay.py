@@ -89,7 +89,7 @@ def ringdown(
     sampling_Hz: float | None = None,
     quantity: str | None = None,
     unit: str | None = None,
-    sensitivity: str | None = None,
+    sensitivity: str | float | None = None,
     channel: str | int | None = None,
     other_modes_Hz: Sequence[float] = (),
     damping: str = "hysteretic",
@@ -108,7 +108,7 @@ def ringdown(
         sampling_Hz: for arrays, and for files that do not say.
         quantity: velocity (of an array without a unit), displacement or acceleration.
         unit: of the samples, such as `mm/s`; by default SI, or what the file says.
-        sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`.
+        sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`; or a factor.
         channel: of a file that has several, its name or number.
         other_modes_Hz: other modes that are known to be there.
         damping: law, `hysteretic` or `viscous`.
@@ -136,10 +136,13 @@ def ringdown(
         raise ValueError(f"quantity must be one of {', '.join(SI)}, got {quantity!r}")
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
-    for name, pair in (("to_s", (from_s, to_s)), ("end_s", (start_s, end_s)), ("band_Hz", band_Hz)):
-        if pair is not None and None not in pair and not pair[0] < pair[1]:
-            raise ValueError(f"{name} must end after it begins, got {pair[0]:g} to {pair[1]:g}")
-    channel = None if channel is None else str(channel)
+    from_s, to_s = _ends("from_s and to_s", (from_s, to_s))
+    start_s, end_s = _ends("start_s and end_s", (start_s, end_s))
+    band_Hz = None if band_Hz is None else _ends("band_Hz", band_Hz, both=True)
+    # a number of a channel, a factor
+    channel, sensitivity, unit = (
+        None if one is None else str(one) for one in (channel, sensitivity, unit)
+    )
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
     taken = part(taken, from_s, to_s, name)
@@ -181,6 +184,19 @@ def _hertz(name: str, value: object) -> float:
     return number
 
 
+def _ends(name: str, given: object, both: bool = False) -> tuple[float | None, float | None]:
+    """Where a part, decay or band that a caller gives begins and ends; None where it is open."""
+    try:
+        first, last = (None if one is None else float(one) for one in given)
+    except (TypeError, ValueError):
+        first = last = np.nan
+    if not all(not both if one is None else np.isfinite(one) for one in (first, last)):
+        raise ValueError(f"{name} must be two numbers, got {given!r}")
+    if None not in (first, last) and not first < last:
+        raise ValueError(f"{name} must be in order, got {first:g} to {last:g}")
+    return first, last
+
+
 def starts(taken: Recording, mode_Hz: float) -> list[float]:
     """When each decay of a mode in a recording begins, s after its first sample."""
     motion = velocity(uncut(taken, mode_Hz), mode_Hz)
@@ -219,7 +235,9 @@ def _recording(
     if isinstance(source, xr.DataArray):
         unit = unit or source.attrs.get("units")
         if "time" in source.coords:
-            time = source["time"].values.astype(float)
+            time = source["time"].values
+            if time.dtype.kind in "mM":  # dates, or times since one
+                time = (time - time[:1]) / np.timedelta64(1, "s")
         elif sampling_Hz is None:
             raise ValueError("expected a coordinate `time` in the DataArray, or sampling_Hz")
     elif sampling_Hz is None:
