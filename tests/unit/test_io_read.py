@@ -226,6 +226,16 @@ def test_a_mark_in_the_place_of_a_number_is_a_lost_sample(tmp_path, mark, separa
     np.testing.assert_allclose(found.samples[1:], WAVE[1:-1], rtol=1e-3, atol=1e-3)
 
 
+@pytest.mark.parametrize(("row", "got"), [("0.1 0.2 0.3", 3), ("0.1", 1)])
+def test_a_row_of_another_length_between_blanks_is_told(tmp_path, row, got):
+    path = marked(tmp_path, "NaN", [7], " ")
+    lines = path.read_text().split("\n")
+    lines[20] = row
+    path.write_text("\n".join(lines))
+    with pytest.raises(ValueError, match=f"expected 2 fields, got {got} .*row 21"):
+        read(path)
+
+
 def test_a_single_column_may_begin_over_the_range(tmp_path):
     (tmp_path / "a.csv").write_text(
         "\n".join(["velocity_m/s", "OVR", *map(repr, WAVE.tolist()), ""])
@@ -235,7 +245,9 @@ def test_a_single_column_may_begin_over_the_range(tmp_path):
 
 
 def test_a_column_of_marks_is_no_motion(tmp_path):
-    with pytest.raises(ValueError, match=r"90% of the samples.*, got none for .*sample 2, nan"):
+    with pytest.raises(
+        ValueError, match=r"90% of the samples.*, got none for .*\(0 over .*sample 2 "
+    ):
         read(marked(tmp_path, "---", range(1, TIME.size - 1)))
 
 

@@ -127,9 +127,11 @@ def _lost(raw: ndarray, where: str) -> tuple[ndarray, int]:
     count = raw.size - ending
     lost = np.flatnonzero(~good[:count])
     if lost.size > MOST_LOST * count:
+        over = np.isinf(raw[lost]).sum()
         raise ValueError(
             f"expected numbers for {1.0 - MOST_LOST:.0%} of the samples at least, got none for "
-            f"{lost.size} of {count}, the first for sample {lost[0] + 1}, {raw[lost[0]]} ({where})"
+            f"{lost.size} of {count} ({over} over the sensor's range), first for sample "
+            f"{lost[0] + 1} ({where})"
         )
     return lost, ending
 

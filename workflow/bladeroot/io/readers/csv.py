@@ -326,34 +326,34 @@ def _by_cells(block: str, row: int, form: _Form, columns: list[int], path: str) 
         ValueError: the first line that is not as it should be.
     """
     rows = []
+    expected = form.separators + 1 if form.separator else len(form.names)
     for number, line in enumerate(block.split("\n"), row):
         if not line.strip():
             continue
-        if form.separator and line.count(form.separator) != form.separators:
-            raise ValueError(
-                f"expected {form.separators + 1} fields, got {line.count(form.separator) + 1} "
-                f"({path}, row {number})"
-            )
         fields = line.split(form.separator)
-        cells = [fields[k].strip() if k < len(fields) else None for k in columns]
+        if len(fields) != expected:
+            raise ValueError(
+                f"expected {expected} fields, got {len(fields)} ({path}, row {number})"
+            )
+        cells = [fields[k].strip() for k in columns]
         values = [_number(cell, form.decimal) for cell in cells]
-        lost = None if cells[0] is None else no_number(cells[0].strip('"'))
+        lost = no_number(cells[0].strip('"'))
         values[0] = values[0] if lost is None else lost
         bad = next((k for k, value in enumerate(values) if value is None), None)
         if bad is not None:
             marks = "" if bad else " or the mark of a lost sample (NaN, ---, OVR, an empty cell)"
             raise ValueError(
-                f"expected a finite number{marks}, got {(cells[bad] or '')[:40]!r} ({path}, row "
+                f"expected a finite number{marks}, got {cells[bad][:40]!r} ({path}, row "
                 f"{number}, column {form.names[columns[bad]]!r})"
             )
         rows.append(values)
     return np.array(rows, float).reshape(-1, len(columns))
 
 
-def _number(cell: str | None, decimal: str) -> float | None:
+def _number(cell: str, decimal: str) -> float | None:
     """A finite number, None where the cell is none."""
     try:
-        value = float((cell or "").replace(decimal, "."))
+        value = float(cell.replace(decimal, "."))
     except ValueError:
         return None
     return value if np.isfinite(value) and "_" not in cell else None
