@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 from bladeroot.decay.components import separated
-from bladeroot.decay.curves import later
+from bladeroot.decay.estimate import later
 from bladeroot.decay.freevib import freevib
 
 START = 0.5  # m/s

@@ -440,7 +440,7 @@ def test_the_unit_of_the_velocity_does_not_matter(exponent, seed):
 
 
 def test_notes_warn_and_findings_survive_a_file(tmp_path):
-    found = judged(decay(), notes=("the file's clock differs from the sheet's",))
+    found = judged(decay(), remarks=(("reader", "the file's clock differs from the sheet's"),))
     assert found["finding_id"].values.tolist() == ["reader"]
     assert found.attrs["findings"] == "the file's clock differs from the sheet's"
     assert found.attrs["verdict"] == "usable"

@@ -31,6 +31,8 @@ LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
 # many steps high then follows them, not the mode.
 BLURRED, STEPS = 0.45, 8.0
+# Bins of the overview of a record.
+BINS = 1000
 
 
 def cut(
@@ -38,7 +40,6 @@ def cut(
     sampling_Hz: float,
     expected_Hz: float,
     end: float | str = "noise",
-    bins: int = 1000,
     release: Release | None = None,
     least: float | None = None,
 ) -> xr.Dataset:
@@ -60,7 +61,6 @@ def cut(
         expected_Hz: the mode's expected frequency.
         end: "noise", or the part of its first value at which the envelope shall end, if it gets
             there before (the thesis's 1/1000, 3.1.1).
-        bins: bins of the overview kept for figures.
         release: when and how the decay was let go, where that is known.
         least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
     """
@@ -76,7 +76,7 @@ def cut(
         span, finding = _span(velocity, sampling_Hz, expected_Hz, noise, least, end, attrs, release)
     attrs["verdict"] = "rejected" if finding else "usable"
     attrs["findings"] = finding
-    return _dataset(velocity, sampling_Hz, span, attrs, bins)
+    return cut_out(velocity, sampling_Hz, span, attrs)
 
 
 def too_fast_or_short(samples: int, sampling_Hz: float, expected_Hz: float) -> str:
@@ -117,7 +117,7 @@ def coarse(samples: Float[ndarray, " sample"]) -> float:
 def rejected(finding: str) -> xr.Dataset:
     """The record of a file that could not be read: no samples, and one line that says why."""
     attrs = _nothing() | {"verdict": "rejected", "findings": finding}
-    return _dataset(np.zeros(0), float("nan"), (0, 0), attrs, 0)
+    return cut_out(np.zeros(0), float("nan"), (0, 0), attrs)
 
 
 def _nothing() -> dict[str, float | str | int]:
@@ -220,15 +220,15 @@ def _deep(fall: float, level: ndarray, found: list[tuple[int, int]]) -> list[tup
     return [(p, t) for p, t in found if level[p] - level[t] > 0.5 * fall]
 
 
-def _dataset(
-    velocity: ndarray,
+def cut_out(
+    velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
     span: tuple[int, int],
     attrs: dict[str, float | str | int],
-    bins: int,
 ) -> xr.Dataset:
+    """The samples from one to another as a Dataset, with an overview of the record for figures."""
     piece = velocity[span[0] : span[1]]
-    count = max(min(bins, velocity.size), 1)
+    count = max(min(BINS, velocity.size), 1)
     edges = np.arange(count + 1 if velocity.size else 1) * velocity.size // count
     at = edges[:-1]
     low, high = (

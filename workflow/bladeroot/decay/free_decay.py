@@ -1,18 +1,16 @@
 """From a recording to the judged free decay of one mode."""
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.components import Separated, onset, separated
-from bladeroot.decay.cut import LEAST_FALL, coarse, cut
+from bladeroot.decay.cut import LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
+from bladeroot.decay.overrides import windowed
 from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, carried, judge
-from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
@@ -33,12 +31,13 @@ def free_decay(
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
     end: float | str = "noise",
-    window: Callable[[xr.Dataset, ndarray], xr.Dataset] = lambda decay, whole: decay,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    remarks: tuple[tuple[str, str], ...] = (),
 ) -> xr.Dataset:
     """The free decay of one mode, cut, without what else rings, with its findings and its mask.
 
-    Arguments as of `decay.cut.cut` and `quality.integrity.judge`. window: of a cut and the
-    record it was cut from (m/s), the cut with the start and end that a person states.
+    Arguments as of `decay.cut.cut`, `decay.overrides.windowed` and `quality.integrity.judge`.
     """
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
@@ -46,11 +45,12 @@ def free_decay(
     clear = bridged(motion, rate, expected_Hz)
     steps = _steps(recording, expected_Hz)
     seen = cut(clear, rate, expected_Hz, end, least=steps)
-    decay = window(seen, clear)
+    remarks += tuple(("reader", note) for note in whole.notes)
+    asked = expected_Hz, modes_Hz, recording
+    decay = windowed(seen, clear, start_s, end_s)
+    if too_fast_or_short(clear.size, rate, expected_Hz):
+        return judge(decay, motion, *asked, remarks=remarks)
     struck = onset(clear, rate / expected_Hz)
-    asked = expected_Hz, modes_Hz, whole.notes, recording
-    if expected_Hz >= FASTEST * rate or clear.size * expected_Hz < 16 * rate:
-        return judge(decay, motion, *asked)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
     how = decay.attrs["excitation"] or "hammer"
     if struck and how == "begins in the decay":
@@ -58,22 +58,18 @@ def free_decay(
     parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     release = Release(parts.first / rate, 0.0, how)
     lone = not parts.lines_Hz and parts.velocity is clear
-    if lone:
-        if struck:
-            sooner = cut(clear, rate, expected_Hz, end, release=release, least=steps)
-            decay = window(sooner, clear)
-        remarks = _remarks(seen, decay) + parts.remarks
-        return _with_widening(judge(decay, motion, *asked, None, remarks), parts)
-    freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+    freed = seen
+    if struck or not lone:
+        freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
         if np.std(clear[after] - parts.velocity[after]) > steps:
             freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
-    freed = window(freed, parts.velocity)
-    remarks = _remarks(seen, freed) + parts.remarks
-    judged = judge(freed, motion, *asked, parts.velocity, remarks)
+    freed = windowed(freed, parts.velocity, start_s, end_s)
+    remarks += _remarks(seen, freed) + parts.remarks
+    judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts)
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.cut import cut_out
 from bladeroot.signal.lines import hann
 
 # Half the filter's length, in inverse widths of the band: shorter lets the neighbours in, longer
@@ -39,12 +40,6 @@ def windowed(
     first = int(np.clip(np.ceil(begin * rate), 0, whole.size))
     stop = int(np.clip(np.floor(finish * rate) + 1, first, whole.size))
     piece = whole[first:stop]
-    made = decay.drop_vars(["velocity", "time"]).assign(
-        velocity=("time", piece, decay["velocity"].attrs)
-    )
-    made = made.assign_coords(
-        time=("time", np.arange(float(piece.size)) / rate, decay["time"].attrs)
-    )
     finding = "" if piece.any() else f"nothing between {begin:g} and {finish:g} s of records.csv"
     facts = {"start_s": first / rate, "end_s": max(stop - 1, first) / rate,
              "end_reason": decay.attrs["end_reason"] if end_s is None else "records.csv",
@@ -53,7 +48,7 @@ def windowed(
         facts |= {"release_s": first / rate, "release_std_s": 0.0}
     if not decay.attrs["excitation"]:
         facts["excitation"] = "begins in the decay"
-    return made.assign_attrs(facts)
+    return cut_out(whole, rate, (first, stop), decay.attrs | facts)
 
 
 def kept(judged: xr.Dataset) -> xr.Dataset:
@@ -65,26 +60,6 @@ def kept(judged: xr.Dataset) -> xr.Dataset:
     return judged.assign(finding_consequence=warn.assign_attrs(consequence.attrs)).assign_attrs(
         verdict="usable", reason=""
     )
-
-
-def with_override(judged: xr.Dataset, text: str) -> xr.Dataset:
-    """A judged record with the overrides as its first finding, so that every table shows them."""
-    if not text:
-        return judged
-    own = f"overruled: {text}"
-    first = {"id": "override", "statistic": 1.0, "threshold": 0.0, "consequence": "warn",
-             "text": own, "from_s": np.nan, "to_s": np.nan}  # fmt: skip
-    names = [f"finding_{name}" for name in first]
-    columns = {
-        name: xr.Variable(
-            "finding",
-            np.array([value, *judged[name].values.tolist()], type(value)),
-            judged[name].attrs,
-        )
-        for name, value in zip(names, first.values(), strict=True)
-    }
-    said = "; ".join(filter(None, (own, judged.attrs["findings"])))
-    return judged.drop_vars(names).assign(columns).assign_attrs(findings=said, overruled=text)
 
 
 def banded(cut: xr.Dataset, band_Hz: Sequence[float]) -> xr.Dataset:

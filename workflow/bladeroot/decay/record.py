@@ -1,7 +1,6 @@
 """One raw record to all its artifacts: read, as a person overrules it, with a second opinion."""
 
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +8,20 @@ import xarray as xr
 
 from bladeroot.decay.cut import rejected
 from bladeroot.decay.estimate import estimate
-from bladeroot.decay.overrides import kept, windowed, with_override
-from bladeroot.decay.ringdown import ringdown, with_curves
+from bladeroot.decay.free_decay import free_decay
+from bladeroot.decay.overrides import kept
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
 from bladeroot.io.recording import part
+from bladeroot.plateau.plateau import record_plateau
 from bladeroot.quality.integrity import judge
 from bladeroot.signal.recording import Recording
 
 # What the sheet says of a raw file; the file may contradict it.
 SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response", "mode", "force_N")
+# What it says of a record, for all who read its artifacts; what it does not is left out.
+FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
+         "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
 
 
 def from_file(
@@ -28,8 +31,9 @@ def from_file(
 
     Args:
         raw: its file.
-        known: what the sheet says of it: SAID, what `decay.ringdown.ringdown` takes, and what a
-            person overrules (`start_s`, `end_s`, `keep`, `band_Hz`).
+        known: what the sheet says of it: SAID; FACTS; `other_modes_Hz`, the expected frequencies
+            of the campaign's other modes; `simulated`; and what a person overrules (`start_s`,
+            `end_s`, `keep`, `band_Hz`).
         cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
         estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
 
@@ -52,24 +56,42 @@ def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of a recording in SI units, for which `known` need not hold SAID."""
-    window = partial(windowed, start_s=known.get("start_s"), end_s=known.get("end_s"))
-    overrule = partial(_overruled, known=known)
-    estimating = _estimating(known, estimation)
-    return ringdown(recording, known, {**cutting, "window": window}, estimating, overrule)
+    decay = free_decay(
+        recording,
+        float(known["expected_Hz"]),
+        tuple(known["other_modes_Hz"]),
+        **cutting,
+        start_s=known.get("start_s"),
+        end_s=known.get("end_s"),
+        remarks=_overrides(known),
+    )
+    return _estimated(decay.assign_attrs(quantity=recording.quantity), known, estimation)
 
 
 def not_analysed(
     known: Mapping, reason: str, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same for a record that has no recording: rejected for that reason."""
-    decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"])
-    return with_curves(_overruled(decay, known), known, _estimating(known, estimation))
+    remarks = _overrides(known)
+    decay = judge(rejected(reason), np.zeros(0), known["expected_Hz"], remarks=remarks)
+    return _estimated(decay, known, estimation)
 
 
-def _overruled(decay: xr.Dataset, known: Mapping) -> xr.Dataset:
-    """A judged decay as a person leaves it, with that among its findings."""
-    return with_override(kept(decay) if known.get("keep") else decay, overruled(known))
+def _overrides(known: Mapping) -> tuple[tuple[str, str], ...]:
+    """What a person overrules as a finding, so that every table shows it."""
+    text = overruled(known)
+    return (("override", f"overruled: {text}"),) if text else ()
 
 
-def _estimating(known: Mapping, estimation: Mapping) -> partial:
-    return partial(estimate, **estimation, band_Hz=known.get("band_Hz"))
+def _estimated(
+    decay: xr.Dataset, known: Mapping, estimation: Mapping
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """A judged free decay with what is known of it, its curves and its plateau."""
+    decay = kept(decay) if known.get("keep") else decay
+    if text := overruled(known):
+        decay.attrs["overruled"] = text
+    decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
+    decay.attrs["expected_Hz"] = float(known["expected_Hz"])  # a sheet may say 540
+    decay.attrs["simulated"] = int(known["simulated"])
+    made = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
+    return decay, made, record_plateau(made)

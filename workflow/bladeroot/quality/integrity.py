@@ -45,7 +45,6 @@ def judge(
     whole: Float[ndarray, " whole"],
     expected_Hz: float,
     modes_Hz: tuple[float, ...] = (),
-    notes: tuple[str, ...] = (),
     recording: Recording | None = None,
     freed: Float[ndarray, " kept"] | None = None,
     remarks: tuple[tuple[str, str], ...] = (),
@@ -62,14 +61,12 @@ def judge(
         whole: the raw record in m/s.
         expected_Hz: the mode's expected frequency.
         modes_Hz: expected frequencies of the structure's other modes, to check the clock.
-        notes: what the reader remarked, a line each; they become findings that warn.
         recording: the sensor's own samples, from which `whole` was made.
         freed: `whole` with the mode by itself (`decay.components`), if others were taken off; it
             may end earlier, where the mode has drowned.
-        remarks: findings of that separation, by id, which warn.
+        remarks: findings that were made before, by id, which warn: the reader's, the separation's.
     """
-    found = [("reader", _fact(note, "warn")) for note in notes]
-    found += [(name, _fact(text, "warn")) for name, text in remarks]
+    found = [(name, _fact(text, "warn")) for name, text in remarks]
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     if not decay.attrs["findings"] and not examined(decay, whole, expected_Hz).velocity.any():
