@@ -27,7 +27,7 @@ def test_evidence_of_laws_is_that_of_the_model_written_out(noise, excess):
     frame = framed(segment)
     laws = smooth_laws(segment).joined(hinge_laws(segment, np.array([-2.0, -1.0])))
     middle = 0.5 * (segment.log[1:] + segment.log[:-1])
-    found = fits(sums(frame, laws), 1, excess)
+    found = fits(frame, sums(frame, laws), 1, excess)
     unit = np.eye(segment.time.size)
     for law in (0, 4, 8, 12, 20):
         cells = hats(middle, laws.first[law : law + 1])[0] * laws.shape[law]
@@ -47,7 +47,8 @@ def test_evidence_of_laws_is_that_of_the_model_written_out(noise, excess):
 def test_the_true_shape_has_the_highest_evidence():
     segment = segment_of(1e-4)
     onsets = np.array([-1.5, -1.0, -0.7])
-    found = fits(sums(framed(segment), hinge_laws(segment, onsets)), 1, 1.0)
+    frame = framed(segment)
+    found = fits(frame, sums(frame, hinge_laws(segment, onsets)), 1, 1.0)
     best = int(np.argmax(found.evidence[:, 0]))  # by laws taken nearly at their word
     assert onsets[best // HINGES] == -1.0
     assert best % HINGES == 1  # straight in A above the onset

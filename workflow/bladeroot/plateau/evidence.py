@@ -7,10 +7,10 @@ likelihood is closed, and hundreds of laws cost milliseconds.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, hats
+from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, PerLaw, hats
 from bladeroot.plateau.segment import FEWEST_GROUPS, Segment, integral, line_of, lines_below
 
 
@@ -46,7 +46,7 @@ def framed(segment: Segment) -> Frame:
 
 
 @dataclass(frozen=True)
-class Sums:
+class Sums(PerLaw):
     """What the evidence of laws needs of the groups; all for unit excess.
 
     part: the nodes of the factor, and ln(e). `axis`: principal axes of a law's whitened columns,
@@ -58,33 +58,8 @@ class Sums:
     axis: Float[ndarray, "law part axis"]
     square: Float[ndarray, "law axis"]
     alike: Float[ndarray, "law axis"]
-    right: Float[ndarray, "2 law axis"]
-    tilt: Float[ndarray, "2 law axis"]
-    rate: Float[ndarray, " 2"]
-    variance: float
-    groups: int
-
-    def joined(self, other: "Sums") -> "Sums":
-        """Both sets of laws, on the same groups."""
-        return replace(
-            self,
-            axis=np.concatenate([self.axis, other.axis]),
-            square=np.concatenate([self.square, other.square]),
-            alike=np.concatenate([self.alike, other.alike]),
-            right=np.concatenate([self.right, other.right], axis=1),
-            tilt=np.concatenate([self.tilt, other.tilt], axis=1),
-        )
-
-    def chosen(self, laws: Int[ndarray, " law"]) -> "Sums":
-        """Some of the laws, in the order given."""
-        return replace(
-            self,
-            axis=self.axis[laws],
-            square=self.square[laws],
-            alike=self.alike[laws],
-            right=self.right[:, laws],
-            tilt=self.tilt[:, laws],
-        )
+    right: Float[ndarray, "law 2 axis"]
+    tilt: Float[ndarray, "law 2 axis"]
 
 
 @dataclass(frozen=True)
@@ -116,25 +91,23 @@ def sums(frame: Frame, laws: Laws) -> Sums:
     on_axes = (
         np.stack([*(x @ frame.y.T).transpose(2, 0, 1), tilt, tilt - lowest])[:, :, None] @ axis
     )
+    right, tilt = np.split(on_axes[:, :, 0].swapaxes(0, 1), 2, axis=1)
     alike = axis[:, :NODES].sum(axis=1)
-    return Sums(
-        axis, np.maximum(square, 0.0), alike, on_axes[:2, :, 0], on_axes[2:, :, 0], frame.rate,
-        frame.variance, segment.time.size,
-    )  # fmt: skip
+    return Sums(axis, np.maximum(square, 0.0), alike, right, tilt)
 
 
-def fits(found: Sums, channel: int, excess: float) -> Fits:
+def fits(frame: Frame, found: Sums, channel: int, excess: float) -> Fits:
     """Evidence and rates of all laws on a channel; all variances are `excess` times the stated.
 
     A node's coefficient is the size c and a part of its own, that of ln(e) a part of its own. The
     size has a prior as wide as its estimate, or as what one group could tell about it. The parts
     are independent, and so are the axes; the size joins them in one direction (Sherman, Morrison).
     """
-    square, right = found.square / excess, found.right[channel] / excess
-    alike, tilt = found.alike[:, None], found.tilt[:, :, None]
+    square, right = found.square / excess, found.right[:, channel] / excess
+    alike, tilt = found.alike[:, None], found.tilt.swapaxes(0, 1)[:, :, None]
     whole = (found.alike**2 * square).sum(axis=-1, keepdims=True) + 1e-300
     size = ((found.alike * right).sum(axis=-1, keepdims=True) / whole) ** 2
-    wide = np.maximum(size, found.groups / whole)
+    wide = np.maximum(size, frame.segment.time.size / whole)
     own = (size * np.array(DOUBT) ** 2 + 1e-12 * wide)[..., None]
     square, right = square[:, None], right[:, None]
     narrowed = 1.0 / (1.0 + own * square)
@@ -151,18 +124,18 @@ def fits(found: Sums, channel: int, excess: float) -> Fits:
     spread += wide / known * (tilt * alike * narrowed).sum(axis=-1) ** 2
     return Fits(
         evidence,
-        found.rate[channel] - (tilt * mean).sum(axis=-1),
-        excess * found.variance + spread,
+        frame.rate[channel] - (tilt * mean).sum(axis=-1),
+        excess * frame.variance + spread,
         mean @ found.axis.swapaxes(1, 2),
     )
 
 
 def misfit(
-    frame: Frame, law: Laws, size: Float[ndarray, " part"], channel: int
+    frame: Frame, laws: Laws, law: int, size: Float[ndarray, " part"], channel: int
 ) -> Float[ndarray, " group"]:
     """What one law leaves over of a channel, in stated standard errors."""
-    factor = size[:NODES] @ hats(_middle(frame.segment), law.first)[0]
-    cells = factor * law.shape + size[NODES] * law.between
+    factor = size[:NODES] @ hats(_middle(frame.segment), laws.first[[law]])[0]
+    cells = factor * laws.shape[[law]] + size[NODES] * laws.between[[law]]
     return frame.y[channel] - frame.seen(cells)[0][0]
 
 

@@ -13,9 +13,10 @@ all the way down, A^p with smaller p and ln A.
 """
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.plateau.segment import Segment, over_cells
@@ -28,7 +29,21 @@ HINGES = 7  # shapes at one onset
 
 
 @dataclass(frozen=True)
-class Laws:
+class PerLaw:
+    """Arrays with a row for each law."""
+
+    def joined(self, other: Self) -> Self:
+        """Both sets of laws, on the same segment."""
+        pairs = ((name, [rows, getattr(other, name)]) for name, rows in vars(self).items())
+        return type(self)(**{name: np.concatenate(both) for name, both in pairs})
+
+    def chosen(self, laws: Int[ndarray, " law"]) -> Self:
+        """Some of the laws, in the order given."""
+        return type(self)(**{name: rows[laws] for name, rows in vars(self).items()})
+
+
+@dataclass(frozen=True)
+class Laws(PerLaw):
     """Laws on a segment: means over its cells of the shapes, and of the same times ln(e).
 
     first: ln A of the factor's lowest node. lowest: the shape at the smallest amplitude.
@@ -38,20 +53,6 @@ class Laws:
     between: Float[ndarray, "law cell"]
     first: Float[ndarray, " law"]
     lowest: Float[ndarray, " law"]
-
-    def joined(self, other: "Laws") -> "Laws":
-        """Both sets of laws, on the same segment."""
-        return Laws(
-            np.concatenate([self.shape, other.shape]),
-            np.concatenate([self.between, other.between]),
-            np.concatenate([self.first, other.first]),
-            np.concatenate([self.lowest, other.lowest]),
-        )
-
-    def one(self, law: int) -> "Laws":
-        """A single law."""
-        here = slice(law, law + 1)
-        return Laws(self.shape[here], self.between[here], self.first[here], self.lowest[here])
 
 
 def smooth_laws(segment: Segment) -> Laws:

@@ -24,13 +24,7 @@ from bladeroot.plateau.weigh import SHOWN, weigh
 from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
-NUMBERS = (
-    "stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std",
-    "onset_amplitude", "onset_amplitude_std", "onset_low", "onset_high", "onset_bound",
-    "onset_time", "creep", "frequency_bound", "frequency_bound_std", "limit_low", "limit_high",
-    "plateau_low_amplitude", "plateau_high_amplitude", "plateau_weight",
-)  # fmt: skip
-
+RECORD = names("plateau/record")
 # Standard errors from which on a frequency that changes in time on the plateau counts.
 CREEPS = 5.0
 # Points, or blocks of cycles, from which on laws are weighed.
@@ -62,7 +56,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         between limit_low and limit_high by every power of the amplitude from 1/2 upwards that is
         tenable; by a law that saturates it may lie outside.
     """
-    result: dict[str, float | str] = dict.fromkeys(NUMBERS, np.nan)
+    result: dict[str, float | str] = dict.fromkeys(RECORD, np.nan)
     result["plateau_reached"] = 0
     rejected = decay.attrs.get("verdict", "usable") == "rejected"
     if rejected or decay.sizes["point"] < FEWEST:
@@ -90,21 +84,18 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         found = replace(after, onset=onset, departs=1.0)
     omega, omega_std = found.phase.mean()
     alpha, alpha_std = found.decline.mean()
-    result["plateau_weight"] = found.phase.plateau
     damping = decay.attrs.get("damping", "hysteretic")
     frequency, loss = _natural(omega, alpha, damping)
-    if found.decline.plateau >= SHOWN:
-        result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
     reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
     lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
     bound = _natural(lowest, alpha, damping)[0]
     if not _in_band(bound, decay):
-        return dict.fromkeys(NUMBERS, np.nan) | {
-            "plateau_reached": 0,
-            "verdict": "rejected: too few cycles are sharp enough",
-        }
+        return result | {"verdict": "rejected: too few cycles are sharp enough"}
+    result["plateau_weight"] = found.phase.plateau
+    if found.decline.plateau >= SHOWN:
+        result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
     if not reached:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
         if not all(_in_band(limit, decay) for limit in (low, high)):
@@ -164,7 +155,6 @@ def _ends(found: Weighed, largest: float) -> dict[str, float]:
     }
 
 
-RECORD = names("plateau/record")
 OTHERS = "other modes ring in the record and add to the slip: a lower bound for this mode alone"
 
 

@@ -77,11 +77,11 @@ def _weighed(window: Segment) -> tuple[Weighed, float]:
         total = more if total is None else total.joined(more)
         onsets = np.concatenate([onsets, new])
         for channel in range(2):
-            own = fits(more, channel, 1.0)
+            own = fits(frame, more, channel, 1.0)
             law, doubt = _best(own.evidence)
             if own.evidence[law, doubt] > best[channel]:
                 best[channel] = float(own.evidence[law, doubt])
-                rest = misfit(frame, laws.one(law), own.size[law, doubt], channel)
+                rest = misfit(frame, laws, law, own.size[law, doubt], channel)
                 excess[channel] = excess_variance(rest)
             highest = own.evidence.max(axis=1)
             evidence[channel] = np.concatenate([evidence[channel], highest])
@@ -92,15 +92,15 @@ def _weighed(window: Segment) -> tuple[Weighed, float]:
     order = np.argsort(onsets)
     rising = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
     total = total.chosen(np.concatenate([np.arange(SMOOTH), rising]))
-    both = [fits(total, channel, excess[channel]) for channel in range(2)]
+    both = [fits(frame, total, channel, excess[channel]) for channel in range(2)]
     both = [with_lines_below(both[k], window, onsets[order], k) for k in range(2)]
-    constant = [(total.rate[k], excess[k] * total.variance) for k in range(2)]
+    constant = [(frame.rate[k], excess[k] * frame.variance) for k in range(2)]
     still = [best[k] < NOTHING * excess[k] and excess[k] < MISFIT for k in range(2)]
     still = [NO_DEPARTURE if one else 1.0 for one in still]
     bent = []
     for channel in range(2):
         law = int(np.argmax(both[channel].evidence[: len(BENDING), 0]))
-        rest = misfit(frame, smooth.one(law), both[channel].size[law, 0], channel)
+        rest = misfit(frame, smooth, law, both[channel].size[law, 0], channel)
         bent.append(max(excess_variance(rest), excess[channel]) / excess[channel])
     found = combined(Catalogue(onsets[order], low, high), both, constant, still, bent)
     return found, max(excess)
