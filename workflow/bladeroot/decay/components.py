@@ -305,8 +305,6 @@ def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[nd
 def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
     """Samples until the mode is largest, where it clearly grows at first: it is driven still."""
     size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
-    if not size.size:
-        return 0
     top = int(np.argmax(size))
     noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
     return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0

@@ -296,8 +296,6 @@ def _variance_change(x: Float[ndarray, " sample"], least: float) -> tuple[int, f
     """Sample at which the variance changes most likely, and the gain in log-likelihood."""
     total = np.concatenate([[0.0], np.cumsum(x**2)])
     k = np.arange(APART, x.size - APART)
-    if not k.size:
-        return 0, 0.0
     early = total[k] / k + least**2
     late = (total[-1] - total[k]) / (x.size - k) + least**2
     cost = 0.5 * (k * np.log(early) + (x.size - k) * np.log(late))

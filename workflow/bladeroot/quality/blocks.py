@@ -38,17 +38,6 @@ def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
     return np.stack([first, last], axis=1)
 
 
-def missed(x: Float[ndarray, " k"], weights: Float[ndarray, " reach"]) -> Float[ndarray, " k"]:
-    """What each value differs from the weighted sums of its neighbours on both sides by.
-
-    Zero where there are too few neighbours.
-    """
-    miss = np.zeros(x.size)
-    taps = np.concatenate([-weights[::-1], [1.0], -weights])
-    miss[weights.size : x.size - weights.size] = np.convolve(x, taps, mode="valid")
-    return miss
-
-
 def frame_weights(frames: Frames, used: slice) -> Float[ndarray, " frame"]:
     """One over the standard error of some frames; zero where they are not whole."""
     return frames.whole[used] / np.maximum(frames.std[used], LEAST_STD)

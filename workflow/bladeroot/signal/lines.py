@@ -118,8 +118,6 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
     level = np.abs(np.fft.fft(rest, 4 * log.size)) / taper.sum()
     turns = np.fft.fftfreq(level.size)
     apart = np.abs(turns) * log.size >= FEWEST_TURNS
-    if not apart.any():
-        return 0.0, 0.0
     k = int(np.argmax(np.where(apart, level, 0.0)))
     change = 2.0 * np.pi * abs(turns[k]) * level[k]
     if change < least or level[k] < ONE_SIDED * level[-k]:

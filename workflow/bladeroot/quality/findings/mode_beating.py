@@ -104,8 +104,6 @@ def _line(
     local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
     span = np.abs(turns) * cycle
     inside = (np.abs(turns) * log.size >= fewest) & (span <= FARTHEST)
-    if not inside.any():
-        return None
     level = np.where(inside, np.abs(line), 0.0)
     k = int(np.argmax(level))
     other = float(np.abs(line[-k]))

@@ -77,7 +77,5 @@ def _lines(seen: Examined) -> np.ndarray:
 
 
 def _matches(lines: np.ndarray, modes: np.ndarray, ratio: float) -> int:
-    if not lines.size:
-        return 0
-    off = np.abs(lines[:, None] / (ratio * modes) - 1.0).min(axis=0)
+    off = np.abs(lines[:, None] / (ratio * modes) - 1.0).min(axis=0, initial=np.inf)
     return int((off < (CLOSE if ratio != 1.0 else LOOSE * CLOSE)).sum())

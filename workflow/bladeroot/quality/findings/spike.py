@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.quality.blocks import block_scale, joined, missed
+from bladeroot.quality.blocks import block_scale, joined
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.signal.runs import medians, runs
 
@@ -69,8 +69,6 @@ def find(seen: Examined) -> Finding | None:
 
 def _lonely(spans: np.ndarray, reach: float) -> np.ndarray:
     """Spans with fewer than CROWD others within a distance."""
-    if not len(spans):
-        return spans
     middle = spans.mean(axis=1)
     near = np.searchsorted(middle, middle + reach) - np.searchsorted(middle, middle - reach)
     return spans[near <= CROWD]
@@ -116,7 +114,8 @@ def residual(seen: Examined) -> Residual:
         left = np.abs(middle - pairs @ weights)
         keep = left <= DEFECT * medians(left) + 1e-300
     response = np.concatenate([-weights[::-1], [1.0], -weights])
-    miss = missed(x, weights)
+    miss = np.zeros(x.size)  # and where there are too few neighbours
+    miss[reach : x.size - reach] = np.convolve(x, response, mode="valid")
     least = max(0.5 * seen.quantum, SMALL * float(np.abs(x).max()))
     scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
     return Residual(miss, scale, response)
