@@ -1,7 +1,6 @@
 """The components of a decay: the mode asked for by itself, all others found and taken off."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -75,27 +74,19 @@ DEEPEST, SLOPE_REACH = 12.0, 2
 class Separated:
     """A record with one mode only from sample `first` on: what is left, and what was taken off.
 
-    `lines_Hz`: frequencies of what was taken off, strongest first. `time` (s, from the record's
-    start) and `doubt`: by how much (relative) the mode's phasor depends on how smooth the others
-    are taken to be, as an error of independent cycles. `remarks`: findings, by id. `models`: of all
-    components, and of the mode alone.
+    `lines_Hz`: frequencies of what was taken off, strongest first. At `time` (s, from the record's
+    start) `widening` is by how much the standard error of the mode's phasor is larger than if it
+    were alone, and `doubt` by how much (relative) the phasor depends on how smooth the others are
+    taken to be, as an error of independent cycles. `remarks`: findings, by id.
     """
 
     velocity: Float[ndarray, " sample"]
     first: int
     lines_Hz: list[float]
     time: Float[ndarray, " knot"]
+    widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
     remarks: tuple[tuple[str, str], ...] = ()
-    models: tuple[Envelopes, ...] = ()
-
-    @cached_property
-    def widening(self) -> Float[ndarray, " knot"]:
-        """By how much the standard error of the mode's phasor is larger than if it were alone."""
-        if not self.models:
-            return np.zeros(0)
-        together, single = (one.variance(0) for one in self.models)
-        return np.sqrt(np.maximum(together / single, 1.0))
 
 
 def separated(
@@ -129,7 +120,7 @@ def separated(
     # it has moved so far that others may be its own
     far = abs(own_Hz / expected_Hz - 1.0) > APART
     if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
-        return Separated(velocity, first, [], *np.zeros((2, 0)))
+        return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = heard = searched = beaten = paired = False
     near: list[Beside] = []
     close: list[float] = []
@@ -194,7 +185,7 @@ def separated(
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1
         return separated(*again)
     if lone:
-        return Separated(velocity, first, [], *np.zeros((2, 0)), tuple(remarks))
+        return Separated(velocity, first, [], *np.zeros((3, 0)), tuple(remarks))
     spacing = found.spacing
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, spacing, base_Hz, course)
@@ -208,6 +199,7 @@ def separated(
     time = (first + (np.arange(doubt.size) + 0.5) * spacing) / sampling_Hz
     for one in near:
         doubt = np.hypot(doubt, one.doubt(found.envelope(0), time - first / sampling_Hz))
+    widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
     others = list(range(1, lines.size))
     left = velocity[: first + x.size].copy()
     left[first:] -= found.waves(others)
@@ -218,7 +210,7 @@ def separated(
     remarks += [(one.finding, one.remark) for one in near]
     if close and abs(close[0] / own_Hz - 1.0) < CLOSE:
         remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
-    return Separated(left, first, taken_Hz, time, doubt, tuple(remarks), (found, single))
+    return Separated(left, first, taken_Hz, time, widening, doubt, tuple(remarks))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

@@ -64,9 +64,7 @@ def cut(
         release: when and how the decay was let go, where that is known.
         least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
     """
-    # Of a decay without other noise than its rounding, the last digits stand still.
-    white, step = white_noise(velocity), quantum(velocity)
-    noise = max(white, step / np.sqrt(12.0))
+    noise = _noise(velocity)
     least = coarse(velocity) if least is None else least
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
@@ -99,13 +97,18 @@ def decay_starts(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
 ) -> list[float]:
     """When the decays in a record begin that `cut` chooses from, to some frames, s."""
-    noise = max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
+    noise = _noise(velocity)
     own_Hz = _own_frequency(velocity, sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     fall, level, found = _falls(seen, seen.noise(noise, sampling_Hz), strikes(seen, noise))
     if fall < np.log(_least_fall(seen, *found[0])):
         return []
     return sorted(float(seen.time[p]) for p, _ in _deep(fall, level, found))
+
+
+def _noise(velocity: Float[ndarray, " sample"]) -> float:
+    """Rms of the noise; where the last digits stand still, at least that of the rounding."""
+    return max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
 
 
 def coarse(samples: Float[ndarray, " sample"]) -> float:

@@ -34,6 +34,7 @@ DEGREE = 3  # of the polynomials in time and log-amplitude
 FALL = 0.5  # of ln A in the segment that one polynomial describes
 FEWEST, MOST = 24, 400  # peaks in a segment
 CLEAR = 8.0  # a peak's height over the noise in the band
+TOLERANCE, POINTS = 0.3, 300  # half-width of the search band (relative); points at most
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,6 @@ def peak_fit(
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
     damping: str = "hysteretic",
-    tolerance: float = 0.3,
-    points: int = 300,
 ) -> xr.Dataset:
     """Frequency and loss factor against displacement amplitude from the peaks of a free decay.
 
@@ -64,18 +63,14 @@ def peak_fit(
     Args:
         velocity: free decay in m/s.
         sampling_Hz: sampling frequency.
-        expected_Hz: the mode is looked for within `tolerance` (relative) of it.
+        expected_Hz: the mode is looked for within `TOLERANCE` (relative) of it.
         noise: rms of the sensor's noise in m/s: what it leaves in the band ends the curve.
         usable: False for samples that must not count; peaks they reach are left out.
         damping: "hysteretic" (3.11) or "viscous" (the loss factor is then 2 zeta).
-        tolerance: relative half-width of the search band.
-        points: largest number of points.
 
     Returns:
         Dataset with dim `peak` (0 long where no segment has enough peaks), variables of that table.
     """
-    if damping not in ("hysteretic", "viscous"):
-        raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
     if velocity.size * expected_Hz < FEWEST * sampling_Hz:
         return no_peaks()
     bad = np.zeros(0, dtype=int)
@@ -84,7 +79,7 @@ def peak_fit(
             return no_peaks()
         velocity, good = bridged(velocity, usable, BRIDGE * sampling_Hz / expected_Hz)
         bad = np.flatnonzero(~good)
-    centre_Hz, start, step, wave = band_displacement(velocity, sampling_Hz, expected_Hz, tolerance)
+    centre_Hz, start, step, wave = band_displacement(velocity, sampling_Hz, expected_Hz, TOLERANCE)
     time, size = extrema(wave, step, start)
     keep = undisturbed(time, REACH / centre_Hz, bad, velocity.size, sampling_Hz)
     in_band = noise * np.sqrt(2.0 * noise_bandwidth() * centre_Hz / sampling_Hz)
@@ -93,7 +88,7 @@ def peak_fit(
     pieces = _segments(np.flatnonzero(keep), time, centre_Hz)
     total = sum(piece.size for piece in pieces)
     rows = [
-        _curve(time[piece], size[piece], centre_Hz, max(2, points * piece.size // total), damping)
+        _curve(time[piece], size[piece], centre_Hz, max(2, POINTS * piece.size // total), damping)
         for piece in pieces
     ]
     if not rows:

@@ -6,7 +6,7 @@ verdict alone: what would not show is in the rates' errors. Phase and log-amplit
 their own; in half of the prior their onset is one.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -207,17 +207,17 @@ def _channel(
     tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE * bent
     doubtful = float(weight[DOUBTS::DOUBTS].sum())
     even /= even.sum()
-    one = Channel(even, rate, variance, tenable, 0.0, float(weight[0]), doubtful, bent)
     # a flat law is a plateau when its rest at the smallest amplitude is within the error
     flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
     shown = 0.0
     if weight[flat].sum() > UNHEARD:
-        shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < one.mean()[1])
+        error = Mixture(even, rate[0], variance[0]).middle()[1]
+        shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < error)
     hinge = weight[1 + DOUBTS * SMOOTH :].reshape(-1, HINGES * DOUBTS).sum(axis=1)
     shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST].sum()
     if catalogue.high - catalogue.low >= SHORTEST:
         shown += weight[0]
-    return replace(one, plateau=float(shown))
+    return Channel(even, rate, variance, tenable, float(shown), float(weight[0]), doubtful, bent)
 
 
 def _onset(
