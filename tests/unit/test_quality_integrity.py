@@ -370,7 +370,7 @@ def test_a_force_that_moves_all_modes_alike_is_not_the_clocks_fault():
 def test_a_mode_out_of_the_band_names_the_ratio():
     found = judged(decay(second=0.0), 250.0 * 2.56)
     assert found.attrs["verdict"] == "rejected"
-    assert "0.3906 times the expected frequency" in found.attrs["findings"]
+    assert found.attrs["findings"].count("0.3906 times the expected frequency") == 1
     assert any(abs(1 / 2.56 - ratio) < 1e-12 for ratio in RATIOS)
 
 

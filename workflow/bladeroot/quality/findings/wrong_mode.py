@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.quality.findings.sampling_rate import without_decay
+from bladeroot.quality.findings import sampling_rate
 from bladeroot.signal.lines import TOLERANCE, peak_Hz, peaks
 
 STATISTIC = (
@@ -71,5 +71,5 @@ def find(seen: Examined) -> Finding | None:
         f"what lies within {low:.6g} to {high:.6g} Hz has {100 / ratio:.2g} % of it"
     )
     if ratio > THRESHOLD:
-        text += f"; {without_decay(seen)}"
+        text += f"; {sampling_rate.without_decay(seen)}"
     return Finding(ratio, THRESHOLD, "drop", text)
