@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
+from scipy.ndimage import maximum_filter1d
 
 from bladeroot.decay.release import FEWEST, OVERLAP, REACH, log_points
 from bladeroot.signal.envelope import FRAME_STEPS, Envelope
@@ -27,7 +28,7 @@ SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
 STEPPED = "the digitiser's steps"  # why a decay ends
 # Neither noise nor a decaying mode by itself makes the smoothed envelope rise by half.
 RISE = float(np.log(1.5))
-# Frames over which the largest before a strike is taken: a power of two.
+# Frames over which the largest before a strike is taken.
 BEFORE = 16
 # The noise's mean square and so many of its standard errors end a decay, over half the frames in
 # which ln A falls by one, these at most; from so many times the noise on a phase is known.
@@ -51,9 +52,7 @@ def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
     moved[FRAME_STEPS:] = np.abs(seen.mean[FRAME_STEPS:] - seen.mean[:-FRAME_STEPS])
     struck = np.zeros(seen.level.size, bool)
     for size in (seen.rest, moved):
-        before = size
-        for shift in 2 ** np.arange(int(np.log2(BEFORE))):
-            before = np.maximum(before[shift:], before[:-shift])
+        before = maximum_filter1d(size, BEFORE, origin=-(BEFORE // 2))  # from each frame on
         now = size[BEFORE - 1 + lag :]
         usual = np.maximum(before[: now.size], white)
         own = np.exp(seen.level[BEFORE - 1 + lag :])
