@@ -155,14 +155,14 @@ def _span(
     known: Release | None,
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the deepest decay, or what is amiss."""
-    begin = 0 if known is None else int(known.time_s * sampling_Hz)
-    own_Hz = _own_frequency(velocity[begin:], sampling_Hz, expected_Hz)
+    begin_s = 0.0 if known is None else known.time_s
+    own_Hz = _own_frequency(velocity[int(begin_s * sampling_Hz) :], sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     floor, broken = seen.noise(noise, sampling_Hz), strikes(seen, noise)
-    first = 0 if known is None else int(np.searchsorted(seen.time, known.time_s))
-    fall, level, found = _falls(seen, floor, broken, min(first, seen.time.size - 2))
+    first = min(int(np.searchsorted(seen.time, begin_s)), seen.time.size - 2)
+    fall, level, found = _falls(seen, floor, broken, first)
     peak, trough = found[0]
-    least_fall = _least_fall(seen, peak, trough, known)
+    least_fall = _least_fall(seen, peak, trough, begin_s)
     attrs["fall"] = float(np.exp(fall))
     if fall < np.log(least_fall):
         return (0, 0), (
@@ -193,9 +193,9 @@ def _span(
     return (first, stop), ""
 
 
-def _least_fall(seen: Envelope, peak: int, trough: int, known: Release | None = None) -> float:
-    """By how much a decay from one frame to another falls at least."""
-    if known is not None and known.time_s > 0.0:
+def _least_fall(seen: Envelope, peak: int, trough: int, begin_s: float = 0.0) -> float:
+    """By how much a decay from one frame to another falls at least, let go at a known time."""
+    if begin_s > 0.0:
         return SHORT_FALL
     return STEADY_FALL if trough - peak > THROUGHOUT * seen.time.size else LEAST_FALL
 

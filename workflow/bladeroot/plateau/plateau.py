@@ -42,19 +42,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     (the default) or "viscous".
 
     Returns:
-        stick_frequency, loss_factor and their standard errors, the spread over the laws included;
-        onset_amplitude with its standard error, half of its 68 % interval, and its 95 % interval,
-        onset_low to onset_high (NaN when the record never leaves the plateau, or never reaches
-        it); onset_time, when the amplitude falls to it; and onset_bound, the largest amplitude
-        seen, when it never leaves;
-        plateau_low_amplitude and plateau_high_amplitude, the ends of the constant segment; creep,
-        by how much the frequency changes in time on it, NaN where nothing shows, which is then in
-        the standard error;
-        plateau_weight, of the laws with a plateau; plateau_reached (1 or 0); verdict. When the
-        curve may still bend at the smallest usable amplitude, stick_frequency is NaN,
-        frequency_bound (with frequency_bound_std) is the frequency there, and the limit lies
-        between limit_low and limit_high by every power of the amplitude from 1/2 upwards that is
-        tenable; by a law that saturates it may lie outside.
+        Table `record` of variables.csv, and `verdict`; NaN where there is none. The spread over
+        the laws is in the standard errors, and so is a creep that shows. When the curve may still
+        bend at the smallest usable amplitude, stick_frequency is NaN, and frequency_bound is the
+        frequency there; by a law that saturates the limit may lie outside limit_low to limit_high.
     """
     result: dict[str, float | str] = dict.fromkeys(RECORD, np.nan)
     result["plateau_reached"] = 0
