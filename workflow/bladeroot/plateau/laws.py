@@ -13,7 +13,6 @@ all the way down, A^p with smaller p and ln A.
 """
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -32,12 +31,12 @@ HINGES = 7  # shapes at one onset
 class PerLaw:
     """Arrays with a row for each law."""
 
-    def joined(self, other: Self) -> Self:
+    def joined(self, other: "PerLaw") -> "PerLaw":
         """Both sets of laws, on the same segment."""
         pairs = ((name, [rows, getattr(other, name)]) for name, rows in vars(self).items())
         return type(self)(**{name: np.concatenate(both) for name, both in pairs})
 
-    def chosen(self, laws: Int[ndarray, " law"]) -> Self:
+    def chosen(self, laws: Int[ndarray, " law"]) -> "PerLaw":
         """Some of the laws, in the order given."""
         return type(self)(**{name: rows[laws] for name, rows in vars(self).items()})
 

@@ -97,6 +97,9 @@ def kinks(
     that of independent points, for the scatter only. A place k lies between the points k - 1 and k.
     """
     place = np.arange(reach, log_phasor.size - reach + 1)
+    if not place.size:
+        none = np.zeros(0)
+        return Kinks(place, none, none, none.astype(complex), none, none.astype(complex))
     basis, sizes, off = _weights(reach)
     seen = np.stack([_sums(log_phasor, row) for row in basis])
     explained = (seen.real**2 + seen.imag**2).sum(axis=0)
