@@ -151,9 +151,9 @@ def test_a_weak_close_mode_counts_where_the_damping_is_low(part):
 
 def test_a_mode_of_the_sheet_far_from_both_lines_does_not_choose_between_them():
     lines = np.array([1192.0, 810.0, 1125.0])
-    assert meant(lines, -1, 1132.0, (810.0,))[0] == 1125.0
-    assert meant(lines, -1, 1132.0, ())[0] == 1125.0
-    assert meant(lines, -1, 1185.0, (1120.0,))[0] == 1192.0
+    assert meant(lines, 1132.0, (810.0,))[0] == 1125.0
+    assert meant(lines, 1132.0, ())[0] == 1125.0
+    assert meant(lines, 1185.0, (1120.0,))[0] == 1192.0
 
 
 def test_a_decay_begins_where_its_first_cycles_are_like_the_later_ones():

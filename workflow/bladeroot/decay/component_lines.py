@@ -195,30 +195,29 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
 
 
 def meant(
-    lines: Float[ndarray, " line"], close: int, expected_Hz: float, modes_Hz: tuple[float, ...]
+    lines: Float[ndarray, " line"], expected_Hz: float, modes_Hz: tuple[float, ...]
 ) -> Float[ndarray, " line"]:
-    """The lines with the mode first, which of two close ones (the first, and `close`) is meant.
+    """The lines with the mode first, which of two close ones (the first and the last) is meant.
 
     The one nearer to where it is expected, where the other is left to another mode of the sheet;
     where neither is one's, the louder, unless that is further off than a sheet may be.
     """
-    both, close_Hz = lines[[0, close]], CLOSE * expected_Hz
+    first, last = both = lines[[0, -1]]
+    close_Hz = CLOSE * expected_Hz
     near = [
         one
         for one in modes_Hz
         if 0.0 < abs(one - expected_Hz) < close_Hz and np.abs(np.log(both / one)).min() < ABOUT
     ]
-    if not near and abs(np.log(lines[0] / expected_Hz)) < ABOUT:
+    if not near and abs(np.log(first / expected_Hz)) < ABOUT:
         return lines
 
     def off(own: float, other: float) -> float:
         theirs = min((abs(np.log(other / one)) for one in near), default=0.0)
         return abs(np.log(own / expected_Hz)) + theirs
 
-    if off(lines[close], lines[0]) < off(lines[0], lines[close]):
-        lines = lines.copy()
-        lines[[0, close]] = lines[[close, 0]]
-    return lines
+    swapped = off(last, first) < off(first, last)
+    return np.array([last, *lines[1:-1], first]) if swapped else lines
 
 
 def elsewhere_first(

@@ -150,7 +150,7 @@ def separated(
         if not more and not beaten:
             beaten, close = True, beating_line(found, sampling_Hz)
             if close:
-                lines = meant(np.concatenate([lines, close]), -1, expected_Hz, modes_Hz)
+                lines = meant(np.concatenate([lines, close]), expected_Hz, modes_Hz)
                 own_Hz, close = float(lines[0]), [float(lines[-1])]
                 continue
         if not more and not paired:

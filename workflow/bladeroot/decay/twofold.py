@@ -57,7 +57,7 @@ def twofold(
     line = found.lines_Hz[0] + np.angle(pole) / (2.0 * np.pi * step_s)
     energy = np.abs(size) ** 2 / np.maximum(1.0 - np.abs(pole) ** 2, 1e-3)
     order = np.argsort(-energy * np.exp(-0.5 * (np.log(line / expected_Hz) / SHEET) ** 2))
-    own_Hz = meant(line[order], -1, expected_Hz, modes_Hz)[0]
+    own_Hz = meant(line[order], expected_Hz, modes_Hz)[0]
     k = int(line[0] == own_Hz)  # the other
     now = np.arange(found.samples) - 0.5 * (found.spacing - 1)
     rate = np.log(pole[k]) / found.spacing + 2j * np.pi * found.lines_Hz[0] / sampling_Hz
