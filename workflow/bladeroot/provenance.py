@@ -123,11 +123,12 @@ def _source(path: Path) -> dict:
     key = hashlib.sha256(text.encode()).hexdigest()
     if key not in _known():
         tree = _bare_tree(text, path)
+        nodes = list(ast.walk(tree))
         _known()[key] = {
             "tree": hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
-            "imports": [_import(node) for node in ast.walk(tree) if isinstance(node, _IMPORTS)],
-            "schemas": [name for node in ast.walk(tree) for name in _schema_names(node)],
-            "files": _file_names(tree),
+            "imports": [_import(node) for node in nodes if isinstance(node, _IMPORTS)],
+            "schemas": [name for node in nodes for name in _schema_names(node)],
+            "files": _file_names(nodes),
         }
     return _known()[key]
 
@@ -153,9 +154,9 @@ def _schema_names(node: ast.AST) -> list[str]:
     ]
 
 
-def _file_names(tree: ast.Module) -> list[str]:
+def _file_names(nodes: list[ast.AST]) -> list[str]:
     """Texts of a module that may name a file."""
-    texts = {one.value for one in ast.walk(tree) if isinstance(one, ast.Constant)}
+    texts = {one.value for one in nodes if isinstance(one, ast.Constant)}
     return sorted(one for one in texts if isinstance(one, str) and _FILE.fullmatch(one))
 
 
