@@ -321,6 +321,19 @@ def test_a_steady_line_beside_the_mode_is_taken_off():
     assert np.abs(found["loss_factor"].values[clear] / 0.006 - 1.0).max() < 0.1
 
 
+@pytest.mark.parametrize(("away_Hz", "size"), [(28.0, 0.01), (40.0, 0.02), (40.0, 0.05)])
+@pytest.mark.parametrize(("falls", "finding"), [(0.0, "steady-line"), (0.15, "close-mode")])
+def test_what_beats_with_the_mode_and_stays_is_no_mode(away_Hz, size, falls, finding):
+    """The record ends with the mode, so that nothing shows the line by itself."""
+    velocity, zeta = blow([(540.0, 0.001, 0.02)], length_s=1.0), 0.001 * falls
+    now = np.arange(velocity.size) / RATE
+    velocity += decay(540.0 - away_Hz, zeta, 0.02 * size, now)
+    judged, _ = curve(velocity, 541.0)
+    told = set(judged["finding_id"].values) & {"steady-line", "close-mode"}
+    assert told == {finding}
+    assert np.abs(np.array(judged.attrs["components_Hz"]) - 540.0 + away_Hz).min() < 0.1
+
+
 def test_a_mode_that_hardly_falls_at_last_is_no_steady_line():
     time = np.arange(int(6.0 * RATE)) / RATE
     fall = np.where(time < 0.6, 8.0 * time, 4.8 + 0.02 * (time - 0.6))

@@ -21,7 +21,8 @@ from bladeroot.decay.component_lines import (
 )
 from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
 from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
-from bladeroot.decay.steady import steady_line
+from bladeroot.decay.steady import REMARK as STEADY
+from bladeroot.decay.steady import STAYS, steady_line
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import loudest, mode_Hz
 
@@ -209,7 +210,7 @@ def separated(
     ]
     remarks += [(one.finding, one.remark) for one in near]
     if close and abs(close[0] / own_Hz - 1.0) < CLOSE:
-        remarks.append(("close-mode", CLOSE_MODE.format(own_Hz, close[0])))
+        remarks.append(_beside_it(found, 1 + int(np.argmin(np.abs(lines[1:] - close[0])))))
     return Separated(left, first, taken_Hz, time, widening, doubt, tuple(remarks))
 
 
@@ -277,6 +278,17 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
     least = np.maximum(BURST * np.median(power), HARM * own)
     falls = power[:count] > np.maximum(STRUCK * after, least)
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
+
+
+def _beside_it(found: Envelopes, k: int) -> tuple[str, str]:
+    """The finding on a component that beats with the mode: another mode, or a line that stays."""
+    sizes = np.abs([found.envelope(0), found.envelope(k)])
+    third = sizes.shape[1] // 3
+    own, other = np.log(sizes[:, :third].mean(axis=1) / sizes[:, -third:].mean(axis=1))
+    line_Hz = found.lines_Hz[k]
+    if other < STAYS * own:
+        return "steady-line", STEADY.format(line_Hz, sizes[1].mean())
+    return "close-mode", CLOSE_MODE.format(found.lines_Hz[0], line_Hz)
 
 
 def _missed(rest: Float[ndarray, " sample"], spacing: int, few: int) -> Float[ndarray, " interval"]:

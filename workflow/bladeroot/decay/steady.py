@@ -20,6 +20,8 @@ PARTS, FEWEST_CYCLES = 8, 6.0
 CLEAR, UNEVEN, KNOWN = 12.0, 0.1, 0.3
 # Turns that it makes at least against the mode's later half: what makes fewer is the mode itself.
 TURNS = 1.0
+# What falls less than this part as fast as the mode is no mode beside it, but a line that stays.
+STAYS = 0.1
 REMARK = "a steady line at {:.6g} Hz ({:.2g} m/s) rings on beside the mode; taken off"
 
 

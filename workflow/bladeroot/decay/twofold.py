@@ -13,6 +13,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.envelope_model import SHARE, Envelopes
+from bladeroot.decay.steady import REMARK as STEADY
+from bladeroot.decay.steady import STAYS
 
 # Intervals in a segment; the mode has not fallen to the other part of its largest in it.
 SEGMENTS, ALIVE = (12, 18, 27, 40), 0.02
@@ -65,10 +67,12 @@ def twofold(
     wave = (size[k] * turn * np.exp(rate * now)).real
     middle = np.arange(z.size)
     error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle
-    remark = REMARK.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
+    finding, remark = "close-mode", REMARK.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
+    if np.log(np.abs(pole[k])) > STAYS * np.log(np.abs(pole[1 - k])):
+        finding, remark = "steady-line", STEADY.format(line[k], abs(size[k]))
     time = (middle + 0.5) * step_s
     alike = own_Hz / (SHARE * abs(line[1] - line[0]))
-    beside = Beside(float(line[k]), wave, time, error, "close-mode", remark, alike)
+    beside = Beside(float(line[k]), wave, time, error, finding, remark, alike)
     return float(own_Hz), beside
 
 
