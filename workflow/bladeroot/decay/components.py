@@ -24,6 +24,7 @@ from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STAYS, steady_line
 from bladeroot.decay.twofold import twofold
+from bladeroot.quality.findings.mode_beating import CLOSE
 from bladeroot.signal.lines import loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
@@ -53,8 +54,6 @@ ABOVE_FLOOR, DEEP, FALLING, LONGER, LIFE_CYCLES = 2.0, 30.0, 0.85, (1.1, 4), 16.
 DOUBT = 0.5
 # Intervals on either side that share the largest such difference, which passes through zero.
 ALIKE = 2
-# Two modes are close where a beat lasts for more than eight cycles.
-CLOSE = 0.125
 # A mode of the sheet is not told apart that no line shows and that lies within so many half-power
 # bandwidths of the mode.
 OVERLAP = 3.0
