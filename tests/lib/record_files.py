@@ -5,6 +5,11 @@ import struct
 import netCDF4
 import numpy as np
 
+RATE = 5120.0
+TIME = np.arange(400) / RATE
+WAVE = 0.5 * np.exp(-2 * TIME) * np.sin(2 * np.pi * 100 * TIME)
+FORCE = np.cos(2 * np.pi * 50 * TIME)
+
 
 def write_csv(path, samples, rate, unit="m/s", separator=",", decimal=".", encoding="utf-8"):
     lines = [f"time_s{separator}velocity_{unit}"]

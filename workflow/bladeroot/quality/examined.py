@@ -33,6 +33,8 @@ AROUND, FEWEST_LINES, OPEN = ((0.3, 0.8), (1.3, 1.8)), 24, 0.9
 # Width in lines of white noise through the Blackman-Harris taper; standard error of ln of the
 # median of n lines' powers, times sqrt(n).
 WIDTH, OF_MEDIAN = 2.0044, 1.2
+# Finding on what other modes left in the curve: no fault of records is named for it.
+LEFTOVER = "leftover"
 
 
 @dataclass(frozen=True)

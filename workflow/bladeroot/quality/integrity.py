@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.quality import findings
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import LEFTOVER, Examined, Finding
 from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import SHORT_GAP, Recording
 from bladeroot.variables import dataset
@@ -24,7 +24,7 @@ FEWEST_CYCLES, SHORTEST = 8, 40
 # Beyond so many times its threshold it is what it looks like: leftovers of 114 real curves of three
 # structures without a shaker reach 1.8 to 4.0 times it; touches of 10 % of the velocity beside
 # other modes, 3.2 to 3.6, are not told from them, those of 22 % reach 6.9.
-LEFTOVER, CLEARLY = "leftover", 4.0
+CLEARLY = 4.0
 OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
 HARD = ("mask", "drop")
 ZEROS, ENDS = "nothing but zeros from {:.4g} s to {:.4g} s", ("start_s", "end_s")

@@ -8,7 +8,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.quality.blocks import frame_weights, without_trend
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import LEFTOVER, Examined, Finding
 from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
@@ -32,8 +32,8 @@ EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
 # Frames that are looked at, at least and at most; the farthest line over the mode's frequency.
 FRAMES, FARTHEST = (40, 4096), 0.16
 # Part of the mode's frequency within which another one is a close mode, as a beat of more than
-# eight cycles is; one farther away leaves something in the curve, and is another fault.
-CLOSE, FARTHER = 0.125, "leftover"
+# eight cycles is; one farther away leaves something in the curve.
+CLOSE = 0.125
 # A line is on one side where it is this many times that on the other; two parts show the same one
 # where it turns within so many turns alike over the shorter. A frame's taper weakens a line to this
 # part at most.
@@ -128,7 +128,7 @@ def _line(
     if alike:
         text += "; they are too close to be told apart"
     consequence = "drop" if alike or size > SEVERE else "warn"
-    name = "" if abs(distance) < CLOSE * seen.own_Hz else FARTHER
+    name = "" if abs(distance) < CLOSE * seen.own_Hz else LEFTOVER
     finding = Finding(float(statistic), THRESHOLD, consequence, text, name=name)
     return _Line(float(turns[k]), log.size, bool(beats < SLOW), finding)
 
