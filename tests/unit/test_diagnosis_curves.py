@@ -1,12 +1,16 @@
 """Errors of the curves: wide where repeats differ, loose where no record has a plateau."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bladeroot.diagnosis.curve_model import LOOSE, OFFSET, curve_data, problem
 from bladeroot.diagnosis.dataset import level_offsets
+from bladeroot.inference.gaussian import fit
 from bladeroot.mechanisms.catalogue import catalogue
 from diagnosis_bench import FORCES, NOISE, campaign
 from stiffness_beam import _model
+from turning import by_differences
 
 
 def test_repeats_that_differ_make_the_mean_uncertain():
@@ -75,10 +79,26 @@ def test_the_covariance_turns_as_by_differences():
     vector, matrix = chance.normal(size=data.value.size), chance.normal(size=2 * data.value.shape)
     matrix = matrix + matrix.T
     times, traces = made.predict(at).turns(scales, vector, matrix)
-    for k in range(at.size):
-        step = 1e-4 * np.eye(at.size)[k]
-        ends = [made.covariance(made.predict(at + way * step), scales)[0] for way in (-1, 1)]
-        turned = (ends[1] - ends[0]) / 2e-4
+    for k, turned in enumerate(by_differences(made, at, scales, np.full(at.size, 1e-4))):
         scale = np.abs(turned @ vector).max() + 1e-30
         assert times[:, k] == pytest.approx(turned @ vector, abs=1e-5 * scale)
         assert traces[k] == pytest.approx(np.sum(turned * matrix), rel=1e-4)
+
+
+def test_fits_by_blocks_are_those_of_the_whole():
+    """Of two modes and two quantities none shares an error with another."""
+    data = curve_data(campaign(_model(False), seed=1), ("1B", "2B"))
+    slip = next(one for one in catalogue() if one.id == "joint-slip")
+    made = problem(data, [slip])
+    assert len(made.blocks) == 4
+    near = fit(made)
+    parts, whole = (
+        fit(one, near.parameters, near.scales)
+        for one in (made, replace(made, blocks=(slice(0, None),)))
+    )
+    assert parts.log_evidence == pytest.approx(whole.log_evidence, abs=1e-6)
+    assert parts.parameters == pytest.approx(whole.parameters, rel=1e-6)
+    off = np.ones(parts.precision.shape, bool)
+    for one in made.blocks:
+        off[one, one] = False
+    assert not made.covariance(parts.state, parts.scales)[0][off].any()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bladeroot.diagnosis.channel import stick_channel
 from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import kinked, near, problem, stick_data, trust_kernel
@@ -14,6 +15,7 @@ from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.rom.sensitivity import changed_frequencies
 from diagnosis_bench import MODES, campaign, programme
 from stiffness_beam import beam_joint
+from turning import by_differences
 
 BY_ID = {one.id: one for one in catalogue()}
 BASE = 3 + 2 * len(MODES) + 1
@@ -54,6 +56,48 @@ def test_slopes_are_derivatives(parts, ids, values):
         step = h * np.eye(theta.size)[k]
         numeric = (predict(theta + step).mean - predict(theta - step).mean) / (2.0 * h)
         np.testing.assert_allclose(slope[:, k], numeric, atol=2e-4 * np.abs(numeric).max())
+
+
+@pytest.mark.parametrize(
+    ("ids", "values"),
+    [
+        (("incomplete-contact", "drift"), [(4e3, 1.0), (1e-3, 1e-3)]),
+        (("load-dependent-stiffness", "loading-hysteresis"), [(0.4, 0.1), (0.2,)]),
+        (("force-gain",), [(0.1,)]),
+    ],
+)
+def test_the_turn_of_the_covariance_is_by_differences(parts, ids, values):
+    mechanisms = [BY_ID[name] for name in ids]
+    values = [some[: len(one.parameters)] for one, some in zip(mechanisms, values, strict=True)]
+    made, theta = problem(*parts[:2], mechanisms), point(mechanisms, *values)
+    chance, scales, n = np.random.default_rng(6), made.scales.mean, parts[0].ln_f.size
+    vector, matrix = chance.normal(size=n), chance.normal(size=(n, n))
+    matrix = matrix + matrix.T
+    times, traces = made.predict(theta).turns(scales, vector, matrix)
+    size = np.abs(made.covariance(made.predict(theta), scales)[0]).max()
+    steps = 1e-4 * made.prior.std
+    for k, change in enumerate(by_differences(made, theta, scales, steps)):
+        near = 5e-3 * np.abs(change).max() + 1e-6 * size / made.prior.std[k]
+        assert times[:, k] == pytest.approx(change @ vector, abs=near * np.sqrt(n))
+        assert traces[k] == pytest.approx((change * matrix).sum(), abs=near * n)
+
+
+def test_a_start_of_a_law_leaves_the_contact_as_it_was_on_average(parts):
+    data, simulated, _ = parts
+    channel = stick_channel(data, simulated, catalogue())
+    law = BY_ID["incomplete-contact"]
+    theta = point([law], (60e3, 1.0))
+    shift = channel.undone(law, theta[BASE:])
+    share = np.log(-np.expm1(-data.records.force / 60e3))
+    assert shift[:2] == pytest.approx([-share.mean()] * 2)
+    assert not shift[2:].any()
+    assert not channel.undone(BY_ID["added-mass"], BY_ID["added-mass"].start).any()
+    before = problem(data, simulated).predict(theta[:BASE]).mean
+    far, near = (
+        problem(data, simulated, [law]).predict(theta + np.append(move, [0.0, 0.0])).mean - before
+        for move in (0.0 * shift, shift)
+    )
+    assert np.abs(near).max() < 0.5 * np.abs(far).max()
 
 
 def test_a_law_of_the_force_goes_by_the_force_that_there_is(parts):

@@ -35,6 +35,18 @@ def test_gradient_is_the_functions_own(surface, points):
     np.testing.assert_allclose(gradient[:, 1, 1], -0.2 * y / lower**2, atol=1e-7)
 
 
+def test_second_derivatives_are_the_functions_own(surface, points):
+    x, y, _ = points.T
+    *_, bend = evaluate(surface, points, order=2)
+    wave, turn = np.sin(x) * np.exp(0.3 * y), np.cos(x) * np.exp(0.3 * y)
+    zero, load = 0.0 * x, np.full(x.size, 1e-4)
+    wanted = [[-wave, 0.3 * turn, load], [0.3 * turn, 0.09 * wave, zero], [load, zero, zero]]
+    np.testing.assert_allclose(bend[:, 0], np.transpose(wanted, (2, 0, 1)), atol=2e-6)
+    one = evaluate(surface, points, 2, np.ones(x.size, dtype=int))[-1]
+    np.testing.assert_allclose(one, bend[:, 1], atol=1e-12)
+    assert evaluate(surface, points[:0], order=2)[-1].shape == (0, 2, 3, 3)
+
+
 def test_polynomials_need_no_more_than_their_degree():
     cubic = fit(lambda p: (p[:, 0] ** 3 * p[:, 1])[None], LOW, HIGH, 1e-9)
     assert cubic.coefficients.shape == (1, 4, 2, 2)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis import curve_model, damping_model, stick_model
@@ -31,8 +31,9 @@ class Channel:
     problem: of mechanisms and of a smooth competitor's covariances. base: number of the baseline's
     parameters. smooth: competitors by what they are smooth in, about a fit. part: by what
     may be left out, the number of the part that each datum belongs to. records: of stick
-    frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: how many of
-    the first parameters are stiffnesses of contacts, in which a posterior may have several maxima.
+    frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: which of
+    `COORDINATES` each of the first parameters is, a stiffness of contacts, in which a posterior may
+    have several maxima.
     """
 
     name: str
@@ -43,7 +44,18 @@ class Channel:
     part: dict[str, Int[ndarray, " datum"]]
     records: Records | None = None
     trust: float = TRUST
-    stiffnesses: int = 0
+    stiffnesses: tuple[str, ...] = ()
+
+    def undone(self, one: Mechanism, own: Float[ndarray, " own"]) -> Float[ndarray, " base"]:
+        """Shift of the baseline's parameters by which the contact stays as stiff as it was, on
+        average over the records, where a mechanism with coordinates `own` changes it.
+        """
+        shift = np.zeros(self.base)
+        if self.stiffnesses and one.stick is not None:
+            changes = one.stick(self.records, one.values(own)[0]).changes
+            means = [-np.mean(changes.get(name, 0.0)) for name in self.stiffnesses]
+            shift[: len(means)] = means
+        return shift
 
 
 def stick_channel(
@@ -60,7 +72,7 @@ def stick_channel(
         ),
         _parts(data),
         data.records,
-        stiffnesses=len(simulated.parameters) if isinstance(simulated, Parametric) else 0,
+        stiffnesses=simulated.coordinates if isinstance(simulated, Parametric) else (),
     )
 
 

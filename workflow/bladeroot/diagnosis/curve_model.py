@@ -7,6 +7,7 @@ it keeps a free offset. The baseline has no slip, or that of the simulation that
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -191,7 +192,14 @@ def problem(
 
     scales = [*NOISE, *((np.log(size), 1.5) for _, size in extra)]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
-    return Problem(data.value, predict, covariance, prior, Prior(means, stds))
+    return Problem(data.value, predict, covariance, prior, Prior(means, stds), blocks=_blocks(data))
+
+
+def _blocks(data: CurveData) -> tuple[slice, ...]:
+    """Of one quantity of one mode: they stand together."""
+    own = 2 * data.twice.mode + data.quantity
+    edges = [0, *(np.flatnonzero(np.diff(own)) + 1), own.size]
+    return tuple(slice(*pair) for pair in pairwise(edges))
 
 
 def law_kernel(data: CurveData, alike: Callable = near) -> Float[ndarray, "datum datum"]:

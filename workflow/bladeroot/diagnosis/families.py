@@ -97,10 +97,10 @@ def baseline(channel: Channel) -> Model:
     contacts, as normal and tangential stiffness may exchange what they explain.
     """
     problem = channel.problem((), ())
-    usual = problem.scales
+    usual, count = problem.scales, len(channel.stiffnesses)
     fits = [fit(problem, None, usual.mean + far * usual.std) for far in _SIZES]
-    fits += [fit(problem, one) for one in about(problem.prior, channel.stiffnesses)]
-    best, *others = maxima_of(fits, channel.stiffnesses)
+    fits += [fit(problem, one) for one in about(problem.prior, count)]
+    best, *others = maxima_of(fits, count)
     return Model((), best, 0.0, maxima=tuple(others))
 
 
@@ -189,8 +189,7 @@ def _fitted(
     asks: bool,
     like: tuple[Mechanism, Fit, float] | None = None,
 ) -> Fit:
-    """The baseline starts afresh: where it made up for a cause, there is no way down, but for
-    steps that see how the covariance turns.
+    """From the maxima of the model without it.
 
     like: another form that was fitted, from whose end to begin, and from its own parameters of the
     same names too.
@@ -198,28 +197,31 @@ def _fitted(
     current = model.fit
     problem = channel.problem([*model.causes, one], ())
     own = [one.start, *map(np.asarray, one.starts)]
-    thorough = channel.name == "curve" and asks
+    many, thorough = len(own) > _PLACES, channel.name == "curve" and asks
     if like is None:
-        baseline = problem.prior.mean if current.state.turns is None else current.parameters
-        bases = [baseline, *(other.parameters for other in model.maxima)]
-        own_part = current.parameters[channel.base :]
-        before = [np.append(base[: channel.base], own_part) for base in bases]
+        ends = (current.parameters, *(end.parameters for end in model.maxima))
+        others = current.parameters[channel.base :]
+        before = [np.append(end[: channel.base], others) for end in ends]
     else:
         # Over amplitude a start costs a whole fit, and forms differ little in what they share.
         kept = own[:1] if thorough and set(_names(like[0])) & set(_names(one)[2:]) else own
         own = [*kept, _alike(one, *like[:2])]
-        before = [like[1].parameters[: current.parameters.size]]
-    if len(own) > _PLACES and not thorough:
+        end = like[1].parameters
+        before = [end[: current.parameters.size].copy()]
+        before[0][: channel.base] -= channel.undone(like[0], end[current.parameters.size :])
+    if many and not thorough:
         own = _leading(problem, current, own)
-    starts = [np.append(one, start) for one in before for start in own]
+    starts = [np.concatenate([base, start]) for base in before for start in own]
+    for start in starts:
+        start[: channel.base] += channel.undone(one, start[-len(one.parameters) :])
     if thorough:
         # As yet the curves are noise to the fit: a few steps from there tell no start's worth.
         ends = [fit(problem, start, current.scales, _ROUGH) for start in starts]
         return max(ends, key=lambda end: end.log_evidence)
     scales = [current.scales]
-    if asks and one.starts:
-        # Beside the scatter that made up for a cause, the place of a step or of a bend shows no
-        # slope.
+    if asks and (many or one.kind == "force-law"):
+        # Beside the scatter that made up for a cause, the place of a step, or of a bend over the
+        # load, shows no slope.
         scales.append(problem.scales.mean - problem.scales.std)
     ends = [best_fit(problem, starts, one) for one in scales]
     return max(ends, key=lambda end: end.log_evidence)

@@ -104,7 +104,8 @@ class Repeats:
 class Problem:
     """Data, a model of them, and priors of its parameters and scales.
 
-    many: `predict` of several points at once, where that is cheaper.
+    many: `predict` of several points at once, where that is cheaper. blocks: of data that share no
+    errors with those of others.
     """
 
     data: Float[ndarray, " datum"]
@@ -114,6 +115,7 @@ class Problem:
     scales: Prior
     repeats: Repeats | None = None
     many: Callable[[Float[ndarray, "point parameter"]], Sequence[State]] | None = None
+    blocks: tuple[slice, ...] = (slice(None),)
 
     def states(self, parameters: Float[ndarray, "point parameter"]) -> Sequence[State]:
         """What the model says at several points."""
@@ -166,6 +168,7 @@ class _Point:
     cost: float
     factor: ndarray
     slopes: Slopes
+    blocks: tuple[slice, ...]
 
     @property
     def log_det(self) -> float:
@@ -175,7 +178,7 @@ class _Point:
     @cached_property
     def inverse(self) -> ndarray:
         """Of the covariance."""
-        half, _ = lapack.dpotri(self.factor, lower=1)  # nothing above the diagonal
+        half, _ = _of_blocks(lapack.dpotri, self.factor, self.blocks)  # nothing above the diagonal
         whole = half + half.T
         whole[np.diag_indices_from(whole)] *= 0.5
         return whole
@@ -189,6 +192,17 @@ class _Point:
         return lapack.dtrtrs(self.factor, columns, lower=1)[0]
 
 
+def _of_blocks(
+    routine: Callable, matrix: ndarray, blocks: Sequence[slice]
+) -> tuple[Float[ndarray, "datum datum"], bool]:
+    """A routine of LAPACK's for a lower triangle, block by block, and whether it failed."""
+    made, bad = np.zeros(matrix.shape, order="F"), False
+    for one in blocks:
+        made[one, one], failed = routine(matrix[one, one], lower=1)
+        bad = bad or failed > 0
+    return made, bad
+
+
 def _point(
     problem: Problem, parameters: ndarray, scales: ndarray, state: State | None = None
 ) -> _Point:
@@ -199,11 +213,11 @@ def _point(
     miss = problem.data - state.mean
     # A sum is not finite where a number is not, and cheaper to ask.
     if not (state.inside and np.isfinite(own.sum() + miss.sum())):
-        return _Point(parameters, scales, state, np.inf, own, slopes)
-    factor, bad = lapack.dpotrf(own, lower=1)
+        return _Point(parameters, scales, state, np.inf, own, slopes, problem.blocks)
+    factor, bad = _of_blocks(lapack.dpotrf, own, problem.blocks)
+    at = _Point(parameters, scales, state, np.inf, factor, slopes, problem.blocks)
     if bad:
-        return _Point(parameters, scales, state, np.inf, own, slopes)
-    at = _Point(parameters, scales, state, np.inf, factor, slopes)
+        return at
     white = at.whitened(miss)
     off = (parameters - problem.prior.mean) / problem.prior.std
     wide = (scales - problem.scales.mean) / problem.scales.std

@@ -44,6 +44,11 @@ def _effect(share: np.ndarray, by_seating: np.ndarray, by_shape: np.ndarray) -> 
     return StickEffect({"ln_kn": share, "ln_kt": share}, {"ln_kn": slope, "ln_kt": slope})
 
 
+def _starts(shape: float) -> tuple[tuple[float, float], ...]:
+    """Full at nearly any force, and far from it at most."""
+    return tuple((float(np.log(seating)), float(np.log(shape))) for seating in (800.0, 9e3, 5e4))
+
+
 MECHANISM = Mechanism(
     id="incomplete-contact",
     kind="force-law",
@@ -62,7 +67,7 @@ MECHANISM = Mechanism(
     splitter="stick frequencies at more {forces}, below the seating {force} and far above it; "
     "pressure-sensitive film",
     stick=exponential,
-    starts=((float(np.log(9e3)), 0.0),),
+    starts=_starts(1.0),
     form="exponential",
     measured_by="pressure film",
 ).also(
@@ -71,12 +76,12 @@ MECHANISM = Mechanism(
         "sharpness", "1", 2.0, 0.3, 0.5, 8.0,
         "steeper than a layer in series with the bulk, 1", log=True,
     ),
-    keep=1, stick=logistic, starts=((float(np.log(9e3)), float(np.log(2.0))),),
+    keep=1, stick=logistic, starts=_starts(2.0),
 ).also(
     "threshold",
     Parameter(
         "growth", "1", 0.7, 0.4, 0.1, 3.0,
         "area over force below the threshold: elastic flanks 1/2, a wedge 1", log=True,
     ),
-    keep=1, stick=threshold, starts=((float(np.log(9e3)), float(np.log(0.7))),),
+    keep=1, stick=threshold, starts=_starts(0.7),
 )  # fmt: skip

@@ -108,8 +108,8 @@ def evaluate(
     order: int = 0,
     function: Int[ndarray, " point"] | None = None,
 ) -> list[Float[ndarray, "point ..."]]:
-    """Values, and with order 1 gradients by the coordinates, at many points, of all functions, or
-    of the one that is asked for at each.
+    """Values, with order 1 gradients by the coordinates, with order 2 second derivatives too, at
+    many points, of all functions, or of the one that is asked for at each.
 
     Raises ValueError for a point outside the box.
     """
@@ -133,12 +133,22 @@ def _evaluate(
     first = (by_i @ flat).reshape(order + 1, len(x), functions, *count[1:])
     if function is not None:
         first = first[:, np.arange(len(x)), function, None]
-    plain = np.einsum("apfjl,pl->apfj", first, by_l[0])
-    results = [np.einsum("pfj,pj->pf", plain[0], by_j[0])]
+    along = {
+        (i, k): np.einsum("pfjl,pl->pfj", first[i], by_l[k])
+        for i in range(order + 1)
+        for k in range(order + 1 - i)
+    }
+
+    def derivative(*axes: int) -> ndarray:
+        i, j, k = (axes.count(axis) for axis in range(3))
+        return np.einsum("pfj,pj->pf", along[i, k], by_j[j])
+
+    results = [derivative()]
     if order > 0:
-        along = np.einsum("pfjl,pl->pfj", first[0], by_l[1])
-        slopes = [(plain[1], by_j[0]), (plain[0], by_j[1]), (along, by_j[0])]
-        results.append(np.stack([np.einsum("pfj,pj->pf", *one) for one in slopes], axis=-1))
+        results.append(np.stack([derivative(a) for a in range(3)], axis=-1))
+    if order > 1:
+        rows = [np.stack([derivative(a, b) for b in range(3)], axis=-1) for a in range(3)]
+        results.append(np.stack(rows, axis=-2))
     return results if function is None else [part[:, 0] for part in results]
 
 

@@ -119,17 +119,24 @@ def ln_frequency(
 ) -> tuple[
     Float[ndarray, " point"],
     Float[ndarray, "point coordinate"],
-    Callable[[], Float[ndarray, "point coordinate coordinate"]] | None,
+    Callable[[], Float[ndarray, "point coordinate coordinate"]],
 ]:
-    """The same of one mode at each point, and, where the modes are solved, what makes its second
-    derivatives, if inside.
-    """
+    """The same of one mode at each point, and what makes its second derivatives: none outside."""
     inside = _inside(model, points)
-    second = None
     if isinstance(model, Surface):
         value, slope = chebyshev.evaluate(model, inside, 1, mode)
+
+        def made() -> ndarray:
+            return chebyshev.evaluate(model, inside, 2, mode)[-1]
+
     else:
-        value, slope, second = _of_modes(model, mode, inside, inside != points)
+        value, slope, made = _of_modes(model, mode, inside)
+
+    def second() -> ndarray:
+        bend = made()
+        bend[inside != points] = 0.0
+        return bend
+
     return value + (slope * (points - inside)).sum(axis=1), slope, second
 
 
@@ -137,7 +144,6 @@ def _of_modes(
     model: Solved,
     mode: Int[ndarray, " point"],
     points: Float[ndarray, "point coordinate"],
-    outside: ndarray,
 ) -> tuple[ndarray, ndarray, Callable[[], ndarray]]:
     value, slope, parts = np.empty(len(points)), np.empty(points.shape), []
     for k, ritz in enumerate(model.ritzes):
@@ -149,7 +155,6 @@ def _of_modes(
         made = np.empty((*points.shape, points.shape[1]))
         for ritz, mine, found in parts:
             made[mine] = _curvature(ritz, points[mine], found, slope[mine])
-        made[outside] = 0.0
         return made
 
     return value, slope, second

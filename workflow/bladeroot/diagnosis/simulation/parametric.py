@@ -83,6 +83,11 @@ class Parametric:
         """As the interface says."""
         return _OfRecords(self, records, hold, rounding)
 
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Which of kn and kt each stiffness is, by name in `mechanism.COORDINATES`."""
+        return tuple("ln_kt" if name.startswith("kt") else "ln_kn" for name in self.parameters)
+
     def pivot_of(self, records: Records) -> float:
         """The load about which laws tilt."""
         if self.pivot is not None:
@@ -183,7 +188,7 @@ class _OfRecords:
         self.simulated = simulated
         modes, self.count = len(simulated.ritz), len(simulated.parameters)
         # which of the changes, of kn or of kt, is each stiffness's
-        self.kind = np.array([int(name.startswith("kt")) for name in simulated.parameters])
+        self.kind = np.array([int(name == "ln_kt") for name in simulated.coordinates])
         self.x = np.log(records.force / simulated.pivot_of(records))
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
@@ -244,7 +249,7 @@ class _OfRecords:
             mean + theta[-1] * tension,
             np.hstack([by_k, self.others(by_k, tension)]),
             self.together(g),
-            None if second is None else lambda: self._turning(second(), theta.size),
+            lambda: self._turning(second(), theta.size),
         )  # fmt: skip
 
     def others(
@@ -264,13 +269,11 @@ class _OfRecords:
 
     def _of_places(
         self, places: Float[ndarray, "record coordinate"]
-    ) -> tuple[ndarray, ndarray, Callable[[], ndarray] | None]:
-        """ln f of each record's mode at its place, its gradient, and, where the modes are solved,
-        what makes its curvature.
-        """
+    ) -> tuple[ndarray, ndarray, Callable[[], ndarray]]:
+        """ln f of each record's mode at its place, its gradient, and what makes its curvature."""
         points, where = distinct(np.column_stack([places, self.records.mode]))
         value, g, second = ln_frequency(self.surface, points[:, -1].astype(int), points[:, :-1])
-        return value[where], g[where], None if second is None else lambda: second()[where]
+        return value[where], g[where], lambda: second()[where]
 
     def together(self, g: Float[ndarray, "*point coordinate"]) -> Float[ndarray, "*point 3"]:
         """Gradients by all kn alike, by all kt alike, and by the records' load."""
