@@ -10,6 +10,7 @@ configfile: f"{workflow.basedir}/config/config.yaml"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/tell.smk"
 include: "workflow/rules/resources.smk"
+include: "workflow/rules/warm.smk"
 
 
 rule all:
