@@ -57,12 +57,16 @@ def sample(
     """
     rng, bent = np.random.default_rng(seed), np.asarray(bent)
     proposals = [_first([fit, *others], bent)]
-    found, log = [], np.zeros(0)
+    found, log, densities = [], np.zeros(0), []
     while len(log) < _MOST * draws:
         found.append(_proposed(fit, bent, proposals[-1], rng))
         points, parameters, target = (np.concatenate(part) for part in zip(*found, strict=True))
-        mixed = logsumexp([one.log_density(points) for one in proposals], axis=0)
-        log = target - mixed
+        densities = [  # of the earlier proposals only those of the new points lack
+            np.append(known, one.log_density(points[len(log) :]))
+            for known, one in zip(densities, proposals[:-1], strict=True)
+        ]
+        densities.append(proposals[-1].log_density(points))
+        log = target - logsumexp(densities, axis=0)
         if _effective(log) >= _WANTED * draws:
             break
         proposals.append(proposals[-1].learnt(points, _weights(_evened(log))))

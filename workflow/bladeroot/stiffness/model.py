@@ -237,11 +237,13 @@ def _repeats(levels: Levels) -> Repeats | None:
     known = [m for m in np.flatnonzero(levels.clamping_freedom > 0) if (levels.mode == m).any()]
     if not known:
         return None
+    of_modes = [np.flatnonzero(levels.mode == m) for m in known]
+    by_scale = np.full((len(known), 1), 2.0)
 
     def expected(state: State, scales: ndarray) -> tuple[ndarray, ndarray]:
         gain = (state.facts["slope"][:, :2] ** 2).sum(axis=1)
-        of_mode = np.array([gain[levels.mode == m].mean() for m in known])
-        return np.exp(2.0 * scales[0]) * of_mode, np.full((len(known), 1), 2.0)
+        mean = np.array([gain[own].sum() / own.size for own in of_modes])
+        return np.exp(2.0 * scales[0]) * mean, by_scale
 
     return Repeats(
         levels.clamping_freedom[known] / len(known), levels.clamping_std[known] ** 2, expected
