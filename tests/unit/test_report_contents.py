@@ -1,6 +1,8 @@
 """Drawing side by side: the same results, and the second process's faults told."""
 
+import multiprocessing
 import os
+import time
 
 import pytest
 from bladeroot.report.contents import _side_by_side
@@ -17,6 +19,20 @@ def test_a_fault_on_either_side_is_the_fault_of_all(tasks):
         _side_by_side(tasks, "no number", 2)
 
 
+def test_the_process_that_is_free_takes_the_next():
+    done = multiprocessing.get_context("fork").Event()
+    tasks = [lambda _: done.wait(20.0), lambda _: done.set(), str, str]
+    assert _side_by_side(tasks, 3, 2) == [True, None, "3", "3"]
+
+
 def test_a_second_process_that_is_ended_is_told():
+    parent = os.getpid()
+
+    def task(_):
+        if os.getpid() != parent:
+            os._exit(9)
+        while multiprocessing.active_children():  # until the other has taken one, too
+            time.sleep(0.01)
+
     with pytest.raises(RuntimeError, match="was ended"):
-        _side_by_side([str, os._exit], 9, 2)
+        _side_by_side([task, task], None, 2)

@@ -1,9 +1,11 @@
 """The report as a whole: the first page and its chapters, each a page of its own."""
 
 import multiprocessing
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
+from operator import itemgetter
 
 import pandas as pd
 import xarray as xr
@@ -107,8 +109,9 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
 
     processes: that draw side by side, one or two.
     """
-    judged, of_stick, of_structures, of_records = _side_by_side(
-        [_judged, _over_load, _of_structures, _of_records], given, processes
+    with_structure = _WITH_STRUCTURE if given.facts["structures"] else {}
+    judged, of_stick, of_records, *of_structures = _side_by_side(
+        [_judged, _over_load, _of_records, *with_structure.values()], given, processes
     )
     every = of_records.get("means", [])
     chapters = {
@@ -117,7 +120,7 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
         if "integrity" in given.stages
         else [],
         "stick": [_stick(given, of_stick)],
-        **of_structures,
+        **dict(zip(with_structure, of_structures, strict=True)),
         "diagnosis": [_diagnosis(given, judged)],
     }
     chapters = {name: chapters[name] for name in _TITLES if chapters.get(name)}
@@ -125,6 +128,7 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
         f"report/{name}.html": _page(given, name, sections, chapters)
         for name, sections in chapters.items()
     }
+    shows_it = _that_shows_it(given, judged)
     # the first page stands beside the chapters' folder, and once more inside it for an archive
     for place, where in ((f"report/{INDEX}", ""), (FRONT, "report/")):
         front = front_sections(
@@ -135,7 +139,7 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
             given.diagnoses,
             given.verdicts,
             every or of_stick,
-            _that_shows_it(given, judged),
+            shows_it,
             where,
         )
         front.append(provenance_section(given.made))
@@ -160,29 +164,48 @@ def _page(
 
 
 def _side_by_side(tasks: Sequence[Callable], given: object, processes: int) -> list:
-    """What each task makes of what is given; with two processes the second half in a child."""
+    """What each task makes of what is given; with two processes the one that is free takes the
+    next.
+    """
     if processes < 2:
         return [task(given) for task in tasks]
-    here = len(tasks) // 2
+    waiting, filled = os.pipe()
+    os.write(filled, bytes(range(len(tasks))))
+    os.close(filled)
     fork = multiprocessing.get_context("fork")
     receiver, sender = fork.Pipe(duplex=False)
-    child = fork.Process(target=_send, args=(tasks[here:], given, receiver, sender), daemon=True)
+    child = fork.Process(target=_send, args=(tasks, given, waiting, receiver, sender), daemon=True)
     child.start()
     sender.close()
-    made = [task(given) for task in tasks[:here]]
+    made = _taken(tasks, given, waiting)
+    os.close(waiting)
     try:
         others = receiver.recv()
     except EOFError:
         raise RuntimeError("the second process that draws was ended") from None
     if isinstance(others, Exception):
         raise others
-    return made + others
+    return [task for _, task in sorted([*made, *others], key=itemgetter(0))]
 
 
-def _send(tasks: Sequence[Callable], given: object, receiver: Connection, sender: Connection):
+def _taken(tasks: Sequence[Callable], given: object, waiting: int) -> list[tuple[int, object]]:
+    """Numbers of tasks from the pipe, one at a time, and what these make, until it is empty."""
+    made = []
+    while number := os.read(waiting, 1):
+        made.append((number[0], tasks[number[0]](given)))
+    return made
+
+
+def _send(
+    tasks: Sequence[Callable],
+    given: object,
+    waiting: int,
+    receiver: Connection,
+    sender: Connection,
+):
     receiver.close()  # the parent's alone: where it has ended, nothing can be sent
     try:
-        sender.send([task(given) for task in tasks])
+        sender.send(_taken(tasks, given, waiting))
     except Exception as error:
         sender.send(error)
 
@@ -254,42 +277,49 @@ def _diagnosis(given: Material, judged: Mapping[str, list[Picture]]) -> Section:
     return Section(section.title, [*section.parts, *extended_parts(given.joints, given.extended)])
 
 
-def _of_structures(given: Material) -> dict[str, list[Section]]:
-    """The chapters that need a structure."""
-    if not given.facts["structures"]:
-        return {}
-    stages, simulated = given.stages, given.simulated
-    main = given.facts["structures"][0]
-    side = pictures(structure.side_view(given.mesh), SIDE.format(main))
+def _of_structure(given: Material) -> list[Section]:
+    checks = {check.attrs["structure"]: check for check in given.checks}
+    side = pictures(structure.side_view(given.mesh), SIDE.format(given.facts["structures"][0]))
     side += [Picture(given.modes, MODES)] if given.modes else []
+    return [structure_section(checks, given.accuracies, given.calibrations, side)]
+
+
+def _of_stiffness(given: Material) -> list[Section]:
+    found = given.stages["stiffness"]
     printed = given.published[1] if given.published else None
-    maps = pictures(stiffness.maps(given.searches, printed, simulated), MAPS)
-    posterior = pictures(joint.joint(given.joints, stages["stiffness"], simulated))
-    whole = stiffness_section(stages["stiffness"], maps, stages.get("score"))
+    maps = pictures(stiffness.maps(given.searches, printed, given.simulated), MAPS)
+    posterior = pictures(joint.joint(given.joints, found, given.simulated))
+    whole = stiffness_section(found, maps, given.stages.get("score"))
     parts = [*whole.parts, *joint_parts(given.joints, posterior), *_thesis_search(given)]
-    profiles = TRACTIONS.format(stages["theory"].attrs["profile_axial_force"] / 1e3)
+    return [Section(whole.title, parts)]
+
+
+def _of_friction(given: Material) -> list[Section]:
+    drawn = _slip(given)
+    return [nonlinear_section(given.amplitudes, given.shortfalls, drawn, given.of_the_thesis)]
+
+
+def _of_theory(given: Material) -> list[Section]:
+    found = given.stages["theory"]
+    profiles = TRACTIONS.format(found.attrs["profile_axial_force"] / 1e3)
     drawn = {
-        "tractions": pictures(theory.tractions(stages["theory"]), profiles),
+        "tractions": pictures(theory.tractions(found), profiles),
         "compared": pictures(
-            theory.compared(stages["theory"], stages["stiffness"], simulated),
+            theory.compared(found, given.stages["stiffness"], given.simulated),
             COMPARED.format("Table 5.2 times 33 (6.16), " if given.published else ""),
         ),
     }
-    checks = {check.attrs["structure"]: check for check in given.checks}
-    return {
-        "structure": [structure_section(checks, given.accuracies, given.calibrations, side)],
-        "stiffness": [Section(whole.title, parts)],
-        "nonlinear": [
-            nonlinear_section(given.amplitudes, given.shortfalls, _slip(given), given.of_the_thesis)
-        ],
-        "theory": [theory_section(stages["theory"], drawn)],
-        "comparison": [
-            ledger_section(stages["ledger"], given.errata, pictures(slider(stages["slider"]))),
-            errata_section(given.errata),
-        ]
-        if given.of_the_thesis
-        else [],
-    }
+    return [theory_section(found, drawn)]
+
+
+def _comparison(given: Material) -> list[Section]:
+    if not given.of_the_thesis:
+        return []
+    drawn = pictures(slider(given.stages["slider"]))
+    return [
+        ledger_section(given.stages["ledger"], given.errata, drawn),
+        errata_section(given.errata),
+    ]
 
 
 def _thesis_search(given: Material) -> list:
@@ -313,3 +343,13 @@ def _slip(given: Material) -> list[Picture]:
         *pictures(nonlinear.curves(one, given.simulated)),
         *pictures(nonlinear.slip(one, given.simulated), SLIP),
     ]
+
+
+# The chapters that need a structure.
+_WITH_STRUCTURE = {
+    "structure": _of_structure,
+    "stiffness": _of_stiffness,
+    "nonlinear": _of_friction,
+    "theory": _of_theory,
+    "comparison": _comparison,
+}
