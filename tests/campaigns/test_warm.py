@@ -157,7 +157,14 @@ def test_nothing_is_left_running(how, folder):
         (folder / "alone").touch()
     command = [sys.executable, "-m", "snakemake", "-j2", "--quiet", "all"]
     with open(folder / "said.txt", "w") as said:
-        process = subprocess.Popen(command, cwd=folder, stderr=said, start_new_session=True)
+        process = subprocess.Popen(
+            command,
+            cwd=folder,
+            stderr=said,
+            start_new_session=True,
+            # tests that a script started in the background ignore it
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )
     log = folder / "first.log"
     assert until(lambda: log.exists() and len(processes(folder)) == 3)
     if how == "Ctrl-C":

@@ -5,6 +5,7 @@ import os
 import shutil
 
 from snakemake.logging import logger
+from snakemake.persistence import PersistenceBase
 from snakemake.settings.enums import RerunTrigger
 from snakemake.settings.types import DAGSettings, SchedulingSettings
 from snakemake_interface_logger_plugins.common import LogEvent
@@ -23,6 +24,9 @@ SchedulingSettings.max_jobs_per_timespan = property(
     lambda asked: None if workflow.local_exec else vars(asked)["limit"],
     lambda asked, limit: vars(asked).update(limit=limit),
 )
+
+# No parameter here is a table: pandas, a fifth of a plan's time, is not loaded to ask whether one is.
+PersistenceBase._serialize_param_pandas = PersistenceBase._serialize_param_builtin
 
 RESULTS = Path("results")
 CONTENTS = statement.Contents(Path(".snakemake") / "bladeroot_contents.json")
