@@ -14,6 +14,7 @@ import resource
 import shutil
 import stat
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -576,3 +577,12 @@ def test_results_that_may_only_be_read_are_looked_at(folder, tiny):
     status, said = tiny.run(folder, "--dry-run")
     assert (status, "Nothing to be done" in said) == (0, True), said
     assert "Traceback" not in said
+
+
+def test_a_plan_does_not_load_the_library_of_tables(folder, tiny):
+    """Which Snakemake asks of each parameter whether it is one."""
+    plan = [sys.executable, "-X", "importtime", "-m", "snakemake", "-n", "--quiet", "all"]
+    done = subprocess.run(plan, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"\| +snakemake$", done.stderr, re.MULTILINE)
+    assert not re.search(r"\| +pandas$", done.stderr, re.MULTILINE)

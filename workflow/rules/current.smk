@@ -25,7 +25,7 @@ SchedulingSettings.max_jobs_per_timespan = property(
     lambda asked, limit: vars(asked).update(limit=limit),
 )
 
-# No parameter here is a table: pandas, a fifth of a plan's time, is not loaded to ask whether one is.
+# No parameter here is a table: pandas, an eighth of a plan's time, is not loaded to ask whether one is.
 PersistenceBase._serialize_param_pandas = PersistenceBase._serialize_param_builtin
 
 RESULTS = Path("results")
