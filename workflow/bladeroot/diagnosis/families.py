@@ -189,7 +189,7 @@ def _fitted(
     asks: bool,
     like: tuple[Mechanism, Fit, float] | None = None,
 ) -> Fit:
-    """From the maxima of the model without it.
+    """The model with one cause more, from the maxima of the model without it.
 
     like: another form that was fitted, from whose end to begin, and from its own parameters of the
     same names too.
