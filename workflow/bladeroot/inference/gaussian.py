@@ -27,8 +27,10 @@ _LONGEST = 1.5  # of a step of a scale's coordinate
 _SMALL = 0.02  # such a step is taken without asking whether it gains
 _FIRST_GAIN = 0.1  # nats, of a first step at fixed scales that is still worth another
 _FARTHEST = 8.0  # prior's standard deviations that a step goes at most
-_POOR = 0.25  # part of what a step promised, below which it is corrected
-_DAMPING, _HARDER, _CHANGE = 0.1, 4.0, (0.2, 3.0)  # first, after a failure, after a gain
+# Parts of what a step promised, beyond and below which the next goes so many times farther, or half
+# as far; that part after one that fails; and how near to its length a step is held.
+_GOOD, _LONGER, _POOR, _HALF, _SHORTER, _WITHIN = 0.75, 2.0, 0.25, 0.5, 0.25, 0.9
+_SECULAR = 8  # rounds to that length
 _ROUNDING = 1e-14  # of a curvature
 _RISE = 1e-9  # nats, that rounding may add to the cost
 
@@ -162,13 +164,13 @@ class Fit:
 class _Point:
     """A candidate of the search: its objective, and Cholesky's factor of its covariance."""
 
+    problem: Problem
     parameters: ndarray
     scales: ndarray
     state: State
     cost: float
     factor: ndarray
     slopes: Slopes
-    blocks: tuple[slice, ...]
 
     @property
     def log_det(self) -> float:
@@ -178,10 +180,24 @@ class _Point:
     @cached_property
     def inverse(self) -> ndarray:
         """Of the covariance."""
-        half, _ = _of_blocks(lapack.dpotri, self.factor, self.blocks)  # nothing above the diagonal
+        # nothing above the diagonal
+        half, _ = _of_blocks(lapack.dpotri, self.factor, self.problem.blocks)
         whole = half + half.T
         whole[np.diag_indices_from(whole)] *= 0.5
         return whole
+
+    @cached_property
+    def information(self) -> ndarray:
+        """Expected, of the parameters with their prior."""
+        slope = self.whitened(self.state.slope)
+        return slope.T @ slope + np.diag(1.0 / self.problem.prior.std**2)
+
+    @cached_property
+    def marginal(self) -> float:
+        """Minus the scales' likelihood, with the parameters integrated out."""
+        if not np.isfinite(self.cost):
+            return np.inf
+        return self.cost + 0.5 * float(np.linalg.slogdet(self.information)[1])
 
     def over(self, values: ndarray) -> ndarray:
         """Values over the covariance."""
@@ -213,9 +229,9 @@ def _point(
     miss = problem.data - state.mean
     # A sum is not finite where a number is not, and cheaper to ask.
     if not (state.inside and np.isfinite(own.sum() + miss.sum())):
-        return _Point(parameters, scales, state, np.inf, own, slopes, problem.blocks)
+        return _Point(problem, parameters, scales, state, np.inf, own, slopes)
     factor, bad = _of_blocks(lapack.dpotrf, own, problem.blocks)
-    at = _Point(parameters, scales, state, np.inf, factor, slopes, problem.blocks)
+    at = _Point(problem, parameters, scales, state, np.inf, factor, slopes)
     if bad:
         return at
     white = at.whitened(miss)
@@ -231,19 +247,27 @@ def _point(
 class _Slopes:
     """Of the cost by the parameters: pull, minus the gradient, and curve, the curvature.
 
-    weighted: what is left of the data, over their covariance. bent: slope of what is left, as the
-    covariance turns.
+    unit: of each parameter's step.
     """
 
-    weighted: Float[ndarray, " datum"]
-    bent: Float[ndarray, "datum parameter"]
     pull: Float[ndarray, " parameter"]
     curve: Float[ndarray, "parameter parameter"]
+    unit: Float[ndarray, " parameter"]
+
+    @cached_property
+    def principal(self) -> tuple[ndarray, ndarray]:
+        """Eigenvalues and vectors of the curvature in its steps' units."""
+        value, vector = np.linalg.eigh(self.curve * np.outer(self.unit, self.unit))
+        return np.maximum(value, _ROUNDING * value[-1:]), vector
 
 
 def _slopes(problem: Problem, at: _Point) -> _Slopes:
     """With C_j the covariance's derivative by parameter j and w what is left over the covariance,
     the misfit's gradient has w C_j w, and its curvature is that of the slope plus C_j w.
+
+    Where steps see how the covariance turns, their unit is the prior's standard deviation: what is
+    known well moves freely, what is known badly as far as the model is straight. Elsewhere it is
+    that of the data.
     """
     weight, bent = 1.0 / problem.prior.std**2, at.state.slope
     weighted = at.over(problem.data - at.state.mean)
@@ -253,35 +277,28 @@ def _slopes(problem: Problem, at: _Point) -> _Slopes:
         pull = pull + 0.5 * (weighted @ turned - traces)
         bent = bent + turned
     white = at.whitened(bent)
-    return _Slopes(weighted, bent, pull, white.T @ white + np.diag(weight))
+    curve = white.T @ white + np.diag(weight)
+    unit = 1.0 / np.sqrt(np.diag(curve)) if at.state.turns is None else problem.prior.std
+    return _Slopes(pull, curve, unit)
 
 
-def _held(problem: Problem, at: _Point, by: _Slopes, damping: float) -> ndarray:
-    """Curvature that holds a step back.
-
-    Where steps see how the covariance turns, by their length in the prior's standard deviations:
-    what is known well moves freely, what is known badly as far as the model is straight. Elsewhere
-    all coordinates are held back alike (Marquardt 1963).
+def _step(problem: Problem, by: _Slopes, farthest: float) -> tuple[ndarray, float]:
+    """Newton's step within a distance in its units (More and Sorensen 1983), and what it should
+    gain.
     """
-    alike = np.diag(by.curve) if at.state.turns is None else 1.0 / problem.prior.std**2
-    return by.curve + damping * np.diag(alike)
-
-
-def _step(problem: Problem, at: _Point, by: _Slopes, damping: float) -> tuple[ndarray, float]:
-    """A Newton step of bounded length, and what it should gain."""
-    step = _solved(_held(problem, at, by, damping), by.pull)
-    step = step / max(1.0, np.abs(step / problem.prior.std).max(initial=0.0) / _FARTHEST)
-    return step, float(step @ by.pull - 0.5 * step @ by.curve @ step)
-
-
-def _corrected(
-    problem: Problem, at: _Point, by: _Slopes, step: ndarray, tried: _Point, damping: float
-) -> ndarray:
-    """A step with what it lacks as the model bends along it, which the point at its end tells."""
-    lower = np.tril(tried.factor)
-    beyond = problem.data - tried.state.mean - lower @ (lower.T @ by.weighted)
-    pull = by.bent.T @ at.over(beyond + by.bent @ step)
-    return step + _solved(_held(problem, at, by, damping), pull)
+    value, vector = by.principal
+    pull, held = vector.T @ (by.unit * by.pull), 0.0
+    for _ in range(_SECULAR):
+        step = pull / (value + held)
+        size = float(np.sqrt(step @ step))
+        if size <= farthest / _WITHIN and (held == 0.0 or size >= farthest * _WITHIN):
+            break
+        slope = float(step @ (step / (value + held))) / size**2
+        held = max(held + (size / farthest - 1.0) / slope, 0.0)
+    whole = by.unit * (vector @ step)
+    part = 1.0 / max(1.0, np.abs(whole / problem.prior.std).max(initial=0.0) / _FARTHEST)
+    gain = part * (step @ pull) - 0.5 * part**2 * (step**2 @ value)
+    return part * whole, float(gain)
 
 
 def _solved(curve: ndarray, pull: ndarray) -> ndarray:
@@ -299,7 +316,7 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     """
     if not at.scales.size:
         return at
-    before = _marginal(problem, at)
+    before = at.marginal
     whole, slopes = _precision(problem, at), at.slopes()
     pulled = whole @ _straight(problem, at)
     parts = [_times(whole, part) for part in slopes]
@@ -319,7 +336,7 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     step = np.clip(step, -_LONGEST, _LONGEST)
     for _ in range(_HALVINGS):
         new = _point(problem, at.parameters, at.scales + step, at.state)
-        if np.abs(step).max() < _SMALL or _marginal(problem, new) <= before:
+        if np.abs(step).max() < _SMALL or new.marginal <= before:
             return new
         step = 0.5 * step
     return at
@@ -352,19 +369,6 @@ def _precision(problem: Problem, at: _Point) -> ndarray:
     slope, weighted = at.state.slope, inverse @ at.state.slope
     curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
     return inverse - weighted @ _solved(curve, weighted.T)
-
-
-def _marginal(problem: Problem, at: _Point) -> float:
-    """Minus the scales' likelihood, with the parameters integrated out."""
-    if not np.isfinite(at.cost):
-        return np.inf
-    return at.cost + 0.5 * float(np.linalg.slogdet(_information(problem, at))[1])
-
-
-def _information(problem: Problem, at: _Point) -> ndarray:
-    """Expected, of the parameters with their prior."""
-    slope = at.whitened(at.state.slope)
-    return slope.T @ slope + np.diag(1.0 / problem.prior.std**2)
 
 
 def fit(
@@ -427,58 +431,51 @@ def cost(problem: Problem, parameters: ndarray, scales: ndarray | None = None) -
 
 def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarray:
     """Expected information of the parameters at a point, with their prior."""
-    at = _point(problem, parameters, scales)
-    return _information(problem, at)
+    return _point(problem, parameters, scales).information
 
 
 def _iterated(
     problem: Problem, at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
 ) -> _Point:
-    """Newton's steps of the parameters, and of the scales in turn if they are free."""
+    """Newton's steps of the parameters, and of the scales in turn if they are free.
+
+    The two have goals of their own, so that what one gains the other may lose in the end; with free
+    scales the search ends where the marginal likelihood gains no more.
+    """
     if not np.isfinite(at.cost):
         return at
-    damping, failed, by = 0.0, 0, _slopes(problem, at)
+    by = _slopes(problem, at)
+    farthest = _FARTHEST if at.state.turns is not None else np.inf
     for _ in range(steps):
-        step, expected = _step(problem, at, by, damping)
-        new = _tried(problem, at, by, step, expected, damping)
+        step, expected = _step(problem, by, farthest)
+        size = float(np.linalg.norm(step / by.unit))
+        new = _point(problem, at.parameters + step, at.scales)
         gain = at.cost - new.cost
         if gain < -_RISE and expected > _PROMISED:
-            damping, failed = max(damping * _HARDER ** (failed + 1), _DAMPING), failed + 1
+            farthest = _SHORTER * min(size, farthest)
             continue
         if gain < -_RISE:
             new, gain = at, 0.0
-        # By how well the gain was foreseen (Nielsen 1999); what has just failed without is kept.
-        change = np.clip(1.0 - (2.0 * gain / max(expected, _RISE) - 1.0) ** 3, *_CHANGE)
-        damping *= max(change, 1.0) if failed else change
-        damping, failed = (damping if damping > 0.01 * _DAMPING else 0.0), 0
+        elif gain > _GOOD * expected:
+            farthest = max(farthest, _LONGER * size)
+        elif gain < _POOR * expected:
+            farthest = _HALF * size
         moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
+        settled = gain < _FIRST_GAIN
         if free:
-            new = _rescaled(problem, new)
+            stepped, new = new, _rescaled(problem, new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
-        settled = abs(at.cost - new.cost) < least if free else gain < _FIRST_GAIN
+            settled = at.marginal - new.marginal < least and expected < _FIRST_GAIN
+            new = min(stepped, new, key=lambda one: one.marginal) if settled else new
         at = new
+        by = _slopes(problem, at)
         if settled or (gain < _PROMISED and moved < _SETTLED * np.sqrt(least / _NO_GAIN)):
             break
-        by = _slopes(problem, at)
-    return at
-
-
-def _tried(
-    problem: Problem, at: _Point, by: _Slopes, step: ndarray, expected: float, damping: float
-) -> _Point:
-    """Where a step ends; where that gains little as the covariance turns, the better end of it and
-    the step corrected.
-    """
-    new = _point(problem, at.parameters + step, at.scales)
-    gain = at.cost - new.cost
-    enough = gain >= min(_POOR * expected, expected - _PROMISED)
-    if enough or at.state.turns is None or not np.isfinite(gain):
-        return new
-    bent = _corrected(problem, at, by, step, new, damping)
-    if np.abs((bent - step) / problem.prior.std).max() >= np.abs(step / problem.prior.std).max():
-        return new
-    other = _point(problem, at.parameters + bent, at.scales)
-    return min(new, other, key=lambda one: one.cost)
+    if not free:
+        return at
+    # The parameters' maximum is that at the scales as they are in the end.
+    last = _point(problem, at.parameters + _step(problem, by, np.inf)[0], at.scales)
+    return min(at, last, key=lambda one: one.cost)
 
 
 def _finish(problem: Problem, at: _Point) -> Fit:
@@ -486,11 +483,11 @@ def _finish(problem: Problem, at: _Point) -> Fit:
 
     No evidence at all (-inf) where the model has no finite likelihood from any start.
     """
-    precision, curve = _precision(problem, at), _information(problem, at)
+    precision, curve = _precision(problem, at), at.information
     covariance = _solved(curve, np.eye(len(curve)))
     curvature = _curvature(problem, at, [_times(precision, part) for part in at.slopes()])
     straight = _straight(problem, at)
-    log = -_marginal(problem, at)
+    log = -at.marginal
     if np.isfinite(log):
         log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
     log -= float(np.log(problem.prior.std).sum() + np.log(problem.scales.std).sum())
