@@ -5,6 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from bladeroot.decay.cut import cut, rejected
+from bladeroot.decay.release import Release
 from bladeroot.quality.integrity import bridged, judge
 from decay_bench import START, course, levels, ring_down, ringing, shaken
 from hypothesis import given, settings
@@ -273,6 +274,15 @@ def test_a_record_that_ends_early_in_its_decay_is_one_if_it_falls_all_the_way(fa
 )
 def test_what_is_driven_on_is_no_short_decay(level):
     assert cut(swept(level), 4000.0, 200.0).attrs["verdict"] == "rejected"
+
+
+@pytest.mark.parametrize("cycles", [1.0, 5.0])
+def test_a_release_cycles_before_the_end_leaves_too_little(cycles):
+    velocity = ring_down(3)[0]
+    rate, own_Hz = 25_600.0, 250.0
+    release = Release(velocity.size / rate - cycles / own_Hz, 0.0, "hammer")
+    attrs = cut(velocity, rate, own_Hz, release=release).attrs
+    assert attrs["verdict"] == "rejected"
 
 
 def test_unreadable_record(tmp_path):

@@ -156,7 +156,9 @@ def _span(
 ) -> tuple[tuple[int, int], str]:
     """First sample and one past the last of the deepest decay, or what is amiss."""
     begin_s = 0.0 if known is None else known.time_s
-    own_Hz = _own_frequency(velocity[int(begin_s * sampling_Hz) :], sampling_Hz, expected_Hz)
+    least_samples = int(2 * FEWEST_CYCLES * sampling_Hz / expected_Hz)  # which every record has
+    looked = min(int(begin_s * sampling_Hz), velocity.size - least_samples)
+    own_Hz = _own_frequency(velocity[looked:], sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     floor, broken = seen.noise(noise, sampling_Hz), strikes(seen, noise)
     first = min(int(np.searchsorted(seen.time, begin_s)), seen.time.size - 2)
