@@ -1,10 +1,12 @@
 """Cramer-Rao bound of a mode's curves when all components of the record are unknown together.
 
 The unbiased estimator that it bounds knows the noise and the number of modes, and nothing else: for
-every mode ln A and phase at the start, and omega(t) and alpha(t) as broken lines whose knots lie a
-unit of that mode's ln A apart, down to where it is lost; and an offset. Fisher's information is J^T
-J over the noise's variance, at the true motion. A smoother or a rougher law than one knot for each
-e-fold of the amplitude would be bounded lower or higher.
+every mode ln A and phase at the start, and omega(t) and alpha(t) as broken lines; and an offset.
+Fisher's information is J^T J over the noise's variance, at the true motion. Of the other modes the
+knots lie a unit of ln A apart, down to where each is lost; of the mode itself as far apart as its
+law allows: the broken lines that come nearest to it in the samples miss it by less than the bound
+(both medians over the curve). Lines that miss it by more bound nothing: from samples without noise
+their best estimator would still be further off than that.
 """
 
 import numpy as np
@@ -14,19 +16,27 @@ from .flow import Flow
 
 ROWS = 12_000  # samples taken at random stand for all, with their weight
 MOST_KNOTS = 10
+DENSITIES = 1, 2, 4, 8  # knots in a unit of ln A
 LOST = 0.1  # of the noise's standard deviation: a mode smaller than that has no more knots
+FASTEST = 2.2  # samples in a cycle of a mode that is told from the others, at least
+PLACES = 400  # at which the lines are held against the law
 
 
 def hats(knots, times):
     """Broken lines that are one at one knot, and their integrals from the first: (knots, times)."""
     fine = np.union1d(np.linspace(knots[0], knots[-1], 4001), knots)
-    values = np.stack([np.interp(fine, knots, row) for row in np.eye(knots.size)])
+    values = broken(knots, fine)
     steps = 0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(fine)
     integral = np.concatenate([np.zeros((knots.size, 1)), np.cumsum(steps, axis=1)], axis=1)
     return np.stack([np.interp(times, fine, row) for row in integral])
 
 
-def columns(event: Event, mode: int, sensor: int, times, last: float, noise: float):
+def broken(knots, times):
+    """The broken lines themselves: (knots, times)."""
+    return np.stack([np.interp(times, knots, row) for row in np.eye(knots.size)])
+
+
+def columns(event: Event, mode: int, sensor: int, times, last: float, noise: float, density=1):
     """Derivatives of the samples by a mode's unknowns, and its knots (s after it is free)."""
     law, one = event.modes[mode].law, event.sensors[sensor]
     flow = Flow(law)
@@ -40,12 +50,31 @@ def columns(event: Event, mode: int, sensor: int, times, last: float, noise: flo
     grid = flow.time_at(np.linspace(log, log - fall, 200)) - flow.time_at(log)
     end = min(float(grid[-1]), last)
     reach = np.interp(end, grid, np.linspace(0.0, fall, 200))
-    count = int(np.clip(round(reach) + 1, 2, MOST_KNOTS))
+    count = int(np.clip(round(density * reach) + 1, 2, density * MOST_KNOTS))
     knots = np.interp(np.linspace(0.0, reach, count), np.linspace(0.0, fall, 200), grid)
     knots = knots if knots[-1] > knots[0] else np.array([0.0, last])
     turned = hats(knots, times)
     rows = [wave.real, -wave.imag, *(-wave.imag * turned), *(-wave.real * turned)]
     return np.stack(rows), knots
+
+
+def missed(law, start: float, rows, knots, times, places):
+    """What the broken lines nearest to a law in the samples miss of omega and alpha at places.
+
+    start: the mode's amplitude when it is free; rows: as of `columns` at times.
+    """
+    flow = Flow(law)
+    origin = float(flow.time_at(np.log(start)))
+
+    def rates(when):
+        return np.stack(law.rates(np.exp(flow.log_at(origin + when))))
+
+    turned, at_knots = hats(knots, times), rates(knots)
+    phase = flow.phase_at(origin + times) - flow.phase_at(origin)
+    fallen = np.log(start) - flow.log_at(origin + times)
+    left = rows[1] * (phase - at_knots[0] @ turned) - rows[0] * (fallen - at_knots[1] @ turned)
+    nearer = np.linalg.lstsq(rows.T, left, rcond=None)[0][2:].reshape(2, -1)
+    return (at_knots + nearer) @ broken(knots, places) - rates(places)
 
 
 def bounds(event: Event, mode: int, sensor: int):
@@ -60,43 +89,48 @@ def bounds(event: Event, mode: int, sensor: int):
     begin = max(event.excitation.free_s, 0.0)
     end = min(one.samples.size / rate, event.excitation.late_s)
     index = np.arange(int(np.ceil(begin * rate)), int(end * rate))
-    if index.size < 100:
+    told = [rate >= FASTEST * m.law.omega / (2 * np.pi) for m in event.modes]
+    if index.size < 100 or not told[mode] or not event.free[mode]:
         return None
     rng = np.random.default_rng(event.seed)
     part = np.sort(rng.choice(index, min(ROWS, index.size), replace=False))
     times, last = part / rate - event.excitation.free_s, end - event.excitation.free_s
     near = event.modes[mode].law.omega / (2 * np.pi)
     noise = one.noise * np.sqrt(1.0 + one.chain.flicker_Hz / near)
-    blocks, at, start = [np.ones((1, times.size))], None, 1
-    for k, other in enumerate(event.modes):
-        if not event.free[k] or rate < 2.2 * other.law.omega / (2 * np.pi):
-            continue
-        rows, knots = columns(event, k, sensor, times, last, noise)
-        if k == mode:
-            at = start + 2, knots
-        start += rows.shape[0]
-        blocks.append(rows)
-    jacobian = np.concatenate(blocks)
-    size = np.sqrt(np.sum(jacobian**2, axis=1))
-    jacobian = jacobian[size > 0] / size[size > 0, None]
-    if at is None or np.any(size == 0):
-        return None
-    information = jacobian @ jacobian.T * (index.size / part.size / noise**2)
-    covariance = np.linalg.pinv(information, rcond=1e-13, hermitian=True)
-    covariance /= np.outer(size, size)
-    first, knots = at
-    count = knots.size
-    omega = covariance[first : first + count, first : first + count]
-    alpha = covariance[first + count : first + 2 * count, first + count : first + 2 * count]
-    flow, law = Flow(event.modes[mode].law), event.modes[mode].law
-    origin = float(flow.time_at(np.log(abs(event.free[mode]))))
+    others = [np.ones((1, times.size))]
+    for k in range(len(event.modes)):
+        if k != mode and event.free[k] and told[k]:
+            others.append(columns(event, k, sensor, times, last, noise)[0])
+    law, start = event.modes[mode].law, abs(event.free[mode])
+    for density in DENSITIES:
+        rows, knots = columns(event, mode, sensor, times, last, noise, density)
+        jacobian = np.concatenate([rows, *others])
+        size = np.sqrt(np.sum(jacobian**2, axis=1))
+        if np.any(size == 0):
+            return None
+        jacobian = jacobian / size[:, None]
+        information = jacobian @ jacobian.T * (index.size / part.size / noise**2)
+        covariance = np.linalg.pinv(information, rcond=1e-13, hermitian=True)
+        covariance /= np.outer(size, size)
+        own = [slice(2 + n * knots.size, 2 + (n + 1) * knots.size) for n in range(2)]
+        places = np.linspace(knots[0], knots[-1], PLACES)
+        known = [_deviation(covariance[a, a], knots, places) for a in own]
+        off = np.abs(missed(law, start, rows, knots, times, places))
+        if np.all(np.median(off, axis=1) <= np.median(known, axis=1)):
+            break
+    flow = Flow(law)
+    origin = float(flow.time_at(np.log(start)))
 
     def stds(amplitude):
         modal = np.asarray(amplitude) / one.at_modes[mode]
         when = np.clip(flow.time_at(np.log(modal)) - origin, knots[0], knots[-1])
-        weight = np.stack([np.interp(when, knots, row) for row in np.eye(count)])
-        frequency = np.sqrt(np.einsum("ip,ij,jp->p", weight, omega, weight)) / (2 * np.pi)
-        decay = np.sqrt(np.einsum("ip,ij,jp->p", weight, alpha, weight))
-        return frequency, 2.0 * decay / law.rates(modal)[0]
+        omega, alpha = (_deviation(covariance[a, a], knots, when) for a in own)
+        return omega / (2 * np.pi), 2.0 * alpha / law.rates(modal)[0]
 
     return stds
+
+
+def _deviation(covariance, knots, when):
+    """Standard deviation of a broken line at times, from the covariance of its knots."""
+    weight = broken(knots, when)
+    return np.sqrt(np.einsum("ip,ij,jp->p", weight, covariance, weight))

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawn_world import campaign, draw, friction, verdicts
-from drawn_world.bound import columns
+from drawn_world.bound import columns, missed
 from drawn_world.event import ORDER
 from drawn_world.flow import Flow, motion, state
-from drawn_world.laws import POOL, Law, linear
+from drawn_world.laws import POOL, Law, linear, logarithm
 from drawn_world.product import Answer
 from drawn_world.pushes import Before, fading_drive, half_sine, haversine, response
 from scipy.integrate import solve_ivp
@@ -243,6 +243,31 @@ def test_the_bound_knows_how_samples_move_with_the_rates():
     ):
         exact = (samples(*shifts) - samples(*(-s for s in shifts))) / (2 * step)
         np.testing.assert_allclose(own.sum(axis=0), exact, atol=1e-5 * np.abs(exact).max())
+
+
+def of_one_mode(kind):
+    """A free decay of one mode by a law, as an event, and what `columns` asks for besides."""
+    event = draw(1113)
+    law = law_of(kind)
+    event.modes = [replace(event.modes[0], law=law)]
+    event.truths, event.free = [law], [complex(law.scale)]
+    times = np.arange(0, 4000) / event.sampling_Hz
+    return event, (0, 0, times, float(times[-1]), event.sensors[0].noise)
+
+
+def off(event, asked, density):
+    """Largest miss of omega by the broken lines that come nearest to the law."""
+    rows, knots = columns(event, *asked, density)
+    law, places = event.modes[0].law, np.linspace(knots[0], knots[-1], 200)
+    return np.abs(missed(law, law.scale, rows, knots, asked[2], places)[0]).max() / law.omega
+
+
+def test_broken_lines_hold_a_linear_law_and_come_nearer_to_a_smooth_one_as_their_square():
+    assert off(*of_one_mode(linear), 1) < 1e-9
+    smooth = of_one_mode(logarithm)
+    by_density = np.array([off(*smooth, density) for density in (2, 4, 8)])
+    assert by_density[0] > 1e-6
+    np.testing.assert_allclose(by_density[:-1] / by_density[1:], 4.0, rtol=0.4)
 
 
 def answer(findings=(), curves=True, crash=""):
