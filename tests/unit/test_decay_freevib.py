@@ -4,9 +4,9 @@ import importlib
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import freevib, no_decay, within_band
+from bladeroot.decay.freevib import acting, freevib, no_decay, within_band
 from bladeroot.plateau.plateau import plateau
-from bladeroot.signal.phasors import natural
+from bladeroot.signal.phasors import Phasors, natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
 
 
@@ -22,6 +22,28 @@ def errors(noise_db, seed, **changes):
         "frequency_z": ((curve["frequency"] - frequency) / curve["frequency_std"]).values[inside],
         "loss_z": ((curve["loss_factor"] - loss) / curve["loss_factor_std"]).values[inside],
     }
+
+
+def logs(more, std=1e-3):
+    """Blocks of a mode that bends, with something besides, as a function of their number."""
+    own = np.arange(60.0)
+    log = (-0.02 + 0.3j) * own + (2e-5 - 4e-5j) * own**2 + more(own)
+    noise = np.random.default_rng(5).standard_normal((2, own.size))
+    return Phasors(4e-3 * own, log + std * (noise[0] + 1j * noise[1]), np.full(own.size, std))
+
+
+@pytest.mark.parametrize("count", [3, 6, 12])
+def test_rates_are_unsure_by_what_still_acts_at_the_start(count):
+    """A frequency and a damping that are off by 5/s in the first blocks, and right after them."""
+    blocks = logs(lambda own: -(3.5 + 3.5j) * 4e-3 * np.clip(count - own, 0.0, None))
+    error = acting(blocks)
+    np.testing.assert_allclose(error[: count - 1], 5.0, rtol=0.5)
+    assert not error[12:].any()
+
+
+@pytest.mark.parametrize("size", [0.0, 0.02])
+def test_what_is_alike_all_along_is_no_start(size):
+    assert not acting(logs(lambda own: size * np.sin(own))).any()
 
 
 def rms(values):

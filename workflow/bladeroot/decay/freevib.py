@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -23,6 +23,9 @@ POINTS, SHARP = 500, 120
 # noise's, and a part of what it differs by from a straight line). As on drawn records: of those
 # that are right from their first block on, one of sixty is above, of the others a third.
 EARLY, UNLIKE, BENDS = 6, 1.5, 0.5
+# So many are unsure where they miss it likewise, with a smaller such part, and as many that follow
+# miss theirs by no more than this (mean square in errors): something still acted.
+STARTS, BENDS_LEAST, LIKE = (12, 6, 3), 0.25, 0.5
 # Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
 PLAIN = 2.0
 # What falls by less than this in all, and by less than so many of its errors, is a steady tone.
@@ -108,6 +111,7 @@ def freevib(
     for order in (1, 2):
         sway = waves(value[0, 0], value[order, 0], std[order, 0])
         std[order, 0] = np.hypot(std[order, 0], sway)
+    std[1] = np.hypot(std[1], np.interp(centre, blocks.time, acting(blocks)))
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
     amplitude_std = amplitude * std[0, 0]
@@ -177,13 +181,40 @@ def _settled(blocks: Phasors) -> float:
 
     A release is seen in frames on both sides of it, and so not in the first cycles of a record.
     """
-    if blocks.time.size < 4 * EARLY:
+    if not _missed(blocks, 0, EARLY, BENDS)[1] > UNLIKE:
         return 0.0
-    early, later = slice(EARLY), slice(EARLY, 3 * EARLY)
-    time, log, std = (one[: 3 * EARLY] for one in (blocks.time, blocks.log, blocks.std))
-    if log[0].real - log[-1].real > PLAIN:
-        return 0.0
-    x = (time - time[EARLY]) / (time[-1] - time[EARLY])
+    return float(0.5 * (blocks.time[EARLY - 1] + blocks.time[EARLY]))
+
+
+def acting(blocks: Phasors) -> Float[ndarray, " block"]:
+    """Standard error of either rate (1/s) in blocks in which something may still act: the first.
+
+    What they miss of those that follow grows by so much, if these are alike: what misses its errors
+    further on, too, is the mode's own law, or sways all along.
+    """
+    error = np.zeros(blocks.time.size)
+    for count in STARTS:
+        miss, unlike = _missed(blocks, 0, count, BENDS_LEAST)
+        if unlike > UNLIKE and _missed(blocks, count, count, BENDS_LEAST)[1] < LIKE:
+            error[:count] = np.abs(np.gradient(miss, blocks.time[:count]))
+            break
+    return error
+
+
+def _missed(
+    blocks: Phasors, first: int, count: int, bends: float
+) -> tuple[Complex[ndarray, " early"], float]:
+    """What so many blocks miss of a parabola through twice as many later ones.
+
+    And the mean square, in errors, of the first half of them; NaN where nothing can be said.
+    bends: part of what the parabola differs by from a straight line that counts as its error.
+    """
+    early, later = slice(count), slice(count, 3 * count)
+    near = slice(first, first + 3 * count)
+    time, log, std = (one[near] for one in (blocks.time, blocks.log, blocks.std))
+    if blocks.time.size < first + 4 * count or log[0].real - log[-1].real > PLAIN:
+        return np.zeros(count, complex), np.nan
+    x = (time - time[count]) / (time[-1] - time[count])
     misses = []
     for terms in (2, 3):
         powers = np.vander(x, terms, increasing=True)
@@ -191,10 +222,9 @@ def _settled(blocks: Phasors) -> float:
         misses.append(log - powers @ (inverse @ (log[later] / std[later])))
     straight, bent = misses
     variance = std[early] ** 2 + np.sum((powers[early] @ inverse) ** 2, axis=1)
-    variance += (BENDS * np.abs(bent - straight)[early]) ** 2
+    variance += (bends * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
-    unlike = np.mean(missed[: EARLY // 2]) > UNLIKE
-    return float(0.5 * (time[EARLY - 1] + time[EARLY])) if unlike else 0.0
+    return bent[early], float(np.mean(missed[: (count + 1) // 2]))
 
 
 def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:
