@@ -3,10 +3,10 @@
 The unbiased estimator that it bounds knows the noise and the number of modes, and nothing else: for
 every mode ln A and phase at the start, and omega(t) and alpha(t) as broken lines; and an offset.
 Fisher's information is J^T J over the noise's variance, at the true motion. Of the other modes the
-knots lie a unit of ln A apart, down to where each is lost; of the mode itself as far apart as its
-law allows: the broken lines that come nearest to it in the samples miss it by less than the bound
-(both medians over the curve). Lines that miss it by more bound nothing: from samples without noise
-their best estimator would still be further off than that.
+knots lie a unit of ln A apart, down to where each is lost; of the mode itself as far apart as makes
+the whole error least, the bound and what the broken lines that come nearest to its law in the
+samples miss of it (medians over the curve). Where they miss much more than the bound they bound
+nothing: from samples without noise their best estimator would be further off than that.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from .flow import Flow
 
 ROWS = 12_000  # samples taken at random stand for all, with their weight
 MOST_KNOTS = 10
-DENSITIES = 1, 2, 4, 8  # knots in a unit of ln A
+DENSITIES = 2.0 ** np.arange(0.0, 3.5, 0.5)  # knots in a unit of ln A
 LOST = 0.1  # of the noise's standard deviation: a mode smaller than that has no more knots
 FASTEST = 2.2  # samples in a cycle of a mode that is told from the others, at least
 PLACES = 400  # at which the lines are held against the law
@@ -50,7 +50,7 @@ def columns(event: Event, mode: int, sensor: int, times, last: float, noise: flo
     grid = flow.time_at(np.linspace(log, log - fall, 200)) - flow.time_at(log)
     end = min(float(grid[-1]), last)
     reach = np.interp(end, grid, np.linspace(0.0, fall, 200))
-    count = int(np.clip(round(density * reach) + 1, 2, density * MOST_KNOTS))
+    count = int(np.clip(round(density * reach) + 1, 2, round(density * MOST_KNOTS)))
     knots = np.interp(np.linspace(0.0, reach, count), np.linspace(0.0, fall, 200), grid)
     knots = knots if knots[-1] > knots[0] else np.array([0.0, last])
     turned = hats(knots, times)
@@ -102,6 +102,7 @@ def bounds(event: Event, mode: int, sensor: int):
         if k != mode and event.free[k] and told[k]:
             others.append(columns(event, k, sensor, times, last, noise)[0])
     law, start = event.modes[mode].law, abs(event.free[mode])
+    least = np.inf
     for density in DENSITIES:
         rows, knots = columns(event, mode, sensor, times, last, noise, density)
         jacobian = np.concatenate([rows, *others])
@@ -114,17 +115,19 @@ def bounds(event: Event, mode: int, sensor: int):
         covariance /= np.outer(size, size)
         own = [slice(2 + n * knots.size, 2 + (n + 1) * knots.size) for n in range(2)]
         places = np.linspace(knots[0], knots[-1], PLACES)
-        known = [_deviation(covariance[a, a], knots, places) for a in own]
-        off = np.abs(missed(law, start, rows, knots, times, places))
-        if np.all(np.median(off, axis=1) <= np.median(known, axis=1)):
-            break
+        known = np.stack([_deviation(covariance[a, a], knots, places) for a in own])
+        off = missed(law, start, rows, knots, times, places)
+        whole = np.prod(np.median(np.hypot(known, off), axis=1))
+        if whole < least:
+            least, best = whole, (knots, [covariance[a, a] for a in own])
+    knots, (of_omega, of_alpha) = best
     flow = Flow(law)
     origin = float(flow.time_at(np.log(start)))
 
     def stds(amplitude):
         modal = np.asarray(amplitude) / one.at_modes[mode]
         when = np.clip(flow.time_at(np.log(modal)) - origin, knots[0], knots[-1])
-        omega, alpha = (_deviation(covariance[a, a], knots, when) for a in own)
+        omega, alpha = (_deviation(part, knots, when) for part in (of_omega, of_alpha))
         return omega / (2 * np.pi), 2.0 * alpha / law.rates(modal)[0]
 
     return stds
