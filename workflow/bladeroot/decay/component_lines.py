@@ -6,7 +6,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import TOLERANCE, lines_of, magnitudes, one_sided, peaks
+from bladeroot.signal.lines import lines_of, magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
 # A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
@@ -30,8 +30,6 @@ SKIRT, FAINT = 0.35, 0.03
 FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
 # Beside a line that is not known yet, what has less than this part of its harm may be its image.
 IMAGE = 0.1
-# In the first cycles the mode has at least this part of a line near by, or that is the mode itself.
-AUDIBLE = 0.08
 # Modes of the campaign within this part of the mode's frequency are looked for by name: where they
 # are expected (relative), from this part of the loudest within that many times as far on, in so
 # many of their beats.
@@ -218,23 +216,6 @@ def meant(
 
     swapped = off(last, first) < off(first, last)
     return np.array([last, *lines[1:-1], first]) if swapped else lines
-
-
-def elsewhere_first(
-    x: Float[ndarray, " sample"], sampling_Hz: float, own_Hz: float, modes_Hz: tuple[float, ...]
-) -> bool:
-    """Whether the mode rang elsewhere while it was loud: its line is not there in the first cycles.
-
-    A line near by, no known mode's, has nearly all of the motion then: a joint that slips as a
-    whole (the slider of the thesis's 3.4 begins a quarter below its stick frequency).
-    """
-    frequency, level = magnitudes(x[: int(FIRST_CYCLES * sampling_Hz / own_Hz)], sampling_Hz)
-    off = np.abs(frequency / own_Hz - 1.0)
-    other = (off >= APART) & (off < TOLERANCE)
-    for mode in modes_Hz:
-        other &= np.abs(frequency / mode - 1.0) > ABOUT
-    own = level.max(where=off < 0.5 * APART, initial=0.0)
-    return bool(own < AUDIBLE * level.max(where=other, initial=0.0))
 
 
 def moved(found: Envelopes, line: int, sampling_Hz: float) -> float:

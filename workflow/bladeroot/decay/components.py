@@ -13,7 +13,6 @@ from bladeroot.decay.component_lines import (
     APART,
     LEAST,
     beating_line,
-    elsewhere_first,
     lines_by_name,
     meant,
     more_lines,
@@ -117,9 +116,7 @@ def separated(
     own_Hz = mode_Hz(frequency, level, expected_Hz)
     lines = np.array(lines_by_name(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
     own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
-    # it has moved so far that others may be its own
-    far = abs(own_Hz / expected_Hz - 1.0) > APART
-    if far or elsewhere_first(x, sampling_Hz, own_Hz, modes_Hz):
+    if abs(own_Hz / expected_Hz - 1.0) > APART:  # it has moved so far that others may be its own
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     trimmed = heard = searched = beaten = paired = False
     near: list[Beside] = []
