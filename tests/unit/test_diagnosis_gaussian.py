@@ -167,3 +167,55 @@ def test_a_step_ends_somewhere_where_the_model_is_flat_and_steep_by_turns():
     found = fit(made)
     assert np.exp(found.parameters).sum() == pytest.approx(1.0, abs=1e-3)
     assert np.isfinite(found.log_evidence)
+
+
+@pytest.mark.parametrize("turning", [False, True])
+def test_steps_that_lead_too_far_are_shortened(turning):
+    """Newton's steps from there go ever farther off."""
+    turns = (lambda *_: (np.zeros((5, 1)), np.zeros(1))) if turning else None
+
+    def predict(t):
+        slope = np.full((5, 1), 10.0 / (1.0 + t[0] ** 2))
+        return State(np.full(5, 10.0 * np.arctan(t[0])), slope, {}, turns=turns)
+
+    none = Prior(np.zeros(0), np.zeros(0))
+    prior = Prior(np.zeros(1), np.array([4.0]))
+    made = Problem(np.zeros(5), predict, lambda state, s: (1e-4 * np.eye(5), list), prior, none)
+    for start in (2.0, 6.0, -30.0):
+        assert fit(made, np.array([start])).parameters[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_scales_and_parameters_that_mean_the_same_are_found_together():
+    """What scatters by an unknown size times an unknown slope: the data tell the product alone, so
+    that neither may wander off as the other follows.
+    """
+    rng, group = np.random.default_rng(6), np.repeat(np.arange(8), 4)
+    same = (group[:, None] == group).astype(float)
+    data = 0.5 * rng.standard_normal(8)[group] + 0.1 * rng.standard_normal(32)
+
+    def predict(t):
+        spread = np.exp(2.0 * t[0])
+
+        def turns(s, vector, matrix):
+            turned = 2.0 * np.exp(2.0 * s[0]) * spread * same
+            return (turned @ vector)[:, None], np.array([np.sum(turned * matrix)])
+
+        return State(np.zeros(32), np.zeros((32, 1)), {"spread": spread}, turns=turns)
+
+    def covariance(state, s):
+        shared = np.exp(2.0 * s[0]) * state.facts["spread"] * same
+        return shared + 0.01 * np.eye(32), lambda: [2.0 * shared]
+
+    made = Problem(
+        data, predict, covariance, Prior(np.zeros(1), np.ones(1)), Prior(np.zeros(1), np.ones(1))
+    )
+    ends = [fit(made, np.array([t]), np.array([s])) for t, s in ((3.0, -3.0), (-2.0, 2.0), (0, 0))]
+    grid = np.linspace(-3.0, 1.0, 401)
+    # of the sum, whose prior has twice the variance
+    best = min(
+        grid, key=lambda u: -multivariate_normal(
+            np.zeros(32), np.exp(2.0 * u) * same + 0.01 * np.eye(32)).logpdf(data) + u**2 / 4.0
+    )  # fmt: skip
+    for end in ends:
+        assert end.parameters[0] + end.scales[0] == pytest.approx(best, abs=0.05)
+    assert np.ptp([end.log_evidence for end in ends]) < 0.05
