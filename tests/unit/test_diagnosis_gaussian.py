@@ -194,7 +194,7 @@ def test_scales_and_parameters_that_mean_the_same_are_found_together():
     data = 0.5 * rng.standard_normal(8)[group] + 0.1 * rng.standard_normal(32)
 
     def predict(t):
-        spread = np.exp(2.0 * t[0])
+        spread = np.exp(2.0 * t)
 
         def turns(s, vector, matrix):
             turned = 2.0 * np.exp(2.0 * s[0]) * spread * same
