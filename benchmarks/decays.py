@@ -4,8 +4,8 @@
     python benchmarks/decays.py --small         # about twenty seconds
     python benchmarks/decays.py --seed 7 --cases 200 --peer-cases 0 --json found.json
 
-Truths, second modes and noise are drawn afresh at every run; the seed is printed. README.md in this
-folder defines every number.
+Truths, second modes and noise are drawn afresh at every run; the seed is printed. `synthetic.py`
+says what is drawn, `scores.py` and `peers.py` what each number is.
 """
 
 import argparse

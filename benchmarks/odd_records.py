@@ -7,6 +7,15 @@
 Event i has the seed SEED + i, and the kind is the seed's remainder. Nothing is shared with
 `drawn_world` but the definition of a wrong point. The truth is known at each sample, (3.11) of the
 slow flow, and read at the times of the curve, so that a law may also change in time.
+
+1 to 4 modes from 0.8 to 10 % of the sampling frequency, at rest before a blow or a release or
+running from the start, 14, 16 or 24 bits, white noise 56 to 86 dB below the first mode. The
+oddities: a stop on either side (a bilinear spring's harmonic balance), damping of two slopes,
+clipping once, a weak second blow, stiffness that falls in time, a cable that hits, a sampling clock
+that sways by 20 to 200 ppm, 60 Hz and harmonics beside the mode, a narrow band-pass, a step of the
+offset, silence as long as the decay, 24 bits of which 0.2 to 3 % are used, conversion that cuts
+towards zero with 10 or 12 bits, and a gain that sways by 0.7 % rms at 2 to 20 Hz (slower where the
+mode is).
 """
 
 import argparse

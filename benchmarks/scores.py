@@ -1,6 +1,20 @@
 """Scores of one record: bladeroot's own result and the peers', against the truth.
 
-README.md in this folder defines every number.
+Errors: RMS over 400 amplitudes spaced evenly in ln A from 0.02 to 0.95 of the start, of f_n
+relative (ppm) and of the loss factor relative (%), each against the truth at the curve's own
+amplitude; median over the records. `reach` is the share of these amplitudes that a curve covers:
+what lies beyond its ends or in a hole of it is not scored but missing. `met` is the share of the
+whole range with a frequency within 60 ppm (a peer's best of all settings). A stick frequency that
+is not given ("plateau not reached") counts as infinitely wrong.
+
+Coverage: share of truths within 1 and 1.96 standard errors, for curves at the same amplitudes; over
+all noise levels against 68 +- 5 % and 95 +- 3 %. The onset's posterior is not normal: its standard
+error is half of its central 68 % interval, and its 95 % interval is stated apart (`onset_low`,
+`onset_high`).
+
+Over the bound (`bound.py`): `error/bound` is the median absolute error over 0.6745 bounds, 1 for an
+efficient estimator; `std/bound` the stated standard error. What happens above the onset can teach a
+little more than the bound admits.
 """
 
 import sys

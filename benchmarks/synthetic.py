@@ -10,6 +10,15 @@ chain rule, d/dt = alpha d/d ln A:
 
 Below the onset alpha and omega are constant (the stick plateau). Amplitudes are relative to the
 start of the decay unless they are named in metres.
+
+A record has 102,400 samples at 25.6 kHz of a mode within 2 % of 250 Hz. The onset lies at 0.05 to
+0.6 of the start, the plateau's loss factor is 0.001 to 0.004. Above the onset the frequency falls
+by 0.2 to 2 % at the start, from a kink (straight in A, or harmonic balance of a Coulomb slider) or
+gradually (a power of 1.5 to 2), and slip adds up to 0.3 to 5 times the plateau's loss factor. Each
+decay reaches 0.02 of its start and 0.4 of its onset within the record. A second mode starts at up
+to 30 % of the velocity, at 1.5 to 7 times the frequency, in a third of the records within 0.5 % of
+twice or three times. White noise of 80, 60, 40 and 30 dB: its rms below the starting rms of the
+mode's velocity. All draws are log-uniform or uniform; the same decays serve all noise levels.
 """
 
 from dataclasses import dataclass
