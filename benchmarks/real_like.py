@@ -4,10 +4,10 @@
     python benchmarks/real_like.py --small                     # some seconds
     python benchmarks/real_like.py --show 1003                 # one event, a line for every pair
     python benchmarks/real_like.py --rows a.json b.json --commit abc1234 --json real_like.json
-                                                               # summary and README table of runs
+    python benchmarks/real_like.py --page real_like.json       # that summary into README.md
 
-Event i of a run has the seed SEED + i. Seeds from 1000 to 1999 are for tuning; those from 100000 on
-are for scoring only, and nothing may be set by looking at them.
+Event i of a run has the seed SEED + i. Seeds below 100000 are for tuning; those from 100000 on are
+for scoring only, once, and nothing may be set by looking at them (README.md says which are used).
 """
 
 import argparse
@@ -21,7 +21,9 @@ from drawn_world.bound import bounds
 from drawn_world.product import analysed, unchecked
 from drawn_world.table import lines, markdown, summary
 from drawn_world.verdicts import score
+from foreign_lab.score import with_table
 
+PAGE = Path(__file__).with_name("README.md")
 SMALL_EVENTS = 4
 
 
@@ -53,6 +55,11 @@ def shown(row: dict) -> str:
     return f"{text} | {' '.join(row.get('wrong where', []))} | {' '.join(row['findings'])}"
 
 
+def paged(made: dict) -> str:
+    """README.md with the tables of a summary."""
+    return with_table(PAGE.read_text(), "real_like", "\n".join(markdown(made)) + "\n")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--events", type=int, default=60)
@@ -64,7 +71,11 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     parser.add_argument("--rows", type=Path, nargs="*", default=[], help="JSON of earlier runs")
     parser.add_argument("--commit", default="", help="what was scored")
+    parser.add_argument("--page", type=Path, help="summary that goes into README.md")
     chosen = parser.parse_args()
+    if chosen.page:
+        PAGE.write_text(paged(json.loads(chosen.page.read_text())))
+        return
     if chosen.rows:
         rows = [row for path in chosen.rows for row in json.loads(path.read_text())]
         seeds = sorted({row["seed"] for row in rows})

@@ -1,6 +1,7 @@
 """The main job and what follows it on a clean clone, beside the seconds that are asked for.
 
     python benchmarks/whole_run.py [--commit COMMIT] [--cores N] [--keep FOLDER] [--json FILE]
+    python benchmarks/whole_run.py --page whole_run.json       # these numbers into README.md
 
 In turn: the campaign `thesis` alone and the default run, each in a clean clone without compiled
 code from before, then a second run, one after a changed setting of the diagnosis, one after an
@@ -19,7 +20,10 @@ import tempfile
 import time
 from pathlib import Path
 
+from foreign_lab.score import with_table
+
 ROOT = Path(__file__).resolve().parents[1]
+PAGE = Path(__file__).with_name("README.md")
 SHEET = Path("resources", "campaigns", "rig", "records.csv")
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
 TARGETS = {
@@ -100,13 +104,29 @@ def measured(folder: Path, commit: str, cores: int):
     yield "record added", seconds(clone, *run)
 
 
+def paged(made: dict) -> str:
+    """README.md with a table of the numbers."""
+    lines = ["| run | wall s | CPU s | asked, wall s | |", "|---|---|---|---|---|"]
+    for name, one in made.items():
+        verdict = "ok" if one["wall_s"] <= one["target_s"] else "FAILS"
+        lines.append(
+            f"| {name} | {one['wall_s']:.3g} | {one['cpu_s']:.3g} | {one['target_s']:g} "
+            f"| {verdict} |"
+        )
+    return with_table(PAGE.read_text(), "whole_run", "\n".join(lines) + "\n")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--commit", default="HEAD")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--keep", type=Path, help="folder of the clones; what is in it is used")
     parser.add_argument("--json", type=Path, help="where the numbers go, too")
+    parser.add_argument("--page", type=Path, help="numbers that go into README.md")
     asked = parser.parse_args()
+    if asked.page:
+        PAGE.write_text(paged(json.loads(asked.page.read_text())))
+        return
     table = {}
     with tempfile.TemporaryDirectory() as temporary:
         for name, (wall, used) in measured(

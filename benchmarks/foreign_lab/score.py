@@ -188,14 +188,19 @@ def report(rows: Iterable[dict], brief: bool = False) -> str:
     return "\n\n".join(lines) + "\n"
 
 
-def loop_report(rows: Iterable[dict]) -> str:
-    """Of the loops that were not right at once: how they end, and what was asked for."""
+def loop_report(rows: Iterable[dict], brief: bool = False) -> str:
+    """Of the loops that were not right at once: how they end, and what was asked for.
+
+    brief: what was asked for only of those that do not end right.
+    """
     open_ = [one for one in rows if not one["steps"][0]["outcome"].startswith("right")]
     ends = Counter(one["steps"][-1]["outcome"] for one in open_)
     lines = [f"| of {len(open_)} not right at once | |", "|---|---|"]
     lines += [f"| {end} | {count} |" for end, count in ends.most_common()]
     lines += ["", "| seed | hidden | asked for | end |", "|---|---|---|---|"]
     for one in open_:
+        if brief and one["steps"][-1]["outcome"] == OUTCOMES[0]:
+            continue
         hidden = ", ".join(f"{name} ({form})" for name, form in one["hidden"])
         asked = "; ".join(step["asked"] for step in one["steps"] if step["asked"])
         lines.append(f"| {one['seed']} | {hidden} | {asked} | {one['steps'][-1]['outcome']} |")

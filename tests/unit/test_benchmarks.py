@@ -1,5 +1,8 @@
 """The benchmarks' truths: closed forms, independent integration, and scores of known errors."""
 
+import json
+from pathlib import Path
+
 import bench_top
 import bound
 import decays
@@ -7,7 +10,9 @@ import numpy as np
 import one_dof
 import peers
 import pytest
+import real_like
 import scores
+import whole_run
 from decay_bench import slider
 from scipy.integrate import solve_ivp
 from synthetic import SAMPLING_HZ, Case, Law, draw, draw_law, move
@@ -172,3 +177,9 @@ def test_the_bench_top_s_motion_and_truth_are_those_of_its_laws():
     square = 250.0**2 - 2.0**2
     np.testing.assert_allclose(frequency, np.sqrt(square) / (2.0 * np.pi))
     np.testing.assert_allclose(loss, 2.0 * 250.0 * 2.0 / square)
+
+
+@pytest.mark.parametrize("module", [real_like, whole_run])
+def test_the_page_holds_the_table_of_the_kept_numbers(module):
+    kept = Path(module.__file__).with_suffix(".json")
+    assert module.paged(json.loads(kept.read_text())) == module.PAGE.read_text()
