@@ -43,6 +43,8 @@ def _git(*arguments: str) -> str:
 
 
 HEAD = """\
-# Seeds of the blind laboratory. `tuning`: thresholds may be set on its cases. `scoring`: drawn
-# after the commit `frozen`, used once each by `matrix.py --score`; nothing is set on them.
+# Seeds of the blind laboratory. `tuning`: thresholds may be set on its cases, and on those of
+# `looked_at`. `lap_joint`: first and last seeds of `lap.py` that were scored or looked at, none of
+# which scores again. `scoring`: drawn after the commit `frozen`, used once each by
+# `matrix.py --score`; nothing is set on them.
 """
