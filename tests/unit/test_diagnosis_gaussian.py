@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import Prior, Problem, State, best_fit, fit
+from bladeroot.inference.gaussian import (
+    Prior,
+    Problem,
+    State,
+    _ahead,
+    _point,
+    best_fit,
+    fit,
+    with_known_errors,
+)
 from bladeroot.inference.hold_out import asked_along, asked_for, hold_out
 from scipy.stats import multivariate_normal
 
@@ -219,3 +228,18 @@ def test_scales_and_parameters_that_mean_the_same_are_found_together():
     for end in ends:
         assert end.parameters[0] + end.scales[0] == pytest.approx(best, abs=0.05)
     assert np.ptp([end.log_evidence for end in ends]) < 0.05
+
+
+@pytest.mark.parametrize("part", [0.5, 0.9])
+def test_steps_of_a_geometric_series_go_on_to_its_end(part):
+    """Three points that near the maximum, each by a part of what was left."""
+    slope, best = np.eye(3)[:, :2], np.array([0.3, -0.2])
+    prior = Prior(np.zeros(2), np.full(2, 1e6))
+    problem = with_known_errors(
+        slope @ best, lambda t: State(slope @ t, slope, {}), 1e-4 * np.eye(3), prior
+    )
+    away = np.array([0.1, 0.05])
+    nearing = [_point(problem, best + part**k * away, np.zeros(0)) for k in range(3)]
+    np.testing.assert_allclose(_ahead(*nearing).parameters, best, atol=1e-9)
+    leaving = [_point(problem, best + k * away, np.zeros(0)) for k in (1.0, 1.9, 2.71)]
+    assert _ahead(*leaving) is leaving[2]

@@ -172,7 +172,9 @@ def _open_nats(made: Diagnosis, asked: set[str]) -> float:
     sets: Sets = {}
     for key, value in probabilities(made).items():
         sets[key & asked] = sets.get(key & asked, 0.0) + value
-    return entropy(sets) + (np.log(2.0) if asked & set(made.known.barred) else 0.0)
+    # of a single set rounding may leave some
+    there = entropy(sets) if len(sets) > 1 else 0.0
+    return there + (np.log(2.0) if asked & set(made.known.barred) else 0.0)
 
 
 def _stiffnesses(made: Diagnosis) -> tuple[str, ...]:

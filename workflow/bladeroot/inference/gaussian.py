@@ -31,6 +31,9 @@ _FARTHEST = 8.0  # prior's standard deviations that a step goes at most
 # as far; that part after one that fails; and how near to its length a step is held.
 _GOOD, _LONGER, _POOR, _HALF, _SHORTER, _WITHIN = 0.75, 2.0, 0.25, 0.5, 0.25, 0.9
 _SECULAR = 8  # rounds to that length
+# Turns that go the same way (cosine), each at least such a part of the one before, go on as a
+# geometric series; so many times the last at most.
+_SAME_WAY, _SERIES, _AHEAD = 0.9, 0.3, 20.0
 _ROUNDING = 1e-14  # of a curvature
 _RISE = 1e-9  # nats, that rounding may add to the cost
 
@@ -161,6 +164,24 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class _Descent:
+    """Of the cost by the parameters: pull, minus the gradient, and curve, the curvature.
+
+    unit: of each parameter's step.
+    """
+
+    pull: Float[ndarray, " parameter"]
+    curve: Float[ndarray, "parameter parameter"]
+    unit: Float[ndarray, " parameter"]
+
+    @cached_property
+    def principal(self) -> tuple[ndarray, ndarray]:
+        """Eigenvalues and vectors of the curvature in its steps' units."""
+        value, vector = np.linalg.eigh(self.curve * np.outer(self.unit, self.unit))
+        return np.maximum(value, _ROUNDING * value[-1:]), vector
+
+
+@dataclass(frozen=True)
 class _Point:
     """A candidate of the search: its objective, and Cholesky's factor of its covariance."""
 
@@ -199,6 +220,28 @@ class _Point:
             return np.inf
         return self.cost + 0.5 * float(np.linalg.slogdet(self.information)[1])
 
+    @cached_property
+    def descent(self) -> _Descent:
+        """With C_j the covariance's derivative by parameter j and w what is left over the
+        covariance, the misfit's gradient has w C_j w, and its curvature is that of the slope plus
+        C_j w.
+
+        Where steps see how the covariance turns, their unit is the prior's standard deviation: what
+        is known well moves freely, what is known badly as far as the model is straight. Elsewhere
+        it is that of the data.
+        """
+        prior, bent = self.problem.prior, self.state.slope
+        weight, weighted = 1.0 / prior.std**2, self.over(self.problem.data - self.state.mean)
+        pull = bent.T @ weighted - weight * (self.parameters - prior.mean)
+        if self.state.turns is not None:
+            turned, traces = self.state.turns(self.scales, weighted, self.inverse)
+            pull = pull + 0.5 * (weighted @ turned - traces)
+            bent = bent + turned
+        white = self.whitened(bent)
+        curve = white.T @ white + np.diag(weight)
+        unit = 1.0 / np.sqrt(np.diag(curve)) if self.state.turns is None else prior.std
+        return _Descent(pull, curve, unit)
+
     def over(self, values: ndarray) -> ndarray:
         """Values over the covariance."""
         return lapack.dpotrs(self.factor, values, lower=1)[0]
@@ -226,9 +269,10 @@ def _point(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         state = problem.predict(parameters) if state is None else state
         own, slopes = problem.covariance(state, scales)
-    miss = problem.data - state.mean
-    # A sum is not finite where a number is not, and cheaper to ask.
-    if not (state.inside and np.isfinite(own.sum() + miss.sum())):
+        miss = problem.data - state.mean
+        # A sum is not finite where a number is not, and cheaper to ask.
+        whole = own.sum() + miss.sum()
+    if not (state.inside and np.isfinite(whole)):
         return _Point(problem, parameters, scales, state, np.inf, own, slopes)
     factor, bad = _of_blocks(lapack.dpotrf, own, problem.blocks)
     at = _Point(problem, parameters, scales, state, np.inf, factor, slopes)
@@ -243,49 +287,11 @@ def _point(
     return replace(at, cost=float(cost))
 
 
-@dataclass(frozen=True)
-class _Slopes:
-    """Of the cost by the parameters: pull, minus the gradient, and curve, the curvature.
-
-    unit: of each parameter's step.
-    """
-
-    pull: Float[ndarray, " parameter"]
-    curve: Float[ndarray, "parameter parameter"]
-    unit: Float[ndarray, " parameter"]
-
-    @cached_property
-    def principal(self) -> tuple[ndarray, ndarray]:
-        """Eigenvalues and vectors of the curvature in its steps' units."""
-        value, vector = np.linalg.eigh(self.curve * np.outer(self.unit, self.unit))
-        return np.maximum(value, _ROUNDING * value[-1:]), vector
-
-
-def _slopes(problem: Problem, at: _Point) -> _Slopes:
-    """With C_j the covariance's derivative by parameter j and w what is left over the covariance,
-    the misfit's gradient has w C_j w, and its curvature is that of the slope plus C_j w.
-
-    Where steps see how the covariance turns, their unit is the prior's standard deviation: what is
-    known well moves freely, what is known badly as far as the model is straight. Elsewhere it is
-    that of the data.
-    """
-    weight, bent = 1.0 / problem.prior.std**2, at.state.slope
-    weighted = at.over(problem.data - at.state.mean)
-    pull = bent.T @ weighted - weight * (at.parameters - problem.prior.mean)
-    if at.state.turns is not None:
-        turned, traces = at.state.turns(at.scales, weighted, at.inverse)
-        pull = pull + 0.5 * (weighted @ turned - traces)
-        bent = bent + turned
-    white = at.whitened(bent)
-    curve = white.T @ white + np.diag(weight)
-    unit = 1.0 / np.sqrt(np.diag(curve)) if at.state.turns is None else problem.prior.std
-    return _Slopes(pull, curve, unit)
-
-
-def _step(problem: Problem, by: _Slopes, farthest: float) -> tuple[ndarray, float]:
+def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
     """Newton's step within a distance in its units (More and Sorensen 1983), and what it should
     gain.
     """
+    by, wide = at.descent, at.problem.prior.std
     value, vector = by.principal
     pull, held = vector.T @ (by.unit * by.pull), 0.0
     for _ in range(_SECULAR):
@@ -296,7 +302,7 @@ def _step(problem: Problem, by: _Slopes, farthest: float) -> tuple[ndarray, floa
         slope = float(step @ (step / (value + held))) / size**2
         held = max(held + (size / farthest - 1.0) / slope, 0.0)
     whole = by.unit * (vector @ step)
-    part = 1.0 / max(1.0, np.abs(whole / problem.prior.std).max(initial=0.0) / _FARTHEST)
+    part = 1.0 / max(1.0, np.abs(whole / wide).max(initial=0.0) / _FARTHEST)
     gain = part * (step @ pull) - 0.5 * part**2 * (step**2 @ value)
     return part * whole, float(gain)
 
@@ -308,7 +314,7 @@ def _solved(curve: ndarray, pull: ndarray) -> ndarray:
     return (np.linalg.solve(even, (pull.T / unit).T).T / unit).T
 
 
-def _rescaled(problem: Problem, at: _Point) -> _Point:
+def _rescaled(at: _Point) -> _Point:
     """The point after one step of the scales by their marginal likelihood.
 
     The parameters' own freedom is taken off (restricted likelihood, parameters with their prior);
@@ -316,9 +322,9 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     """
     if not at.scales.size:
         return at
-    before = at.marginal
-    whole, slopes = _precision(problem, at), at.slopes()
-    pulled = whole @ _straight(problem, at)
+    problem, before = at.problem, at.marginal
+    whole, slopes = _precision(at), at.slopes()
+    pulled = whole @ _straight(at)
     parts = [_times(whole, part) for part in slopes]
     gradient = np.array(
         [
@@ -330,7 +336,7 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     gradient -= weight * (at.scales - problem.scales.mean)
     if problem.repeats is not None:
         gradient += problem.repeats.pull(at.state, at.scales)[0]
-    step = np.linalg.solve(_curvature(problem, at, parts), gradient)
+    step = np.linalg.solve(_curvature(at, parts), gradient)
     # A variance v that is too large wants ln(wanted / v) / 2, of which Newton sees the first term.
     step = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, 1e-9))
     step = np.clip(step, -_LONGEST, _LONGEST)
@@ -342,13 +348,13 @@ def _rescaled(problem: Problem, at: _Point) -> _Point:
     return at
 
 
-def _curvature(problem: Problem, at: _Point, parts: Sequence[ndarray]) -> ndarray:
+def _curvature(at: _Point, parts: Sequence[ndarray]) -> ndarray:
     """Expected curvature of the scales' likelihood and prior; `parts` are precision times slope."""
     turned = [np.ascontiguousarray(part.T).ravel() for part in parts]
     products = [[0.5 * (one.ravel() @ two) for two in turned] for one in parts]
-    whole = np.diag(1.0 / problem.scales.std**2)
-    if problem.repeats is not None:
-        whole = whole + problem.repeats.pull(at.state, at.scales)[1]
+    whole, repeats = np.diag(1.0 / at.problem.scales.std**2), at.problem.repeats
+    if repeats is not None:
+        whole = whole + repeats.pull(at.state, at.scales)[1]
     return whole + np.array(products).reshape(len(parts), len(parts))
 
 
@@ -357,17 +363,17 @@ def _times(left: ndarray, part: ndarray) -> ndarray:
     return left * part if part.ndim == 1 else left @ part
 
 
-def _straight(problem: Problem, at: _Point) -> ndarray:
+def _straight(at: _Point) -> ndarray:
     """Data less the prior's mean, by the model made straight."""
-    own = at.state.slope @ (at.parameters - problem.prior.mean)
-    return problem.data - at.state.mean + own
+    own = at.state.slope @ (at.parameters - at.problem.prior.mean)
+    return at.problem.data - at.state.mean + own
 
 
-def _precision(problem: Problem, at: _Point) -> ndarray:
+def _precision(at: _Point) -> ndarray:
     """Inverse of the covariance with the parameters' prior in it."""
     inverse = at.inverse
     slope, weighted = at.state.slope, inverse @ at.state.slope
-    curve = slope.T @ weighted + np.diag(1.0 / problem.prior.std**2)
+    curve = slope.T @ weighted + np.diag(1.0 / at.problem.prior.std**2)
     return inverse - weighted @ _solved(curve, weighted.T)
 
 
@@ -396,10 +402,10 @@ def best_fit(
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
     points = [_point(problem, np.asarray(start, float), scales) for start in starts]
     for steps in _FIRST_STEPS if len(points) > 1 else ():
-        points = [_iterated(problem, point, steps, free=False) for point in points]
+        points = [_iterated(point, steps, free=False) for point in points]
         points = sorted(points, key=lambda point: point.cost)[: max(_LEFT, len(points) // 3)]
     at = min(points, key=lambda point: point.cost)
-    return _finish(problem, _iterated(problem, at, _STEPS, least=least))
+    return _finish(_iterated(at, _STEPS, least=least))
 
 
 def about(prior: Prior, count: int) -> list[ndarray]:
@@ -434,9 +440,7 @@ def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarr
     return _point(problem, parameters, scales).information
 
 
-def _iterated(
-    problem: Problem, at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
-) -> _Point:
+def _iterated(at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN) -> _Point:
     """Newton's steps of the parameters, and of the scales in turn if they are free.
 
     The two have goals of their own, so that what one gains the other may lose in the end; with free
@@ -444,11 +448,12 @@ def _iterated(
     """
     if not np.isfinite(at.cost):
         return at
-    by = _slopes(problem, at)
+    problem, wide = at.problem, at.problem.prior.std
     farthest = _FARTHEST if at.state.turns is not None else np.inf
+    before = None
     for _ in range(steps):
-        step, expected = _step(problem, by, farthest)
-        size = float(np.linalg.norm(step / by.unit))
+        step, expected = _step(at, farthest)
+        size = float(np.linalg.norm(step / at.descent.unit))
         new = _point(problem, at.parameters + step, at.scales)
         gain = at.cost - new.cost
         if gain < -_RISE and expected > _PROMISED:
@@ -460,33 +465,51 @@ def _iterated(
             farthest = max(farthest, _LONGER * size)
         elif gain < _POOR * expected:
             farthest = _HALF * size
-        moved = np.abs((new.parameters - at.parameters) / problem.prior.std).max(initial=0.0)
+        moved = np.abs((new.parameters - at.parameters) / wide).max(initial=0.0)
         settled = gain < _FIRST_GAIN
         if free:
-            stepped, new = new, _rescaled(problem, new)
+            stepped, new = new, _rescaled(new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
             settled = at.marginal - new.marginal < least and expected < _FIRST_GAIN
             new = min(stepped, new, key=lambda one: one.marginal) if settled else new
-        at = new
-        by = _slopes(problem, at)
         if settled or (gain < _PROMISED and moved < _SETTLED * np.sqrt(least / _NO_GAIN)):
+            at = new
             break
+        before, at = at, _ahead(before, at, new) if free and before is not None else new
     if not free:
         return at
     # The parameters' maximum is that at the scales as they are in the end.
-    last = _point(problem, at.parameters + _step(problem, by, np.inf)[0], at.scales)
+    last = _point(problem, at.parameters + _step(at, np.inf)[0], at.scales)
     return min(at, last, key=lambda one: one.cost)
 
 
-def _finish(problem: Problem, at: _Point) -> Fit:
+def _ahead(first: _Point, second: _Point, third: _Point) -> _Point:
+    """Where points go on to, if that is better than the last: parameters and scales that mean the
+    same creep along a ridge in turns (Aitken's extrapolation).
+    """
+    steps = [
+        np.concatenate([(b.parameters - a.parameters) / a.problem.prior.std, b.scales - a.scales])
+        for a, b in ((first, second), (second, third))
+    ]
+    along, (short, long) = steps[0] @ steps[1], (float(step @ step) for step in steps)
+    if not (along > _SAME_WAY * np.sqrt(short * long) and _SERIES < along / short < 1.0):
+        return third
+    part = along / short
+    far = min(part / (1.0 - part), _AHEAD)
+    parameters = third.parameters + far * (third.parameters - second.parameters)
+    new = _point(third.problem, parameters, third.scales + far * (third.scales - second.scales))
+    return min(third, new, key=lambda one: one.marginal)
+
+
+def _finish(at: _Point) -> Fit:
     """The fit at a point: covariances, and the evidence by Laplace's integral.
 
     No evidence at all (-inf) where the model has no finite likelihood from any start.
     """
-    precision, curve = _precision(problem, at), at.information
+    problem, precision, curve = at.problem, _precision(at), at.information
     covariance = _solved(curve, np.eye(len(curve)))
-    curvature = _curvature(problem, at, [_times(precision, part) for part in at.slopes()])
-    straight = _straight(problem, at)
+    curvature = _curvature(at, [_times(precision, part) for part in at.slopes()])
+    straight = _straight(at)
     log = -at.marginal
     if np.isfinite(log):
         log -= 0.5 * (straight.size * np.log(2.0 * np.pi) + np.linalg.slogdet(curvature)[1])
