@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
+from numpy.lib.stride_tricks import sliding_window_view
 
 # Turns of the mode against the harmonic over the regression's step and over a window.
 STEP, WINDOW = 1.0 / 6.0, 0.7
@@ -80,11 +81,11 @@ def _law(
     y: Complex[ndarray, " interval"], size: Float[ndarray, " interval"], lag: int, length: int
 ) -> _Law | None:
     """What the windows say together; None where they see no harmonic clearly."""
-    starts = range(0, y.size - length - lag + 1, max(length // 2, 1))
-    windows = [_regression(*(x[a : a + length + lag] for x in (y, size)), lag) for a in starts]
-    if not windows:
+    if y.size < length + lag:
         return None
-    g, std, level, mode = (np.array(column) for column in zip(*windows, strict=True))
+    apart = max(length // 2, 1)
+    windows = (sliding_window_view(x, length + lag)[::apart] for x in (y, size))
+    g, std, level, mode = _regressions(*windows, lag)
     std = np.hypot(std, _laws(g, mode) * mode)
     every, clear = (g, std, np.log(level)), np.abs(g) > SEEN * std
     g, std, x = (values[clear] for values in every)
@@ -111,23 +112,28 @@ def _law(
     return _Law(part, slope, (1.0 + slope) * float(centre), error, clear)
 
 
-def _regression(
-    y: Complex[ndarray, " interval"], h: Float[ndarray, " interval"], lag: int
-) -> tuple[complex, float, float, float]:
-    """The harmonic's part in a window, its standard error, mean level of line and mode."""
-    before, after = slice(0, y.size - lag), slice(lag, y.size)
-    falls = float(np.mean(h[after] / h[before]))
-    weight = 1.0 / np.maximum(np.abs(y[before]), 1e-300)
-    design = np.stack([y[before], h[before]], axis=1) * weight[:, None]
-    wanted = y[after] * weight
-    inverse = np.linalg.pinv(design.conj().T @ design)
-    rho, kappa = found = inverse @ (design.conj().T @ wanted)
-    left = wanted - design @ found
-    variance = float(inverse[1, 1].real) * np.mean(np.abs(left) ** 2) * lag
+def _regressions(
+    y: Complex[ndarray, "window interval"], h: Float[ndarray, "window interval"], lag: int
+) -> tuple[
+    Complex[ndarray, " window"],
+    Float[ndarray, " window"],
+    Float[ndarray, " window"],
+    Float[ndarray, " window"],
+]:
+    """The harmonic's part in each window, its standard error, mean level of line and mode."""
+    before, later, falls = y[:, :-lag], y[:, lag:], np.mean(h[:, lag:] / h[:, :-lag], axis=1)
+    weight = 1.0 / np.maximum(np.abs(before), 1e-300)
+    design = np.stack([before, h[:, :-lag]], axis=2) * weight[..., None]
+    wanted = (later * weight)[..., None]
+    turned = design.conj().transpose(0, 2, 1)
+    inverse = np.linalg.pinv(turned @ design)
+    found = inverse @ (turned @ wanted)
+    left = (wanted - design @ found)[..., 0]
+    rho, kappa = found[:, 0, 0], found[:, 1, 0]
+    variance = inverse[:, 1, 1].real * np.mean(np.abs(left) ** 2, axis=1) * lag
     g = kappa / (falls - rho)
-    mode = np.median(np.abs(y - g * h) / h)
-    std = np.sqrt(variance) / abs(falls - rho)
-    return complex(g), float(std), float(np.mean(h)), float(mode)
+    mode = np.median(np.abs(y - g[:, None] * h) / h, axis=1)
+    return g, np.sqrt(variance) / np.abs(falls - rho), np.mean(h, axis=1), mode
 
 
 def _laws(g: Complex[ndarray, " window"], mode: Float[ndarray, " window"]) -> float:
