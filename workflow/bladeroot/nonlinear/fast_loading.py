@@ -51,13 +51,14 @@ def softening_curves(
     rows = np.stack(
         [np.sqrt(load.T / master / system.values[0]) - 1.0, -(sine[:, ::2] / load).T], 1
     )
-    at, fits = np.log(amplitudes), []
+    at, made = np.log(amplitudes), []
+    asked = np.concatenate([at, at + _APART, at - _APART])
     for seen, one in zip(np.log(np.abs(laser.T)), rows, strict=True):
         if not np.all(np.diff(seen) > 0.0):
             raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
-        fits.append(PchipInterpolator(seen, one, axis=1))
-    slopes = [(fit(at + _APART) - fit(at - _APART)) / (2.0 * _APART) for fit in fits]
-    return np.stack([fit(at) for fit in fits]), np.stack(slopes)
+        made.append(PchipInterpolator(seen, one, axis=1)(asked))
+    value, above, below = np.split(np.array(made), 3, axis=2)
+    return value, (above - below) / (2.0 * _APART)
 
 
 def states(
