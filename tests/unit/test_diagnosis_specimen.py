@@ -14,7 +14,7 @@ from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.linear import Linear
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
-from bladeroot.diagnosis.simulation.table import along, table_of
+from bladeroot.diagnosis.simulation.table import OverLoad, in_series, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.verdict import answer_of
@@ -192,11 +192,44 @@ def test_a_table_that_cannot_be_the_specimens_is_refused(model, expected, change
     assert impossible_table(right, expected) == impossible_table(moved, expected) == ""
 
 
-def test_a_table_runs_straight_between_its_loads():
+def test_a_table_goes_through_its_loads_and_straight_on_beyond_them():
     loads, values = np.array([1.0, 2.0, 4.0]), np.array([0.0, 1.0, 0.0])
-    value, slope = along(loads, values, np.array([1.5, 3.0, 5.0]))
-    assert value == pytest.approx([0.5, 0.5, -0.5])
-    assert slope == pytest.approx([1.0, -0.5, -0.5])
+    over = OverLoad(loads, values)
+    assert over(loads)[0] == pytest.approx(values)
+    (end, beyond), (slope, same) = over(np.array([4.0, 5.0]))
+    assert slope == same
+    assert beyond == pytest.approx(end + slope)
+    (value,), (rate,) = OverLoad(loads[:1], values[:1])(np.array([7.0]))
+    assert (value, rate) == (0.0, 0.0)
+    np.testing.assert_allclose(OverLoad(loads[:2], values[:2])(np.array([1.5]))[0], [0.5])
+
+
+@pytest.mark.parametrize("law", [lambda x: 0.05 * np.log(x), lambda x: 0.5 * np.log1p(0.02 * x)])
+@pytest.mark.parametrize("count", [5, 9])
+def test_between_a_tables_loads_the_error_says_what_the_spline_misses(law, count):
+    loads, at = np.geomspace(2.0, 24.0, count), np.linspace(2.0, 24.0, 200)
+    over = OverLoad(loads, law(loads))
+    miss, (error, _) = np.abs(over(at)[0] - law(at)), over.error(at)
+    assert (miss <= 3.0 * error + 1e-9).all()
+    assert error.max() < 0.3 * np.abs(np.interp(at, loads, law(loads)) - law(at)).max()
+    np.testing.assert_allclose(over.error(loads)[0], 0.0, atol=1e-15)
+    step = 1e-5
+    numeric = (over(at + step)[0] - over(at - step)[0]) / (2.0 * step)
+    np.testing.assert_allclose(over(at)[1][1:-1], numeric[1:-1], rtol=1e-5)
+
+
+def test_springs_in_series_are_those_of_a_chain():
+    """Two springs and a third, whose stiffness stays: f^2 is one over the compliance."""
+    softer, own, rest = np.array([0.3, -1.2]), np.array([2.0, 5.0]), 3.0
+    compliance = 1.0 / own
+    whole = compliance.sum() + 1.0 / rest
+    moved = (compliance * np.exp(-softer)).sum() + 1.0 / rest
+    change, slope = in_series((compliance / whole)[None], softer[None])
+    assert change[0] == pytest.approx(0.5 * np.log(whole / moved))
+    for k in range(2):
+        ends = [softer + sign * 1e-6 * np.eye(2)[k] for sign in (1, -1)]
+        up, down = (in_series((compliance / whole)[None], x[None])[0][0] for x in ends)
+        assert slope[0, k] == pytest.approx((up - down) / 2e-6, rel=1e-6)
 
 
 def test_a_table_without_sensitivities_says_that_it_cannot_tell_contact():

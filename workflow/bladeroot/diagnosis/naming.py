@@ -305,24 +305,21 @@ def _leading(sets: Sets) -> str:
 
 
 def _cause(made: _Search, model: Model, one: Mechanism, sets: Sets, unexplained: str) -> Cause:
-    """With what may stand in its place beside the others: a mechanism, nothing, or no catalogue's.
+    """With what may stand in its place: mechanisms, nothing, or none of the catalogue.
 
     A mechanism that needs a measurement that there is not has its siblings in the set; one whose
     law leaves over what is smooth in its own variable has none of the catalogue.
     """
     rest = model.ids - {one.id}
-    instead = {one.id: 0.0}
+    instead: dict[str, float] = {}
     for key, value in as_shown(sets).items():
-        known = key - {UNKNOWN}
-        if known == rest:
-            name = UNKNOWN if UNKNOWN in key else NONE
-            instead[name] = instead.get(name, 0.0) + value
-        elif rest < known and len(known) == len(rest) + 1:
-            (name,) = known - rest
-            instead[name] = instead.get(name, 0.0) + value
+        if one.id not in key:
+            nothing = UNKNOWN if UNKNOWN in key else NONE
+            for name in key - {UNKNOWN} - rest or {nothing}:
+                instead[name] = instead.get(name, 0.0) + value
     probability = inclusion(sets, one.id)
     credible, covered = [one.id], probability
-    others = sorted((n for n in instead if n != one.id), key=lambda n: (-instead[n], n))
+    others = sorted(instead, key=lambda n: (-instead[n], n))
     for name in others if probability < guards.CERTAIN else []:
         if len(credible) > 1 and covered >= guards.CREDIBLE:
             break

@@ -1,17 +1,20 @@
 """A table of simulated frequencies over the load, from any solver.
 
-ln f = ln f_table(load) + bias of the mode + sensitivities times what the fit may move. Between the
-table's loads ln f is interpolated linearly. Columns that begin with `by_` are derivatives of ln f
-by a named parameter: by_ln_kn and by_ln_kt let laws of the contact act, others move within PRIOR.
+ln f = ln f_table(load) + bias of the mode + what the fit may move. Columns that begin with `by_`
+are derivatives of ln f by a named parameter, which moves within PRIOR; by_ln_kn and by_ln_kt let
+laws of the contact act, a spring in series with the rest: half of the share of the mode's energy
+that it has, which falls as it stiffens.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
+from scipy.interpolate import BSpline, make_interp_spline
 
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
@@ -26,6 +29,82 @@ from bladeroot.terms import CONTACT
 PRIOR = 1.0
 # The same of ln kn and ln kt, which are known to a factor of some two.
 PRIOR_LN_K = 0.7
+# Of what a spline misses at a load that is left out, the part that it may miss midway between two:
+# cubics err with the fourth power of their knots' distance, and tables are not that smooth. With it
+# goes such a part, over the square of the number of loads, of what it differs by from straight
+# lines: of few loads one may be left out by chance without harm.
+LEFT_OUT, BENT = 0.125, 2.0
+
+
+@dataclass(frozen=True)
+class OverLoad:
+    """Values over the load: a spline that goes straight on beyond the ends.
+
+    Cubic where there are four loads, in the load or its logarithm: by that which misses less at
+    loads that are left out. missed: by how much it does at each.
+    """
+
+    loads: Float[ndarray, " load"]
+    values: Float[ndarray, " load"]
+
+    @cached_property
+    def _best(self) -> tuple[bool, ndarray]:
+        """Whether the logarithm is taken, and what is missed then."""
+        inner = range(1, self.loads.size - 1)
+        tried = []
+        for log in (False, True) if self.loads.min() > 0.0 else (False,):
+            missed = np.zeros(self.loads.size)
+            for k in inner:
+                rest = OverLoad(np.delete(self.loads, k), np.delete(self.values, k))
+                there = rest._spline(log)(rest._place(self.loads[[k]], log))
+                missed[k] = abs(float(there[0]) - self.values[k])
+            if inner:
+                missed[[0, -1]] = missed.max()
+            tried.append((log, missed))
+        return min(tried, key=lambda one: float(np.sum(one[1] ** 2)))
+
+    @property
+    def missed(self) -> Float[ndarray, " load"]:
+        """Of each value by a spline through the others."""
+        return self._best[1]
+
+    @staticmethod
+    def _place(load: ndarray, log: bool) -> ndarray:
+        return np.log(load) if log else load
+
+    def _spline(self, log: bool) -> BSpline:
+        return make_interp_spline(
+            self._place(self.loads, log), self.values, k=min(3, self.loads.size - 1)
+        )
+
+    @cached_property
+    def _made(self) -> tuple[BSpline, BSpline | None]:
+        spline = self._spline(self._best[0])
+        return spline, spline.derivative() if self.loads.size > 1 else None
+
+    def __call__(self, load: Float[ndarray, " record"]) -> tuple[ndarray, ndarray]:
+        """Values, and their slopes by the load."""
+        spline, rate = self._made
+        if rate is None:
+            return np.full(load.size, self.values[0]), np.zeros(load.size)
+        log = self._best[0]
+        inside = np.clip(load, self.loads[0], self.loads[-1])
+        place = self._place(inside, log)
+        slope = rate(place) / inside if log else rate(place)
+        return spline(place) + slope * (load - inside), slope
+
+    def error(self, load: Float[ndarray, " record"]) -> tuple[ndarray, ndarray]:
+        """Standard error of values between the loads, none at them; and between which two."""
+        if self.loads.size < 2:
+            return np.zeros(load.size), np.zeros(load.size, dtype=int)
+        right = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
+        low, high = self.loads[right - 1], self.loads[right]
+        part = np.clip((load - low) / (high - low), 0.0, 1.0)
+        missed = np.maximum(self.missed[right - 1], self.missed[right])
+        straight = np.interp(load, self.loads, self.values)
+        bent = self(np.clip(load, self.loads[0], self.loads[-1]))[0] - straight
+        misses = LEFT_OUT * 4.0 * part * (1.0 - part) * missed
+        return np.hypot(misses, BENT / self.loads.size**2 * bent), right
 
 
 @dataclass(frozen=True)
@@ -44,6 +123,14 @@ class Table:
     slip: xr.Dataset | None = None
     structure: str = ""
     kind: str = "table"
+
+    @cached_property
+    def over_load(self) -> tuple[tuple[OverLoad, tuple[OverLoad, ...]], ...]:
+        """ln f and each sensitivity, by mode."""
+        return tuple(
+            (OverLoad(loads, ln_f), tuple(OverLoad(loads, column) for column in own.T))
+            for loads, ln_f, own in zip(self.loads, self.ln_f, self.sensitivities, strict=True)
+        )
 
     @property
     def knows_contact(self) -> bool:
@@ -100,23 +187,36 @@ class _OfRecords(OneMode):
             simulated.names.index(name) if name in simulated.names else None for name in CONTACT
         ]
         self.same_hold = hold[:, None] == hold
+        error, between = np.zeros(records.force.size), np.zeros(records.force.size, dtype=int)
+        for m, (ln_f, _) in enumerate(simulated.over_load):
+            mine = records.mode == m
+            error[mine], between[mine] = ln_f.error(records.force[mine])
+        alike = (records.mode[:, None] == records.mode) & (between[:, None] == between)
+        self.between = np.outer(error, error) * alike
 
     def at(self, theta: ndarray, changes: ndarray, by_place: ndarray | float = 0.0) -> Said:
         """The table at each record's load, moved along its sensitivities."""
         n, force = self.records.force.size, self.records.force + changes[:, 2]
-        value, by_force = np.zeros(n), np.zeros(n)
-        s = np.zeros((n, self.count))
-        for m, (loads, ln_f, own) in enumerate(
-            zip(self.table.loads, self.table.ln_f, self.table.sensitivities, strict=True)
-        ):
+        value, by_force, by_name = np.zeros(n), np.zeros(n), np.zeros((n, self.count))
+        for m, (ln_f, own) in enumerate(self.table.over_load):
             mine = self.records.mode == m
-            value[mine], by_force[mine] = along(loads, ln_f, force[mine])
-            for k in range(self.count):
-                s[mine, k] = along(loads, own[:, k], force[mine])[0]
-        by_k = [s[:, k] if k is not None else np.zeros(n) for k in self.contact]
-        mean = value + s @ theta[: self.count] + self.bias_rows @ theta[self.count :]
-        mean = mean + by_k[0] * changes[:, 0] + by_k[1] * changes[:, 1]
-        return Said(mean, np.hstack([s, self.bias_rows]), np.stack([*by_k, by_force], axis=1))
+            value[mine], by_force[mine] = ln_f(force[mine])
+            for k, one in enumerate(own):
+                by_name[mine, k] = one(force[mine])[0]
+        moved = by_name * theta[: self.count]
+        stiffer, shares = changes[:, :2].copy(), np.zeros((n, 2))
+        for axis, k in enumerate(self.contact):
+            if k is not None:
+                stiffer[:, axis] += theta[k]
+                shares[:, axis] = 2.0 * np.maximum(by_name[:, k], 0.0)
+                moved[:, k] = 0.0
+        softer, by_k = in_series(shares, stiffer)
+        for axis, k in enumerate(self.contact):
+            if k is not None:
+                by_name[:, k] = by_k[:, axis]
+        mean = value + moved.sum(axis=1) + softer + self.bias_rows @ theta[self.count :]
+        slope = np.hstack([by_name, self.bias_rows])
+        return Said(mean, slope, np.column_stack([by_k, by_force]))
 
     def scatter(self, gradient: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
         """kn and kt of a clamping; without their sensitivities, all modes alike and each its own.
@@ -126,7 +226,22 @@ class _OfRecords(OneMode):
         g = gradient.copy()
         if None in self.contact:  # of frequencies: a hundredth of the contact's scatter
             g[:, 0], g[:, 1] = 0.01, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
-        return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
+        whole, slopes = scatter_of_clampings(g, scales, self.rounding, self.same_hold)
+        return whole + self.between, slopes
+
+
+def in_series(
+    shares: Float[ndarray, "record spring"], stiffer: Float[ndarray, "record spring"]
+) -> tuple[Float[ndarray, " record"], Float[ndarray, "record spring"]]:
+    """Change of ln f by springs in series with the rest of a mode, and its slopes.
+
+    shares: of the mode's compliance, which are those of its energy; stiffer: ln of the springs'
+    stiffness over that at which they have these shares.
+    """
+    shares = shares / np.maximum(shares.sum(axis=1, keepdims=True), 1.0)
+    left = shares * np.exp(-stiffer)
+    whole = 1.0 - shares.sum(axis=1) + left.sum(axis=1)
+    return -0.5 * np.log(whole), 0.5 * left / whole[:, None]
 
 
 def moved(table: Table, records: Records, ln_f: Float[ndarray, " record"], fitted: Fit) -> str:
@@ -154,21 +269,6 @@ def moved(table: Table, records: Records, ln_f: Float[ndarray, " record"], fitte
         f"the measured frequencies lie from the table's by {', '.join(above)}, which the fit takes "
         f"for {', '.join(taken)}"
     )
-
-
-def along(
-    loads: Float[ndarray, " load"], values: Float[ndarray, " load"], at: Float[ndarray, " record"]
-) -> tuple[Float[ndarray, " record"], Float[ndarray, " record"]]:
-    """Piecewise linear over the loads, and its slope; straight on beyond the ends.
-
-    The slope at a load of the table is that of the piece below it.
-    """
-    if loads.size == 1:
-        return np.full(at.size, values[0]), np.zeros(at.size)
-    right = np.clip(np.searchsorted(loads, at), 1, loads.size - 1)
-    slope = np.diff(values) / np.diff(loads)
-    own = slope[right - 1]
-    return values[right - 1] + own * (at - loads[right - 1]), own
 
 
 def table_of(
