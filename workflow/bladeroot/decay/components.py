@@ -23,8 +23,7 @@ from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STAYS, steady_line
 from bladeroot.decay.twofold import twofold
-from bladeroot.quality.findings.mode_beating import CLOSE
-from bladeroot.signal.lines import loudest, mode_Hz
+from bladeroot.signal.lines import CLOSE, loudest, mode_Hz
 
 # Most lines besides the mode, and how often what the known ones leave over is searched for more.
 MOST, ROUNDS = 8, 8

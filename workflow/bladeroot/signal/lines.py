@@ -16,7 +16,9 @@ LOUD_CYCLES, FIRST_CYCLES = 80.0, 100.0
 # nearer part goes before a louder one further off, from this part of its height on, where the level
 # between them sinks below this part of its own: a mode that softens by as much leaves no valley.
 TOLERANCE, NEAR, LEAST, VALLEY = 0.3, 0.17, 0.1, 0.5
-
+# Part of the mode's frequency within which another one is a close mode, as a beat of more than
+# eight cycles is; one farther away leaves something in the curve.
+CLOSE = 0.125
 # Turns that a line on one side makes at least, what it is over the line on the other side, and the
 # degree of the course that is taken off.
 FEWEST_TURNS, ONE_SIDED, COURSE = 3.0, 2.5, 3

@@ -9,7 +9,7 @@ from scipy import fft
 
 from bladeroot.quality.blocks import frame_weights, without_trend
 from bladeroot.quality.examined import LEFTOVER, Examined, Finding
-from bladeroot.signal.lines import hann
+from bladeroot.signal.lines import CLOSE, hann
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
@@ -31,9 +31,6 @@ FEWEST, DEGREE = 4.0, 9
 EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
 # Frames that are looked at, at least and at most; the farthest line over the mode's frequency.
 FRAMES, FARTHEST = (40, 4096), 0.16
-# Part of the mode's frequency within which another one is a close mode, as a beat of more than
-# eight cycles is; one farther away leaves something in the curve.
-CLOSE = 0.125
 # A line is on one side where it is this many times that on the other; two parts show the same one
 # where it turns within so many turns alike over the shorter. A frame's taper weakens a line to this
 # part at most.
