@@ -31,7 +31,8 @@ class Truth:
 
     @property
     def excitation(self):
-        return self.kind if self.kind.startswith("begins") else self.kind.split()[0]
+        how = self.kind.split()[0]
+        return {"shaker": how, "begins": self.kind}.get(how, "at once")
 
 
 def draw(

@@ -280,7 +280,7 @@ def test_what_is_driven_on_is_no_short_decay(level):
 def test_a_release_cycles_before_the_end_leaves_too_little(cycles):
     velocity = ring_down(3)[0]
     rate, own_Hz = 25_600.0, 250.0
-    release = Release(velocity.size / rate - cycles / own_Hz, 0.0, "hammer")
+    release = Release(velocity.size / rate - cycles / own_Hz, 0.0, "at once")
     attrs = cut(velocity, rate, own_Hz, release=release).attrs
     assert attrs["verdict"] == "rejected"
 

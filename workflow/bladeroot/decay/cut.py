@@ -49,7 +49,7 @@ def cut(
     mode is lost in the noise, or where something disturbs it (the tip's return, another blow), or,
     with hardly any noise, where it is but some steps of the digitiser high.
     Attributes: `release_s` and `release_std_s` (the release and its standard error),
-    `excitation` ("shaker", "hammer", "step" or "begins in the decay"), `fall` (factor by which the
+    `excitation` ("shaker", "at once" or "begins in the decay"), `fall` (factor by which the
     smoothed envelope falls), `decays` (decays in the record at least half as deep as this one),
     `start_s` and `end_s` (first and last sample kept, in the raw record's time), `end_reason`,
     `noise_velocity` (m/s, rms), `verdict` and `findings`. A record that cannot be used is returned

@@ -9,7 +9,7 @@ from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import windowed
-from bladeroot.decay.release import Release
+from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.integrity import bridged, carried, judge
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
@@ -52,9 +52,9 @@ def free_decay(
         return judge(decay, motion, *asked, remarks=remarks)
     struck = onset(clear, rate / expected_Hz)
     first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
-    how = decay.attrs["excitation"] or "hammer"
+    how = decay.attrs["excitation"] or AT_ONCE
     if struck and how == "begins in the decay":
-        how = "hammer"
+        how = AT_ONCE
     parts = separated(clear, rate, expected_Hz, modes_Hz, first)
     release = Release(parts.first / rate, 0.0, how)
     lone = not parts.lines_Hz and parts.velocity is clear

@@ -52,6 +52,7 @@ SIDE, LONGEST_SIDE, STRAIGHT, HIGHEST = 8, 40, 16, 2.0
 CHANGE, APART = 30.0, 4
 # Where samples tell the instant, to this part of a cycle; what is earlier is none.
 INSTANT = 0.1
+AT_ONCE = "at once"  # what a blow excites, or what is let go from rest
 
 
 @dataclass(frozen=True)
@@ -228,7 +229,7 @@ def _bend(log: Complex[ndarray, " point"], std: Float[ndarray, " later"]) -> tup
 
 
 def _excitation(quiet: int | None) -> str:
-    return "shaker" if quiet is None else "hammer"
+    return "shaker" if quiet is None else AT_ONCE
 
 
 def _quiet(seen: Envelope, at: int) -> int | None:
@@ -279,17 +280,8 @@ def _sudden(
         return Release(0.0, 0.0, "begins in the decay")
     if nothing:
         return Release(float(seen.time[head]), 0.5 * seen.frame_s, _excitation(quiet))
-    excitation = "hammer" if first == 0 else _excitation(quiet)
-    if still and _from_rest(piece, decay):
-        excitation = "step"
+    excitation = AT_ONCE if first == 0 else _excitation(quiet)
     return Release((first + pick) / sampling_Hz, INSTANT * cycle, excitation)
-
-
-def _from_rest(piece: ndarray, decay: Complex[ndarray, " sample"]) -> bool:
-    """Whether the motion sets in where velocity is zero (let go) and not largest (struck)."""
-    idle, moving = piece**2, (piece - decay.real) ** 2
-    onset = np.argmin(np.cumsum(idle) - idle + np.cumsum(moving[::-1])[::-1])
-    return bool(abs(np.cos(np.angle(decay[onset]))) < np.sqrt(0.5))
 
 
 def _variance_change(x: Float[ndarray, " sample"], least: float) -> tuple[int, float]:
