@@ -156,17 +156,6 @@ def test_a_mode_of_the_sheet_far_from_both_lines_does_not_choose_between_them():
     assert meant(lines, 1185.0, (1120.0,))[0] == 1192.0
 
 
-def test_a_decay_begins_where_its_first_cycles_are_like_the_later_ones():
-    """A drive that ends in the first cycles of a record has no frames before its end."""
-    time = np.arange(int(8.0 * RATE)) / RATE
-    level = np.exp(-0.8 * np.maximum(time - 0.05, 0.0))
-    noise = NOISE * np.random.default_rng(0).standard_normal(time.size)
-    found = freevib(0.05 * level * np.cos(2 * np.pi * 80.0 * time) + noise, RATE, 80.0, NOISE)
-    assert 0.05 < found["time"].values[0] < 0.25
-    free = freevib(0.05 * np.exp(-0.8 * time) * np.cos(2 * np.pi * 80.0 * time), RATE, 80.0, NOISE)
-    assert free["time"].values[0] < 0.02
-
-
 def test_steps_are_blurred_only_while_something_louder_rings():
     """What blurs the digitiser's steps at first must not carry the curve on below them."""
     velocity = blow([(80.0, 0.0015, 0.05), (297.0, 0.003, 0.1)], length_s=12.0)

@@ -14,18 +14,13 @@ from bladeroot.signal.runs import longest
 from bladeroot.signal.smooth import Spline
 from bladeroot.variables import dataset, names
 
-PARTS = 4  # times that first blocks are cut off
-LEFT = 16.0  # cycles that a cut leaves at least
 # Largest number of points of the curves, and of those at which their errors are worked out.
 POINTS, SHARP = 500, 120
-# So many first blocks are no free decay where a parabola through twice as many later ones, that
-# goes on backwards, misses half of them, the first, by more than this (mean square in errors:
-# noise's, and a part of what it differs by from a straight line). As on drawn records: of those
-# that are right from their first block on, one of sixty is above, of the others a third.
-EARLY, UNLIKE, BENDS = 6, 1.5, 0.5
-# So many are unsure where they miss it likewise, with a smaller such part, and as many that follow
-# miss theirs by no more than this (mean square in errors): something still acted.
-STARTS, BENDS_LEAST, LIKE = (12, 6, 3), 0.25, 0.5
+# So many first blocks are unsure where a parabola through twice as many later ones, that goes on
+# backwards, misses half of them, the first, by more than this (mean square in errors: noise's, and
+# a part of what it differs by from a straight line), and as many that follow miss theirs by no more
+# than the last: something still acted.
+STARTS, UNLIKE, BENDS, LIKE = (12, 6, 3), 1.5, 0.25, 0.5
 # Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
 PLAIN = 2.0
 # What falls by less than this in all, and by less than so many of its errors, is a steady tone.
@@ -94,15 +89,7 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    begin_s = 0.0
-    for _ in range(PARTS):
-        blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
-        first = int(_settled(blocks) * sampling_Hz)
-        if not first or (velocity.size - first) * expected_Hz < LEFT * sampling_Hz:
-            break
-        velocity, usable = (None if x is None else x[first:] for x in (velocity, usable))
-        taken = None if taken is None else (taken[0] - first / sampling_Hz, *taken[1:])
-        begin_s += first / sampling_Hz
+    blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
@@ -117,7 +104,7 @@ def freevib(
     amplitude_std = amplitude * std[0, 0]
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
-    curves = (centre + begin_s, amplitude, omega_n / (2.0 * np.pi), loss)
+    curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
     keep = frequency_std < SURE * omega_n / (2.0 * np.pi)  # and a number
     if np.count_nonzero(keep) < FEWEST:
@@ -141,7 +128,7 @@ def freevib(
     own = slice(None) if whole else _between(blocks.time, centre[keep][part])
     result = decay_dataset(
         [values[keep][part] for values in (*curves, *errors)],
-        [blocks.time[own] + begin_s, blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
+        [blocks.time[own], blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["damping"] = damping
@@ -176,16 +163,6 @@ def waves(
     return np.repeat(np.sqrt(near), [part.size for part in parts])
 
 
-def _settled(blocks: Phasors) -> float:
-    """Time (s) at which the first blocks are like the later ones; a drive's end may lie before it.
-
-    A release is seen in frames on both sides of it, and so not in the first cycles of a record.
-    """
-    if not _missed(blocks, 0, EARLY, BENDS)[1] > UNLIKE:
-        return 0.0
-    return float(0.5 * (blocks.time[EARLY - 1] + blocks.time[EARLY]))
-
-
 def acting(blocks: Phasors) -> Float[ndarray, " block"]:
     """Standard error of either rate (1/s) in blocks in which something may still act: the first.
 
@@ -194,20 +171,17 @@ def acting(blocks: Phasors) -> Float[ndarray, " block"]:
     """
     error = np.zeros(blocks.time.size)
     for count in STARTS:
-        miss, unlike = _missed(blocks, 0, count, BENDS_LEAST)
-        if unlike > UNLIKE and _missed(blocks, count, count, BENDS_LEAST)[1] < LIKE:
+        miss, unlike = _missed(blocks, 0, count)
+        if unlike > UNLIKE and _missed(blocks, count, count)[1] < LIKE:
             error[:count] = np.abs(np.gradient(miss, blocks.time[:count]))
             break
     return error
 
 
-def _missed(
-    blocks: Phasors, first: int, count: int, bends: float
-) -> tuple[Complex[ndarray, " early"], float]:
+def _missed(blocks: Phasors, first: int, count: int) -> tuple[Complex[ndarray, " early"], float]:
     """What so many blocks miss of a parabola through twice as many later ones.
 
     And the mean square, in errors, of the first half of them; NaN where nothing can be said.
-    bends: part of what the parabola differs by from a straight line that counts as its error.
     """
     early, later = slice(count), slice(count, 3 * count)
     near = slice(first, first + 3 * count)
@@ -222,7 +196,7 @@ def _missed(
         misses.append(log - powers @ (inverse @ (log[later] / std[later])))
     straight, bent = misses
     variance = std[early] ** 2 + np.sum((powers[early] @ inverse) ** 2, axis=1)
-    variance += (bends * np.abs(bent - straight)[early]) ** 2
+    variance += (BENDS * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
     return bent[early], float(np.mean(missed[: (count + 1) // 2]))
 
