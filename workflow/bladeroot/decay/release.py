@@ -19,10 +19,6 @@ OVERLAP = 4.0
 # 18 degrees of freedom, so 15 comes up once in 100,000 places), and when its step is 2 % or its
 # bend this part of the decay rate: less does no harm, and a curved backbone does as much.
 GAIN, STEP, BEND = 15.0, 0.02, 0.6
-# A tip that chatters or a hammer that bounces knocks so many times at most.
-MOST_KNOCKS = 5
-# A fall of this many frames and this ln between two kinks is a free decay, no chatter.
-LASTING, LASTING_FALL = 40, 0.25
 # Frames by which a step may lie before the place found for it.
 SURE = 4
 # What is struck or let go from rest grows from a tenth to a third within so many cycles (a frame of
@@ -89,18 +85,6 @@ def find_release(
     pace = max(low - middle, 1) / (0.5 * depth)
     first = max(0, peak - int(pace))
     found = _last_kink(seen, noise, first, low, middle, pace)
-    while found is not None:
-        # a long smooth fall before it: that was the release, and this is the tip coming back
-        earlier = _last_kink(seen, noise, first, found.clean - LASTING, middle, pace)
-        if earlier is None or level[earlier.clean] - level[found.clean] < LASTING_FALL:
-            break
-        found, low = earlier, found.clean - LASTING
-    for _ in range(MOST_KNOCKS):
-        # a small knock beside a large one is only seen once that is left out
-        after = found and _last_kink(seen, noise, found.clean, low, middle, pace)
-        if not after:
-            break
-        found = after
     if found is None:
         flat = _last_above(level, peak, trough, level[peak] - FLAT)
         if flat - peak > SLOWER * FLAT * pace + FRAME_STEPS:
