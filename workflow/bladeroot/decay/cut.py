@@ -24,8 +24,8 @@ FEWEST_CYCLES = 8
 # that part of the record at once, by less than beats would.
 LEAST_FALL, SHORT_FALL, STEADY_FALL, THROUGHOUT = 2.0, 1.1, 1.25, 0.95
 # Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
-# followed (a mode that weak rises and falls with the noise by half): a weak mode needs more frames.
-SMOOTHING = ((8, 5.0), (64, 2.0), (512, 1.4))
+# followed (a mode that weak rises and falls with the noise by half).
+SMOOTHING, CLEAR = 8, 5.0
 # Cycles from which the mode's own frequency is taken.
 LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
@@ -206,18 +206,11 @@ def _falls(
     seen: Envelope, noise: float, broken: ndarray, first: int = 0
 ) -> tuple[float, Float[ndarray, " frame"], list[tuple[int, int]]]:
     """Largest fall of ln A from frame `first` on, the smoothed level that shows it, all falls."""
-    best = None
-    for frames, above in SMOOTHING:
-        least = max(above * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
-        level = 0.5 * np.log(np.maximum(running_power(seen, frames), least**2))
-        found = clean_falls(level[first:], RISE, broken[first:])
-        found = [(first + p, first + t) for p, t in found]
-        fall = level[found[0][0]] - level[found[0][1]]
-        if best is None or fall > best[0]:
-            best = fall, level, found
-        if fall > np.log(4.0) or 16 * frames > level.size:
-            break
-    return best
+    least = max(CLEAR * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
+    level = 0.5 * np.log(np.maximum(running_power(seen, SMOOTHING), least**2))
+    found = clean_falls(level[first:], RISE, broken[first:])
+    found = [(first + p, first + t) for p, t in found]
+    return level[found[0][0]] - level[found[0][1]], level, found
 
 
 def _deep(fall: float, level: ndarray, found: list[tuple[int, int]]) -> list[tuple[int, int]]:
