@@ -29,9 +29,8 @@ CREEPS = 5.0
 # Points, or blocks of cycles, from which on laws are weighed.
 FEWEST = 12
 # Radians: a block less sure than BLUNT is not used; one surer than SHARP is taken for itself, not
-# for the smoothed curve. That curve rounds off a sudden end of slip where it misses a block by
-# ROUNDED of the block's standard errors, and by more than LEAST_ROUNDED.
-BLUNT, SHARP, ROUNDED, LEAST_ROUNDED = 0.15, 1e-3, 5.0, 0.003
+# for the smoothed curve.
+BLUNT, SHARP = 0.15, 1e-3
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -59,9 +58,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = cubic(blocks["time"], time, np.log(amplitude))
-    # the curve is sharper than a block, but for where it rounds off a sudden end of slip
-    rounded = np.abs(both[0] - smooth) > np.maximum(ROUNDED * blocks["std"], LEAST_ROUNDED)
-    log = np.where(rounded | (blocks["std"] < SHARP), both[0], smooth)
+    log = np.where(blocks["std"] < SHARP, both[0], smooth)
     segment = grouped(blocks["time"], both, blocks["std"], log)
     if segment.time.size < FEWEST:
         return result | {"verdict": "rejected: too few cycles of falling amplitude"}

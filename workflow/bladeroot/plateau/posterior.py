@@ -54,8 +54,6 @@ class Mixture:
 
 
 SHORTEST = np.log(2.0)  # a constant segment that is no shorter, in ln A, counts as shown
-# error of ln A0, over the doubt about a law, by a slip between its shapes, as in simulation
-BETWEEN = 0.005
 EXACT = 1e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
 NEGLIGIBLE = 8.0  # in ln of the evidence
 STEEPEST = 0.5  # least power of A that is believed down to A = 0
@@ -145,7 +143,7 @@ def combined(
     that of the best of all.
     """
     by_channel = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
-    by_onset = [_blurred(catalogue, hinge.sum(axis=1)) for _, hinge in by_channel]
+    by_onset = [hinge.sum(axis=(1, 2)) for _, hinge in by_channel]
     channels = []
     facts = list(zip(both, constant, still, bent, strict=True))
     for one, (smooth, hinge) in enumerate(by_channel):
@@ -156,18 +154,6 @@ def combined(
         channels.append(_channel(catalogue, weight / weight.sum(), *facts[one]))
     onset, departs = _onset(catalogue, by_onset)
     return Weighed(*channels, onset, departs, catalogue.low)
-
-
-def _blurred(
-    catalogue: Catalogue, weight: Float[ndarray, "onset doubt"]
-) -> Float[ndarray, " onset"]:
-    """Weight of each onset, known no better than its laws are believed."""
-    apart = catalogue.onsets[:, None] - catalogue.onsets
-    total = np.zeros(catalogue.onsets.size)
-    for part, doubt in zip(weight.T, DOUBT, strict=True):
-        blur = catalogue.prior[:, None] * np.exp(-0.5 * (apart / (BETWEEN * doubt)) ** 2)
-        total += (blur / blur.sum(axis=0)) @ part
-    return total
 
 
 def _weights(
