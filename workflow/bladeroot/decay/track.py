@@ -259,20 +259,8 @@ def _turning(frames: Frames) -> Float[ndarray, " frame"]:
     base = frames.phasor * np.exp(-1j * frames.omega * frames.time)
     step = np.diff(frames.time)
     advance = base[1:] * base[:-1].conj()
-    apart = step > 1.5 * step.min()  # across a gap the advance is ambiguous
-    advance[apart] = 0.0
-    reach = int(np.clip(step.size // 100, 1, 10))
-    near = _moving_sum(advance, reach)
-    noise = _moving_sum(frames.std[1:] ** 2 * 2.0 * np.abs(base[1:] * base[:-1]), reach)
-    clear = np.abs(near) > 3.0 * np.sqrt(noise * frames.std.min() ** 2 + 1e-300)
-    lost = np.flatnonzero(~clear)
-    detune = np.angle(near) / step.min()
-    if lost.size and lost[0] > 4:  # beyond, as it was last
-        last = int(lost[0])
-        segment = slice(max(0, last - max(last // 5, 4)), last)
-        detune[last:] = np.angle(advance[segment].sum()) / step.min()
-    elif lost.size:
-        detune[:] = np.angle(advance.sum()) / step.min()
+    advance[step > 1.5 * step.min()] = 0.0  # across a gap the advance is ambiguous
+    detune = np.angle(_moving_sum(advance, int(np.clip(step.size // 100, 1, 10)))) / step.min()
     turn = np.concatenate([[0.0], np.cumsum(detune * step)])
     return turn + frames.omega * frames.time
 
