@@ -11,11 +11,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors, natural
 from bladeroot.signal.runs import longest
-from bladeroot.signal.smooth import Spline
 from bladeroot.variables import dataset, names
 
-# Largest number of points of the curves, and of those at which their errors are worked out.
-POINTS, SHARP = 500, 120
+POINTS = 500  # of the curves at most
 # So many first blocks are unsure where a parabola through twice as many later ones, that goes on
 # backwards, misses half of them, the first, by more than this (mean square in errors: noise's, and
 # a part of what it differs by from a straight line), and as many that follow miss theirs by no more
@@ -93,7 +91,7 @@ def freevib(
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
-    value, std = fit.value(centre), _std(fit, centre)
+    value, std = fit.value(centre), fit.std(centre)
     std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
     for order in (1, 2):
         sway = waves(value[0, 0], value[order, 0], std[order, 0])
@@ -238,18 +236,6 @@ def search_band(
         )
     low, high = expected_Hz * (1.0 - tolerance), expected_Hz * (1.0 + tolerance)
     return low, min(high, 0.49 * sampling_Hz)
-
-
-def _std(fit: Spline, time: Float[ndarray, " point"]) -> ndarray:
-    """Standard errors of the curves at some of the points, and between them in proportion."""
-    if time.size <= SHARP:
-        return fit.std(time)
-    some = np.linspace(time[0], time[-1], SHARP)
-    known = np.log(fit.std(some))
-    place = (time - time[0]) * ((SHARP - 1) / (time[-1] - time[0]))
-    left = np.minimum(place.astype(int), SHARP - 2)
-    share = place - left
-    return np.exp(known[..., left] * (1.0 - share) + known[..., left + 1] * share)
 
 
 def decay_dataset(points: Sequence[ndarray], blocks: Sequence[ndarray]) -> xr.Dataset:
