@@ -115,7 +115,7 @@ class _Kink:
 def _last_kink(
     seen: Envelope, noise: float, first: int, low: int, middle: int, pace: float
 ) -> _Kink | None:
-    """The last kink between two frames, seen at ever finer scales."""
+    """The last kink between two frames, at scales (frames a point) from coarse to fine."""
     error = noise * np.exp(-seen.level[middle]) * np.sqrt(0.5 * OVERLAP)
     coarsest = max(1, int(np.ceil(COARSEST * pace / REACH)))
     sizes = [coarsest >> k for k in range(coarsest.bit_length())]
@@ -125,15 +125,8 @@ def _last_kink(
         for size, finer in zip(sizes, [*sizes[1:], 0], strict=True)
         if not finer or expected_gain(finer / pace, error / finer**0.5, REACH) <= 3.0 * GAIN
     ]
-    return _at_scales(seen, noise, first, low, pace, fine)
-
-
-def _at_scales(
-    seen: Envelope, noise: float, first: int, low: int, pace: float, sizes: list[int]
-) -> _Kink | None:
-    """The last kink at scales (frames a point) from coarse to fine."""
     found, stop = None, low
-    for size in sizes:
+    for size in fine:
         log, std, start = log_points(seen, noise, first, stop + REACH * size, size)
         reach = min(REACH, log.size // 2)
         if reach < FEWEST:
