@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.optimize import least_squares
 
 from bladeroot.diagnosis.simulation.table import Table
-from bladeroot.rom import chebyshev
-from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
+from bladeroot.rom.chebyshev import Surface
+from bladeroot.rom.parametric import Solved, ln_frequencies, solved_of, surface_of
 
 # A structure is the specimen's if some point of its box lies within so many of the model's stated
 # errors (0.5 % unless told otherwise, so 5 %). It guards against another machine's structure. The
@@ -19,6 +20,7 @@ from bladeroot.rom.parametric import ln_frequencies, solved_of, surface_of
 FACTOR = 10.0
 _GRID = (17, 17, 7)  # of ln kn, ln kt and the load
 _SOLVED = 5  # of each of any number of stiffnesses, where each point is an eigenproblem
+_STARTS = 3  # points of the grid from which the nearest point of the box is looked for
 
 
 def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[str, float]) -> str:
@@ -31,7 +33,9 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
     if not measured:
         return ""
     names = model["mode"].values.astype(str).tolist()
-    grid = _box(model)
+    surface = surface_of(model) if "ln_frequency" in model else solved_of(model)
+    points = _box(surface)
+    grid = ln_frequencies(surface, points)[0]
     wanted = dict(sorted(measured.items(), key=lambda one: one[1]))
     if set(wanted) <= set(names):
         choices = [tuple(names.index(mode) for mode in wanted)]
@@ -40,11 +44,11 @@ def impossible(model: xr.Dataset, measured: Mapping[str, float], error: Mapping[
         choices = list(combinations(range(len(names)), count))
     target = np.log(np.array(list(wanted.values())))[: len(choices[0])]
     stated = np.array([error.get(mode, max(error.values())) for mode in wanted])[: target.size]
-    best = min((_miss(grid, choice, target, stated) for choice in choices), key=lambda one: one[0])
-    times, point, choice = best
+    best = min((_nearest(surface, points, grid, one, target, stated) for one in choices),
+               key=lambda one: one[0])  # fmt: skip
+    times, there = best[0], np.exp(best[1])
     if times <= FACTOR:
         return ""
-    there = np.exp(grid[point, list(choice)])
     pairs = [
         f"{own:.4g} Hz for {mode} at {float(np.exp(t)):.4g} Hz ({_off(own / float(np.exp(t)))})"
         for mode, t, own in zip(wanted, target, there, strict=False)
@@ -88,22 +92,49 @@ def _off(ratio: float) -> str:
     return f"{100.0 * (ratio - 1.0):+.3g} %" if 0.5 < ratio < 2.0 else f"{ratio:.3g} times it"
 
 
-def _box(model: xr.Dataset) -> Float[ndarray, "point mode"]:
-    """ln f on a grid of the model's whole box."""
-    sums = "ln_frequency" in model
-    surface = surface_of(model) if sums else solved_of(model)
+def _box(surface: Surface | Solved) -> Float[ndarray, "point coordinate"]:
+    """A grid of the model's whole box."""
     size = len(surface.low)
-    count = _GRID if sums else (*[_SOLVED] * (size - 1), 2)
+    count = _GRID if isinstance(surface, Surface) else (*[_SOLVED] * (size - 1), 2)
     axes = [np.linspace(a, b, n) for a, b, n in zip(surface.low, surface.high, count, strict=True)]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, size)
-    return chebyshev.evaluate(surface, points)[0] if sums else ln_frequencies(surface, points)[0]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, size)
 
 
-def _miss(
-    grid: Float[ndarray, "point mode"], choice: tuple[int, ...], target: ndarray, stated: ndarray
-) -> tuple[float, int, tuple[int, ...]]:
-    """Largest miss over the stated error at the best point, that point, and the modes chosen."""
-    off = np.abs(grid[:, list(choice)] - target) / stated
-    worst = off.max(axis=1)
+def _nearest(
+    surface: Surface | Solved,
+    points: Float[ndarray, "point coordinate"],
+    grid: Float[ndarray, "point mode"],
+    choice: tuple[int, ...],
+    target: Float[ndarray, " chosen"],
+    stated: Float[ndarray, " chosen"],
+) -> tuple[float, Float[ndarray, " chosen"]]:
+    """Largest miss over the stated error at the box's nearest point, and ln f of the modes there.
+
+    A grid's cells are wider than the errors: from its best points the nearest is looked for.
+    """
+    columns = list(choice)
+    off = (grid[:, columns] - target) / stated
+    worst = np.abs(off).max(axis=1)
     at = int(np.argmin(worst))
-    return float(worst[at]), at, choice
+    if worst[at] <= FACTOR:
+        return float(worst[at]), grid[at, columns]
+    wide = surface.high - surface.low
+    free = np.flatnonzero(wide > 0.0)
+    found = []
+    for start in np.argsort((off**2).sum(axis=1))[:_STARTS]:
+        place = points[start].copy()
+
+        def seen(part: ndarray, place: ndarray = place) -> tuple[ndarray, ndarray]:
+            place[free] = surface.low[free] + part * wide[free]
+            value, slope = ln_frequencies(surface, place[None])
+            return value[0, columns], slope[0, columns][:, free] * wide[free]
+
+        first = ((points[start] - surface.low) / np.where(wide > 0.0, wide, 1.0))[free]
+        end = least_squares(
+            lambda part: (seen(part)[0] - target) / stated,
+            first,
+            lambda part: seen(part)[1] / stated[:, None],
+            bounds=(0.0, 1.0),
+        )
+        found.append((float(np.abs(end.fun).max()), target + end.fun * stated))
+    return min(found, key=lambda one: one[0])
