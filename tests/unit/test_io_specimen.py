@@ -238,6 +238,13 @@ def test_a_table_is_a_simulation(folder):
     assert frame["by_ln_kn"].tolist() == [0.01, 0.01]
 
 
+def test_a_table_may_go_beyond_what_the_gauge_reads(folder):
+    with_table(folder, SIMULATED)
+    gauge = Load("bolt torque", "Nm", full_scale=10.0)
+    frame = read_table(folder / "sim.csv", {"modes": {"first": {}}}, gauge)
+    assert frame["load"].tolist() == [5.0, 20.0]
+
+
 @pytest.mark.parametrize(
     ("table", "sheet", "told"),
     [

@@ -113,8 +113,10 @@ class Cells:
             self.fault(f"mode names {', '.join(twice)} twice, in {text!r}", row)
         return [] if unknown or twice else named
 
-    def load_value(self, row: int, values: dict) -> float | None:
-        """The load in its unit, inside the gauge's range; 0 where the campaign has none."""
+    def load_value(self, row: int, values: dict, read: bool = True) -> float | None:
+        """The load in its unit; 0 where the campaign has none. read: by the gauge, in whose range
+        it lies.
+        """
         columns = [name for name in COLUMNS if name != "temperature_C"]
         given = [name for name in columns if values.get(name, "") != ""]
         if self.load is None:
@@ -136,7 +138,7 @@ class Cells:
         if value is None:
             return None
         value *= factor
-        if abs(value) > self.load.full_scale:
+        if read and abs(value) > self.load.full_scale:
             top = f"{self.load.full_scale / factor:.10g} {_unit_of(given[0], self.load)}"
             self.fault(
                 f"{given[0]} {values[given[0]]} lies outside the gauge's range (0 to {top})", row

@@ -42,7 +42,7 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
         cells.fault(f"expected one amplitude, got {' and '.join(amplitude)}", 1)
     made, first = [], {}
     for row, values in rows:
-        line = {"mode": cells.mode(row, values), "load": cells.load_value(row, values)}
+        line = {"mode": cells.mode(row, values), "load": cells.load_value(row, values, read=False)}
         line["frequency_Hz"] = cells.number(row, values, "frequency_Hz", positive=True)
         if "loss_factor" in header:
             line["loss_factor"] = cells.number(row, values, "loss_factor", positive=True)

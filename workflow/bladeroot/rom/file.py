@@ -63,7 +63,9 @@ def check_structure(
         outside = sorted({load for load in loads if not low <= load <= high})
         if outside:
             told = ", ".join(f"{load:g}" for load in outside)
-            raise ValueError(f"load_range of {path} is {low:g} to {high:g}; records have {told}")
+            raise ValueError(
+                f"load_range of {path} is {low:g} to {high:g}; records have {told} (forces in N)"
+            )
         if kind == ASSEMBLY:
             from bladeroot.rom.external.assembly import assembly_tables, read_assembly
 
