@@ -16,7 +16,10 @@ def asked_for(fitted: Fit, unit: Float[ndarray, "datum datum"]) -> float:
     """
     pulled = fitted.precision @ fitted.residual
     seen = fitted.precision @ unit
-    return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(2.0 * np.sum(seen * seen.T)))
+    variance = 2.0 * float(np.sum(seen * seen.T))
+    if not variance > 0.0:  # what the parameters take up whole no miss asks for
+        return 0.0
+    return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(variance))
 
 
 def asked_along(fitted: Fit, slope: Float[ndarray, "datum parameter"]) -> float:
