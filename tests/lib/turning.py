@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from bladeroot.inference.gaussian import Problem
+from bladeroot.inference.problem import Problem
 
 
 def by_differences(

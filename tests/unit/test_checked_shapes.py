@@ -9,7 +9,7 @@ import shapes
 shapes.check_outer_functions_at_first()
 import jaxtyping, numpy as np
 with jaxtyping.install_import_hook("bladeroot", "shapes.checked"):
-    from bladeroot.inference.gaussian import Prior
+    from bladeroot.inference.problem import Prior
     from bladeroot.signal.runs import medians
 one, row = np.zeros(1), np.zeros((1, 1))
 for call in (lambda: medians("x"), lambda: Prior(one, row)):

@@ -2,17 +2,9 @@
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import (
-    Prior,
-    Problem,
-    State,
-    _ahead,
-    _point,
-    best_fit,
-    fit,
-    with_known_errors,
-)
+from bladeroot.inference.gaussian import _ahead, _point, best_fit, fit
 from bladeroot.inference.hold_out import asked_along, asked_for, hold_out
+from bladeroot.inference.problem import Prior, Problem, State, with_known_errors
 from scipy.stats import multivariate_normal
 
 X = np.linspace(-1.0, 1.0, 12)

@@ -9,7 +9,8 @@ from bladeroot.diagnosis.channel import Channel
 from bladeroot.diagnosis.naming import Known, search
 from bladeroot.diagnosis.plausibility import explained_by_law
 from bladeroot.diagnosis.posterior import UNKNOWN, inclusion
-from bladeroot.inference.gaussian import Prior, Problem, State, fit
+from bladeroot.inference.gaussian import fit
+from bladeroot.inference.problem import Prior, Problem, State
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter
 
 SIZE = 12

@@ -13,8 +13,9 @@ from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.over_load import OverLoad
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
-from bladeroot.diagnosis.simulation.table import OverLoad, in_series, table_of
+from bladeroot.diagnosis.simulation.table import in_series, table_of
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.verdict import answer_of

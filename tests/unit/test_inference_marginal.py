@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import Prior, State, fit, with_known_errors
+from bladeroot.inference.gaussian import fit
 from bladeroot.inference.marginal import moments
+from bladeroot.inference.problem import Prior, State, with_known_errors
 
 ERRORS = np.diag([0.01, 0.3]) ** 2
 PRIOR = Prior(np.array([-1.2, 0.5]), np.array([0.5, 1.5]))

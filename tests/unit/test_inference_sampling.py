@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.inference.gaussian import Prior, Problem, State, about, fit, maxima_of
+from bladeroot.inference.gaussian import about, fit, maxima_of
+from bladeroot.inference.problem import Prior, Problem, State
 from bladeroot.inference.sampling import _Mixture, sample
 
 NOISE = np.array([0.1, 0.1, 0.3])

@@ -14,7 +14,8 @@ from bladeroot.diagnosis.guards import TRUST, TRUST_CURVE
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
-from bladeroot.inference.gaussian import Fit, Problem
+from bladeroot.inference.gaussian import Fit
+from bladeroot.inference.problem import Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]

@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import kinked, near, own_error_turned
-from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
 

@@ -14,7 +14,7 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.stick_model import StickData, same_mode, trust_kernel
-from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
 LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints

@@ -9,8 +9,9 @@ from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import temperature
-from bladeroot.inference.gaussian import Fit, Problem, about, best_fit, fit, maxima_of
+from bladeroot.inference.gaussian import Fit, about, best_fit, fit, maxima_of
 from bladeroot.inference.hold_out import asked_along, asked_for
+from bladeroot.inference.problem import Problem
 from bladeroot.mechanisms.mechanism import Mechanism
 
 _SIZES = (0.0, 3.0, 6.0)  # standard deviations of the scales' priors to begin from

@@ -18,7 +18,8 @@ from bladeroot.diagnosis.causes import causes
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
-from bladeroot.inference.gaussian import Fit, Prior, Problem, Slopes, State, fit, maxima_of
+from bladeroot.inference.gaussian import Fit, fit, maxima_of
+from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.inference.sampling import Draws, sample
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.rom.parametric import ln_frequencies

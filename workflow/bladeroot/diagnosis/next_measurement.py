@@ -24,7 +24,8 @@ from bladeroot.diagnosis.posterior import UNKNOWN, Sets, entropy, inclusion, tem
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
-from bladeroot.inference.gaussian import Fit, Problem
+from bladeroot.inference.gaussian import Fit
+from bladeroot.inference.problem import Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
 from bladeroot.variables import dataset, names
 

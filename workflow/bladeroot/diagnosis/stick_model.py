@@ -18,7 +18,7 @@ from bladeroot.diagnosis.clampings import clampings, directions, hold_names
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Said, Simulation
-from bladeroot.inference.gaussian import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 # ln of the scatter of frequency between records of one clamping.

@@ -1,8 +1,7 @@
 """Fits of models whose errors are Gaussian with an unknown covariance, and what they predict.
 
-A model says its mean and slope at given parameters, and the covariance of what it leaves at given
-ln of scales. The parameters have a Gaussian prior, the scales too; both are found together, by
-Newton's method with expected curvature. The evidence is Laplace's.
+Parameters and ln of scales of a problem are found together, by Newton's method with expected
+curvature. The evidence is Laplace's.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,6 +12,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.linalg import lapack
+
+from bladeroot.inference.problem import Prior, Problem, Slopes, State
 
 _STEPS, _HALVINGS = 60, 5
 # Maxima lie so many of their standard deviations apart; those of so many nats less do not count.
@@ -36,106 +37,6 @@ _SECULAR = 8  # rounds to that length
 _SAME_WAY, _SERIES, _AHEAD = 0.9, 0.3, 20.0
 _ROUNDING = 1e-14  # of a curvature
 _RISE = 1e-9  # nats, that rounding may add to the cost
-
-
-@dataclass(frozen=True)
-class Prior:
-    """Independent normal priors."""
-
-    mean: Float[ndarray, " parameter"]
-    std: Float[ndarray, " parameter"]
-
-
-@dataclass(frozen=True)
-class State:
-    """What a model says at one point: mean, slope, and what its covariance needs to know.
-
-    inside: whether the point is one that the model allows; beyond it goes straight on. turns: of
-    scales, a vector and a symmetric matrix, the covariance's derivatives by the parameters times
-    the one, and the traces of their products with the other, where steps must see them.
-    """
-
-    mean: Float[ndarray, " datum"]
-    slope: Float[ndarray, "datum parameter"]
-    facts: dict[str, ndarray]
-    inside: bool = True
-    turns: Callable[[ndarray, ndarray, ndarray], tuple[ndarray, ndarray]] | None = None
-
-
-class LazyState(State):
-    """A state whose slope, given as a function, is worked out when it is asked for."""
-
-    def __init__(self, mean: ndarray, make_slope: Callable[[], ndarray], facts: dict) -> None:
-        """make_slope: what `slope` will be."""
-        self.__dict__.update(mean=mean, make_slope=make_slope, facts=facts, inside=True, turns=None)
-
-    @cached_property
-    def slope(self) -> Float[ndarray, "datum parameter"]:  # type: ignore[override]
-        """Derivatives of the mean."""
-        return self.make_slope()
-
-
-Predict = Callable[[Float[ndarray, " parameter"]], State]
-# Covariance of the data about the mean, and a function that makes its derivatives by the scales,
-# of which a vector is the diagonal of one.
-Slopes = Callable[[], list[ndarray]]
-Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
-
-
-@dataclass(frozen=True)
-class Repeats:
-    """Variances that repeated measurements show, beside the data.
-
-    expected: by the model, and the slopes of its logarithm by the scales.
-    """
-
-    freedom: Float[ndarray, " variance"]
-    observed: Float[ndarray, " variance"]
-    expected: Callable[[State, ndarray], tuple[ndarray, ndarray]]
-
-    def cost(self, state: State, scales: Float[ndarray, " scale"]) -> float:
-        """Minus their log-likelihood (chi-square), but for a constant."""
-        expected, _ = self.expected(state, scales)
-        return float(0.5 * self.freedom @ (np.log(expected) + self.observed / expected))
-
-    def pull(self, state: State, scales: Float[ndarray, " scale"]) -> tuple[ndarray, ndarray]:
-        """Gradient of the log-likelihood by the scales, and its expected curvature."""
-        expected, slope = self.expected(state, scales)
-        half = 0.5 * self.freedom
-        return (half * (self.observed / expected - 1.0)) @ slope, slope.T @ (half[:, None] * slope)
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Data, a model of them, and priors of its parameters and scales.
-
-    many: `predict` of several points at once, where that is cheaper. blocks: of data that share no
-    errors with those of others.
-    """
-
-    data: Float[ndarray, " datum"]
-    predict: Predict
-    covariance: Covariance
-    prior: Prior
-    scales: Prior
-    repeats: Repeats | None = None
-    many: Callable[[Float[ndarray, "point parameter"]], Sequence[State]] | None = None
-    blocks: tuple[slice, ...] = (slice(None),)
-
-    def states(self, parameters: Float[ndarray, "point parameter"]) -> Sequence[State]:
-        """What the model says at several points."""
-        return self.many(parameters) if self.many else [self.predict(one) for one in parameters]
-
-
-def with_known_errors(
-    data: Float[ndarray, " datum"],
-    predict: Predict,
-    errors: Float[ndarray, "datum datum"],
-    prior: Prior,
-) -> Problem:
-    """Least squares with priors: a covariance that nothing changes, and no scales."""
-    nothing = Prior(np.zeros(0), np.zeros(0))
-    return Problem(data, predict, lambda *_: (errors, list), prior, nothing)
 
 
 @dataclass(frozen=True)

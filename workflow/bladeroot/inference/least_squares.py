@@ -13,7 +13,8 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import chdtrc
 
-from bladeroot.inference.gaussian import Fit, Prior, State, best_fit, with_known_errors
+from bladeroot.inference.gaussian import Fit, best_fit
+from bladeroot.inference.problem import Prior, State, with_known_errors
 
 _STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
 _LEAST_GAIN = 1e-8  # nats

@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Fit, LazyState, Prior, Problem, State, cost, fit
+from bladeroot.inference.gaussian import Fit, cost, fit
+from bladeroot.inference.problem import LazyState, Prior, Problem, State
 
 # A sum over a lattice as wide as two standard deviations has a normal density's moments to a
 # hundredth.

@@ -14,7 +14,8 @@ from numpy import ndarray
 from scipy.linalg import block_diag
 from scipy.special import gammaln, logsumexp
 
-from bladeroot.inference.gaussian import Fit, Problem
+from bladeroot.inference.gaussian import Fit
+from bladeroot.inference.problem import Problem
 
 DRAWS = 4000  # that are handed out
 # Draws are added until this part of those handed out is independent, or so many times were asked

@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import LazyState, Prior, State, fit, with_known_errors
+from bladeroot.inference.gaussian import fit
+from bladeroot.inference.problem import LazyState, Prior, State, with_known_errors
 from bladeroot.reproduction.cases import Mode, Model, build_model, solve_modes
 from bladeroot.reproduction.parameters import Parameter, values_in, with_values
 from bladeroot.reproduction.shape_gradient import adjoints, lagrangian

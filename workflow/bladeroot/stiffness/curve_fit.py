@@ -15,17 +15,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import (
-    Fit,
-    LazyState,
-    Prior,
-    Problem,
-    State,
-    cost,
-    fit,
-    with_known_errors,
-)
+from bladeroot.inference.gaussian import Fit, cost, fit
 from bladeroot.inference.marginal import moments
+from bladeroot.inference.problem import LazyState, Prior, Problem, State, with_known_errors
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.model import CurveTerm, LevelModel, curve_term, predict, refit
 from bladeroot.stiffness.priors import FRICTION

@@ -11,7 +11,8 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Fit, Prior, information
+from bladeroot.inference.gaussian import Fit, information
+from bladeroot.inference.problem import Prior
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.model import LevelModel, problem_of

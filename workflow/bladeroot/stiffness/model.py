@@ -18,7 +18,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Fit, Prior, Problem, Repeats, State, best_fit, fit
+from bladeroot.inference.gaussian import Fit, best_fit, fit
+from bladeroot.inference.problem import Prior, Problem, Repeats, State
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes

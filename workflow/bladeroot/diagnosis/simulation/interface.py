@@ -12,7 +12,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.inference.gaussian import Prior, Slopes
+from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 

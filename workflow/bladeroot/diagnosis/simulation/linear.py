@@ -17,7 +17,7 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.one_mode import OneMode
-from bladeroot.inference.gaussian import Prior, Slopes
+from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 LEVEL = 0.3  # of ln f about the expected frequency: another mode lies further

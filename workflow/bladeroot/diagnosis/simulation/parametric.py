@@ -14,7 +14,7 @@ from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.structures import Structures, distinct, solved_change
-from bladeroot.inference.gaussian import Prior, Slopes
+from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import (
