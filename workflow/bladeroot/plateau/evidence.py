@@ -4,14 +4,14 @@ All unknowns of a law but its shape are linear (`bladeroot.plateau.laws`), so it
 likelihood is closed, and hundreds of laws cost milliseconds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.plateau.laws import DOUBT, NODES, Laws, PerLaw, hats
-from bladeroot.plateau.segment import FEWEST_GROUPS, Segment, integral, line_of
+from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, PerLaw, hats
+from bladeroot.plateau.segment import FEWEST_GROUPS, Segment, integral, line_of, lines_below
 
 
 @dataclass(frozen=True)
@@ -163,6 +163,35 @@ def creep(segment: Segment) -> tuple[float, float]:
     size = bow @ frame.y[1] / (bow @ bow)
     error = np.sqrt(excess_variance(frame.y[1] - size * bow) / (bow @ bow))
     return float(2.0 * size * np.ptp(about)), float(abs(size) / error)
+
+
+def with_lines_below(
+    found: Fits, segment: Segment, onsets: Float[ndarray, " onset"], channel: int
+) -> Fits:
+    """The same, but for laws that reach a constant: their rates by a straight line where they do.
+
+    What happens above tells where the constant ends: at a hinge's onset, and where a flat law is
+    nearer to its limit than such a line tells. For the rate itself no law is exact enough,
+    as there it may stand out of the noise a million times.
+    """
+    slope, variance = lines_below(segment, onsets)
+    hinges = slice(found.evidence.shape[0] - HINGES * onsets.size, None)
+    best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGES]
+    under = segment.below(best)
+    if under.time.size >= FEWEST_GROUPS:
+        variance = variance * excess_variance(framed(under).y[channel])
+    known = np.repeat(np.isfinite(variance), HINGES)[:, None]
+    rate, spread = found.rate.copy(), found.variance.copy()
+    for values, line in ((rate, slope[channel]), (spread, variance)):
+        values[:, hinges] = np.where(known, np.repeat(line, HINGES)[:, None], values[:, hinges])
+    for law, power in enumerate(FLAT, len(BENDING)):
+        lost = found.size[law, :, 0] * np.exp(power * (onsets[:, None] - segment.path.max()))
+        within = (lost**2 < variance[:, None]) & np.isfinite(variance)[:, None]
+        end = np.where(within, np.arange(onsets.size)[:, None], -1).max(axis=0)
+        for doubt in np.flatnonzero(end >= 0):
+            rate[:, law, doubt] = slope[channel, end[doubt]]
+            spread[:, law, doubt] = variance[end[doubt]] + lost[end[doubt], doubt] ** 2
+    return replace(found, rate=rate, variance=spread)
 
 
 def _middle(segment: Segment) -> Float[ndarray, " cell"]:

@@ -3,11 +3,12 @@
 On the plateau the log-phasor of the displacement is a straight line in time: its phase rises by
 omega, its log-amplitude by A'/A. What the rates do above is not known, so a catalogue of laws is
 weighed by evidence on the independent blocks of cycles (`bladeroot.plateau.laws`, `.weigh`), where
-least squares is efficient and its errors hold. A record has a plateau when at least four fifths of
-the weight is on laws with a constant segment of a factor of two or more in amplitude, or without
-any slope at small amplitude (A^2 and flatter), and the rest of the laws' spread is in the standard
-error; and when its onset, if it has one, lies that factor above the smallest amplitude. Otherwise
-the plateau is not reached: the record gives a bound, and nothing is extrapolated.
+least squares is efficient and its errors hold; the rates of laws with an onset come from below it.
+A record has a plateau when at least four fifths of the weight is on laws with a constant segment of
+a factor of two or more in amplitude, or without any slope at small amplitude (A^2 and flatter), and
+the rest of the laws' spread is in the standard error; and when its onset, if it has one, lies that
+factor above the smallest amplitude. Otherwise the plateau is not reached: the
+record gives a bound, and nothing is extrapolated.
 """
 
 from dataclasses import replace

@@ -108,6 +108,27 @@ def line_of(segment: Segment) -> tuple[Float[ndarray, "group 2"], Float[ndarray,
     return np.stack([scale, from_middle * scale], axis=1) / length, np.array([0.0, 1.0 / length[1]])
 
 
+def lines_below(
+    segment: Segment, onsets: Float[ndarray, " onset"]
+) -> tuple[Float[ndarray, "2 onset"], Float[ndarray, " onset"]]:
+    """Slopes of straight lines through the groups below each onset (ln A0), and their variance.
+
+    The variance is infinite where they are fewer than `FEWEST_GROUPS`.
+    """
+    # what lies below an onset begins after the last group above it, and one more, which may hold
+    # blocks from above
+    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - FEWEST_GROUPS)
+    weight = segment.std**-2.0
+    time = segment.time - segment.time[-1]
+    y = segment.y - segment.y[:, -1:]
+    terms = np.stack([np.ones_like(time), time, time**2, *y, *(y * time)]) * weight
+    one, t, tt, *rest = np.cumsum(terms[:, ::-1], axis=1)[:, ::-1][:, first]
+    y, ty = np.stack(rest[:2]), np.stack(rest[2:])
+    spread = np.maximum(tt - t**2 / one, 1e-300)
+    few = segment.log[first - 1] > onsets
+    return (ty - t * y / one) / spread, np.where(few, np.inf, 1.0 / spread)
+
+
 def first_departure(segment: Segment, detection: float) -> float | None:
     """Smallest ln A up to which the record shows that it leaves a constant rate, or None.
 

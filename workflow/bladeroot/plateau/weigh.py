@@ -17,6 +17,7 @@ from bladeroot.plateau.evidence import (
     framed,
     misfit,
     sums,
+    with_lines_below,
 )
 from bladeroot.plateau.laws import BENDING, HINGES, hinge_laws, hinges, smooth_laws
 from bladeroot.plateau.posterior import DOUBTS, NEGLIGIBLE, SMOOTH, Catalogue, Weighed, combined
@@ -92,6 +93,7 @@ def _weighed(window: Segment) -> tuple[Weighed, float]:
     rising = SMOOTH + (np.arange(HINGES) + HINGES * order[:, None]).ravel()
     total = total.chosen(np.concatenate([np.arange(SMOOTH), rising]))
     both = [fits(frame, total, channel, excess[channel]) for channel in range(2)]
+    both = [with_lines_below(both[k], window, onsets[order], k) for k in range(2)]
     constant = [(frame.rate[k], excess[k] * frame.variance) for k in range(2)]
     still = [best[k] < NOTHING * excess[k] and excess[k] < MISFIT for k in range(2)]
     still = [NO_DEPARTURE if one else 1.0 for one in still]
