@@ -69,11 +69,17 @@ def test_modes_of_a_joint_by_sectors_are_those_of_the_whole_operator(built):
     point = np.array([*np.log([1.4e9, 2.1e9]), 12e3])
     operator = Operator(joint, point)
     values, shapes = operator.lowest(12)
-    exact = scipy.linalg.eigh(stiffness_at(joint, point), joint.mass, subset_by_index=[0, 11])[0]
+    stiffness = stiffness_at(joint, point)
+    exact = scipy.linalg.eigh(stiffness, joint.mass, subset_by_index=[0, 11])[0]
     np.testing.assert_allclose(values, exact, rtol=1e-7)
     np.testing.assert_allclose(shapes.T @ joint.mass @ shapes, np.eye(12), atol=1e-9)
     load = np.random.default_rng(0).standard_normal((len(joint.mass), 2))
-    np.testing.assert_allclose(operator.stiffness @ operator.solve(load), load, atol=1e-7)
+    np.testing.assert_allclose(stiffness @ operator.solve(load), load, atol=1e-7)
+    mass, between = operator.project(load)
+    np.testing.assert_allclose(mass, load.T @ joint.mass @ load, rtol=1e-9)
+    np.testing.assert_allclose(between, load.T @ stiffness @ load, rtol=1e-9)
+    alone = operator.within(int(operator.sector(shapes[:, 0])))
+    np.testing.assert_allclose(alone.project(shapes[:, :1])[1], [[values[0]]], rtol=1e-6)
 
 
 def test_a_joint_of_unlike_flanks_keeps_the_reflection_that_it_has(built):

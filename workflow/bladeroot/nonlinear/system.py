@@ -132,14 +132,9 @@ def _system(
     joined = (member @ (sign[:, :, None] * rows).reshape(len(rows), -1)).reshape(3 * len(pair), -1)
     if sector is not None and not stuck.holds(joined.T):
         return None
-    loose = place.sliding.within(sector).modes([mode])
-    values, shapes = _kept(
-        joint,
-        stuck.stiffness,
-        joined,
-        modes.shapes[:, 0],
-        np.hstack([modes.all_shapes, loose.all_shapes]),
-    )
+    loose = place.sliding.within(sector).holding([mode])
+    shapes = np.hstack([modes.all_shapes, loose])
+    values, shapes = _kept(stuck, joined, modes.shapes[:, 0], shapes)
     own = rows[pair] @ shapes
     pushed = stuck.solve(joined.T)
     pushed -= shapes @ ((joined @ shapes) / values).T
@@ -162,7 +157,7 @@ def _system(
 
 
 def _kept(
-    joint: Joint, stiffness: ndarray, joined: ndarray, master: ndarray, shapes: ndarray
+    stuck: Operator, joined: ndarray, master: ndarray, shapes: ndarray
 ) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
     """omega^2 and shapes of the joint in the span of shapes, the master first.
 
@@ -172,12 +167,12 @@ def _kept(
     moved = joined @ shapes
     scale = np.abs(moved).max()
     shapes = shapes[:, np.abs(moved).max(axis=0) > _SAME * scale]
-    weight, vectors = np.linalg.eigh(shapes.T @ joint.mass @ shapes)
+    weight, vectors = np.linalg.eigh(stuck.project(shapes)[0])
     good = weight > _INDEPENDENT * weight[-1]
     shapes = shapes @ (vectors[:, good] / np.sqrt(weight[good]))
-    values, vectors = np.linalg.eigh(shapes.T @ stiffness @ shapes)
+    values, vectors = np.linalg.eigh(stuck.project(shapes)[1])
     shapes = shapes @ vectors
-    overlap = master @ joint.mass @ shapes
+    overlap = stuck.joint.mass @ master @ shapes
     place = int(np.abs(overlap).argmax())
     order = np.append(place, np.delete(np.arange(len(values)), place))
     shapes[:, place] *= np.sign(overlap[place])
@@ -186,27 +181,17 @@ def _kept(
 
 def _images(joint: Joint, motion: ndarray, odd_force: bool) -> tuple[ndarray, ndarray]:
     """The first image of each pair, and the signs of its motion against that image's."""
-    place = joint.assembly["pair_position"].values
-    frame = joint.assembly["frame"].values
-    image, sign = np.arange(len(place)), np.ones((len(place), 3))
-    for axis in range(3):
-        flip = np.where(np.arange(3) == axis, -1.0, 1.0)
-        distance = np.abs(place[:, None] * flip - place[None]).max(axis=2)
-        other = distance.argmin(axis=1)
-        if not distance.min(axis=1).max() <= 1e-7:
-            continue
-        turn = np.einsum("pla,a,pma->plm", frame[other], flip, frame)
-        if not np.allclose(np.abs(turn), np.eye(3), atol=1e-9):
-            continue
-        turned = np.einsum("pll->pl", turn)
+    pairs = np.arange(len(motion))
+    image, sign = pairs, np.ones((len(motion), 3))
+    for other, turned in joint.mirrors:
         for parity in (1.0, -1.0) if odd_force else (1.0,):
-            mirrored = parity * turned * motion
-            if np.abs(motion[other] - mirrored).max() < _SAME * np.abs(motion).max():
+            against = parity * turned
+            if np.abs(motion[other] - against * motion).max() < _SAME * np.abs(motion).max():
                 first = np.minimum(image, image[other])
-                against = parity * turned[other]
+                against = against[other]
                 sign = np.where((first != image)[:, None], against * sign[other], sign)
                 # a pair on the mirror does not move across it
-                sign[(other == np.arange(len(place)))[:, None] & (against < 0.0)] = 0.0
+                sign[(other == pairs)[:, None] & (against < 0.0)] = 0.0
                 image = first
                 break
     return image, sign

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 import scipy.linalg
 import xarray as xr
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.fem.linear import lowest_eigenpairs
@@ -22,6 +22,7 @@ from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
 from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
 
+_MIRRORED = 1e-7  # m, of a pair's image from a pair
 _WITHIN = 1e-9  # of a shape's size that may lie outside its sector
 
 
@@ -84,6 +85,22 @@ class Joint:
             half = np.where(high > low, 0.5 * (high - low), 1.0)
             far[here] = np.abs((along[here] - 0.5 * (low + high)) / half).max(axis=1)
         return far
+
+    @cached_property
+    def mirrors(self) -> list[tuple[Int[ndarray, " pair"], Float[ndarray, "pair 3"]]]:
+        """Reflections that keep the contacts: each pair's image, and its local axes' signs."""
+        place = self.assembly["pair_position"].values
+        frame = self.assembly["frame"].values
+        found = []
+        for axis in range(3):
+            flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+            distance = np.abs(place[:, None] * flip - place[None]).max(axis=2)
+            image = distance.argmin(axis=1)
+            turn = np.einsum("pla,a,pma->plm", frame[image], flip, frame)
+            kept = distance.min(axis=1).max() <= _MIRRORED
+            if kept and np.allclose(np.abs(turn), np.eye(3), atol=1e-9):
+                found.append((image, np.einsum("pll->pl", turn)))
+        return found
 
     @cached_property
     def homes(self) -> dict[str, int | None]:
@@ -206,10 +223,16 @@ class Operator:
         self._factors = [stable_factor(stiffness, where) for stiffness, _ in self._problems]
         self._lowest: dict[int, tuple[ndarray, ndarray]] = {}
 
-    @cached_property
-    def stiffness(self) -> Float[ndarray, "dof dof"]:
-        """Of the whole joint, N/m."""
-        return stiffness_at(self.joint, self.point)
+    def project(
+        self, shapes: Float[ndarray, "dof shape"]
+    ) -> tuple[Float[ndarray, "shape shape"], Float[ndarray, "shape shape"]]:
+        """Mass and stiffness (N/m) between shapes."""
+        mass = stiffness = np.zeros((shapes.shape[1],) * 2)
+        for part, (held, own) in zip(self._parts, self._problems, strict=True):
+            within = part.columns.T @ shapes
+            mass = mass + within.T @ (own @ within)
+            stiffness = stiffness + within.T @ (held @ within)
+        return mass, stiffness - self.joint.shift * mass
 
     def solve(self, right: Float[ndarray, "dof column"]) -> Float[ndarray, "dof column"]:
         """Displacements (m) under loads (N)."""
@@ -230,9 +253,13 @@ class Operator:
             self._lowest[count] = values - self.joint.shift, whole_shapes(self._parts, found)
         return self._lowest[count]
 
+    def holding(self, names: Sequence[str]) -> Float[ndarray, "dof mode"]:
+        """Shapes of the lowest modes among which the named ones are. ValueError if one is not."""
+        return _holding(self.joint, names, len(self.joint.mass), self.lowest)[1]
+
     def modes(self, names: Sequence[str]) -> Modes:
         """The named modes. ValueError if one is not found."""
-        _, shapes = _holding(self.joint, names, len(self.joint.mass), self.lowest)
+        shapes = self.holding(names)
         return _chosen(self.joint, energy(self.joint, self.point, shapes), shapes, names)
 
     def sector(self, shape: Float[ndarray, " dof"]) -> int | None:
