@@ -12,7 +12,7 @@ from bladeroot.diagnosis import judged
 from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
-from bladeroot.diagnosis.simulation.linear import Linear
+from bladeroot.diagnosis.simulation.linear import BEND, Linear
 from bladeroot.diagnosis.simulation.over_load import OverLoad
 from bladeroot.diagnosis.simulation.own_range import in_catalogue, own_range
 from bladeroot.diagnosis.simulation.table import in_series, table_of
@@ -89,6 +89,21 @@ def test_slopes_of_the_linear_baseline_are_differences(model, expected):
         up, down = (made.covariance(state, scales + sign * step)[0] for sign in (1, -1))
         slope = np.diag(slope) if slope.ndim == 1 else slope
         assert (up - down) / 2e-5 == pytest.approx(slope, abs=1e-6 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize(("ends", "mode"), [("clamped", 0), ("clamped", 1), ("sprung", 0)])
+def test_the_line_over_a_tension_bends_as_that_of_a_clamped_beam(ends, mode):
+    """Differences along a beam under tension, between rigid ends and between rotary springs."""
+    n = 80
+    d2 = np.diff(np.eye(n + 2), 2, axis=0)[:, 1:-1] * (n + 1) ** 2
+    bending = d2.T @ d2
+    turn = 1e6 if ends == "clamped" else 0.2 * (n + 1)
+    bending[[0, -1], [0, -1]] += 2.0 * turn * (n + 1) ** 2
+    tension = np.linspace(0.0, 15.0, 9)
+    square = np.array([np.linalg.eigvalsh(bending - one * d2)[mode] for one in tension])
+    bend, line, _ = np.polyfit(tension, square / square[0], 2)
+    assert line * tension[-1] > 0.1
+    assert abs(-bend / line**2 - BEND[0]) < 2.0 * BEND[1]
 
 
 @pytest.mark.parametrize("effect", [("", 0.0), ("drift", 6e-3)])

@@ -255,17 +255,40 @@ def test_a_zero_that_creeps_comes_to_rest_and_without_time_is_a_constant():
     assert law(still, values).changes["force"] == pytest.approx(1600.0)
 
 
-@pytest.mark.parametrize("form", ["steady", "ever faster"])
-def test_a_crack_lowers_each_mode_by_its_own_part(form):
-    """With every clamping, and by as much from the first to the last in either form."""
+@pytest.mark.parametrize(
+    ("form", "own"), [("steady", []), ("ever faster", []), ("with time", [2.2])]
+)
+def test_a_crack_lowers_each_mode_by_its_own_part(form, own):
+    """With every clamping, and by as much from the first to the last in any form."""
     (one,) = (one for one in catalogue() if one.id == "crack")
     none = np.zeros(12)
     rows = Records(
         np.repeat([0, 1], 6), none, none, np.tile(np.arange(6.0), 2), none, span=5.0, hold_span=0.0
     )
-    ln_f = one.of_form(form).stick(rows, np.array([4e-3, 0.5])).changes["ln_f"].reshape(2, 6)
+    values = np.array([4e-3, *own, 0.5])
+    ln_f = one.of_form(form).stick(rows, values).changes["ln_f"].reshape(2, 6)
     assert (np.diff(ln_f, axis=1) < 0.0).all()
     assert ln_f[:, 0] - ln_f[:, -1] == pytest.approx([4e-3, 2e-3])
+
+
+def test_contact_that_ages_with_time_gains_as_much_in_each_decade_after_a_rest():
+    (family,) = (one for one in catalogue() if one.id == "ageing")
+    at = replace(RECORDS, time=np.array([0.0, 9.0, 99.0, 999.0]), span=999.0)
+    change = family.of_form("kn and kt, with time").stick(at, np.array([0.3, 1.0 / 999.0])).changes
+    assert np.diff(change["ln_kn"]) == pytest.approx([0.1, 0.1, 0.1])
+    assert (change["ln_kt"] == change["ln_kn"]).all()
+    still = replace(RECORDS, time=np.zeros(4), span=0.0)
+    alone = family.of_form("kt, with time").stick(still, np.array([0.3, 0.1])).changes
+    assert set(alone) == {"ln_kt"}
+    assert np.ptp(alone["ln_kt"]) == 0.0
+
+
+def test_a_relaxation_from_the_setting_has_lost_some_at_the_first_record():
+    (family,) = (one for one in catalogue() if one.id == "force-relaxation")
+    at = replace(RECORDS, since=np.array([0.0, 540.0, 0.0, 540.0]), force=np.full(4, 1e4))
+    law = family.of_form("logarithmic, from the setting").stick
+    lost = -law(at, np.array([0.02, 1e-3, 60.0])).changes["force"]
+    assert lost[:2] == pytest.approx([200.0 * np.log10(6e4), 200.0 * np.log10(6e5)], rel=1e-3)
 
 
 def test_forms_of_a_load_law_have_one_slope_and_one_seating_force():

@@ -257,16 +257,15 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         "force": lambda: near(np.log(records.force), FORCE_LENGTH),
         "time": lambda: kinked(records.time, TIME_LENGTH * max(records.span, 1.0)),
         "clamping": lambda: kinked(records.clamping, TIME_LENGTH),
-        "since": lambda: (
-            kinked(records.since, max(records.hold_span, 1.0))
-            * (1.0 + (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold))
-        ),
+        "since": lambda: kinked(records.since, max(records.hold_span, 1.0)),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
         "temperature": lambda: _of_thermometer(records),
     }
     whole = same_mode(data).astype(float)
     for name in over:
         whole = whole * kernels[name]()
+    if "since" in over:  # what a clamping loses more or less than others, all its modes see
+        whole += (OF_HOLD / TRUST) ** 2 * (data.hold[:, None] == data.hold) * kernels["since"]()
     return data.kernels.setdefault(tuple(over), whole)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bladeroot.mechanisms.drift import MOMENT, MOMENTS, columns, step
+from bladeroot.mechanisms.drift import MOMENT, MOMENTS, columns, share, step
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 _EARLY = 10.0  # how much faster than in proportion bedding-in begins
@@ -30,6 +30,15 @@ def _fast_at_first(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndar
     return course - 0.5, np.zeros((course.size, 1))
 
 
+def _logarithmic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By decades of the time since the start and a rest before it, as asperities creep."""
+    t, rest = share(records), values[1]
+    gone, whole = np.log1p(t / rest), np.log1p(1.0 / rest)
+    by_gone, by_whole = -t / (rest * (rest + t)), -1.0 / (rest * (rest + 1.0))
+    slope = (by_gone - gone / whole * by_whole) / whole
+    return gone / whole - 0.5, np.stack([np.zeros(t.size), slope], axis=1)
+
+
 MECHANISM = Mechanism(
     id="ageing",
     kind="time",
@@ -52,6 +61,13 @@ for _course, _names, _form in (
     (_fast_at_first, ("ln_kt",), "kt, fast at first"),
 ):
     MECHANISM = MECHANISM.also(_form, stick=law(_course, _names))
+for _names, _form in ((_BOTH, "kn and kt, with time"), (("ln_kt",), "kt, with time")):
+    MECHANISM = MECHANISM.also(
+        _form,
+        Parameter("rest", "1", 0.1, 1.5, 1e-3, 10.0, "of the campaign's time", log=True),
+        stick=law(_logarithmic, _names),
+        over=("time",),
+    )
 MECHANISM = MECHANISM.also(
     "kn and kt, at once",
     MOMENT,

@@ -33,13 +33,13 @@ def law(course: Callable):
 
 def linear(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """In proportion to time; none half-way through."""
-    course = _share(records) - 0.5
+    course = share(records) - 0.5
     return course, np.zeros((course.size, 1))
 
 
 def saturating(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """An exponential approach, as a rig that warms up; from first to last record one."""
-    t, tau = _share(records), values[1]
+    t, tau = share(records), values[1]
     near, whole = np.exp(-t / tau), -np.expm1(-1.0 / tau)
     by_near, by_whole = near * t / tau**2, -np.exp(-1.0 / tau) / tau**2
     course = (1.0 - near) / whole
@@ -56,7 +56,7 @@ def step(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def periodic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A sine of half the change, so many cycles a campaign, as by day and night."""
-    t = _share(records)
+    t = share(records)
     angle = 2.0 * np.pi * values[1] * t + values[2]
     slope = 0.5 * np.cos(angle)
     return 0.5 * np.sin(angle), np.stack([np.zeros(t.size), 2.0 * np.pi * t * slope, slope], axis=1)
@@ -64,12 +64,12 @@ def periodic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def wandering(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Any slow course, as the weather's: a line and waves of one half to two a campaign."""
-    t = _share(records)
+    t = share(records)
     basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in WAVES)])
     return basis @ values[1:], np.column_stack([np.zeros(t.size), basis])
 
 
-def _share(records: Records) -> np.ndarray:
+def share(records: Records) -> np.ndarray:
     """Part of the campaign's time."""
     return records.time / records.span if records.span > 0.0 else 0.0 * records.time
 

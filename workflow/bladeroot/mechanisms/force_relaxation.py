@@ -7,8 +7,8 @@ import numpy as np
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 # The loss is stated a decade of the time since the clamping, at ten minutes, in each form. Nobody
-# states that time: the logarithmic and the power law have it at the first record as their time
-# constant, the stretched one has its usual value. s.
+# states that time: in one form it is a parameter, the other logarithmic and the power law have it
+# at the first record as their time constant, the stretched one has its usual value. s.
 _STATED, _FIRST = 600.0, 120.0
 
 
@@ -18,6 +18,16 @@ def logarithmic(records: Records, values: np.ndarray) -> StickEffect:
     decades = np.log10(1.0 + records.since / tau)
     slope = -records.since / (tau * (tau + records.since)) / np.log(10.0)
     return _effect(records, decades, loss, loss * slope)
+
+
+def from_setting(records: Records, values: np.ndarray) -> StickEffect:
+    """The same from the moment of setting, at which the force is read: some minutes before."""
+    loss, tau, before = values
+    since, scale = records.since + before, 1.0 + tau / _STATED
+    decades = np.log10(1.0 + since / tau)
+    by_before = loss * scale / ((tau + since) * np.log(10.0))
+    by_tau = loss * decades / _STATED - by_before * since / tau
+    return _effect(records, scale * decades, loss, by_tau, by_before)
 
 
 def stretched(records: Records, values: np.ndarray) -> StickEffect:
@@ -73,6 +83,10 @@ MECHANISM = Mechanism(
     stick=logarithmic,
     over=("since",),
     form="logarithmic",
+).also(
+    "logarithmic, from the setting",
+    Parameter("before", "s", 120.0, 1.0, 1.0, 1e4, "minutes to prepare a record", log=True),
+    stick=from_setting,
 ).also(
     "stretched", replace(_TIME, mean=600.0, low=60.0),
     Parameter("stretch", "1", 0.7, 1.0, 0.2, 1.05, "1 a single time", bounded=True),
