@@ -2,6 +2,7 @@
 
 import tracemalloc
 
+import bladeroot as br
 import numpy as np
 import pytest
 from bladeroot.decay.cut import cut, rejected
@@ -318,3 +319,17 @@ def test_a_steady_drive_ends_where_other_modes_and_hum_hide_its_end(seed):
     motion += 2e-3 * rng.standard_normal(time.size) + 0.02 * np.sin(2 * np.pi * 50.0 * time + 0.7)
     found = cut(2e-3 * motion, rate, own_Hz)
     assert release_s - 0.02 < found.attrs["start_s"] < release_s + 0.1
+
+
+@pytest.mark.parametrize(("damping", "cycles"), [(0.01, 14), (0.03, 10), (0.12, 14)])
+def test_a_record_of_few_cycles_has_a_curve(damping, cycles):
+    rng = np.random.default_rng(0)
+    time = np.arange(int(cycles * 30)) / 210.0
+    displacement = 1e-2 * ringing(time, 7.0, 2.0 * np.pi * 7.0 * damping)
+    displacement += 1e-5 * rng.standard_normal(time.size)
+    found = br.ringdown(displacement, mode_Hz=7.0, sampling_Hz=210.0, quantity="displacement")
+    assert found.verdict == "usable"
+    error = found.curves["loss_factor"] / (2.0 * damping) - 1.0
+    assert found.curves.sizes["point"] >= 4
+    assert np.abs(error).max() < 0.03
+    assert (np.abs(error) < 3.0 * found.curves["loss_factor_std"] / (2.0 * damping)).all()

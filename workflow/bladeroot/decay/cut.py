@@ -17,8 +17,8 @@ from bladeroot.signal.lines import FASTEST, quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 from bladeroot.variables import dataset
 
-# FREEVIB needs eight cycles of a decay.
-FEWEST_CYCLES = 8
+# Of a decay; a record holds twice as many, in which it is looked for.
+FEWEST_CYCLES = 5
 # A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
 # Where it is known when it was let go, a short record of it falls by less; and where it falls over
 # that part of the record at once, by less than beats would.

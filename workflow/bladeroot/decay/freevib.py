@@ -77,7 +77,7 @@ def freevib(
         (independent log-phasors of the displacement, from which the plateau is fitted).
 
     Raises:
-        ValueError: no line in the band, fewer than eight cycles of it, unknown damping.
+        ValueError: no line in the band, fewer than five cycles of it, unknown damping.
     """
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")

@@ -21,10 +21,10 @@ _CUT_MEAN = 0.9765
 # Windows of the scatter along a record at most, and blocks in each at least.
 MOST_WINDOWS, LONG = 12, 80
 # Blocks, or cycles, that a curve needs.
-FEWEST = 8
-# The mode is lost where half of the FEWEST blocks ahead miss what is known by so many standard
+FEWEST = 5
+# The mode is lost where half of so many blocks ahead miss what is known by so many standard
 # errors and so many radians; only blocks less sure than BLUNT (rad) are doubted.
-LOST, LOST_TURN, BLUNT = 5.0, 0.3, 0.03
+AHEAD, LOST, LOST_TURN, BLUNT = 8, 5.0, 0.3, 0.03
 # Blocks scatter by this part of their stated errors at least; no clock or digitiser is better than
 # a millionth of a radian.
 LEAST_RATIO, CLOCK = 0.1, 1e-6
@@ -132,7 +132,7 @@ def _gathered(
     # lost, where it is weak and half of the blocks ahead do not follow what is known
     astray = (np.abs(miss) > np.maximum(LOST * blocks.std, LOST_TURN)) & (blocks.std > BLUNT)
     lost = np.flatnonzero(
-        astray & (np.convolve(astray, np.ones(FEWEST))[FEWEST - 1 :] >= 0.5 * FEWEST)
+        astray & (np.convolve(astray, np.ones(AHEAD))[AHEAD - 1 :] >= 0.5 * AHEAD)
     )
     if lost.size:
         part = slice(0, int(lost[0]))
@@ -222,7 +222,7 @@ def rough_phasors(
 
     And their phases less a smoothed advance, in which their scatter shows.
 
-    Raises ValueError where fewer than eight cycles can be followed.
+    Raises ValueError where fewer than five cycles can be followed.
     """
     cycle = sampling_Hz / line_Hz
     length = round(np.ceil(12.0 / cycle) * cycle)  # enough samples for the fit's three columns

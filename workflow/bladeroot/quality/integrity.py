@@ -17,8 +17,8 @@ from bladeroot.signal.lines import FASTEST
 from bladeroot.signal.recording import SHORT_GAP, Recording
 from bladeroot.variables import dataset
 
-# FREEVIB needs eight cycles of a decay; in a record of fewer than so many nothing is bridged.
-FEWEST_CYCLES, SHORTEST = 8, 40
+# A curve needs five cycles of a decay; in a record of fewer than so many nothing is bridged.
+FEWEST_CYCLES, SHORTEST = 5, 40
 
 # What these find in a mode's course may also be what others left there: beside others they warn.
 # Beyond so many times its threshold it is what it looks like: leftovers of 114 real curves of three
@@ -54,7 +54,7 @@ def judge(
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
     `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
     hum is taken off `velocity`, and `noise_velocity` is what noise amounts to around the mode. A
-    record is rejected where a finding drops it or masks leave fewer than eight cycles.
+    record is rejected where a finding drops it or masks leave fewer than five cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
