@@ -31,7 +31,7 @@ def test_a_person_sets_where_the_decay_begins_and_ends():
     assert decay.attrs["start_s"] == pytest.approx(0.8)
     assert decay.attrs["end_s"] == pytest.approx(1.6, abs=1 / RATE)
     assert decay["finding_id"].values[0] == "override"
-    assert "start_s 0.8, end_s 1.6 of records.csv (door slammed" in decay["finding_text"].values[0]
+    assert "start_s 0.8, end_s 1.6 (door slammed" in decay["finding_text"].values[0]
     assert float(np.median(curves["frequency"])) == pytest.approx(F, rel=1e-3)
 
 
@@ -71,7 +71,7 @@ def test_the_band_reaches_the_estimator():
 
 def test_nothing_overruled_says_nothing():
     assert overruled({"start_s": None, "keep": False}) == ""
-    assert overruled({"band_Hz": [5, 9]}) == "band_Hz 5-9 of records.csv: no note says why"
+    assert overruled({"band_Hz": [5, 9]}) == "band_Hz 5-9: no note says why"
     assert "override" not in made()[0]["finding_id"].values
 
 

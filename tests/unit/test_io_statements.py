@@ -164,7 +164,7 @@ def test_of_a_list_of_units_the_one_of_motion_is_taken(tmp_path):
         read(path)
     found = read(path, unit="mm/s")
     np.testing.assert_allclose(found.samples, 1e-3 * WAVE)
-    assert "unit 'm/s; mm/s' is not known; mm/s of records.csv is taken" in found.notes[0]
+    assert "unit 'm/s; mm/s' is not known; mm/s as stated is taken" in found.notes[0]
 
 
 def test_netcdf_without_a_unit_is_the_sheets_to_decide(tmp_path):
@@ -253,7 +253,7 @@ def test_a_rounded_step_is_told_and_the_sheet_settles_it(tmp_path, head, taken, 
     assert f"open between {low} and {high} Hz, {taken} Hz is taken; sampling_Hz in" in note
     found = read(path, sampling_Hz=true)
     assert found.sampling_Hz == true
-    assert found.notes == (f"sampling_Hz {true:g} of records.csv is taken, not {taken} Hz",)
+    assert found.notes == (f"sampling_Hz {true:g} as stated is taken, not {taken} Hz",)
     with pytest.raises(ValueError, match=f"sampling_Hz contradicts: 12800 in .*, {taken} in the"):
         read(path, sampling_Hz=12800.0)
     # times tell more than digits

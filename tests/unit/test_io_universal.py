@@ -49,7 +49,7 @@ def test_universal_file_of_an_odd_rate_says_so(tmp_path):
     assert "unusual" in note
     found = read(tmp_path / "a.uff", sampling_Hz=5120.37)
     assert found.sampling_Hz == 5120.37
-    assert "sampling_Hz 5120.37 of records.csv is taken" in found.notes[0]
+    assert "sampling_Hz 5120.37 as stated is taken" in found.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -17,4 +17,4 @@ def overruled(row: Mapping) -> str:
     if not said:
         return ""
     note = row.get("note", "")
-    return f"{', '.join(said)} of records.csv" + (f" ({note})" if note else ": no note says why")
+    return ", ".join(said) + (f" ({note})" if note else ": no note says why")

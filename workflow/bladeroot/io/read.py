@@ -171,18 +171,16 @@ def _unit(
         try:
             agree = same(own, unit)
         except ValueError:
-            notes.append(f"the file's unit {own!r} is not known; {unit} of records.csv is taken")
+            notes.append(f"the file's unit {own!r} is not known; {unit} as stated is taken")
             own, agree = None, True
         if not agree:
             hint = "" if sensitivity else "; a sensitivity or a factor in records.csv can convert"
             raise ValueError(
-                f"unit contradicts: {unit!r} in records.csv, {own!r} in the file{hint} ({where})"
+                f"unit contradicts: {unit!r} stated, {own!r} in the file{hint} ({where})"
             )
     chosen = own or unit
     if chosen is None:
-        raise ValueError(
-            f"expected a unit, got none from the file; unit in records.csv can give it ({where})"
-        )
+        raise ValueError(f"expected a unit, got none from the file; `unit` can state it ({where})")
     named = quantity_of(split_name(found.name)[0], None)
     if named and quantity is None and found.quantity is None:
         try:
@@ -196,8 +194,7 @@ def _unit(
             )
     if quantity and found.quantity and quantity != found.quantity:
         raise ValueError(
-            f"quantity contradicts: {quantity} in records.csv, {found.quantity} in the file "
-            f"({where})"
+            f"quantity contradicts: {quantity} stated, {found.quantity} in the file ({where})"
         )
     return chosen
 
@@ -224,18 +221,17 @@ def _sampling(
             )
         elif usual_rate(own) is None:
             notes.append(
-                f"the file's sampling frequency {own:.9g} Hz is an unusual one; sampling_Hz in "
-                "records.csv can confirm it"
+                f"the file's sampling frequency {own:.9g} Hz is an unusual one; sampling_Hz "
+                "can confirm it"
             )
         return own
     apart = abs(own / sampling_Hz - 1.0)
     if not apart <= CONTRADICTION + error:
         raise ValueError(
-            f"sampling_Hz contradicts: {sampling_Hz:.9g} in records.csv, {own:.9g} in the file "
-            f"({where})"
+            f"sampling_Hz contradicts: {sampling_Hz:.9g} stated, {own:.9g} in the file ({where})"
         )
     if apart > DIFFERENCE:
-        notes.append(f"sampling_Hz {sampling_Hz:.9g} of records.csv is taken, not {own:.9g} Hz")
+        notes.append(f"sampling_Hz {sampling_Hz:.9g} as stated is taken, not {own:.9g} Hz")
     return sampling_Hz
 
 

@@ -104,11 +104,12 @@ def ringdown(
     Args:
         source: a file of any format that the workflow reads; an array of samples, with
             `sampling_Hz`; or a DataArray with a coordinate `time` in s and `units` in its attrs.
-        mode_Hz: about where the mode lies; the line nearest to it is measured.
+        mode_Hz: about where the mode lies; the strongest line within 17 % is measured.
         sampling_Hz: for arrays, and for files that do not say.
         quantity: velocity (of an array without a unit), displacement or acceleration.
-        unit: of the samples, such as `mm/s`; by default SI, or what the file says.
-        sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`; or a factor.
+        unit: of the samples, such as `mm/s`; by default what the file says, of an array SI.
+        sensitivity: of the sensor, such as `500 mm/s/FS` or `100 mV/g`; or, of samples that have
+            a unit, a factor.
         channel: of a file that has several, its name or number.
         other_modes_Hz: other modes that are known to be there.
         damping: law, `hysteretic` or `viscous`.
@@ -146,7 +147,7 @@ def ringdown(
     taken = _recording(source, sampling_Hz, quantity, unit, sensitivity, channel)
     name = Path(source).stem if isinstance(source, str | Path) else "array"
     taken = part(taken, from_s, to_s, name)
-    overruled = {"start_s": start_s, "end_s": end_s, "band_Hz": band_Hz}
+    overruled = {"start_s": start_s, "end_s": end_s, "band_Hz": band_Hz, "note": "by the caller"}
     return of_recording(taken, mode_Hz, name, other_modes_Hz, damping, overruled)
 
 

@@ -76,7 +76,8 @@ def curve_table(decays: Sequence[xr.Dataset]) -> pd.DataFrame:
             name: np.full(decay.sizes["point"], decay.attrs[name], dtype=object)
             for name in ("record", "mode")
         }
-        columns["force_N"] = np.full(decay.sizes["point"], value_of(decay.attrs))
+        load = _with_unit("force", decay.attrs.get("load_unit", "N"))
+        columns[load] = np.full(decay.sizes["point"], value_of(decay.attrs))
         for name in CURVE:
             unit = UNITS[decay[name].attrs["units"]]
             columns[f"{name}_{unit}".rstrip("_")] = decay[name].values
@@ -91,9 +92,13 @@ def _table_over(dataset: xr.Dataset, dim: str) -> pd.DataFrame:
     columns = {dim: dataset[dim].values} if dim in dataset.coords else {}
     for name, variable in dataset.data_vars.items():
         if variable.dims == (dim,):
-            unit = variable.attrs.get("units", "").replace("/", "_per_")
-            columns[f"{name}_{unit}" if unit not in ("", "1") else name] = variable.values
+            columns[_with_unit(name, variable.attrs.get("units", ""))] = variable.values
     return pd.DataFrame(columns)
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """A column's name, with its unit where it has one."""
+    return name if unit in ("", "1") else f"{name}_{unit.replace('/', '_per_')}"
 
 
 def _leaves(node: object, place: str = "") -> Iterator[tuple[str, object]]:
@@ -135,6 +140,7 @@ def _save_universal(curves: pd.DataFrame, path: Path) -> None:
     import pyuff
 
     sets = []
+    load = next(column for column in curves if column.partition("_")[0] == "force")
     for (record, mode), rows in curves.groupby(["record", "mode"], sort=True):
         for column, label, unit in (
             ("frequency_Hz", "frequency over amplitude", "Hz"),
@@ -145,7 +151,7 @@ def _save_universal(curves: pd.DataFrame, path: Path) -> None:
                 pyuff.prepare_58(
                     binary=0,
                     id1=f"{record} {mode}: {label}",
-                    id2=f"force {rows['force_N'].iloc[0]:g} N",
+                    id2=f"{load.replace('_', ' in ', 1)} {rows[load].iloc[0]:g}",
                     func_type=0,
                     rsp_node=1,
                     rsp_dir=0,
