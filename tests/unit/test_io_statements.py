@@ -254,7 +254,7 @@ def test_a_rounded_step_is_told_and_the_sheet_settles_it(tmp_path, head, taken, 
     found = read(path, sampling_Hz=true)
     assert found.sampling_Hz == true
     assert found.notes == (f"sampling_Hz {true:g} as stated is taken, not {taken} Hz",)
-    with pytest.raises(ValueError, match=f"sampling_Hz contradicts: 12800 in .*, {taken} in the"):
+    with pytest.raises(ValueError, match=f"sampling_Hz contradicts: 12800 stated, {taken} in the"):
         read(path, sampling_Hz=12800.0)
     # times tell more than digits
     timed = csv(tmp_path / "b.csv", f"{head}\ntime_s,v_m/s", TIME * RATE / true, WAVE)
