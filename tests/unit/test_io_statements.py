@@ -198,7 +198,7 @@ def test_rates_above_a_table(tmp_path, head):
 def test_a_unit_above_the_table(tmp_path, word):
     path = csv(tmp_path / "a.csv", f"{word}\ntime_s,laser", TIME, WAVE)
     np.testing.assert_allclose(read(path).samples, 1e-3 * WAVE, atol=1e-12)
-    with pytest.raises(ValueError, match=r"unit contradicts: 'm/s' in .*, 'mm/s' in the file"):
+    with pytest.raises(ValueError, match=r"unit contradicts: 'm/s' stated, 'mm/s' in the file"):
         read(path, unit="m/s")
     path = csv(tmp_path / "b.csv", f"{word}\ntime_s,velocity_m/s", TIME, WAVE)
     with pytest.raises(ValueError, match=r"'m/s' in the column, 'mm/s' above the table \("):

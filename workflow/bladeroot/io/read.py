@@ -174,7 +174,7 @@ def _unit(
             notes.append(f"the file's unit {own!r} is not known; {unit} as stated is taken")
             own, agree = None, True
         if not agree:
-            hint = "" if sensitivity else "; a sensitivity or a factor in records.csv can convert"
+            hint = "" if sensitivity else "; a sensitivity or a factor can convert"
             raise ValueError(
                 f"unit contradicts: {unit!r} stated, {own!r} in the file{hint} ({where})"
             )
