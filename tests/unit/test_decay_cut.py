@@ -333,3 +333,17 @@ def test_a_record_of_few_cycles_has_a_curve(damping, cycles):
     assert found.curves.sizes["point"] >= 4
     assert np.abs(error).max() < 0.03
     assert (np.abs(error) < 3.0 * found.curves["loss_factor_std"] / (2.0 * damping)).all()
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0])
+def test_a_blow_whose_mode_is_damped_far_more_at_first_keeps_its_start(phase):
+    """Damping of 2 %, and up to 10 % more in proportion to the amplitude, in closed form."""
+    time = np.arange(0.0, 1.0, 1.0 / 2500.0)
+    small, more = 2.0 * np.pi * 2.0, 5.0
+    decay = np.exp(-small * time)
+    level = decay / (1.0 + more * (1.0 - decay))  # of A' = -small (1 + more A) A
+    quiet = np.zeros(750)
+    velocity = np.concatenate([quiet, level * np.cos(2.0 * np.pi * 100.0 * time + phase)])
+    velocity += 1e-4 * np.random.default_rng(1).standard_normal(velocity.size)
+    found = br.ringdown(velocity, mode_Hz=100.0, sampling_Hz=2500.0)
+    assert found.free_decay.attrs["start_s"] == pytest.approx(0.3, abs=0.003)

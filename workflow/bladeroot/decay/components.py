@@ -175,7 +175,12 @@ def separated(
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)
     rest = x - found.waves()
-    struck = _struck(found, rest) or _grows(found, rest)
+    struck = _struck(found, rest)
+    if struck and lines.size == 1:  # splines that do not know how fast it falls leave some over
+        course = _course(found, 0)[None]
+        own = demodulated(x, sampling_Hz, lines, found.spacing, base_Hz, course)
+        struck = min(struck, _struck(own, x - own.waves()))
+    struck = struck or _grows(found, rest)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
         again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1
