@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bladeroot.io.campaign import CampaignError, load_campaign, stick_table
+from bladeroot.io.facts import diagnosis_facts, record_facts
 from bladeroot.io.load import force_scale
 from bladeroot.io.outliers import outliers
 from bladeroot.io.read import read
@@ -192,6 +193,8 @@ def test_both_sheets_or_none(folder):
     [
         ("expected_Hz: 540", "expected_Hz: 5.4e2", "modes.1B.expected_Hz"),
         ("expected_Hz: 1450", "expected_Hz: 540", "1B and 2B have the same expected_Hz, 540"),
+        ("expected_Hz: 540", "expected_Hz: [[9, 500], [3, 560]]", "loads in rising order"),
+        ("expected_Hz: 540", "expected_Hz: [[3, 500]]", "modes.1B.expected_Hz"),
         ("full_scale_bar: 700", "full_scale_bar: -1", "force"),
         ("title: a test", "titel: a test", "titel"),
         ("structure: [dovetail-HB]", "structure: []", "structure"),
@@ -415,3 +418,24 @@ def test_a_sensor_has_its_channel_and_a_band_holds_its_mode(folder):
     ]  # fmt: skip
     with pytest.raises(CampaignError, match=r"band_Hz must hold the 60 Hz of B1.*row 2"):
         own(folder, OWN, "r1,r1.nc,B1,1,,,70-90")
+
+
+def test_a_mode_is_expected_where_the_load_takes_it(folder):
+    text = """
+title: a string between two beams
+modes: {low: {expected_Hz: [[2, 100], [6, 180]]}, high: {expected_Hz: 200}}
+load: {name: tension, unit: kN, accuracy_percent: 1, accuracy_of: reading}
+"""
+    (folder / "campaign.yaml").write_text(text)
+    rows = [f"r{k},r1.nc,{mode},{at}" for k, (mode, at) in enumerate([("low", 3), ("high", 9)])]
+    (folder / "records.csv").write_text("record,file,mode,load\n" + "\n".join(rows) + "\n")
+    campaign = load_campaign(folder)
+    low, high = (record_facts(campaign, row) for row in campaign.records)
+    assert (low["expected_Hz"], low["other_modes_Hz"]) == (120.0, [200.0])
+    assert (high["expected_Hz"], high["other_modes_Hz"]) == (200.0, [180.0])
+    middle = diagnosis_facts(campaign, {"diagnosis": {}, "search": {}})["expected_Hz"]
+    assert middle == pytest.approx({"low": np.sqrt(100.0 * 180.0), "high": 200.0})
+    (folder / "campaign.yaml").write_text(text[: text.index("load:")])
+    (folder / "records.csv").write_text("record,file,mode\nr1,r1.nc,low\n")
+    with pytest.raises(CampaignError, match="expected_Hz over a load needs a load"):
+        load_campaign(folder)

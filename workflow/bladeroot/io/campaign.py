@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from bladeroot.io.expected import faults_of_expected
 from bladeroot.io.load import COLUMNS, Load, load_of
 from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.rows import RECORD_COLUMNS, RecordRows
@@ -124,7 +125,9 @@ def load_campaign(folder: str | Path) -> Campaign:
     except ValueError as error:
         raise CampaignError(str(error)) from error
     warnings: list[str] = []
-    faults += _unplaced(description, load, folder) + _alike(description, folder)
+    faults += _unplaced(description, load, folder)
+    expected = faults_of_expected(description["modes"], load)
+    faults += [f"{fault} ({folder / 'campaign.yaml'})" for fault in expected]
     checks = (folder, path, description, load, faults, warnings)
     records: tuple[dict, ...] = ()
     stick: tuple[dict, ...] = ()
@@ -154,17 +157,6 @@ def _once(faults: list[str]) -> list[str]:
         lines.setdefault(_ROW.sub("", fault), []).append(fault)
     return [
         f"{first[:-1]} and {len(more)} more)" if more else first for first, *more in lines.values()
-    ]
-
-
-def _alike(description: dict, folder: Path) -> list[str]:
-    """Faults of modes of one expected frequency: one peak would be taken for two modes."""
-    first: dict[float, str] = {}
-    return [
-        f"modes: {first[f]} and {mode} have the same expected_Hz, {f:g} "
-        f"({folder / 'campaign.yaml'})"
-        for mode, f in ((m, float(one["expected_Hz"])) for m, one in description["modes"].items())
-        if first.setdefault(f, mode) != mode
     ]
 
 

@@ -6,15 +6,18 @@ The workflow passes them on as JSON and `bladeroot.diagnose` as they are.
 from collections.abc import Mapping
 
 from bladeroot.io.campaign import Campaign
+from bladeroot.io.expected import expected_at
 from bladeroot.io.load import load_facts
 
 
 def record_facts(campaign: Campaign, row: Mapping) -> dict:
     """What is known of a record besides its samples: its row, its mode, the other modes."""
-    modes = campaign.description["modes"]
-    others = [one["expected_Hz"] for name, one in modes.items() if name != row["mode"]]
-    facts = {"other_modes_Hz": others, "simulated": campaign.simulated}
-    return {**row, **modes[row["mode"]], **facts, **load_facts(campaign.load)}
+    modes, load = campaign.description["modes"], campaign.load
+    expected = {name: expected_at(one, load, row["load"]) for name, one in modes.items()}
+    own_Hz = expected.pop(row["mode"])
+    facts = {"expected_Hz": own_Hz, "other_modes_Hz": [*expected.values()]}
+    facts["simulated"] = campaign.simulated
+    return {**row, **modes[row["mode"]], **facts, **load_facts(load)}
 
 
 def observation_facts(campaign: Campaign) -> dict:
@@ -41,7 +44,7 @@ def diagnosis_facts(campaign: Campaign, config: Mapping) -> dict:
     return {
         **config["diagnosis"],
         **config["search"],
-        "expected_Hz": {name: mode["expected_Hz"] for name, mode in described["modes"].items()},
+        "expected_Hz": {m: expected_at(one, load, None) for m, one in described["modes"].items()},
         "structure_lacks": campaign.structure_lacks,
         "load": {"name": load.name, "unit": load.unit, "given": load.given} if load else None,
         "full_contact_from_kN": described.get("full_contact_from_kN", 0),

@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from bladeroot.io.cells import Cells
+from bladeroot.io.expected import expected_at
 from bladeroot.io.load import COLUMNS
 from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.overrides import overruled
@@ -92,7 +93,7 @@ class RecordRows(Cells):
         hold = values.get("clamping") or values.get("hold") or event or record
         lines = []
         for mode in modes:
-            self._in_band(row, common["band_Hz"], mode)
+            self._in_band(row, common["band_Hz"], mode, common["load"])
             for channel, sensor in zip(channels, sensors, strict=True):
                 name = record
                 if len(modes) * len(channels) > 1:
@@ -194,10 +195,12 @@ class RecordRows(Cells):
         first, last = self._times(row, values, "from_s", "to_s")
         return {"from_s": first, "to_s": last, "start_s": start, "end_s": end, "band_Hz": band}
 
-    def _in_band(self, row: int, band_Hz: list[float] | None, mode: str | None) -> None:
+    def _in_band(
+        self, row: int, band_Hz: list[float] | None, mode: str | None, load: float | None
+    ) -> None:
         """A band holds the mode that it is for."""
         if band_Hz and mode:
-            expected_Hz = float(self.description["modes"][mode]["expected_Hz"])
+            expected_Hz = expected_at(self.description["modes"][mode], self.load, load)
             if not band_Hz[0] < expected_Hz < band_Hz[1]:
                 self.fault(
                     f"band_Hz must hold the {expected_Hz:g} Hz of {mode}, got {band_Hz[0]:g} to "

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bladeroot.io.cells import Cells
+from bladeroot.io.expected import expected_at
 from bladeroot.io.outliers import outliers
 from bladeroot.io.sheet import read_sheet
 
@@ -47,11 +48,11 @@ class StickRows(Cells):
             for name in VALUES:
                 line[name] = self.number(row, values, name, positive=True)
             if mode and line["frequency_Hz"]:
-                expected = self.description["modes"][mode]["expected_Hz"]
+                expected = expected_at(self.description["modes"][mode], self.load, value)
                 if abs(line["frequency_Hz"] / expected - 1) > MODE_BAND:
                     self.fault(
                         f"frequency_Hz {values['frequency_Hz']} is not in the band of mode {mode} "
-                        f"({expected} Hz +- {MODE_BAND:.0%})",
+                        f"({expected:g} Hz +- {MODE_BAND:.0%})",
                         row,
                     )
             if mode is not None and value is not None:

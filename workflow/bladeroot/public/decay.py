@@ -12,6 +12,7 @@ from numpy import ndarray
 from bladeroot.decay.cut import decay_starts, too_fast_or_short
 from bladeroot.decay.record import analyse, recorded
 from bladeroot.io.campaign import Campaign
+from bladeroot.io.expected import expected_at
 from bladeroot.io.read import read
 from bladeroot.io.recording import part, recording
 from bladeroot.signal.recording import SI, Recording, uncut, velocity
@@ -210,7 +211,8 @@ def faults_of_files(campaign: Campaign) -> list[str]:
     """
     faults = []
     for known in campaign.records:
-        expected_Hz = float(campaign.description["modes"][known["mode"]]["expected_Hz"])
+        mode = campaign.description["modes"][known["mode"]]
+        expected_Hz = expected_at(mode, campaign.load, known["load"])
         path = campaign.folder / known["file"]
         try:
             found = recorded(path, known)
