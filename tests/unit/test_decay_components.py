@@ -203,6 +203,23 @@ def test_what_is_held_at_first_is_no_part_of_the_curve(part):
     assert np.abs(off / found["loss_factor_std"].values)[:20].max() < 5.0
 
 
+@pytest.mark.parametrize("quantity", ["m/s", "m"])
+def test_a_clipped_wave_harmonics_are_no_components(quantity):
+    """A decay begins where it is clipped no more."""
+    size = {"m/s": 1.0, "m": 1.0 / (2.0 * np.pi * 80.0)}[quantity]
+    time = np.arange(int(4.0 * RATE)) / RATE - 0.02
+    wave = np.where(time < 0.0, 0.0, decay(80.0, 0.0018, 1.0, np.maximum(time, 0.0)))
+    noise = 2e-4 * np.random.default_rng(3).standard_normal(time.size)
+    record = recording(size * (np.clip(wave, -0.7, 0.7) + noise), quantity, "", sampling_Hz=RATE)
+    judged = free_decay(record, 80.0)
+    last = time[np.abs(wave) > 0.7][-1] + 0.02
+    assert last < judged.attrs["start_s"] < last + 0.02
+    assert "clipping" in judged["finding_id"].values
+    found = estimate(judged.assign_attrs(expected_Hz=80.0))
+    off = found["loss_factor"].values / 0.0036 - 1.0
+    assert np.abs(off[: off.size // 4]).max() < 0.02
+
+
 def test_what_is_taken_off_shows_in_the_errors_where_the_decay_begins():
     velocity = blow([(80.0, 0.0015, 0.05), (95.0, 0.002, 0.04)], before_s=0.0)
     found = separated(velocity, RATE, 80.0)

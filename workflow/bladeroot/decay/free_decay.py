@@ -10,7 +10,8 @@ from bladeroot.decay.cut import LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import windowed
 from bladeroot.decay.release import AT_ONCE, Release
-from bladeroot.quality.integrity import bridged, carried, judge
+from bladeroot.quality.findings import clipping
+from bladeroot.quality.integrity import bridged, carried, examined, judge
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
@@ -51,7 +52,8 @@ def free_decay(
     if too_fast_or_short(clear.size, rate, expected_Hz):
         return judge(decay, motion, *asked, remarks=remarks)
     struck = onset(clear, rate / expected_Hz)
-    first = struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen)
+    unclipped, told = _clipped(seen, clear, expected_Hz, recording)
+    first = max(struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen), unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how == "begins in the decay":
         how = AT_ONCE
@@ -59,7 +61,7 @@ def free_decay(
     release = Release(parts.first / rate, 0.0, how)
     lone = not parts.lines_Hz and parts.velocity is clear
     freed = seen
-    if struck or not lone:
+    if struck or unclipped or not lone:
         freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
@@ -67,8 +69,10 @@ def free_decay(
             freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
+    if start_s is not None:
+        start_s = max(start_s, unclipped / rate)
     freed = windowed(freed, parts.velocity, start_s, end_s)
-    remarks += _remarks(seen, freed) + parts.remarks
+    remarks += told + _remarks(seen, freed) + parts.remarks
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts)
 
@@ -106,6 +110,26 @@ def _let_go(
     early = decay.attrs["start_s"] - own.attrs["start_s"] > SMEARED / expected_Hz
     start_s = (decay if early else own).attrs["start_s"]
     return round(start_s * sampling_Hz) if driven else 0
+
+
+def _clipped(
+    decay: xr.Dataset,
+    velocity: Float[ndarray, " sample"],
+    expected_Hz: float,
+    recording: Recording,
+) -> tuple[int, tuple[tuple[str, str], ...]]:
+    """The sample from which a decay is clipped no more, 0 for one that is not; its finding.
+
+    A flat top is no mode's: its harmonics look like other lines, and what is left of it is wrong.
+    """
+    if decay.attrs["findings"]:
+        return 0, ()
+    seen = examined(decay, velocity, expected_Hz, recording=recording)
+    found = clipping.find(seen)
+    if not found.counts:
+        return 0, ()
+    stop = found.spans[-1][1] if found.spans else 0
+    return seen.first + stop, (("clipping", found.text),)
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:

@@ -66,7 +66,7 @@ def judge(
             may end earlier, where the mode has drowned.
         remarks: findings that were made before, by id, which warn: the reader's, the separation's.
     """
-    found = [(name, _fact(text, "warn")) for name, text in remarks]
+    found, told = [(name, _fact(text, "warn")) for name, text in remarks], dict(remarks)
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     if not decay.attrs["findings"] and not examined(decay, whole, expected_Hz).velocity.any():
@@ -85,12 +85,8 @@ def judge(
         own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz, recording)
         candidates = examine(seen, own)
         decay = decay.assign_attrs(noise_velocity=own.noise_around)
-        if recording is not None and recording.quantity != "velocity":
-            for name, module in checks().items():
-                if hasattr(module, "find_in"):
-                    candidates.append((name, module.find_in(recording, seen)))
         for name, finding in candidates:
-            if not finding.counts:
+            if not finding.counts or name in told:
                 continue
             if freed is not None and name in OF_THE_COURSE and finding.consequence in HARD:
                 # what separation leaves of other modes looks alike; the errors know of it

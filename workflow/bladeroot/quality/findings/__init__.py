@@ -6,7 +6,6 @@ None where the record is too short to judge. Beside it stand `THRESHOLD` and `ST
 the statistic is in a phrase. A file with `FIRST = True` is run before the others, which then see
 the record with what it masked bridged. One with `MIXED = True` looks at all that rings; the others
 see the mode by itself. One that other modes' leftovers may set off is listed in `OF_THE_COURSE` of
-`quality.integrity`. `find_in(recording, seen)` looks at the sensor's own samples,
-`without_decay(seen)` has a line for a record in which none was found. A file may name some of its
-findings otherwise (`Finding.name`), as `shaker_recontact` does with a gap.
+`quality.integrity`. `without_decay(seen)` has a line for a record in which none was found. A file
+may name some of its findings otherwise (`Finding.name`), as `shaker_recontact` does with a gap.
 """

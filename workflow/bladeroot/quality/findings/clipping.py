@@ -10,7 +10,7 @@ from bladeroot.quality.blocks import joined
 from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME, Examined, Finding
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import white_noise
-from bladeroot.signal.recording import SI, Recording
+from bladeroot.signal.recording import SI
 from bladeroot.signal.runs import runs
 
 MIXED = True
@@ -18,9 +18,11 @@ STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine
 THRESHOLD = 3.0
 # Where one extreme is clipped, the other is masked from this ratio on.
 OTHER = 1.5
-# A top is within so many of the digitiser's steps of the extreme, or so many times the noise; what
-# is masked goes so many times the noise below. Runs within this part of a cycle are one top.
+# A top is within so many of the digitiser's steps of the extreme, or so many times the noise; tops
+# to mask go so many times the noise below. Runs within this part of a cycle are one top.
 STEPS, NOISES, BELOW, ONE_TOP = 1.001, 3.0, 5.0, 0.1
+# A smooth top, a parabola, has so many times the samples in a band at its height as in the next.
+SMOOTH = 1.0 + np.sqrt(2.0)
 # So many cycles before the cut are looked at too, if there are so many at least and they are as
 # loud as this part of those after it: the loudest cycles may end with the release.
 LEAD, LEAST_LEAD, AS_LOUD = 30, 8.0, 0.9
@@ -33,7 +35,11 @@ STILL = 0.3
 
 
 def find(seen: Examined) -> Finding:
-    """Flat tops of the decay, or else of the cycles before it, which tell of a range too small."""
+    """Flat tops of the decay, or else of the cycles before it, which tell of a range too small.
+
+    Of the sensor's own samples: differentiated or integrated, flat tops are flat no more.
+    """
+    seen = _own(seen)
     found = _flat(seen)
     lead = min(int(LEAD * seen.sampling_Hz / seen.own_Hz), seen.first)
     first = seen.first - lead
@@ -52,16 +58,13 @@ def find(seen: Examined) -> Finding:
     return found if found.statistic > before.statistic else replace(before, spans=())
 
 
-def find_in(recording: Recording, seen: Examined) -> Finding:
-    """The same in the sensor's own samples; the velocity made from them is wrong up to the last."""
-    part = slice(seen.first, seen.first + seen.velocity.size)
-    own = {"noise": white_noise(recording.samples), "unit": SI[recording.quantity]}
-    found = find(replace(seen, velocity=recording.samples[part], whole=recording.samples, **own))
-    if not found.spans:
-        return found
-    stop = found.spans[-1][1]
-    text = found.text.replace("masked", "masked up to there")
-    return replace(found, text=text, spans=((0, stop),))
+def _own(seen: Examined) -> Examined:
+    """The same decay in the sensor's own samples."""
+    own, part = seen.recording, slice(seen.first, seen.first + seen.velocity.size)
+    if own is None or own.quantity == "velocity":
+        return seen
+    made = {"noise": white_noise(own.samples), "unit": SI[own.quantity]}
+    return replace(seen, velocity=own.samples[part], whole=own.samples, **made)
 
 
 def _held(x: Float[ndarray, " sample"], cycle: int) -> bool:
@@ -76,10 +79,13 @@ def _flat(seen: Examined) -> Finding:
     """Samples within a step, or some times the noise, of the largest or smallest value.
 
     An unclipped decay is there on the tops of its first cycles only, for as long as the envelope
-    says. The flat tops are masked, their flanks stay.
+    says. What goes before the last is masked, flanks too: a flat top's harmonics are no mode's.
     """
     ratios = {sign: _piled(seen, sign) for sign in (1.0, -1.0)}
     statistic = max(ratios.values())
+    if statistic > THRESHOLD:
+        flatter = max(_flatter(seen, sign) for sign, one in ratios.items() if one > THRESHOLD)
+        statistic = min(statistic, THRESHOLD * flatter)
     if statistic <= THRESHOLD:
         return Finding(statistic, THRESHOLD, "mask", "")
     x = seen.velocity
@@ -88,20 +94,34 @@ def _flat(seen: Examined) -> Finding:
     flat = np.zeros(x.size, bool)
     for sign, ratio in ratios.items():
         if ratio > OTHER:
-            level = (sign * x).max() - max(_reaches(seen)) - BELOW * seen.floor
-            flat |= sign * x >= level
+            flat |= sign * x >= (sign * x).max() - _band(seen)
     tops = joined(runs(flat), near)
     last = int(tops[-1, 1])
     text = (
         f"clipped: {len(tops)} flat tops at {np.abs(x).max():.4g} {seen.unit}, the last "
-        f"{seen.seconds(last):.4g} s into the decay; masked"
+        f"{seen.seconds(last):.4g} s into the decay; only what follows is used"
     )
-    spans = tuple((max(int(a) - 2, 0), min(int(b) + 2, x.size)) for a, b in tops)
-    return Finding(statistic, THRESHOLD, "mask", text, spans)
+    return Finding(statistic, THRESHOLD, "mask", text, ((0, min(last + 2, x.size)),))
 
 
 def _reaches(seen: Examined) -> tuple[float, float]:
     return STEPS * seen.quantum, NOISES * seen.floor
+
+
+def _band(seen: Examined) -> float:
+    """Height below the extreme that holds a flat top with its noise."""
+    return max(_reaches(seen)) + BELOW * seen.floor
+
+
+def _flatter(seen: Examined, sign: float) -> float:
+    """How much flatter than a smooth top the tops at one extreme are, until the last's cycle."""
+    x, cycle, ratios = sign * seen.velocity, _loudest(seen)[0], []
+    depth = x.max() - x
+    for band in (max(_reaches(seen)), _band(seen)):  # without and with noise after the clipping
+        until = depth[: np.flatnonzero(depth <= band)[-1] + cycle]
+        flat = np.count_nonzero(until <= band)
+        ratios.append(flat / (1.0 + np.count_nonzero(until <= 2.0 * band) - flat))
+    return max(ratios) / SMOOTH
 
 
 def _piled(seen: Examined, sign: float) -> float:
