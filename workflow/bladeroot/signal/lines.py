@@ -150,10 +150,12 @@ def blackman_harris(count: int) -> Float[ndarray, " sample"]:
 
 # A digitiser that cuts towards zero has a zero twice as wide as its other steps: it counts where
 # that is likelier by so many nats, beside steps that differ by no more than a factor. Counted is
-# where a cycle reaches so many steps: what is not that high stays in the zero. Neighbours of a zero
-# then sum to that mean square at least (steps): a frequency that is a part of the sampling's may
-# meet the zero itself in every cycle, and its neighbours cancel.
-SURELY, EVEN, CROSSING, APART = 10.0, 1.5, 8.0, 0.5
+# where a cycle reaches so many steps: what is not that high stays in the zero.
+SURELY, EVEN, CROSSING = 10.0, 1.5, 8.0
+# Samples of so many steps that lie between others of either sign, of which two pairs, this part of
+# a cycle and twice as far away, agree to a step, are then smaller than these say by this part of a
+# step at least: a frequency that is a part of the sampling's meets a rounded zero more often, too.
+LOW, AWAY, AGREE, SHRUNK = (1.0, 4.0), 24, 1.0, 0.25
 
 
 def white_noise(velocity: Float[ndarray, " sample"]) -> float:
@@ -196,13 +198,27 @@ def not_cut(samples: Float[ndarray, " sample"], cycle: int) -> Float[ndarray, " 
         return samples
     code = samples[:whole].reshape(-1, cycle) / step
     code = code[np.abs(code).max(axis=1) > CROSSING]
-    zero = np.abs(code[:, 1:-1]) < 0.1
-    around = (code[:, :-2] + code[:, 2:])[zero]
     counts = np.array([np.count_nonzero(np.abs(code - k) < 0.1) for k in (-2, -1, 0, 1, 2)])
     beside = counts[[0, 1, 3, 4]]
     usual = beside.mean()
     even = beside.min() * EVEN > usual and beside.max() < EVEN * usual
-    cancel = np.sum(around**2) < APART * max(around.size, 1)
-    if not even or cancel or counts[2] * np.log(2.0) - usual < SURELY:
+    if not even or counts[2] * np.log(2.0) - usual < SURELY or _shrunk(code) < SHRUNK:
         return samples
     return samples + 0.5 * step * np.sign(samples) * (np.abs(samples) > 0.5 * step)
+
+
+def _shrunk(code: Float[ndarray, "turn sample"]) -> float:
+    """Steps by which small samples are smaller than those on either side say; rows are cycles.
+
+    Of a sum of two samples of either sign a cut takes nothing.
+    """
+    cycle = code.shape[1]
+    lag = max(cycle // AWAY, 1)
+    turn, count = 2.0 * np.pi * lag / cycle, cycle - 4 * lag
+    far, near, own, later, last = (code[:, k * lag : k * lag + count] for k in range(5))
+    between = 0.5 * (near + later) / np.cos(turn)
+    beyond = 0.5 * (far + last) / max(np.cos(2.0 * turn), 0.1)
+    small = (np.abs(beyond) >= LOW[0]) & (np.abs(beyond) <= LOW[1]) & (near * later < 0.0)
+    small &= np.abs(beyond - between) < AGREE
+    less = ((between - own) * np.sign(beyond))[small]
+    return float(less.mean()) if less.size else 0.0
