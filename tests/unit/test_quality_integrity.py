@@ -309,6 +309,20 @@ def test_an_accelerometer_is_clipped_in_its_own_unit():
     assert not found["usable"].values[: int(masked.item())].any()
 
 
+@pytest.mark.parametrize(("plateau", "more"), [(0.005, 5.0), (0.003, 9.0)])
+def test_a_hump_of_damping_without_softening_is_no_touch(plateau, more):
+    """A damping ratio that is up to 6 or 10 times its plateau's where ln A falls by some units."""
+    level = -np.linspace(0.0, 9.0, 20_001)
+    part = np.exp(level) / 0.2
+    rate = 2.0 * np.pi * 250.0 * plateau * (1.0 + 4.0 * more * part / (1.0 + part) ** 2)
+    slope = 1.0 / rate
+    at = np.append(0.0, np.cumsum(0.5 * (slope[1:] + slope[:-1]) * (level[0] - level[1])))
+    time = np.arange(int(min(at[-1], 4.0) * RATE)) / RATE
+    velocity = START * np.exp(np.interp(time, at, level)) * np.cos(2.0 * np.pi * 250.0 * time)
+    velocity += 1e-4 * START * np.random.default_rng(0).standard_normal(time.size)
+    assert "shaker-recontact" not in ids(uncut(velocity))
+
+
 def test_driven_residue():
     clean = decay(noise_db=70, eta=(0.01, 0.012))
     tail = 0.02 * START * np.cos(2 * np.pi * 250.0 * time_of(clean))

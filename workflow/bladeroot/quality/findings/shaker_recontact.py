@@ -41,8 +41,9 @@ CUT_REACH, MARGIN = 35, 3
 FEWEST, UNEVEN, RATES, RELEASE = 8, 0.3, (0.4, 2.5), 0.5
 # Below so many standard errors of a frame its ln A tells nothing of how far the mode falls.
 CLEAR = 8.0
-# Part of a bend of ln A + i phase, over seven cycles, that may look like a step.
-MISSED_BEND = 0.15
+# Part of a bend of ln A + i phase, over seven cycles, that may look like a step; and of what a
+# cubic beside the step makes of it: a hump of damping takes many cycles, a touch one or two.
+MISSED_BEND, MISSED_HUMP = 0.15, 0.2
 # Frames on either side of a step, of which the nearest are left out.
 JUMP_REACH, JUMP_APART = 7, 2
 # Frames over which steps are compared with what is usual, and the median of a Rayleigh variable.
@@ -259,7 +260,7 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
     pieces = np.lib.stride_tricks.sliding_window_view(
         np.where(frames.whole, frames.log, np.nan)[: frames.clear], len(kernels)
     )
-    step[inner], curve = np.nan_to_num(pieces @ kernels).T
+    step[inner], curve, sharp = np.nan_to_num(pieces @ kernels).T
     summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
     for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
         summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
@@ -267,7 +268,7 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
     late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
     bent = np.zeros(frames.log.size)
     # where laws bend sharply a quadratic misses some of the bend
-    bent[inner] = MISSED_BEND * np.abs(curve)
+    bent[inner] = MISSED_BEND * np.abs(curve) + MISSED_HUMP * np.abs(step[inner] - sharp)
     scale = gain * frames.std[late] + bent
     # what is rough throughout hides a step
     rough = block_scale(np.abs(step[inner]) / scale[inner], USUAL) / RAYLEIGH
@@ -276,11 +277,12 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
 
 
 @cache
-def _step_and_bend() -> Float[ndarray, "frame 2"]:
-    """Weights of frames that give a step beyond a quadratic, and the quadratic's own bend."""
+def _step_and_bend() -> Float[ndarray, "frame 3"]:
+    """Weights of frames: the step beyond a quadratic, the quadratic's bend, that beyond a cubic."""
     x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
     used = np.abs(x) >= JUMP_APART
-    design = np.stack([np.ones(x.size), x, x * x, 0.5 * np.sign(x)], axis=1)[used]
-    weights = np.zeros((x.size, 2))
-    weights[used] = np.linalg.pinv(design)[[3, 2]].T * [1.0, JUMP_REACH**2]
+    design = np.stack([0.5 * np.sign(x), np.ones(x.size), x, x * x, x**3], axis=1)[used]
+    quadratic, cubic = np.linalg.pinv(design[:, :4]), np.linalg.pinv(design)
+    weights = np.zeros((x.size, 3))
+    weights[used] = np.stack([quadratic[0], quadratic[3] * JUMP_REACH**2, cubic[0]], axis=1)
     return weights
