@@ -375,6 +375,23 @@ def test_a_gain_that_sways_is_in_the_errors(seed):
         assert (stated > 0.03) == waves
 
 
+def test_a_phase_that_sways_is_in_the_frequency_errors():
+    """So does what is left of another mode in it."""
+    rng, at = np.random.default_rng(0), np.arange(102400) / 25600.0
+    sway = sum(np.sin(2 * np.pi * (f * at + rng.uniform())) for f in rng.uniform(2.0, 20.0, 6))
+    for part, swaying in ((0.0, False), (0.004, True)):
+        phase = 2 * np.pi * 250.0 * at + part * sway
+        velocity = START * np.exp(-0.004 * np.pi * 250.0 * at) * np.cos(phase)
+        noise = 1e-4 * START
+        velocity += noise * rng.normal(size=at.size)
+        curve = separated_curves(velocity, 25600.0, 250.0, noise)
+        own = 250.0 * np.sqrt(1.0 - 0.002**2)
+        z = np.abs(curve["frequency"].values - own) / curve["frequency_std"].values
+        assert np.mean(z < 3.0) > 0.95
+        middle = slice(curve.sizes["point"] // 4, curve.sizes["point"] // 2)
+        assert (np.median(curve["frequency_std"].values[middle]) > 0.01) == swaying
+
+
 def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):
     velocity, noise, *_ = backbone(3, 60.0)
     assert separated_curves(velocity, 25600.0, 247.0, noise).sizes["point"] > 100

@@ -93,9 +93,9 @@ def freevib(
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), fit.std(centre)
     std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
-    for order in (1, 2):
-        sway = waves(value[0, 0], value[order, 0], std[order, 0])
-        std[order, 0] = np.hypot(std[order, 0], sway)
+    for order, part in np.ndindex(2, 2):
+        rate, error = value[1 + order, part], std[1 + order, part]
+        std[1 + order, part] = np.hypot(error, waves(value[0, 0], rate, error))
     std[1] = np.hypot(std[1], np.interp(centre, blocks.time, acting(blocks)))
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
@@ -138,7 +138,7 @@ def freevib(
 def waves(
     level: Float[ndarray, " point"], rate: Float[ndarray, " point"], std: Float[ndarray, " point"]
 ) -> Float[ndarray, " point"]:
-    """Standard error of a derivative of ln A for what sways with it: a sensor's gain.
+    """Standard error of a derivative of ln A or phase for what sways: a gain, another mode's rest.
 
     A law of amplitude bends a few times over a decay. What waves about a parabola in ln A in many
     of its segments, by more than noise lets it, is no law; a kink does so in one or two of them.
