@@ -255,18 +255,15 @@ def test_a_zero_that_creeps_comes_to_rest_and_without_time_is_a_constant():
     assert law(still, values).changes["force"] == pytest.approx(1600.0)
 
 
-@pytest.mark.parametrize(
-    ("form", "own"), [("steady", []), ("ever faster", []), ("with time", [2.2])]
-)
-def test_a_crack_lowers_each_mode_by_its_own_part(form, own):
-    """With every clamping, and by as much from the first to the last in any form."""
+@pytest.mark.parametrize("form", ["steady", "ever faster"])
+def test_a_crack_lowers_each_mode_by_its_own_part(form):
+    """With every clamping, and by as much from the first to the last in either form."""
     (one,) = (one for one in catalogue() if one.id == "crack")
     none = np.zeros(12)
     rows = Records(
         np.repeat([0, 1], 6), none, none, np.tile(np.arange(6.0), 2), none, span=5.0, hold_span=0.0
     )
-    values = np.array([4e-3, *own, 0.5])
-    ln_f = one.of_form(form).stick(rows, values).changes["ln_f"].reshape(2, 6)
+    ln_f = one.of_form(form).stick(rows, np.array([4e-3, 0.5])).changes["ln_f"].reshape(2, 6)
     assert (np.diff(ln_f, axis=1) < 0.0).all()
     assert ln_f[:, 0] - ln_f[:, -1] == pytest.approx([4e-3, 2e-3])
 

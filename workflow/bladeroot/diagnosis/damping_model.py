@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.diagnosis.guards import TRUST
-from bladeroot.diagnosis.stick_model import StickData, same_mode, trust_kernel
+from bladeroot.diagnosis.stick_model import LAWS, StickData, same_mode, trust_kernel
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -87,13 +87,14 @@ def problem(
         size = np.exp(2.0 * scales)
         scatter, noise = (size[0] * held, size[1] * own_held), np.full(n, size[2])
         whole = scatter[0] + scatter[1] + np.diag(noise + data.std**2)
+        of_laws = np.zeros((n, n))
         for e, kernel in zip(state.facts["effects"], trust, strict=True):
-            whole += np.outer(TRUST**2 * e, e) * kernel
-        parts = [of * unit for of, (unit, _) in zip(size[3:], extra, strict=True)]
+            of_laws += np.outer(size[3] * TRUST**2 * e, e) * kernel
+        parts = [of_laws, *(of * unit for of, (unit, _) in zip(size[4:], extra, strict=True))]
         for part in parts:
             whole += part
         return whole, lambda: [2.0 * part for part in (*scatter, noise, *parts)]
 
-    scales = [SCATTER, SCATTER, NOISE, *((np.log(size), 1.5) for _, size in extra)]
+    scales = [SCATTER, SCATTER, NOISE, LAWS, *((np.log(size), 1.5) for _, size in extra)]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
     return Problem(data.ln_loss, predict, covariance, prior, Prior(means, stds))

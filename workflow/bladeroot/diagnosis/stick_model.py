@@ -21,6 +21,8 @@ from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
+# ln of laws' own errors over what they are trusted to: one that fits better is a better law.
+LAWS = (0.0, 1.0)
 # ln of the scatter of frequency between records of one clamping.
 NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
@@ -192,7 +194,7 @@ def problem(
         by_cause = [np.einsum("nap,nab->npb", slope[:, :3], by_change) for slope in made.slopes]
         turn = np.concatenate([by_law, *by_cause], axis=1)
         times, traces = here.turned(said.gradient, turn, scales[:kinds], vector, matrix)
-        first = base
+        first, trusted = base, TRUST * np.exp(scales[kinds + 1])
         whole = np.column_stack([said.gradient, np.ones(n)])
         for k, (one, slope, kernel) in enumerate(zip(mechanisms, made.slopes, trust, strict=True)):
             grown = np.einsum("npb,nb->np", turn, made.effects[k][:, :3])
@@ -202,7 +204,7 @@ def problem(
             if one.kind == "level":
                 e = e - of_mode @ _means(of_mode, e)
                 grown = grown - of_mode @ _means(of_mode, grown)
-            by_error = own_error_turned(TRUST, kernel, e, grown, vector, matrix)
+            by_error = own_error_turned(trusted, kernel, e, grown, vector, matrix)
             times, traces = times + by_error[0], traces + by_error[1]
         return times, traces
 
@@ -212,25 +214,29 @@ def problem(
     def covariance(state: State, scales: ndarray) -> tuple[ndarray, Slopes]:
         noise = np.exp(scales[kinds])
         whole, of_clampings = here.scatter(state.facts["gradient"], scales[:kinds])
+        of_laws = np.zeros((n, n))
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
             e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
-            whole += np.outer(TRUST**2 * e, e) * kernel
+            of_laws += np.outer(TRUST**2 * e, e) * kernel
+        of_laws *= np.exp(2.0 * scales[kinds + 1])
+        whole += of_laws
         if beyond is not None:
             whole += beyond
         whole[rows, rows] += data.std**2 + noise**2
         parts = [
             np.exp(2.0 * scale) * unit
-            for scale, (unit, _) in zip(scales[kinds + 1 :], extra, strict=True)
+            for scale, (unit, _) in zip(scales[kinds + 2 :], extra, strict=True)
         ]
         for part in parts:
             whole += part
 
         def slopes() -> list[ndarray]:
-            return [*of_clampings(), np.full(n, 2.0 * noise**2), *(2.0 * part for part in parts)]
+            own = np.full(n, 2.0 * noise**2)
+            return [*of_clampings(), own, 2.0 * of_laws, *(2.0 * part for part in parts)]
 
         return whole, slopes
 
-    scales = [*here.scales, NOISE]
+    scales = [*here.scales, NOISE, LAWS]
     scales += [(np.log(size), 1.5) for _, size in extra]
     means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
     return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))

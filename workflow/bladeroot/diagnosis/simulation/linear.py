@@ -63,7 +63,7 @@ class Linear:
         if one.stick is None:
             return ""
         changed = acts_on(one)
-        if changed == {"force"} and "since" not in one.over and "time" not in one.over:
+        if changed == {"force"} and not {"since", "time", "sign"} & set(one.over):
             return "the line over the load is free, and with it the {gauge}'s scale and zero"
         if not self.load and (changed == {"force"} or one.over == ("force",)):
             return "the campaign states no load"
