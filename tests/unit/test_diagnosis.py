@@ -135,10 +135,13 @@ def test_an_effect_on_stick_frequencies_is_named_and_gains(model, effect, size, 
 
 
 @pytest.mark.slow
-def test_one_way_up_and_one_down_do_not_part_hysteresis_from_a_contact_that_gives_way(model):
+def test_a_contact_that_gives_way_at_the_turn_would_be_a_coincidence_and_stays_possible(model):
+    """One way up and one down: a step just there is a hysteresis' twin."""
     _, said = judged(model, "hysteresis", 0.3)
-    assert said["answer"] == "ambiguous"
-    assert said["causes"][0]["credible_set"] == ["loading-hysteresis", "ageing"]
+    assert said["causes"][0]["mechanism"] == "loading-hysteresis"
+    assert (
+        0.03 < said["probabilities"]["ageing"] < 0.3 * said["probabilities"]["loading-hysteresis"]
+    )
 
 
 def test_what_is_of_no_catalogue_may_be_a_contact_that_any_load_changes(stiffening):

@@ -130,7 +130,7 @@ def test_fits_of_a_bent_valley_end_alike_from_wherever_they_begin():
         ends.append(fit(made, made.prior.mean + away).log_evidence)
     beside, *same = sorted(ends)
     assert np.ptp(same) < 1.5
-    assert same[0] - beside < 5.0
+    assert same[0] - beside < 10.0
 
 
 @pytest.mark.slow

@@ -21,8 +21,9 @@ from bladeroot.diagnosis.simulation.interface import Said, Simulation
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
-# ln of laws' own errors over what they are trusted to: one that fits better is a better law.
-LAWS = (0.0, 1.0)
+# ln of laws' own errors over TRUST, of which they rather have less: a law that bends to what it
+# does not say explains anything.
+LAWS = (-1.0, 1.0)
 # ln of the scatter of frequency between records of one clamping.
 NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
