@@ -193,6 +193,7 @@ def test_both_sheets_or_none(folder):
     [
         ("expected_Hz: 540", "expected_Hz: 5.4e2", "modes.1B.expected_Hz"),
         ("expected_Hz: 1450", "expected_Hz: 540", "1B and 2B have the same expected_Hz, 540"),
+        ("expected_Hz: 1450", "expected_Hz: 540.0", "1B and 2B have the same expected_Hz, 540"),
         ("expected_Hz: 540", "expected_Hz: [[9, 500], [3, 560]]", "loads in rising order"),
         ("expected_Hz: 540", "expected_Hz: [[3, 500]]", "modes.1B.expected_Hz"),
         ("full_scale_bar: 700", "full_scale_bar: -1", "force"),

@@ -31,7 +31,7 @@ LEAST_PROBABILITY = 1e-6
 # Standard deviations from nothing below which no cause is named.
 SIGMAS = 3.0
 ROUNDS = 4  # of the search for the most probable set
-# A law is trusted to this part of its own effect (standard deviation).
+# A law is trusted to this part of its own effect (standard deviation), times `stick_model.LAWS`.
 TRUST = 0.08
 # The same over amplitude, where laws are cruder and each clamping's friction differs.
 TRUST_CURVE = 0.15

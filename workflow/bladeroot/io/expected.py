@@ -33,7 +33,7 @@ def faults_of_expected(modes: Mapping[str, Mapping], load: Load | None) -> list[
                 faults.append(f"modes.{name}.expected_Hz over a load needs a load")
             elif not np.all(np.diff([at for at, _ in said]) > 0.0):
                 faults.append(f"modes.{name}.expected_Hz: expected loads in rising order")
-        other = first.setdefault(str(said), name)
+        other = first.setdefault(str(np.array(said, float)), name)
         if other != name:
             faults.append(f"modes: {other} and {name} have the same expected_Hz, {said}")
     return faults

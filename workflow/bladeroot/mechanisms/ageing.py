@@ -1,4 +1,4 @@
-"""Contact stiffness that changes from clamping to clamping: flanks bed in, wear, or give way."""
+"""Contact stiffness that changes over clampings or time: flanks bed in, creep, or give way."""
 
 from collections.abc import Callable
 
@@ -42,8 +42,8 @@ def _logarithmic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.n
 MECHANISM = Mechanism(
     id="ageing",
     kind="time",
-    sentence="the contact changes from clamping to clamping: its surfaces bed in, wear, or give "
-    "way at once",
+    sentence="the contact changes from clamping to clamping or with time: its surfaces bed in, "
+    "creep, wear, or give way at once",
     parameters=(
         Parameter(
             "change", "1", 0.0, 0.3, -1.5, 1.5,
