@@ -11,6 +11,7 @@ from bladeroot.diagnosis.observations import (
     observations,
     reading_step,
 )
+from bladeroot.diagnosis.stick_model import stick_data
 from bladeroot.plateau.plateau import RECORD
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
@@ -87,6 +88,20 @@ def test_a_table_begins_at_the_stick_frequencies():
     assert seen["record"].values.tolist()[0] == "1B-1790N"
     assert seen["stick_frequency_std"].values.tolist() == [0.1, 0.1]
     assert "stick_frequency_scatter" in seen
+
+
+@pytest.mark.parametrize(
+    ("forces", "clampings"), [((1e3, 2e3, 3e3), 3), ((1e3, 5e3, 6e3), 6), ((9e3, 8e3, 7e3), 6)]
+)
+def test_modes_that_share_most_loads_of_a_table_share_its_clampings(forces, clampings):
+    modes = np.repeat(["1B", "2B"], 3)
+    table = pd.DataFrame(
+        {"mode": modes, "force_N": [1e3, 2e3, 3e3, *forces], "frequency_Hz": 500.0,
+         "frequency_std_Hz": 0.1, "loss_factor": 0.004, "loss_factor_std": 1e-4}
+    )  # fmt: skip
+    seen = observations(stick_from_table(table), [], None, GAUGE, {"1B": 0.0, "2B": 0.0})
+    data = stick_data(seen, ["1B", "2B"])
+    assert np.unique(data.hold).size == clampings
 
 
 @pytest.mark.parametrize(("step", "expected"), [(1.0, 179.0), (0.1, 17.9), (0.003, 0.0)])

@@ -143,11 +143,18 @@ def _record_rows(stick: xr.Dataset) -> list[dict]:
 
 
 def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"]]:
-    """The rows of a table as records, and what each scatters about a smooth law (Hz)."""
+    """The rows of a table as records, and what each scatters about a smooth law (Hz).
+
+    Where most loads have several modes, the rows of a load are of one clamping, or means over the
+    same ones, whose contact all modes feel. Series of one mode each may meet at a load by chance.
+    """
     mode, force = stick["mode"].values.astype(str), stick["force"].values
+    level, modes = np.unique(force, return_inverse=True, return_counts=True)[1:]
+    together = bool(mode.size) and np.median(modes) > 1.0
     rows = [
-        dict.fromkeys(("hold", "direction", "group", "event", "sensor"), "")
+        dict.fromkeys(("direction", "group", "event", "sensor"), "")
         | {
+            "hold": f"load {level[i]}" if together else "",
             "record": f"{mode[i]}-{force[i]:.0f}{stick.attrs.get('load_unit', 'N')}",
             "mode": mode[i],
             "force": float(force[i]),

@@ -46,7 +46,10 @@ class Verdict:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """Ids of the causes that the data show, what explains most first."""
+        """Ids of the causes that the data show, what explains most first.
+
+        They are named where `answer` is "named"; otherwise `said["reason"]` says what is in doubt.
+        """
         return tuple(one["mechanism"] for one in self.said["causes"] if one["shown"])
 
     def plot(self):
