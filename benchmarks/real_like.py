@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from drawn_world import campaign, draw
 from drawn_world.bound import bounds
-from drawn_world.product import analysed, unchecked
+from drawn_world.product import analysed, judged_together, unchecked
 from drawn_world.table import lines, markdown, summary
 from drawn_world.verdicts import score
 from foreign_lab.score import with_table
@@ -32,9 +32,11 @@ def scored(seed: int, bound: bool = True) -> list[dict]:
     event, rows = draw(seed), []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for entry in campaign(event, folder):
+        entries = campaign(event, folder)
+        answers = [analysed(entry) for entry in entries]
+        judged_together(answers)
+        for entry, answer in zip(entries, answers, strict=True):
             mode, sensor = entry["mode"], entry["sensor"]
-            answer = analysed(entry)
             loose = unchecked(answer) if not answer.curves and not answer.crash else {}
             least = bounds(event, mode, sensor) if bound and answer.curves else None
             rows.append(score(event, mode, sensor, answer, loose, least))

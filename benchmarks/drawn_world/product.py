@@ -1,4 +1,4 @@
-"""The product's own stage on one record: the functions that its script calls."""
+"""The product's own stages on the records of an event: the functions that its scripts call."""
 
 import time
 from dataclasses import dataclass, field
@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import from_file
+from bladeroot.pooling.events import unlike_sensors
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"damping": "hysteretic"}
@@ -25,6 +26,7 @@ class Answer:
     cpu_s: float
     crash: str = ""
     judged: xr.Dataset = field(default_factory=xr.Dataset)
+    decay: xr.Dataset = field(default_factory=xr.Dataset)
 
 
 def curves_of(decay: xr.Dataset) -> dict[str, np.ndarray]:
@@ -49,7 +51,15 @@ def analysed(entry: dict) -> Answer:
         findings.append("peak-fitting-differs")
     told = str(judged.attrs.get("reason", ""))
     verdict, curves = str(judged.attrs["verdict"]), curves_of(decay)
-    return Answer(verdict, findings, told, curves, spent, judged=judged)
+    return Answer(verdict, findings, told, curves, spent, judged=judged, decay=decay)
+
+
+def judged_together(answers: list[Answer]) -> None:
+    """What only an event's records together show, among the findings of each."""
+    made = [one for one in answers if not one.crash]
+    apart = unlike_sensors([one.judged for one in made], [one.decay for one in made])
+    for number, *_ in apart:
+        made[number].findings.append("unlike-sensors")
 
 
 def unchecked(answer: Answer) -> dict[str, np.ndarray]:

@@ -69,3 +69,20 @@ def test_a_record_unlike_its_repeats_warns_after_its_own_findings():
     assert text.startswith("lies -2.34 % from the other records of mode 1B at 4 kN (in clamping h)")
     assert "column exclude of records.csv" in text
     assert list(found["verdict"].values) == ["usable"] * 4
+
+
+def test_a_sensor_that_sees_another_motion_than_the_others_of_its_event_warns():
+    time = np.linspace(0.0, 1.0, 9)
+    records, decays = [], []
+    for name, frequency in (("a", 500.0), ("b", 500.0), ("c", 510.0)):
+        facts = {"event": "e", "sensor": f"at {name}", "start_s": 0.1, "sampling_Hz": 5e3}
+        records.append(record(name).assign_attrs(facts))
+        rows = {"amplitude": np.exp(-time), "time": time, "frequency": np.full(9, frequency),
+                "loss_factor": np.full(9, 0.01), "frequency_std": np.full(9, 0.1),
+                "loss_factor_std": np.full(9, 1e-3)}  # fmt: skip
+        curve = decay(0.0, 1).drop_vars("frequency")
+        decays.append(curve.assign({key: ("point", row) for key, row in rows.items()}))
+    found = judgement(records, decays, [plateau()] * 3)
+    assert list(found["finding_record"].values) == ["c"]
+    assert found["finding_consequence"].values[0] == "warn"
+    assert "510 Hz in the median) than at sensor at a (500 Hz)" in found["finding_text"].values[0]

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
+from bladeroot.pooling.events import ERRORS, unlike_sensors
 from bladeroot.pooling.repeats import unlike_repeats
 from bladeroot.variables import dataset
 
@@ -40,7 +41,7 @@ def judgement(
         differences between peak fitting and FREEVIB.
     """
     names = [str(record.attrs["record"]) for record in records]
-    together = _of_repeats(decays, plateaus) + _of_events(records)
+    together = _of_repeats(decays, plateaus) + _of_events(records) + _of_sensors(records, decays)
     columns = {
         f"finding_{name}": np.concatenate(
             [
@@ -118,6 +119,25 @@ def _of_events(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float
             )
             values = ("event-time-base", apart, TIME_BASE, "warn", text, np.nan, np.nan)
             found.append((k, dict(zip(FINDING, values, strict=True))))
+    return found
+
+
+def _of_sensors(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
+) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records that show another motion than other sensors of their event."""
+    found = []
+    for k, other, apart in unlike_sensors(records, decays):
+        own, there = (float(decays[n]["frequency"].median()) for n in (k, other))
+        facts, sensor = records[k].attrs, records[other].attrs.get("sensor", "")
+        text = (
+            f"event {facts['event']} is one motion, but mode {facts['mode']} has another frequency "
+            f"or damping here ({own:.5g} Hz in the median) than at sensor {sensor} "
+            f"({there:.5g} Hz), by {apart:.1f} stated errors for a quarter of the time: another "
+            "mode near a node of this one, or files that do not begin together?"
+        )
+        values = ("unlike-sensors", apart, ERRORS, "warn", text, np.nan, np.nan)
+        found.append((k, dict(zip(FINDING, values, strict=True))))
     return found
 
 

@@ -1,0 +1,57 @@
+"""Sensors of one event against each other."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from bladeroot.pooling.events import unlike_sensors
+
+
+def seen(sensor, start=0.0, detuned=0.0, damping=0.01, event="e", mode="1B", verdict="usable"):
+    """A softening decay from `start` (s on the event's clock) on, whose errors are 0.01 Hz."""
+    time = np.linspace(0.0, 2.0, 60)
+    frequency = 100.0 - 2.0 * np.exp(-(time + start)) + detuned
+    values = {"time": time, "frequency": frequency, "loss_factor": np.full(60, damping),
+              "frequency_std": np.full(60, 0.01), "loss_factor_std": np.full(60, 1e-4)}  # fmt: skip
+    decay = xr.Dataset(
+        {name: ("point", row) for name, row in values.items()}, attrs={"verdict": verdict}
+    )
+    facts = {"event": event, "mode": mode, "sensor": sensor, "start_s": start}
+    return xr.Dataset(attrs=facts), decay
+
+
+def found(*pairs):
+    return [row[:2] for row in unlike_sensors(*zip(*pairs, strict=True))]
+
+
+def test_one_motion_is_compared_at_one_time_wherever_the_decays_begin():
+    assert found(seen("a"), seen("b", start=0.7), seen("c", start=1.3)) == []
+    # amplitudes of one sensor are another's at another time: on a clock of its own it is apart
+    record, decay = seen("b", start=0.7)
+    assert found(seen("a"), (record.assign_attrs(start_s=0.0), decay)) == [(0, 1), (1, 0)]
+
+
+@pytest.mark.parametrize("other", [{"detuned": 0.1}, {"detuned": -0.1}, {"damping": 0.012}])
+def test_of_three_sensors_the_odd_one_is_told(other):
+    assert [k for k, _ in found(seen("a"), seen("b", **other), seen("c"))] == [1]
+
+
+def test_of_two_sensors_nobody_says_which_is_right():
+    assert found(seen("a"), seen("b", detuned=0.1)) == [(0, 1), (1, 0)]
+    assert unlike_sensors(*zip(seen("a"), seen("b", detuned=0.1), strict=True))[0][2] == (
+        pytest.approx(0.1 / np.hypot(0.01, 0.01))
+    )
+
+
+@pytest.mark.parametrize(
+    "other", [{"event": "f"}, {"event": ""}, {"mode": "2B"}, {"verdict": "rejected"}, {"start": 3}]
+)
+def test_only_usable_curves_of_one_mode_in_one_event_are_compared_while_both_last(other):
+    assert found(seen("a"), seen("b", detuned=0.5, **other)) == []
+
+
+def test_a_difference_within_a_quarter_of_the_time_is_none():
+    record, decay = seen("b")
+    decay["frequency"][:12] += 0.5
+    assert found(seen("a"), (record, decay)) == []
+    decay["frequency"][:20] += 0.5
+    assert found(seen("a"), (record, decay)) == [(0, 1), (1, 0)]

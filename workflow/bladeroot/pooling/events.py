@@ -1,0 +1,68 @@
+"""Sensors that see one motion of one mode otherwise than the others do.
+
+All sensors of an event see a mode at one frequency, and lose its amplitude alike. Where one stands
+near the mode's node, another mode may be followed there.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+from numpy import ndarray
+
+# Stated errors of both together by which frequency or damping differ for a part of the time. Right
+# curves of drawn and of real events stay below 3.5 (benchmarks/real_like.py).
+ERRORS, PART = 4.0, 0.25
+
+
+def unlike_sensors(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
+) -> list[tuple[int, int, float]]:
+    """Number of each record that differs from another sensor's of its event, that one, and how far.
+
+    records: free decays with event, mode and start_s (s on the event's clock) in the attributes;
+    decays: their curves. How far is in stated errors. Of several sensors that one is out which
+    differs from the most others.
+    """
+    events: dict[tuple[str, str], list[int]] = {}
+    for k, (record, decay) in enumerate(zip(records, decays, strict=True)):
+        event = str(record.attrs.get("event", ""))
+        if event and decay.sizes.get("point", 0) > 1 and decay.attrs["verdict"] == "usable":
+            events.setdefault((event, str(record.attrs["mode"])), []).append(k)
+    found = []
+    for numbers in events.values():
+        curves = [_on_the_clock(records[k], decays[k]) for k in numbers]
+        away = np.array([[_apart(one, other) for other in curves] for one in curves])
+        differs = (away > ERRORS).sum(axis=1)
+        for own, k in enumerate(numbers):
+            if differs[own] and differs[own] >= differs[away[own] > ERRORS].max():
+                other = int(away[own].argmax())
+                found.append((k, numbers[other], float(away[own, other])))
+    return sorted(found)
+
+
+def _on_the_clock(record: xr.Dataset, decay: xr.Dataset) -> Float[ndarray, "5 point"]:
+    """Time (s) on the event's clock, frequency, loss factor and their errors, in rising time."""
+    names = ("time", "frequency", "loss_factor", "frequency_std", "loss_factor_std")
+    rows = np.stack([decay[name].values.astype(float) for name in names])
+    rows = rows[:, np.isfinite(rows).all(axis=0)]
+    rows[0] += float(record.attrs["start_s"])
+    return rows[:, np.argsort(rows[0])]
+
+
+def _apart(one: Float[ndarray, "5 point"], other: Float[ndarray, "5 other"]) -> float:
+    """Stated errors that two differ by for a part of the time that both see; 0 if they share none.
+
+    It is the same whichever comes first.
+    """
+    time = np.union1d(one[0], other[0])
+    ends = [(rows[0].min(initial=np.inf), rows[0].max(initial=-np.inf)) for rows in (one, other)]
+    time = time[(time >= max(ends)[0]) & (time <= min(end for _, end in ends))]
+    if time.size < 2:
+        return 0.0
+    first, second = (
+        np.array([np.interp(time, rows[0], row) for row in rows[1:]]) for rows in (one, other)
+    )
+    off = np.abs(first[:2] - second[:2]) / np.hypot(first[2:], second[2:])
+    return float(np.quantile(off, 1.0 - PART, axis=1).max())
