@@ -13,6 +13,7 @@ import numpy as np
 from bladeroot.decay.components import separated
 from bladeroot.decay.estimate import later
 from bladeroot.decay.freevib import freevib
+from scipy.signal import lfilter
 
 START = 0.5  # m/s
 RATE = 25600.0  # Hz
@@ -54,6 +55,16 @@ def levels(nepers, *kinks, count=20001):
 def ringing(time, frequency_Hz, decline, size=1.0, phase=0.0):
     """One mode: size exp(-decline t) cos(2 pi f t + phase)."""
     return size * np.exp(-decline * time) * np.cos(2.0 * np.pi * frequency_Hz * time + phase)
+
+
+def restless(time, frequency_Hz, decline, size, rng):
+    """Answer of a mode to a white force, of rms amplitude `size`: exact at even times."""
+    kept = np.exp(-decline * (time[1] - time[0]))
+    steps = (
+        size * np.sqrt(0.5) * (rng.standard_normal(time.size) + 1j * rng.standard_normal(time.size))
+    )
+    steps[1:] *= np.sqrt(1.0 - kept**2)
+    return (lfilter([1.0], [1.0, -kept], steps) * np.exp(2j * np.pi * frequency_Hz * time)).real
 
 
 def truth_of(alpha, omega):

@@ -5,12 +5,14 @@ import pytest
 from bladeroot.signal.banded import solution
 from bladeroot.signal.penalty import (
     alive_splines,
+    at_rows,
     derivative_rows,
     normal_sums,
     penalised,
     penalty_rows,
 )
-from bladeroot.signal.smooth import coarse, fine
+from bladeroot.signal.smooth import coarse, evidence, fine
+from bladeroot.signal.walk import full_solution, root_of, whitened
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -60,6 +62,99 @@ def test_sums_and_penalty_match_dense_algebra():
     expected = matrix.T @ (matrix / std[:, None] ** 2) + whole.T @ (precision[:, None] * whole)
     band = penalised(gram, rows, precision)
     np.testing.assert_allclose(band, in_band(expected, 6), rtol=1e-10)
+
+
+def covariance(std, walk):
+    """Of errors and of a Brownian motion's means over the steps about the values."""
+    along = np.cumsum(walk)
+    sixth = np.minimum(walk, np.append(walk[1:], walk[-1])) / 6.0
+    return np.diag(std**2 - sixth) + np.minimum.outer(along, along)
+
+
+def test_means_of_a_brownian_motion_have_the_covariance_that_is_whitened():
+    rng = np.random.default_rng(1)
+    motion = np.cumsum(rng.standard_normal((4000, 6 * 40)) / np.sqrt(40.0), axis=1)
+    means = rng.standard_normal((4000, 1)) + motion.reshape(4000, 6, 40).mean(axis=2)
+    walk = np.append(1.5, np.ones(5))  # half a step from the start to the middle of the first
+    expected = covariance(np.zeros(6), walk)
+    np.testing.assert_allclose(np.cov(means.T), expected, rtol=0.08)
+    white, size = whitened(means.T, np.zeros(6), walk)
+    np.testing.assert_allclose(white @ white.T / 4000, np.eye(6), atol=0.06)
+    assert size == pytest.approx(0.5 * np.linalg.slogdet(expected)[1])
+
+
+def walked(seed, size=1e-4, noise=1e-3, count=60):
+    """A parabola with errors and a random walk, and the variances of both."""
+    rng = np.random.default_rng(seed)
+    time = np.linspace(0.0, 3.0, count)
+    walk, std = np.full(count, size), np.full(count, noise)
+    truth = np.stack([-time + 0.1 * time**2, 5.0 * time - 0.2 * time**2])
+    root = np.linalg.cholesky(covariance(std, walk))
+    return time, truth + (root @ rng.standard_normal((count, 2))).T, std, walk
+
+
+def test_a_solution_beside_a_walk_matches_dense_algebra():
+    time, y, std, walk = walked(0)
+    knots = padded(np.linspace(time[0], time[-1], 9), 5)
+    matrix = dense(*alive_splines(time, knots, 5), 13)
+    rows, centre = penalty_rows(knots)
+    precision = np.random.default_rng(0).uniform(0.1, 10.0, centre.size)
+    white, _ = whitened(np.column_stack([matrix, y[0]]), std, walk)
+    found, band = full_solution(root_of(white, rows, precision), 6)
+    bends = dense(rows, np.arange(len(rows)), 13)
+    known = np.linalg.solve(covariance(std, walk), np.column_stack([matrix, y[0]]))
+    inverse = np.linalg.inv(matrix.T @ known[:, :13] + bends.T @ (precision[:, None] * bends))
+    np.testing.assert_allclose(found, inverse @ (matrix.T @ known[:, 13]), rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(band, in_band(inverse, 6), rtol=1e-6, atol=1e-12)
+
+
+def test_a_walk_of_no_size_changes_nothing():
+    time, y, std, _ = walked(1)
+    plain, same = coarse(time, y, std, 3.0), coarse(time, y, std, 3.0, walk=np.zeros(60))
+    np.testing.assert_allclose(same.coefficient, plain.coefficient, atol=1e-9)
+
+
+def test_evidence_is_the_restricted_likelihood_of_the_values():
+    """Against the values' own normal distribution, what no parabola tells left out."""
+    time, y, std, walk = walked(2)
+    fit = coarse(time, y, std, 3.0, walk=walk)
+    shape, first = alive_splines(time / 3.0, fit.knots, 5)
+    matrix = dense(shape, first, fit.knots.size - 6)
+    rows, centre = penalty_rows(fit.knots)
+    bends = np.stack(
+        [np.pad(row, (j, matrix.shape[1] - row.size - j)) for j, row in enumerate(rows)]
+    )
+    place = np.interp(centre, fit.prior.node, np.arange(float(fit.prior.node.size)))
+    free = np.linalg.svd(np.vander(time, 3))[0][:, 3:]  # what no parabola is
+
+    def likelihood(walk):
+        found, square, size = 0.0, 0.0, 2 * (time.size - 3)
+        for part, log_precision in enumerate(fit.prior.log_precision):
+            root = matrix @ np.linalg.pinv(bends) / np.sqrt(at_rows(place, log_precision))
+            whole = free.T @ (covariance(std, walk) + root @ root.T) @ free
+            own = free.T @ y[part]
+            square += own @ np.linalg.solve(whole, own)
+            found -= 0.5 * np.linalg.slogdet(whole)[1]
+        return found - 0.5 * size * np.log(square / size), square / size
+
+    ours = [evidence(time, y, std, size, fit) for size in (walk, 0.1 * walk)]
+    known = [likelihood(size) for size in (walk, 0.1 * walk)]
+    assert ours[0][0] - ours[1][0] == pytest.approx(known[0][0] - known[1][0], rel=1e-4)
+    assert ours[0][1] == pytest.approx(known[0][1], rel=1e-4)
+    assert ours[0][0] > ours[1][0]
+
+
+def test_errors_beside_a_walk_are_those_of_simulation():
+    """A slope in a walk of variance q T is known to the root of q / T at best."""
+    z = []
+    for seed in range(60):
+        time, y, std, walk = walked(seed, noise=1e-6)
+        fit = fine(time, y, std, coarse(time, y, std, 3.0, iterations=6, walk=walk), walk)
+        slope = np.stack([-1.0 + 0.2 * time, 5.0 - 0.4 * time])
+        error = fit.std(time)[1]
+        assert (error > 0.9 * np.sqrt(walk[1:].sum()) / 3.0).all()
+        z.append((fit.value(time)[1] - slope) / error)
+    assert 0.6 < np.sqrt(np.mean(np.square(z))) < 1.3
 
 
 def in_band(matrix, width):

@@ -2,13 +2,15 @@
 
 A rough log-phasor tells where its cycles lie and how fast it decays (`rough_phasors`); frames
 of whole cycles are then fitted anew until what the mode does within them is known (`follow`), with
-errors as the blocks scatter (`noise_ratio`, `without_knocks`).
+errors as the blocks scatter (`noise_ratio`, `without_knocks`, and `decay.shaken` for noise that is
+alike in many of them).
 """
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
+from bladeroot.decay.shaken import shaken
 from bladeroot.signal.lines import strongest_line
 from bladeroot.signal.phasors import Frames, Phasors, Segment, corrected, fit_frames, gather
 from bladeroot.signal.smooth import Spline, coarse, fine
@@ -59,7 +61,16 @@ def follow(
     # the displacement that is smoothed
     _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
-    return blocks, fine(blocks.time, parts(blocks.log), blocks.std, fit)
+    fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
+    off = parts(blocks.log) - fit.value(blocks.time)[0]
+    near = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_RATIO)
+    found = shaken(blocks, fit, near)
+    if found is None or found[0].time.size < FEWEST:
+        return blocks, fit
+    left, walk = found
+    own = left.time, parts(left.log), left.std
+    fit = fine(*own, coarse(*own, duration, iterations=6, walk=walk), walk)
+    return Phasors(left.time, left.log, blocks.std[: left.time.size]), fit
 
 
 def parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:

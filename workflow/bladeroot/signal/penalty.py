@@ -1,11 +1,11 @@
 """The sums of a penalised spline, and the iteration by which its penalty is found."""
 
+from collections.abc import Callable
+
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.interpolate import BSpline
-
-from bladeroot.signal.banded import solution
 
 
 def alive_splines(
@@ -102,8 +102,7 @@ def penalised(
 
 
 def posterior(
-    gram: Float[ndarray, "n width"],
-    right: Float[ndarray, " n"],
+    solve: Callable[[ndarray], tuple[ndarray, ndarray]],
     rows: Float[ndarray, "row alive"],
     place: Float[ndarray, " row"],
     log_precision: Float[ndarray, " node"],
@@ -112,23 +111,23 @@ def posterior(
 ) -> tuple[Float[ndarray, " node"], Float[ndarray, " n"], Float[ndarray, "n width"]]:
     """Log-precisions after some steps, coefficients, and their covariance in the band.
 
-    place: where each row of the penalty lies among the nodes, in nodes. LinAlgError where the
-    equations are singular.
+    solve: coefficients and covariance for the precisions of the rows; place: where each row of the
+    penalty lies among the nodes, in nodes. LinAlgError where the equations are singular.
     """
     found = log_precision
     for _ in range(iterations):
-        precision = _at_rows(place, found)
-        value, inverse = solution(penalised(gram, rows, precision), right)
+        precision = at_rows(place, found)
+        value, inverse = solve(precision)
         change, moving = _step(inverse, value, rows, place, precision, found.size)
         found = np.clip(found + change, softest, softest + STIFFEST)
         if not moving:
             break
     # where the curve bends is known no better than to a region
-    precision = _at_rows(place, _spread(found))
-    return found, *solution(penalised(gram, rows, precision), right)
+    precision = at_rows(place, _spread(found))
+    return found, *solve(precision)
 
 
-def _at_rows(
+def at_rows(
     place: Float[ndarray, " row"], log_precision: Float[ndarray, " node"]
 ) -> Float[ndarray, " row"]:
     """Precision of each row: its logarithm runs straight from node to node."""

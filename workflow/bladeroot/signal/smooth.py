@@ -10,8 +10,8 @@ Two passes: one on few knots finds the intensities, a second puts the knots wher
 bends. The cost does not grow with the number of values but for the sums over them.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -19,19 +19,27 @@ from numpy import ndarray
 from scipy.interpolate import PPoly
 from scipy.linalg import LinAlgError
 
+from bladeroot.signal.banded import solution
 from bladeroot.signal.penalty import (
     DEGREE,
+    ORDER,
     alive_splines,
+    at_rows,
     derivative_rows,
     normal_sums,
+    penalised,
     penalty_rows,
     posterior,
 )
+from bladeroot.signal.walk import full_solution, root_of, spread_out, whitened
 
 # The posterior's errors are those of a curve as rough as the prior; most segments are smoother.
 # For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
 # 80 dB (benchmarks/decays.py).
 CALIBRATION = np.array([1.0, 0.88, 0.88])
+# The same with a walk in the values, whose size is known no better than its likelihood tells: by
+# simulation of modes of 2 Hz that shake by 0.001 to 0.03 of the start.
+WALKING = np.array([1.0, 1.2, 1.2])
 # Knots of the second pass, regions with an intensity of their own, and places at which the local
 # width is looked at.
 FINE_KNOTS, REGIONS, GRID = 90, 18, 200
@@ -61,6 +69,7 @@ class Spline:
     coefficient: Float[ndarray, "part coefficient"]
     covariance: Float[ndarray, "part coefficient alive"]
     prior: Prior
+    calibration: Float[ndarray, " order"] = field(default_factory=lambda: CALIBRATION)
 
     def value(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
         """The curves and their first two derivatives."""
@@ -84,7 +93,7 @@ class Spline:
             value, first = alive_splines(x, self.knots[d : self.knots.size - d], DEGREE - d)
             rows = derivative_rows(self.knots, DEGREE, d) / self.scale**d
             error[d] = _errors(value, first, rows, self.covariance)
-        return CALIBRATION[:, None, None] * error
+        return self.calibration[:, None, None] * error
 
 
 def _errors(
@@ -115,14 +124,16 @@ def coarse(
     prior: Prior | None = None,
     knots: int = 50,
     iterations: int = 3,
+    walk: Float[ndarray, " value"] | None = None,
 ) -> Spline:
     """Penalised splines on few knots through independent values that share their errors.
 
     prior: one to start from, as of an earlier call on the same record, `duration` s long.
+    walk: variances of the steps of a random walk that is in the values besides.
     """
     clock = sites(time, y[0], knots)
     prior = prior or _even(time, std, clock, duration, y.shape[0])
-    return _fit(time, y, std, duration, clock, prior, iterations)
+    return _fit(time, y, std, duration, clock, prior, iterations, walk)
 
 
 def fine(
@@ -130,10 +141,49 @@ def fine(
     y: Float[ndarray, "part value"],
     std: Float[ndarray, " value"],
     before: Spline,
+    walk: Float[ndarray, " value"] | None = None,
 ) -> Spline:
     """Penalised splines with knots where an earlier, coarse fit bends."""
     where = _bending(time, std, sites(time, y[0], 50), before, FINE_KNOTS)
-    return _fit(time, y, std, before.scale, where, before.prior, 2)
+    return _fit(time, y, std, before.scale, where, before.prior, 2, walk)
+
+
+def evidence(
+    time: Float[ndarray, " value"],
+    y: Float[ndarray, "part value"],
+    std: Float[ndarray, " value"],
+    walk: Float[ndarray, " value"],
+    fit: Spline,
+) -> tuple[float, float]:
+    """Restricted log-likelihood of errors and a walk, and the factor of all variances that it asks.
+
+    With the prior of a fit to them, whose variances share the factor, and up to a constant that the
+    times and the fit's knots set.
+    """
+    x = (time - fit.origin) / fit.scale
+    roots, size = _roots(x, y, std, walk, fit.knots, fit.trend)
+    rows, centre = penalty_rows(fit.knots)
+    place = np.interp(centre, fit.prior.node, np.arange(float(fit.prior.node.size)))
+    found, square = -size * len(y), 0.0
+    for root, own in zip(roots, fit.prior.log_precision, strict=True):
+        precision = at_rows(place, own)
+        whole = np.abs(root_of(root, rows, precision).diagonal())
+        found += 0.5 * np.log(precision).sum() - np.log(whole[:-1]).sum()
+        square += whole[-1] ** 2
+    free = len(y) * (time.size - ORDER)
+    return float(found - 0.5 * free * np.log(square / free)), float(square / free)
+
+
+def _roots(
+    x: ndarray, y: ndarray, std: ndarray, walk: ndarray, knots: ndarray, trend: ndarray
+) -> tuple[list[ndarray], float]:
+    """Each part's root of whitened splines and values, and half the ln of their covariance."""
+    count = knots.size - DEGREE - 1
+    design = spread_out(*alive_splines(x, knots, DEGREE), count)
+    about = y - trend[:, :1] * x - trend[:, 1:]
+    white, size = whitened(np.column_stack([design, about.T]), std, walk)
+    root = np.linalg.qr(white, "r")
+    return [root[:, [*range(count), count + part]] for part in range(len(y))], size
 
 
 def sites(
@@ -167,6 +217,7 @@ def _fit(
     where: ndarray,
     prior: Prior,
     iterations: int,
+    walk: ndarray | None,
 ) -> Spline:
     """The splines on given knots, after some steps of the intensities' iteration."""
     origin, scale = float(time[0]), duration
@@ -177,10 +228,18 @@ def _fit(
     gram, right, trend = normal_sums(x, y, std, shape, first, count)
     penalty, centre = penalty_rows(knots)
     place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
+    if walk is None:
+        solves = [partial(_in_band, gram, own, penalty) for own in right]
+    else:
+        solves = [
+            partial(_in_full, root, penalty) for root in _roots(x, y, std, walk, knots, trend)[0]
+        ]
     try:
         found = [
-            posterior(gram, own, penalty, place, before, softest, iterations)
-            for own, before, softest in zip(right, prior.log_precision, prior.softest, strict=True)
+            posterior(solve, penalty, place, before, softest, iterations)
+            for solve, before, softest in zip(
+                solves, prior.log_precision, prior.softest, strict=True
+            )
         ]
     except LinAlgError:
         problem = "the spline's equations are singular: values without finite errors?"
@@ -191,7 +250,16 @@ def _fit(
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,
         Prior(prior.node, log_precision, prior.softest),
+        CALIBRATION if walk is None else WALKING,
     )  # fmt: skip
+
+
+def _in_band(gram: ndarray, right: ndarray, rows: ndarray, precision: ndarray) -> tuple:
+    return solution(penalised(gram, rows, precision), right)
+
+
+def _in_full(root: ndarray, rows: ndarray, precision: ndarray) -> tuple:
+    return full_solution(root_of(root, rows, precision), DEGREE + 1)
 
 
 def _bending(
