@@ -335,6 +335,19 @@ def test_a_steady_line_beside_the_mode_is_taken_off():
     assert np.abs(found["loss_factor"].values[clear] / 0.006 - 1.0).max() < 0.1
 
 
+def test_a_steady_line_that_the_mode_has_not_died_beside_is_taken_off():
+    """Where the mode sinks to the line it seems to end; it goes on beating with it."""
+    velocity = blow([(100.7, 0.0015, 0.02)], length_s=8.0)
+    time = np.arange(velocity.size) / RATE
+    velocity += 2e-4 * np.cos(2.0 * np.pi * 100.0 * time + 1.0)
+    judged, found = curve(velocity, 100.0)
+    assert "steady-line" in judged["finding_id"].values
+    assert judged.attrs["components_Hz"][-1] == pytest.approx(100.0, abs=0.01)
+    clear = found["amplitude"].values > 0.01 * found["amplitude"].values.max()
+    assert clear.sum() > 60
+    assert np.abs(found["loss_factor"].values[clear] / 0.003 - 1.0).max() < 0.1
+
+
 @pytest.mark.parametrize(("away_Hz", "size"), [(28.0, 0.01), (40.0, 0.02), (40.0, 0.05)])
 @pytest.mark.parametrize(("falls", "finding"), [(0.0, "steady-line"), (0.15, "close-mode")])
 def test_what_beats_with_the_mode_and_stays_is_no_mode(away_Hz, size, falls, finding):

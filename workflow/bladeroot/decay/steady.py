@@ -47,11 +47,12 @@ def steady_line(
     line = float(frequency[at])
     for _ in range(3):  # the phase from part to part tells the frequency best
         z, middle = _parts(after, time, line)
-        turned = np.unwrap(np.angle(z))
+        turned = np.unwrap(np.angle(z - _second(z)))
         line += float(np.polyfit(middle, turned, 1)[0]) / (2.0 * np.pi)
     z, middle = _parts(after, time, line)
+    z = z - _second(z)
     mean = complex(z.mean())
-    off = float(np.sqrt(np.sum(np.abs(z - mean) ** 2) / (PARTS - 2)))
+    off = float(np.sqrt(np.sum(np.abs(z - mean) ** 2) / (PARTS - 4)))
     now = np.arange(x.size) / sampling_Hz
     # errors of the mean, and of the frequency from where it is known best
     away = (now - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
@@ -73,3 +74,16 @@ def _parts(
     turned = (after * np.exp(-2j * np.pi * line_Hz * time)).reshape(PARTS, -1)
     taper = hann(turned.shape[1])
     return 2.0 * (turned @ taper) / taper.sum(), time.reshape(PARTS, -1).mean(axis=1)
+
+
+def _second(z: Complex[ndarray, " part"]) -> Complex[ndarray, " part"]:
+    """What there is in the parts beside what is largest in the end: the mode's last.
+
+    Of two exponentials by a matrix pencil (Hua and Sarkar 1990).
+    """
+    rows = np.lib.stride_tricks.sliding_window_view(z, PARTS // 2 + 1)
+    own = np.linalg.svd(rows, full_matrices=False)[2][:2].T
+    poles = np.linalg.eigvals(np.linalg.lstsq(own[:-1], own[1:], rcond=None)[0])
+    shapes = poles ** np.arange(PARTS)[:, None]
+    both = shapes * np.linalg.lstsq(shapes, z, rcond=None)[0]
+    return both[:, int(np.argmin(np.abs(both[-1])))]
