@@ -81,7 +81,7 @@ def too_fast_or_short(samples: int, sampling_Hz: float, expected_Hz: float) -> s
     """Why so many samples cannot hold a decay of a mode, or ""."""
     if expected_Hz >= FASTEST * sampling_Hz:
         return (
-            f"expected_Hz {expected_Hz:.6g} lies above {FASTEST} of the sampling frequency "
+            f"the mode's frequency {expected_Hz:.6g} Hz lies above {FASTEST} of the sampling frequency "
             f"{sampling_Hz:.6g} Hz"
         )
     duration = samples / sampling_Hz
