@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 from scipy.special import gammaln, logsumexp
 
 from bladeroot.inference.gaussian import Fit
-from bladeroot.inference.problem import Problem
+from bladeroot.inference.problem import Problem, State
 
 DRAWS = 4000  # that are handed out
 # Draws are added until this part of those handed out is independent, or so many times were asked
@@ -144,38 +144,39 @@ def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tupl
     root = np.linalg.cholesky(curve)
     theta[:, rest] += np.linalg.solve(root.transpose(0, 2, 1), noise[..., None])[..., 0]
     here = _seen(problem, theta, scales)
+    repeats = 0.0
+    if problem.repeats is not None:
+        pairs = zip(here.states, scales, strict=True)
+        repeats = np.array([problem.repeats.cost(*one) for one in pairs])
     miss = np.linalg.solve(here.root, here.miss)[..., 0]
     log = -0.5 * ((miss**2).sum(axis=1) - (noise**2).sum(axis=1)) - _log_det(here.root)
     log -= 0.5 * (((theta - prior.mean) / prior.std) ** 2).sum(axis=1) + _log_det(root)
     log -= 0.5 * (((scales - problem.scales.mean) / problem.scales.std) ** 2).sum(axis=1)
-    return theta, np.where(here.inside, log - here.repeats, -np.inf)
+    return theta, np.where(here.inside, log - repeats, -np.inf)
 
 
 @dataclass(frozen=True)
 class _Seen:
-    """A model at several points: misses as columns, root of the covariance, cost of repeats."""
+    """A model at several points: misses as columns, root of the covariance."""
 
+    states: Sequence[State]
     miss: Float[ndarray, "point datum 1"]
     slope: Float[ndarray, "point datum parameter"]
     root: Float[ndarray, "point datum datum"]
-    repeats: Float[ndarray, " point"]
     inside: ndarray
 
 
 def _seen(problem: Problem, theta: ndarray, scales: ndarray) -> _Seen:
     states = problem.states(theta)
-    pairs = list(zip(states, scales, strict=True))
-    whole = np.array([problem.covariance(state, own)[0] for state, own in pairs])
-    repeats = np.zeros(len(theta))
-    if problem.repeats is not None:
-        repeats = np.array([problem.repeats.cost(state, own) for state, own in pairs])
+    pairs = zip(states, scales, strict=True)
+    whole = np.array([problem.covariance(*one)[0] for one in pairs])
     miss = np.array([problem.data - state.mean for state in states])
     slope = np.array([state.slope for state in states])
     root, good = _roots(whole)
     good &= np.isfinite(miss).all(axis=1) & np.isfinite(slope).all(axis=(1, 2))
     miss[~good], slope[~good] = 0.0, 0.0
     inside = good & np.array([state.inside for state in states])
-    return _Seen(miss[..., None], slope, root, repeats, inside)
+    return _Seen(states, miss[..., None], slope, root, inside)
 
 
 def _roots(whole: Float[ndarray, "point datum datum"]) -> tuple[ndarray, ndarray]:

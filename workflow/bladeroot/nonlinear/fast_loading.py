@@ -68,23 +68,14 @@ def states(
 
     master: rising coordinates, m kg^1/2. RuntimeError if a state does not settle.
     """
-    size = 2 * system.count.size
-    shape = system.shape[:, 1:].reshape(size, -1)
-    pushed = shape * np.repeat(system.count, 2)[:, None]
-    others = 1.0 / (system.values[1:] - system.values[0])
-    give = system.flexibility[:, 1:][..., 1:].reshape(size, size)
-    give = (give + (shape[:, 1:] * others) @ pushed[:, 1:].T).T.copy()
-    at_laser = system.laser_flexibility[:, 1:].ravel()
-    at_laser = at_laser + pushed[:, 1:] @ (others * system.laser[1:])
+    shape, give, told = system.tangential
     kt, limit = sliders.tangential, sliders.friction * sliders.preload
     stuck = system.stiffness[:, 1].copy()
-    g, settled = load_up(kt, limit, stuck, give, shape[:, 0].copy(), master, _TOLERANCE)
+    g, settled = load_up(kt, limit, stuck, give, shape, master, _TOLERANCE)
     if settled < len(master):
         at = 1e6 * abs(system.laser[0] * master[settled])
         raise RuntimeError(
             f"the contacts of {system.mode} did not settle under first loading to {at:.3g} um "
             "at the laser"
         )
-    return np.outer(master, [system.values[0], system.laser[0]]) + g @ np.column_stack(
-        [-pushed[:, 0], at_laser]
-    )
+    return np.outer(master, [system.values[0], system.laser[0]]) + g @ told

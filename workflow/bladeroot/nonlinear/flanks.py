@@ -74,9 +74,7 @@ def flank_sliders(
     if contact.law == "iwan" or contact.pressure == 0.0:
         return sliders
     if contact.pressure == "punch":
-        profile = punch_profile(
-            contact.punch, preload.sum() / len(np.unique(joint.assembly["flank"].values))
-        )
+        profile = punch_profile(contact.punch, preload.sum() / len(np.unique(joint.flank)))
     else:
         profile = power_profile(contact.pressure)
     return distributed(sliders, width_places(joint)[system.pair], profile, contact.strips)
@@ -84,8 +82,7 @@ def flank_sliders(
 
 def even_preload(joint: Joint, force: float) -> Float[ndarray, " pair"]:
     """Normal load of each pair (N) under the axial force (N), in proportion to its area."""
-    normal_x = np.abs(joint.assembly["frame"].values[:, 0, 0])
-    return joint.weight * force / (2.0 * normal_x)
+    return joint.weight * force / (2.0 * np.abs(joint.normal[:, 0]))
 
 
 def elastic_preload(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, " pair"]:
@@ -96,7 +93,7 @@ def elastic_preload(joint: Joint, point: Float[ndarray, "3"]) -> Float[ndarray, 
     """
     kn = np.exp(point[0])
     smooth = np.array([point[0], point[0] + np.log(_FRICTIONLESS), point[2]])
-    normal = joint.assembly["frame"].values[:, 0, 0]
+    normal = joint.normal[:, 0]
     end = np.sign(joint.assembly["pair_position"].values[:, 0])
     approach = -np.sqrt(joint.weight) * end * normal  # of slots moved out by one metre
     factor = (stable_factor(stiffness_at(joint, smooth), described(smooth)), True)

@@ -36,7 +36,7 @@ def pictures(
     rising = np.unique(np.asarray(amplitudes, float))
     slip = mode_curve(system, sliders, rising).slip[:, system.image]
     order = np.searchsorted(rising, amplitudes)
-    flank = joint.assembly["flank"].values
+    flank = joint.flank
     along = np.einsum(
         "pla,pa->pl",
         joint.assembly["frame"].values[:, 1:],

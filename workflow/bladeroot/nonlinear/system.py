@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
+from bladeroot.rom.assembly import find_modes
 from bladeroot.rom.joint import Joint, Operator, described
 
 _SAME = 1e-5  # of the largest motion: how well a mirror image must agree
@@ -46,6 +47,23 @@ class System:
     pair: Int[ndarray, " contact"]
     image: Int[ndarray, " pair"]
     sign: Float[ndarray, "pair 3"]
+
+    @cached_property
+    def tangential(self) -> tuple[ndarray, ndarray, ndarray]:
+        """For loads along the contacts alone, as slow as the mode itself is.
+
+        The contacts' motion by the mode's coordinate (kg^-1/2); row k of theirs by load k (m/N), the
+        mode's own left out; load on the mode (kg^-1/2) and motion of the laser (m/N) by each load.
+        """
+        size = 2 * self.count.size
+        shape = self.shape[:, 1:].reshape(size, -1)
+        pushed = shape * np.repeat(self.count, 2)[:, None]
+        others = 1.0 / (self.values[1:] - self.values[0])
+        give = self.flexibility[:, 1:][..., 1:].reshape(size, size)
+        give = (give + (shape[:, 1:] * others) @ pushed[:, 1:].T).T.copy()
+        at_laser = self.laser_flexibility[:, 1:].ravel()
+        at_laser = at_laser + pushed[:, 1:] @ (others * self.laser[1:])
+        return shape[:, 0].copy(), give, np.column_stack([-pushed[:, 0], at_laser])
 
 
 def system_of(
@@ -120,10 +138,11 @@ def _system(
 ) -> System | None:
     """The system in a sector, or in the whole joint; None if contacts load other sectors, too."""
     joint, point, stuck = place.joint, place.point, place.stuck.within(sector)
-    modes = stuck.modes([mode])
-    laser = _laser_row(joint, mode, laser_x, modes.shapes[:, 0])
+    held = stuck.holding([mode])
+    master = held[:, find_modes(joint.assembly, held, [mode])[mode]]
+    laser = _laser_row(joint, mode, laser_x, master)
     rows = joint.contact
-    image, sign = _images(joint, np.einsum("cad,d->ca", rows, modes.shapes[:, 0]), odd_force)
+    image, sign = _images(joint, rows @ master, odd_force)
     pair = np.unique(image)
     image = np.searchsorted(pair, image)
     count = np.bincount(image).astype(float)
@@ -133,8 +152,7 @@ def _system(
     if sector is not None and not stuck.holds(joined.T):
         return None
     loose = place.sliding.within(sector).holding([mode])
-    shapes = np.hstack([modes.all_shapes, loose])
-    values, shapes = _kept(stuck, joined, modes.shapes[:, 0], shapes)
+    values, shapes = _kept(stuck, joined, master, np.hstack([held, loose]))
     own = rows[pair] @ shapes
     pushed = stuck.solve(joined.T)
     pushed -= shapes @ ((joined @ shapes) / values).T

@@ -5,14 +5,14 @@ to them, and how unevenly it is spread at random, as by waviness and roughness. 
 its limit; the punch of section 6.2 lies near an exponent of one half with none at the edges.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 from scipy.special import ndtri
 
-from bladeroot.contact.laws.jenkins import jenkins
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.flanks import even_preload
 from bladeroot.nonlinear.system import System
@@ -40,7 +40,7 @@ def relative_pressure(joint: Joint, law: Uneven) -> Float[ndarray, " pair"]:
     least = law.edge ** (1.0 / law.exponent)
     inwards = np.maximum(1.0 - joint.edge_distance**2, 0.0)
     raw = (least + (1.0 - least) * inwards) ** law.exponent
-    flank, share = joint.assembly["flank"].values, joint.assembly["weight"].values
+    flank, share = joint.flank, joint.area
     return raw * (np.bincount(flank, share) / np.bincount(flank, share * raw))[flank]
 
 
@@ -50,16 +50,16 @@ def uneven_sliders(joint: Joint, system: System, force: float, law: Uneven) -> S
     The unevenness takes even quantiles of its distribution, dealt out over places in a fixed order.
     """
     load = (even_preload(joint, force) * relative_pressure(joint, law))[system.pair]
-    whole = jenkins(*system.stiffness.T, load, law.friction)
-    shape = (len(load), PARTS)
-    dealt = ndtri((_GOLDEN * np.arange(1, load.size * PARTS + 1)) % 1.0).reshape(shape)
-    uneven = np.exp(law.spread * dealt)
+    uneven = np.exp(law.spread * _dealt(load.size))
     uneven /= (system.count * load) @ uneven.mean(axis=1) / (system.count @ load)
-    one = np.full(shape, 1.0 / PARTS)
-    return replace(
-        whole,
-        normal=whole.normal * one,
-        tangential=whole.tangential * one,
-        preload=whole.preload * one * uneven,
-        friction=np.repeat(whole.friction, PARTS, axis=1),
-    )
+    one = np.full(uneven.shape, 1.0 / PARTS)
+    normal, tangential = system.stiffness.T[..., None] * one
+    friction = np.full(uneven.shape, law.friction)
+    return Sliders(normal, tangential, load[:, None] * one * uneven, friction, False)
+
+
+@cache
+def _dealt(contacts: int) -> Float[ndarray, "contact part"]:
+    """Even quantiles of a standard normal distribution, one a part."""
+    places = (_GOLDEN * np.arange(1, contacts * PARTS + 1)) % 1.0
+    return ndtri(places).reshape(contacts, PARTS)

@@ -93,16 +93,14 @@ def find_modes(
     """
     if "mode_shape" in assembly:
         return _matched(assembly, shapes, names)
-    shown = np.einsum("daq,qm->dam", assembly.display_shape.values, shapes)
-    alike = _flanks_alike(assembly, shapes)
-    every = np.full(shapes.shape[1], True)
-    families = {"B": every, "L": alike, "T": ~alike}
+    shown = assembly.display_shape.values @ shapes
     found = {}
     for name in names:
-        axis, number, family = axis_of(name), int(name[:-1]), families[name[-1]]
+        axis, number = axis_of(name), int(name[:-1])
         sign = 1 if number % 2 else -1
         good = of_parity(assembly.display_position.values, shown, axis, sign)
-        good = good[family[good]]
+        if name[-1] != "B":
+            good = good[_flanks_alike(assembly, shapes)[good] == (name[-1] == "L")]
         if len(good) <= (number - 1) // 2:
             raise ValueError(
                 f"no mode {name} among the lowest {shapes.shape[1]}: "

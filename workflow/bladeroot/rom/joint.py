@@ -58,11 +58,25 @@ class Joint:
         return self.rows[1]
 
     @cached_property
+    def flank(self) -> Int[ndarray, " pair"]:
+        """The flank that each pair is on."""
+        return self.assembly["flank"].values
+
+    @cached_property
+    def area(self) -> Float[ndarray, " pair"]:
+        """Share of the flank's area that each pair stands for."""
+        return self.assembly["weight"].values
+
+    @cached_property
+    def normal(self) -> Float[ndarray, "pair 3"]:
+        """Unit normal of each pair."""
+        return self.assembly["frame"].values[:, 0]
+
+    @cached_property
     def weight(self) -> Float[ndarray, " pair"]:
         """Share of the flank's stiffness that each pair carries."""
-        frame = self.assembly["frame"].values[:, 0]
         dofs = self.assembly["beam_dof"].values
-        return (np.take_along_axis(self.gap, dofs, axis=1) * frame).sum(axis=1) ** 2
+        return (np.take_along_axis(self.gap, dofs, axis=1) * self.normal).sum(axis=1) ** 2
 
     @cached_property
     def contact(self) -> Float[ndarray, "pair 3 dof"]:
