@@ -21,8 +21,9 @@ from bladeroot.nonlinear.uneven import uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.curve_fit import CurveFit, fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.joint import freest, measured_modes, models_of, posterior_of
+from bladeroot.stiffness.joint import freest, law_of, measured_modes, models_of, posterior_of
 from bladeroot.stiffness.model import LevelModel, map_estimate, predict
+from bladeroot.stiffness.posterior import at_forces
 from bladeroot.stiffness.priors import FRICTION
 from bladeroot.stiffness.simulated_curves import friction_of, level_systems
 from bladeroot.stiffness.softening import DISCREPANCY, Softening, of_modes, softening_of
@@ -131,7 +132,7 @@ def _with_curves(
         found = posterior_of(with_curves, together, law, forces)
     except ValueError as error:  # curves that no stiffness explains leave no posterior to draw from
         raise RuntimeError(f"the posterior with curves cannot be drawn from: {error}") from None
-    before = posterior_of(models, alone, law, forces)
+    before = at_forces(law_of(models[law], alone[law]), forces)
     z = _places(with_curves[law], together[law])
     parts = [
         found,

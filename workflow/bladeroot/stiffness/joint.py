@@ -128,12 +128,12 @@ def posterior_of(
         "force": levels.force,
         "ln_frequency": levels.ln_frequency,
     }
-    laws = {name: _law_of(models[name], fit) for name, fit in fits.items()}
+    laws = {name: law_of(models[name], fit) for name, fit in fits.items()}
     return posterior(laws, law, forces, (float(levels.force.min()), highest), measured)
 
 
-def _law_of(model: LevelModel, fit: Fit) -> Law:
-    """A law with the names of its parameters and the origins of their priors."""
+def law_of(model: LevelModel, fit: Fit) -> Law:
+    """A law's fit with the names of its parameters and the origins of their priors."""
     other = {"force_offset": "the gauge's accuracy", "force_gain": "the gauge's accuracy"}
     origins = tuple(
         PRIORS[name][2] if name in PRIORS else other.get(name, "search.fe_bias_percent")
@@ -170,7 +170,7 @@ def _variations(model: LevelModel, fit: Fit, stick: xr.Dataset) -> xr.Dataset:
         cases["forces from 12 kN up"] = replace(model, levels=from_force(every, REFERENCE_FORCE))
     at = np.array([REFERENCE_FORCE])
     found = [
-        _law_of(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
+        law_of(one, fit if one is model else map_estimate(one, (-0.4, 0.4)))
         for one in cases.values()
     ]
     made = {
