@@ -28,6 +28,7 @@ def registered(table: str) -> dict[str, tuple[tuple[str, ...], dict[str, str]]]:
     return made
 
 
+@cache
 def names(table: str) -> tuple[str, ...]:
     """Names of a table's own variables, in their order."""
     room, _, name = table.partition("/")

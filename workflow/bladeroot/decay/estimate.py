@@ -32,7 +32,7 @@ def estimate(
     """
     if band_Hz is not None:
         cut = banded(cut, band_Hz)
-    facts, made, peaks = cut.attrs | {"damping": damping}, no_decay(), no_peaks()
+    facts, made = cut.attrs | {"damping": damping}, None
     if facts["verdict"] == "usable":
         # a start that is masked is no part of the decay
         first = int(np.argmax(cut["usable"].values))
@@ -52,12 +52,16 @@ def estimate(
             peaks = later(peak_fit(velocity, *known, **options), begin_s)
             if separated:
                 made.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
+    if made is None:
+        made, peaks = no_decay(), no_peaks()
     whole = made.assign({**peaks.variables, **compare(made, peaks).variables})
     return whole.assign_attrs(facts, estimator=estimator.__name__)
 
 
 def later(made: xr.Dataset, seconds: float) -> xr.Dataset:
     """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
+    if not seconds:
+        return made
     times = [name for name in ("time", "block_time", "pff_time") if name in made]
     moved = {name: (made[name] + seconds).assign_attrs(made[name].attrs) for name in times}
     return made.assign(moved)

@@ -73,27 +73,29 @@ def hinge_laws(segment: Segment, onsets: Float[ndarray, " onset"]) -> Laws:
 
     Every onset lies above the smallest amplitude.
     """
-    shape, between = (hinges(segment, onsets, logs) for logs in (False, True))
+    e, rate = _hinges(segment, onsets)
+    log = np.log(np.where(e > 0.0, e, 1.0))
+    shape, between = (
+        over_cells(segment, one.reshape(-1, log.shape[1])) for one in (rate, rate * log[:, None])
+    )
     return Laws(shape, between, np.repeat(onsets, HINGES), np.zeros(HINGES * onsets.size))
 
 
-def hinges(
-    segment: Segment, onsets: Float[ndarray, " onset"], logs: bool = False
-) -> Float[ndarray, "law cell"]:
-    """Means over the cells of the hinges at each onset (ln A0); of the same times ln(e) if `logs`.
+def hinges(segment: Segment, onsets: Float[ndarray, " onset"]) -> Float[ndarray, "law cell"]:
+    """Means over the cells of the hinges at each onset (ln A0), its `HINGES` shapes in turn."""
+    e, rate = _hinges(segment, onsets)
+    return over_cells(segment, rate.reshape(-1, e.shape[1]))
 
-    Every onset has its `HINGES` shapes in turn.
-    """
+
+def _hinges(segment: Segment, onsets: Float[ndarray, " onset"]) -> tuple[ndarray, ndarray]:
+    """e along the path for each onset (ln A0), and the `HINGES` shapes."""
     e = np.maximum(np.exp(segment.path) * np.exp(-onsets)[:, None] - 1.0, 0.0)
     root, s = np.sqrt(e), e / (1.0 + e)
     # 3.19: with theta = pi - theta_B = 2 atan(sqrt(e)), the stiffness lost is
     # (theta - sin(2 theta) / 2) / pi
     slider = 2.0 * (np.arctan(root) - root * (1.0 - e) / (1.0 + e) ** 2)
     shapes = [e**0.75, e, e * root, e**2, s, s * (1.0 - s), slider]
-    rate = np.stack(shapes, axis=1)
-    if logs:
-        rate *= np.log(np.where(e > 0.0, e, 1.0))[:, None]
-    return over_cells(segment, rate.reshape(-1, e.shape[1]))
+    return e, np.stack(shapes, axis=1)
 
 
 def hats(
