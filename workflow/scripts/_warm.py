@@ -26,6 +26,7 @@ LIBRARIES = (
     "netCDF4",
     "numba",
     "pandas",
+    "pint",  # which xarray asks for, too
     "scipy.interpolate",
     "scipy.optimize",
     "scipy.sparse.linalg",
