@@ -81,8 +81,8 @@ def too_fast_or_short(samples: int, sampling_Hz: float, expected_Hz: float) -> s
     """Why so many samples cannot hold a decay of a mode, or ""."""
     if expected_Hz >= FASTEST * sampling_Hz:
         return (
-            f"the mode's frequency {expected_Hz:.6g} Hz lies above {FASTEST} of the sampling frequency "
-            f"{sampling_Hz:.6g} Hz"
+            f"the mode's frequency {expected_Hz:.6g} Hz lies above {FASTEST} of the sampling "
+            f"frequency {sampling_Hz:.6g} Hz"
         )
     duration = samples / sampling_Hz
     if duration * expected_Hz < 2 * FEWEST_CYCLES:

@@ -240,8 +240,8 @@ def rough_phasors(
     count = velocity.size // length
     if count < FEWEST:
         raise ValueError(
-            f"expected at least {FEWEST * length / cycle:.3g} cycles near {line_Hz:.4g} Hz to follow "
-            f"the mode, got {velocity.size / cycle:.3g}"
+            f"expected at least {FEWEST * length / cycle:.3g} cycles near {line_Hz:.4g} Hz to "
+            f"follow the mode, got {velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
     frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)

@@ -52,8 +52,9 @@ class System:
     def tangential(self) -> tuple[ndarray, ndarray, ndarray]:
         """For loads along the contacts alone, as slow as the mode itself is.
 
-        The contacts' motion by the mode's coordinate (kg^-1/2); row k of theirs by load k (m/N), the
-        mode's own left out; load on the mode (kg^-1/2) and motion of the laser (m/N) by each load.
+        The contacts' motion by the mode's coordinate (kg^-1/2); row k of theirs by load k (m/N),
+        the mode's own left out; load on the mode (kg^-1/2) and motion of the laser (m/N) by each
+        load.
         """
         size = 2 * self.count.size
         shape = self.shape[:, 1:].reshape(size, -1)
