@@ -495,3 +495,15 @@ def test_a_campaign_without_workflow_gives_the_stages_verdict(tmp_path):
     assert len(verdict.plot().axes) == 4
     with pytest.raises(ValueError, match="campaign folder not found"):
         br.diagnose(tmp_path / "nowhere")
+
+
+def test_causes_that_the_sentence_doubts_are_not_among_the_named():
+    empty = xr.Dataset()
+    causes = [
+        {"mechanism": "drift", "shown": True, "credible_set": ["drift"]},
+        {"mechanism": "crack", "shown": True, "credible_set": ["crack", "none-of-these"]},
+        {"mechanism": "ageing", "shown": False, "credible_set": ["ageing", "none"]},
+    ]
+    for answer, expected in (("named", ("drift",)), ("ambiguous", ("drift", "crack"))):
+        said = {"answer": answer, "causes": causes}
+        assert br.Verdict(said, empty, empty, empty, {}).causes == expected

@@ -46,11 +46,14 @@ class Verdict:
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """Ids of the causes that the data show, what explains most first.
+        """Ids of the causes that are named, or without a name those that the data show.
 
-        They are named where `answer` is "named"; otherwise `said["reason"]` says what is in doubt.
+        What explains most comes first; what may act beside them stands in `said`.
         """
-        return tuple(one["mechanism"] for one in self.said["causes"] if one["shown"])
+        shown = [one for one in self.said["causes"] if one["shown"]]
+        if self.answer == "named":
+            shown = [one for one in shown if len(one["credible_set"]) == 1]
+        return tuple(one["mechanism"] for one in shown)
 
     def plot(self):
         """Measured stick frequencies and loss factors over the load, by mode; a Figure."""
