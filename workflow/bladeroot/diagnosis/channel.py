@@ -84,7 +84,7 @@ def damping_channel(data: DampingData, candidates: Sequence[Mechanism]) -> Chann
         lambda mechanisms, extra: damping_model.problem(data, mechanisms, extra),
         len(data.stick.modes),
         _possible(candidates, "damping", data.stick),
-        lambda _: _smooth(data.stick, 0.03),
+        lambda _: _smooth(data.stick, 0.03, together=True),
         _parts(data.stick),
     )
 
@@ -169,12 +169,17 @@ def not_judged(
     return ". ".join(lines)
 
 
-def _smooth(data: StickData, size: float) -> dict[str, Kernels]:
-    """Smooth functions of force, of time and of the time in a clamping, and a step by direction."""
+def _smooth(data: StickData, size: float, together: bool = False) -> dict[str, Kernels]:
+    """Smooth functions of force, of time and of the time in a clamping, and a step by direction.
+
+    together: whether all modes may also have the rough course alike, as they scatter.
+    """
     records, same = data.records, stick_model.same_mode(data).astype(float)
 
     def along(values: ndarray, length: float) -> Kernels:
-        return [(same * course, size) for course in _courses(values, length)]
+        rough, slow = _courses(values, length)
+        own = [(same * rough, size), (same * slow, size)]
+        return [*own, (rough, size)] if together else own
 
     found = {"force": along(np.log(records.force), _FORCE)}
     if np.unique(records.force).size == 1 and data.group is not None:

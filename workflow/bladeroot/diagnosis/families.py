@@ -271,15 +271,18 @@ def without(channel: Channel, model: Model, gone: str) -> Model:
 def smooth(channel: Channel, model: Model) -> dict[str, float]:
     """Log evidence over the model of each smooth competitor beside its causes.
 
-    Fitted from two starts where the data ask for it.
+    Fitted from two starts beside no cause, and where the data ask for it.
     """
     gains, current = {}, model.fit
+    own = current.scales.size
     for name, kernels in channel.smooth(current).items():
         problem = channel.problem(model.causes, kernels)
-        usual = problem.scales.mean
-        starts = [np.append(current.scales, usual[current.scales.size :])]
-        if _asks(current, kernels):
-            starts.append(usual)
+        usual, wide = problem.scales.mean, problem.scales.std
+        starts = [np.append(current.scales, usual[own:])]
+        if not model.causes or _asks(current, kernels):
+            # scatter that has made up for what is smooth hides it
+            less = np.minimum(current.scales, usual[:own]) - 2.0 * wide[:own]
+            starts.append(np.append(less, usual[own:] + wide[own:]))
         both = [fit(problem, current.parameters, scales) for scales in starts]
         gains[name] = max(one.log_evidence for one in both) - current.log_evidence
     return gains
