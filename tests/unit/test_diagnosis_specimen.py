@@ -67,10 +67,11 @@ def names(said):
     return [one["mechanism"] for one in said["causes"] if one["shown"]]
 
 
-def test_slopes_of_the_linear_baseline_are_differences(model, expected):
+@pytest.mark.parametrize(("power", "zero"), [(1.0, 0.0), (2.0, 500.0)])
+def test_slopes_of_the_linear_baseline_are_differences(model, expected, power, zero):
     seen = campaign(model, rows=programme(cycles=1), curves=False)
     data = stick_data(seen, MODES)
-    linear = Linear(MODES, np.array([expected[mode] for mode in MODES]), True)
+    linear = Linear(MODES, np.array([expected[mode] for mode in MODES]), True, power, zero)
     chosen = [BY_ID["load-dependent-stiffness"], BY_ID["drift"], BY_ID["force-relaxation"]]
     made = problem(data, linear, chosen)
     theta = made.prior.mean + 0.3 * made.prior.std * np.random.default_rng(0).standard_normal(
@@ -104,6 +105,24 @@ def test_the_line_over_a_tension_bends_as_that_of_a_clamped_beam(ends, mode):
     bend, line, _ = np.polyfit(tension, square / square[0], 2)
     assert line * tension[-1] > 0.1
     assert abs(-bend / line**2 - BEND[0]) < 2.0 * BEND[1]
+
+
+@pytest.mark.parametrize(("unit", "nothing"), [("rpm", True), ("Nm", False)])
+def test_a_speed_stiffens_by_its_square(model, expected, unit, nothing):
+    """f^2 = f0^2 + B n^2 (Southwell), from standstill on; over any other load that is no line."""
+    seen = campaign(model, rows=programme(cycles=2), curves=False)
+    speed = 600.0 * np.searchsorted(FORCES, seen["force"].values)
+    mode, hold = (np.unique(seen[name], return_inverse=True)[1] for name in ("mode", "hold"))
+    rng = np.random.default_rng(2)
+    gain = np.array([0.25, 0.08])[mode] * (speed / speed.max()) ** 2
+    level = np.array([expected[name] for name in MODES])[mode]
+    scatter = 1e-4 * rng.standard_normal(hold.max() + 1)[hold]
+    scatter += 3e-6 * rng.standard_normal(hold.size)
+    seen["stick_frequency"].values[:] = level * np.sqrt(1.0 + gain) * np.exp(scatter)
+    seen["force"].values[:] = speed
+    made = of_a_load(seen, "speed", unit)
+    _, said, _ = judged.with_baseline(made, SETTINGS, CATALOGUE, expected)
+    assert (said["answer"] == "nothing-missing") == nothing
 
 
 @pytest.mark.parametrize("effect", [("", 0.0), ("drift", 6e-3)])

@@ -14,7 +14,7 @@ from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.linear import JOINT, JOINT_DOUBT, Linear
+from bladeroot.diagnosis.simulation.linear import JOINT, JOINT_DOUBT, SPEED, Linear
 from bladeroot.diagnosis.simulation.own_range import (
     dataset_in_own,
     in_catalogue,
@@ -134,7 +134,9 @@ def with_baseline(
     """Against linear modes, in the campaign's own range of load and amplitude."""
     modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
     own = own_range(seen)
-    linear = Linear(modes, np.array([expected[mode] for mode in modes], float), bool(own.name))
+    at = np.array([expected[mode] for mode in modes], float)
+    power = 2.0 if own.unit == SPEED else 1.0
+    linear = Linear(modes, at, bool(own.name), power, own.shift * own.per_load)
     spoken = [one for one in candidates if not linear.silent(one)]
     return _in_own(seen, linear, settings, spoken, "")
 

@@ -1,7 +1,8 @@
 """No simulation at all: each mode is a linear one, with constant frequency and loss factor.
 
 Over a load its frequency follows stress stiffening, f^2 = f0^2 (1 + F/Fc): a line in f^2 over F,
-which bends a little downwards, as a mode's shape gives way (perturbation of second order).
+which bends a little downwards, as a mode's shape gives way (perturbation of second order). A speed
+stiffens by its square (Southwell).
 Level, line and bend are free, so that nothing is said of kn and kt, of the load's gauge or of what
 is the same at all loads; all else is judged as with a structure. A law of the contact stiffness
 acts on the part of a mode's stiffness that goes through the joint. How the modes' parts differ is
@@ -33,16 +34,21 @@ JOINT_SPREAD = 1.5
 JOINT_DOUBT = 10.0
 # ln of the scatter of a frequency between clampings, what all modes share and each mode's own.
 SCATTER = (np.log(2e-4), 1.5)
+SPEED = "rpm"  # unit of a load whose square stiffens
 _LEAST = 0.05  # of f^2, where a line in it would pass zero
 
 
 @dataclass(frozen=True)
 class Linear:
-    """expected: Hz, by mode. load: whether the records have a load."""
+    """expected: Hz, by mode. load: whether the records have a load. power: of the load over its
+    zero that stiffens; a speed's is 2, for its centrifugal force.
+    """
 
     modes: tuple[str, ...]
     expected: Float[ndarray, " mode"]
     load: bool
+    power: float = 1.0
+    zero: float = 0.0
     structure: str = ""
     kind: str = "none"
     knows_contact: bool = False
@@ -96,7 +102,9 @@ class _OfRecords(OneMode):
         self.records, self.rounding = records, rounding
         self.modes = modes = len(simulated.modes)
         self.of_mode = np.eye(modes)[records.mode]
-        low, high = records.force.min(initial=np.inf), records.force.max(initial=-np.inf)
+        self.power, self.zero = simulated.power, simulated.zero
+        stiffens = (records.force - self.zero) ** self.power
+        low, high = stiffens.min(initial=np.inf), stiffens.max(initial=-np.inf)
         self.range = float(high - low) if high > low else np.inf
         self.middle = 0.5 * float(low + high) if records.force.size else 0.0
         self.prior = Prior(
@@ -110,7 +118,8 @@ class _OfRecords(OneMode):
         """The line at each record's load, and the joint's part of what a law changes."""
         m = self.records.mode
         level, line, bend, joint = theta.reshape(4, self.modes)[:, m]
-        u = (self.records.force + changes[:, 2] - self.middle) / self.range
+        load = self.records.force + changes[:, 2] - self.zero
+        u = (load**self.power - self.middle) / self.range
         gain = line * u
         square = np.maximum(1.0 + gain - bend * gain**2, _LEAST)
         by_gain = 0.5 * (1.0 - 2.0 * bend * gain) / square
@@ -127,7 +136,8 @@ class _OfRecords(OneMode):
             ]
         )
         by_k = 0.25 * part
-        gradient = np.stack([by_k, by_k, by_gain * line / self.range], axis=1)
+        by_load = self.power * load ** (self.power - 1.0) / self.range
+        gradient = np.stack([by_k, by_k, by_gain * line * by_load], axis=1)
         return Said(mean, slope, gradient)
 
     def scatter(self, gradient: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
