@@ -63,6 +63,18 @@ def test_times_of_a_data_array_may_be_dates(kind):
     assert one.stick_frequency[0] == pytest.approx(other.stick_frequency[0], rel=1e-9)
 
 
+def test_times_of_a_data_array_are_in_their_unit():
+    time = np.arange(int(3.0 * RATE)) / RATE
+    plain = xr.DataArray(samples(), {"time": time}, attrs={"units": "m/s"})
+    in_ms = plain.assign_coords(time=("time", 1e3 * time, {"units": "ms"}))
+    one, other = (br.ringdown(x, mode_Hz=210.0) for x in (plain, in_ms))
+    assert one.stick_frequency[0] == pytest.approx(other.stick_frequency[0], rel=1e-9)
+    with pytest.raises(ValueError, match="time is in 'fortnights', expected s, ms or us"):
+        br.ringdown(
+            plain.assign_coords(time=("time", time, {"units": "fortnights"})), mode_Hz=210.0
+        )
+
+
 def test_a_sensitivity_may_be_a_factor():
     one, other = (
         br.ringdown(x, mode_Hz=210.0, sampling_Hz=RATE, sensitivity=factor)

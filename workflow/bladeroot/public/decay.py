@@ -15,6 +15,7 @@ from bladeroot.io.campaign import Campaign
 from bladeroot.io.expected import expected_at
 from bladeroot.io.read import read
 from bladeroot.io.recording import part, recording
+from bladeroot.io.units import seconds
 from bladeroot.signal.recording import SI, Recording, uncut, velocity
 from bladeroot.terms import length
 
@@ -104,7 +105,8 @@ def ringdown(
 
     Args:
         source: a file of any format that the workflow reads; an array of samples, with
-            `sampling_Hz`; or a DataArray with a coordinate `time` in s and `units` in its attrs.
+            `sampling_Hz`; or a DataArray with a coordinate `time` (s, unless its `units` say
+            otherwise) and `units` in its attrs.
         mode_Hz: about where the mode lies; the strongest line within 17 % is measured.
         sampling_Hz: for arrays, and for files that do not say.
         quantity: velocity (of an array without a unit), displacement or acceleration.
@@ -241,6 +243,10 @@ def _recording(
             time = source["time"].values
             if time.dtype.kind in "mM":  # dates, or times since one
                 time = (time - time[:1]) / np.timedelta64(1, "s")
+            elif stated := str(source["time"].attrs.get("units", "")).split(" since ")[0]:
+                if (factor := seconds(stated)) is None:
+                    raise ValueError(f"the DataArray's time is in {stated!r}, expected s, ms or us")
+                time = factor * time
         elif sampling_Hz is None:
             raise ValueError("expected a coordinate `time` in the DataArray, or sampling_Hz")
     elif sampling_Hz is None:
