@@ -149,7 +149,7 @@ def test_errors_beside_a_walk_are_those_of_simulation():
     z = []
     for seed in range(60):
         time, y, std, walk = walked(seed, noise=1e-6)
-        fit = fine(time, y, std, coarse(time, y, std, 3.0, iterations=6, walk=walk), walk)
+        fit = coarse(time, y, std, 3.0, iterations=6, walk=walk)
         slope = np.stack([-1.0 + 0.2 * time, 5.0 - 0.4 * time])
         error = fit.std(time)[1]
         assert (error > 0.9 * np.sqrt(walk[1:].sum()) / 3.0).all()

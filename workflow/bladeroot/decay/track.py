@@ -62,15 +62,14 @@ def follow(
     _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
-    off = parts(blocks.log) - fit.value(blocks.time)[0]
-    near = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_RATIO)
-    found = shaken(blocks, fit, near)
-    if found is None or found[0].time.size < FEWEST:
+    found = shaken(blocks, fit)
+    if found is None or found[0].size < FEWEST:
         return blocks, fit
-    left, walk = found
-    own = left.time, parts(left.log), left.std
-    fit = fine(*own, coarse(*own, duration, iterations=6, walk=walk), walk)
-    return Phasors(left.time, left.log, blocks.std[: left.time.size]), fit
+    std, walk = found
+    left = slice(0, std.size)
+    blocks = Phasors(blocks.time[left], blocks.log[left], blocks.std[left])
+    own = blocks.time, parts(blocks.log), std
+    return blocks, coarse(*own, duration, iterations=6, walk=walk)
 
 
 def parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:

@@ -85,15 +85,17 @@ class Spline:
     def _polynomials(self) -> list[PPoly]:
         return [PPoly.from_spline((self.knots, part, DEGREE)) for part in self.coefficient]
 
-    def std(self, time: Float[ndarray, " point"]) -> Float[ndarray, "3 part point"]:
-        """Standard errors of `value`."""
+    def std(
+        self, time: Float[ndarray, " point"], orders: int = 3
+    ) -> Float[ndarray, "orders part point"]:
+        """Standard errors of `value`, or of but its first orders."""
         x = (time - self.origin) / self.scale
-        error = np.zeros((3, self.covariance.shape[0], time.size))
-        for d in range(3):
+        error = np.zeros((orders, self.covariance.shape[0], time.size))
+        for d in range(orders):
             value, first = alive_splines(x, self.knots[d : self.knots.size - d], DEGREE - d)
             rows = derivative_rows(self.knots, DEGREE, d) / self.scale**d
             error[d] = _errors(value, first, rows, self.covariance)
-        return self.calibration[:, None, None] * error
+        return self.calibration[:orders, None, None] * error
 
 
 def _errors(
@@ -141,11 +143,10 @@ def fine(
     y: Float[ndarray, "part value"],
     std: Float[ndarray, " value"],
     before: Spline,
-    walk: Float[ndarray, " value"] | None = None,
 ) -> Spline:
     """Penalised splines with knots where an earlier, coarse fit bends."""
     where = _bending(time, std, sites(time, y[0], 50), before, FINE_KNOTS)
-    return _fit(time, y, std, before.scale, where, before.prior, 2, walk)
+    return _fit(time, y, std, before.scale, where, before.prior, 2)
 
 
 def evidence(
@@ -217,7 +218,7 @@ def _fit(
     where: ndarray,
     prior: Prior,
     iterations: int,
-    walk: ndarray | None,
+    walk: ndarray | None = None,
 ) -> Spline:
     """The splines on given knots, after some steps of the intensities' iteration."""
     origin, scale = float(time[0]), duration
