@@ -96,8 +96,6 @@ def _law(data: StickData, found: Fit, causes: Sequence[Mechanism]) -> Law:
         laws = [stiffness_law(row, first, causes, force)[0].T for row in theta]
         return np.array(laws).reshape(len(theta), force.size, 2)
 
-    scales = ["ln_scatter", "ln_scatter_kt", "atanh_correlation", "ln_own_scatter"]
-    scales += ["ln_noise", "ln_law_error"]
-    origins += [SCATTER[2], SCATTER[2], CORRELATION[2], "each mode's own in a clamping"]
-    origins += ["records of one clamping", "laws' own"]
+    scales = ["ln_scatter", "ln_scatter_kt", "atanh_correlation", "ln_noise", "ln_law_error"]
+    origins += [SCATTER[2], SCATTER[2], CORRELATION[2], "records of one clamping", "laws' own"]
     return Law(found, ln_k, (*names, *scales), tuple(origins))
