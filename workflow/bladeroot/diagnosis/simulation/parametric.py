@@ -37,8 +37,6 @@ from bladeroot.stiffness.priors import (
 # Relative error of what the axial force does to the model's frequencies, over that of these: a
 # depth or length that is off changes the tension's part of the stiffness by some times as much.
 TENSION = 4.0
-# ln of what a clamping changes in each mode besides, as by its sensor's place.
-OWN = (np.log(2e-5), 1.5)
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
 # Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
 _AXES = (
@@ -181,7 +179,7 @@ class _OfRecords:
     load does.
     """
 
-    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2], OWN)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(
         self, simulated: Parametric, records: Records, hold: ndarray, rounding: float
@@ -193,7 +191,6 @@ class _OfRecords:
         self.kind = np.array([int(name == "ln_kt") for name in simulated.coordinates])
         self.x = np.log(records.force / simulated.pivot_of(records))
         of_mode = np.eye(modes)[records.mode]
-        self.own_hold = (hold[:, None] == hold) & (records.mode[:, None] == records.mode)
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
         levels, bias = np.array(simulated.prior), simulated.bias
         self.prior = Prior(
@@ -284,10 +281,8 @@ class _OfRecords:
         return np.stack([*of_k, g[..., self.count] / self.simulated.per_load], axis=-1)
 
     def scatter(self, g: ndarray, scales: ndarray) -> tuple[ndarray, Slopes]:
-        """kn and kt of a clamping, correlated, its reading of the force, and each mode's own."""
-        whole, slopes = scatter_of_clampings(g, scales, self.rounding, self.same_hold)
-        own = np.exp(2.0 * scales[3]) * self.own_hold
-        return whole + own, lambda: [*slopes(), 2.0 * own]
+        """kn and kt of a clamping, correlated, and its reading of the force."""
+        return scatter_of_clampings(g, scales, self.rounding, self.same_hold)
 
     def turned(
         self, g: ndarray, turn: ndarray, scales: ndarray, vector: ndarray, matrix: ndarray

@@ -19,7 +19,7 @@ from bladeroot.diagnosis.simulation.interface import Said
 from bladeroot.diagnosis.simulation.linear import acts_on
 from bladeroot.diagnosis.simulation.one_mode import OneMode
 from bladeroot.diagnosis.simulation.over_load import OverLoad
-from bladeroot.diagnosis.simulation.parametric import OWN, scatter_of_clampings
+from bladeroot.diagnosis.simulation.parametric import scatter_of_clampings
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
@@ -94,7 +94,7 @@ class Table:
 class _OfRecords(OneMode):
     """Parameters: one of each sensitivity, bias and tilt of each mode."""
 
-    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2], OWN)
+    scales = (SCATTER[:2], SCATTER[:2], CORRELATION[:2])
 
     def __init__(self, simulated: Table, records: Records, hold: ndarray, rounding: float) -> None:
         self.records, self.rounding, self.table = records, rounding, simulated
@@ -112,7 +112,6 @@ class _OfRecords(OneMode):
             simulated.names.index(name) if name in simulated.names else None for name in CONTACT
         ]
         self.same_hold = hold[:, None] == hold
-        self.own_hold = self.same_hold & (records.mode[:, None] == records.mode)
         error, between = np.zeros(records.force.size), np.zeros(records.force.size, dtype=int)
         for m, (ln_f, _) in enumerate(simulated.over_load):
             mine = records.mode == m
@@ -153,8 +152,7 @@ class _OfRecords(OneMode):
         if None in self.contact:  # of frequencies: a hundredth of the contact's scatter
             g[:, 0], g[:, 1] = 0.01, np.where(self.records.mode % 2 == 0, 0.01, -0.01)
         whole, slopes = scatter_of_clampings(g, scales, self.rounding, self.same_hold)
-        own = np.exp(2.0 * scales[3]) * self.own_hold
-        return whole + self.between + own, lambda: [*slopes(), 2.0 * own]
+        return whole + self.between, slopes
 
 
 def in_series(
