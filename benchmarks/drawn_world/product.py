@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.record import from_file
-from bladeroot.pooling.events import unlike_sensors
+from bladeroot.pooling.sensors import unlike_sensors
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"damping": "hysteretic"}

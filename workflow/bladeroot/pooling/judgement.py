@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
-from bladeroot.pooling.events import ERRORS, unlike_sensors
 from bladeroot.pooling.repeats import unlike_repeats
+from bladeroot.pooling.sensors import ERRORS, unlike_sensors
 from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.events import unlike_sensors
+from bladeroot.pooling.sensors import unlike_sensors
 
 
 def seen(sensor, start=0.0, detuned=0.0, damping=0.01, event="e", mode="1B", verdict="usable"):

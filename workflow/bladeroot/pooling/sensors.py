@@ -12,7 +12,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 # Stated errors of both together by which frequency or damping differ for a part of the time. Right
-# curves of drawn and of real events stay below 3.5 (benchmarks/real_like.py).
+# curves of drawn events stay below 3.5 (benchmarks/real_like.py).
 ERRORS, PART = 4.0, 0.25
 
 
