@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.interpolate import PchipInterpolator
 
 from bladeroot.contact.laws.sliders import Sliders
 from bladeroot.nonlinear.marching import load_up
 from bladeroot.nonlinear.masing import first_harmonic
+from bladeroot.nonlinear.monotone import interpolated
 from bladeroot.nonlinear.system import System
 
 _A_DECADE, _BELOW = 24, 8.0
@@ -49,14 +49,13 @@ def softening_curves(
     cosine, sine = first_harmonic(master, loading, slope)
     load, laser = cosine[:, ::2], cosine[:, 1::2]
     rows = np.stack(
-        [np.sqrt(load.T / master / system.values[0]) - 1.0, -(sine[:, ::2] / load).T], 1
+        [np.sqrt(load.T / master / system.values[0]) - 1.0, -(sine[:, ::2] / load).T], axis=2
     )
-    at, made = np.log(amplitudes), []
+    seen, at = np.log(np.abs(laser)).T.copy(), np.log(amplitudes)
+    if not np.all(np.diff(seen) > 0.0):
+        raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
     asked = np.concatenate([at, at + _APART, at - _APART])
-    for seen, one in zip(np.log(np.abs(laser.T)), rows, strict=True):
-        if not np.all(np.diff(seen) > 0.0):
-            raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
-        made.append(PchipInterpolator(seen, one, axis=1)(asked))
+    made = [interpolated(*one, asked).T for one in zip(seen, rows, strict=True)]
     value, above, below = np.split(np.array(made), 3, axis=2)
     return value, (above - below) / (2.0 * _APART)
 

@@ -10,7 +10,8 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
-from scipy.interpolate import PchipInterpolator
+
+from bladeroot.nonlinear.monotone import pieces
 
 _POINTS = 256  # of half a cycle
 _DIGITS = 12  # of ln amplitude by which ladders of amplitudes are the same
@@ -28,8 +29,8 @@ def first_harmonic(
     """
     short = slope - loading / amplitude[:, None]  # what is missing to linear, over q
     ladder = np.round(np.log(amplitude / amplitude[0]), _DIGITS)
-    pieces = PchipInterpolator(ladder, short, axis=0).c.reshape(-1, short.shape[1])
-    mean_cosine, mean_sine = (weight @ pieces for weight in _weights(ladder.tobytes()))
+    cubics = pieces(ladder, short).reshape(-1, short.shape[1])
+    mean_cosine, mean_sine = (weight @ cubics for weight in _weights(ladder.tobytes()))
     size = amplitude[:, None]
     return (
         size * (slope + 4.0 / np.pi * mean_cosine),
