@@ -4,7 +4,7 @@ import importlib
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import acting, freevib, no_decay, within_band
+from bladeroot.decay.freevib import acting, beats, freevib, no_decay, within_band
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.phasors import Phasors, natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
@@ -364,7 +364,7 @@ def test_a_gain_that_sways_is_in_the_errors(seed):
     steady = START * ringing(at, 250.0, 0.004 * np.pi * 250.0)
     sway = sum(np.sin(2 * np.pi * (f * at + rng.uniform())) for f in rng.uniform(2.0, 20.0, 6))
     noise = 1e-4 * START
-    for gain, waves in ((1.0, False), (1.0 + 0.004 * sway, True)):
+    for gain, swaying in ((1.0, False), (1.0 + 0.004 * sway, True)):
         curve = separated_curves(
             gain * steady + noise * rng.normal(size=at.size), 25600.0, 250.0, noise
         )
@@ -372,7 +372,7 @@ def test_a_gain_that_sways_is_in_the_errors(seed):
         assert np.mean(z < 3.0) > 0.97
         middle = slice(curve.sizes["point"] // 4, curve.sizes["point"] // 2)
         stated = np.median(curve["loss_factor_std"].values[middle]) / 0.004
-        assert (stated > 0.03) == waves
+        assert (stated > 0.03) == swaying
 
 
 def test_a_phase_that_sways_is_in_the_frequency_errors():
@@ -390,6 +390,25 @@ def test_a_phase_that_sways_is_in_the_frequency_errors():
         assert np.mean(z < 3.0) > 0.95
         middle = slice(curve.sizes["point"] // 4, curve.sizes["point"] // 2)
         assert (np.median(curve["frequency_std"].values[middle]) > 0.01) == swaying
+
+
+def test_a_close_mode_that_dies_early_is_in_the_errors_of_the_start():
+    rng, at = np.random.default_rng(0), np.arange(2048) / 512.0
+    own, noise = 33.64, 1e-4 * START
+    velocity = START * ringing(at, own, 0.8) + 0.15 * START * ringing(at, own + 2.2, 3.2)
+    curve = freevib(velocity + noise * rng.normal(size=at.size), 512.0, own, noise)
+    loss = 1.6 / (2.0 * np.pi * own)
+    z = np.abs(curve["loss_factor"] - loss) / curve["loss_factor_std"]
+    assert np.mean(z.values < 3.0) > 0.97
+    part = curve["loss_factor_std"].values / loss
+    assert part[:20].min() > 0.1 > 5.0 * np.median(part[part.size // 2 :])
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+def test_a_law_that_turns_a_few_times_does_not_beat(turns):
+    fall = np.linspace(0.0, 2.0, 300)
+    law = np.stack([0.01 * np.cos(np.pi * (turns + 1) * fall / 2.0)] * 2)
+    assert not beats(-fall, law, np.full(law.shape, 1e-4)).any()
 
 
 def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):

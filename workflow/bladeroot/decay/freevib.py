@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.signal import find_peaks
 
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors, natural
@@ -18,7 +19,7 @@ POINTS = 500  # of the curves at most
 # backwards, misses half of them, the first, by more than this (mean square in errors: noise's, and
 # a part of what it differs by from a straight line), and as many that follow miss theirs by no more
 # than the last: something still acted.
-STARTS, UNLIKE, BENDS, LIKE = (12, 6, 3), 1.5, 0.25, 0.5
+STARTS, UNLIKE, BENDS, LIKE = (12, 6, 3), 1.5, 0.25, 0.8
 # Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
 PLAIN = 2.0
 # What falls by less than this in all, and by less than so many of its errors, is a steady tone.
@@ -27,12 +28,15 @@ STEADY, SHOWN = 0.02, 3.0
 # noise or another mode may be followed.
 SURE = 0.005
 FEWEST = 4
-# The curves begin and end where the standard error of the loss factor is less than this part of
-# it, where so large a part of their points is.
+# The curves begin and end where the standard error of the loss factor, by noise, is less than this
+# part of it, where so large a part of their points is.
 KNOWN, KNOWN_PART = 0.1, 0.5
 # Fall of ln A in which what waves is distinguished from a law; fewest such segments, fewest that
 # wave, and fewest points in each.
 SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
+# So many turning points of a rate while ln A falls by so much, each clear of its neighbours by so
+# many standard errors, are no law of amplitude.
+TURNS, WITHIN, CLEAR = 5, 2.0, 3.0
 # What else rings and the laws' bends are largest at the start, where a curve has one side only: the
 # first standard errors are larger by this part, which falls by a factor of e in so many blocks (by
 # simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
@@ -93,12 +97,14 @@ def freevib(
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), fit.std(centre)
     std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
-    for order, part in np.ndindex(2, 2):
-        rate, error = value[1 + order, part], std[1 + order, part]
-        std[1 + order, part] = np.hypot(error, waves(value[0, 0], rate, error))
-    std[1] = np.hypot(std[1], np.interp(centre, blocks.time, acting(blocks)))
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
+    known = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2) < KNOWN * loss
+    for order in (1, 2):
+        rates, error = value[order], std[order]
+        sways = [waves(value[0, 0], *one) for one in zip(rates, error, strict=True)]
+        std[order] = np.hypot(error, np.maximum(sways, beats(value[0, 0], rates, error)))
+    std[1] = np.hypot(std[1], np.interp(centre, blocks.time, acting(blocks)))
     amplitude_std = amplitude * std[0, 0]
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
@@ -110,7 +116,7 @@ def freevib(
             f"the mode's frequency is known to {100.0 * SURE:g} % in {np.count_nonzero(keep)} of "
             f"{keep.size} cycles or groups of them, at least {FEWEST} are needed"
         )
-    known = np.flatnonzero(keep & (loss_std < KNOWN * loss))
+    known = np.flatnonzero(keep & known)
     if known.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
         keep[: known[0]] = keep[known[-1] + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
@@ -159,6 +165,37 @@ def waves(
         return np.zeros(level.size)
     near = np.max(sliding_window_view(np.pad(left, 1), 3), axis=1)
     return np.repeat(np.sqrt(near), [part.size for part in parts])
+
+
+def beats(
+    level: Float[ndarray, " point"],
+    rates: Float[ndarray, "part point"],
+    std: Float[ndarray, "part point"],
+) -> Float[ndarray, "part point"]:
+    """Standard errors of derivatives of ln A and phase for what beats in a part of a decay alone.
+
+    A law of amplitude turns a few times over a decay. Where a rate turns as often while ln A falls
+    by little, and by more than noise lets it, its error is half of what it swings by, a wave before
+    and half a wave after included: another mode that dies sooner. It sways ln A as it does phase,
+    so that the error of ln A's derivative is as large, if that moves by so much.
+
+    level: ln A; rates: a derivative of ln A and that of the phase; std: their standard errors.
+    """
+    error = np.zeros(rates.shape)
+    for part, (rate, noise) in enumerate(zip(rates, std, strict=True)):
+        sides = [find_peaks(side, prominence=CLEAR * noise)[0] for side in (rate, -rate)]
+        turns = np.sort(np.concatenate(sides))
+        fall = level[turns[: 1 - TURNS]] - level[turns[TURNS - 1 :]]
+        for first in np.flatnonzero(fall < WITHIN):
+            some = turns[first : first + TURNS]
+            begin, end = 3 * some[0] - 2 * some[1], 2 * some[-1] - some[-2]
+            here = np.arange(max(begin, 0), min(end + 1, rate.size))
+            swing = 0.5 * np.abs(np.diff(rate[some]))
+            swing = np.interp(here, 0.5 * (some[1:] + some[:-1]), swing)
+            for other in range(part + 1):
+                most = 0.5 * np.ptp(rates[other, here])
+                error[other, here] = np.maximum(error[other, here], np.minimum(swing, most))
+    return error
 
 
 def acting(blocks: Phasors) -> Float[ndarray, " block"]:
