@@ -11,17 +11,6 @@ from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.mechanisms.own_files import own_files, try_apart
 from bladeroot.mechanisms.probe import probe
 
-_NO_MECHANISM = (
-    "catalogue",
-    "mechanism",
-    "over_amplitude",
-    "own_files",
-    "per_mode",
-    "probe",
-    "slip_curve",
-)
-
-
 def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
     """The mechanisms in alphabetical order of their ids, with those of `folder` among them.
 
@@ -45,10 +34,9 @@ def usable_catalogue(
     """
     found = {}
     for module in pkgutil.iter_modules(mechanisms.__path__):
-        if module.name not in _NO_MECHANISM:
-            made = import_module(f"bladeroot.mechanisms.{module.name}")
-            several = getattr(made, "MECHANISMS", None) or (made.MECHANISM,)
-            found |= {one.id: one for one in several}
+        made = vars(import_module(f"bladeroot.mechanisms.{module.name}"))
+        several = made.get("MECHANISMS") or (made.get("MECHANISM"),)  # None: a helper of several
+        found |= {one.id: one for one in several if one}
     own, faults = {}, []
     for path in own_files(folder) if folder else []:
         try:
