@@ -28,6 +28,7 @@ from bladeroot.decay.peaks import (
     undisturbed,
     uneven_gain,
 )
+from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
 DEGREE = 3  # of the polynomials in time and log-amplitude
@@ -131,18 +132,10 @@ def _curve(
     rate, rate_std = rate - faded, np.hypot(rate_std, faded)
     turn, turn_std = turn - turned, np.hypot(turn_std, turned)
     chirp, bend = (np.gradient(x, clock) for x in (turn, rate))
-    # Y''/Y = rate^2 - turn^2 + bend + i (2 rate turn + chirp) with Y' = (rate + i turn) Y
-    square = turn**2 - rate**2 - bend
-    if damping == "hysteretic":
-        loss = -(2.0 * rate * turn + chirp) / square
-    else:
-        twice = -(2.0 * rate + chirp / turn)  # 2 zeta omega_n
-        square = square - twice * rate
-        loss = twice / np.sqrt(square)
-    natural = np.sqrt(square)
+    omega_n, loss = natural(np.stack([rate, turn]), np.stack([bend, chirp]), damping)
     amplitude = np.exp(decline - passed) * np.hypot(1.0, rate / turn)
     window = length * period
-    frequency = natural / (2.0 * np.pi)
+    frequency = omega_n / (2.0 * np.pi)
     errors = (turn_std / (2.0 * np.pi), 2.0 * rate_std / turn)
     return np.stack([clock, amplitude, frequency, loss, *errors, window])
 
