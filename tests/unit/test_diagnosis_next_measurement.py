@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot.diagnosis import curve_model, next_measurement
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
     Rival,
@@ -183,6 +184,7 @@ def test_a_pressure_film_tells_seating_from_a_stiffness_that_grows(effect, size,
     (found,) = diagnose(seen, _model(False), settings, candidates).found[:1]
     assert [cause.credible for cause in found.causes] == [(name,)]
     if film > 1e3:
-        ((value, std), *_) = sizes(found.causes[0].mechanism, found.final, found.channel.base)
+        one = found.causes[0].mechanism
+        ((value, std), *_) = sizes(one, found.final, places([one], found.channel.base)[0])
         assert abs(value - film) < 2.0 * 500.0
         assert std <= 500.0

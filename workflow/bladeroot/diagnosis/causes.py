@@ -7,11 +7,13 @@ on the contact stiffness as the other causes change it.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, pairwise
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.inference.problem import Prior
 from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
 
 _FORCE = COORDINATES.index("force")
@@ -48,10 +50,8 @@ def causes(
     structures: takes a mechanism, its values, and the others' changes of ln kn and ln kt; returns
     the change of ln f by its changed matrices, and the derivatives by the values and the place.
     """
-    asked, first = [], 0
-    for one in mechanisms:
-        asked.append((one, *one.values(theta[first : first + len(one.parameters)])))
-        first += len(one.parameters)
+    pairs = zip(mechanisms, places(mechanisms), strict=True)
+    asked = [(one, *one.values(theta[own])) for one, own in pairs]
     n = records.force.size
     own = [np.zeros((n, 4)) for _ in asked]
     through = [np.zeros((n, 4)) for _ in asked]  # by way of the force, in the laws of others
@@ -82,6 +82,29 @@ def causes(
     changes = sum(own, np.zeros((n, 4)))
     changes[:, _FORCE] = force - records.force
     return Causes(changes, effects, slopes, by_place, bool((force == there).all()))
+
+
+def places(mechanisms: Sequence[Mechanism], first: int = 0) -> list[slice]:
+    """Where each mechanism's parameters stand in a fit, from `first` on."""
+    ends = accumulate((len(one.parameters) for one in mechanisms), initial=first)
+    return [slice(*pair) for pair in pairwise(ends)]
+
+
+def with_causes(
+    mean: Float[ndarray, " base"], std: Float[ndarray, " base"], mechanisms: Sequence[Mechanism]
+) -> Prior:
+    """A baseline's priors, and those of its causes behind them."""
+    return Prior(
+        np.concatenate([mean, *(one.start for one in mechanisms)]),
+        np.concatenate([std, *(one.std for one in mechanisms)]),
+    )
+
+
+def with_smooth(
+    scales: Sequence[tuple[float, float]], extra: Sequence[tuple[ndarray, float]]
+) -> Prior:
+    """Priors of ln of scales, and of a smooth competitor's sizes (`extra`) behind them."""
+    return Prior(*np.array([*scales, *((np.log(size), 1.5) for _, size in extra)], float).T)
 
 
 def _of_law(

@@ -15,9 +15,10 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 from scipy.linalg import block_diag
 
+from bladeroot.diagnosis.causes import places, with_causes, with_smooth
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import kinked, near, own_error_turned
-from bladeroot.inference.problem import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
 
@@ -143,16 +144,11 @@ def problem(
     free = size**2 * (group[:, None] == group)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
     kernel = law_kernel(data, kinked)
-    prior = Prior(
-        np.concatenate([np.zeros(0), *(m.start for m in mechanisms)]),
-        np.concatenate([np.zeros(0), *(m.std for m in mechanisms)]),
-    )
+    prior = with_causes(np.zeros(0), np.zeros(0), mechanisms)
 
     def predict(theta: ndarray) -> State:
-        mean, columns, effects, first = np.zeros(n), [np.zeros((n, 0))], [], 0
-        for one in mechanisms:
-            own = slice(first, first + len(one.parameters))
-            first = own.stop
+        mean, columns, effects = np.zeros(n), [np.zeros((n, 0))], []
+        for one, own in zip(mechanisms, places(mechanisms), strict=True):
             values, chain = one.values(theta[own])
             effect = one.curve(data.points, values)
             both = np.concatenate([effect.ln_f, effect.loss])
@@ -190,9 +186,8 @@ def problem(
             whole += part
         return whole, lambda: [2.0 * part for part in (stated, floor_f, floor_loss, *parts)]
 
-    scales = [*NOISE, *((np.log(size), 1.5) for _, size in extra)]
-    means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
-    return Problem(data.value, predict, covariance, prior, Prior(means, stds), blocks=_blocks(data))
+    scales = with_smooth(NOISE, extra)
+    return Problem(data.value, predict, covariance, prior, scales, blocks=_blocks(data))
 
 
 def _blocks(data: CurveData) -> tuple[slice, ...]:

@@ -12,9 +12,10 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.causes import places, with_causes, with_smooth
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.stick_model import LAWS, StickData, same_mode, trust_kernel
-from bladeroot.inference.problem import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism
 
 LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints
@@ -66,16 +67,11 @@ def problem(
     held = data.stick.hold[:, None] == data.stick.hold
     own_held = held & same_mode(data.stick)
     trust = [trust_kernel(data.stick, one.over) for one in mechanisms]
-    prior = Prior(
-        np.concatenate([np.full(modes, LEVEL[0]), *(m.start for m in mechanisms)]),
-        np.concatenate([np.full(modes, LEVEL[1]), *(m.std for m in mechanisms)]),
-    )
+    prior = with_causes(*(np.full(modes, one) for one in LEVEL), mechanisms)
 
     def predict(theta: ndarray) -> State:
-        mean, columns, effects, first = of_mode @ theta[:modes], [of_mode], [], modes
-        for one in mechanisms:
-            own = slice(first, first + len(one.parameters))
-            first = own.stop
+        mean, columns, effects = of_mode @ theta[:modes], [of_mode], []
+        for one, own in zip(mechanisms, places(mechanisms, modes), strict=True):
             values, chain = one.values(theta[own])
             change, slope = one.damping(records, values)
             mean = mean + change
@@ -95,6 +91,5 @@ def problem(
             whole += part
         return whole, lambda: [2.0 * part for part in (*scatter, noise, *parts)]
 
-    scales = [SCATTER, SCATTER, NOISE, LAWS, *((np.log(size), 1.5) for _, size in extra)]
-    means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
-    return Problem(data.ln_loss, predict, covariance, prior, Prior(means, stds))
+    scales = with_smooth([SCATTER, SCATTER, NOISE, LAWS], extra)
+    return Problem(data.ln_loss, predict, covariance, prior, scales)

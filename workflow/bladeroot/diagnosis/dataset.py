@@ -7,6 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.interfaces import interface_stiffness
@@ -223,10 +224,7 @@ def stiffness_law(
     rows[np.arange(count), :, np.arange(count)] = 1.0
     rows[:, :, count] = x
     at = Records(np.zeros(force.size, dtype=int), force, none, none, none, 0.0, 0.0)
-    first = base
-    for one in causes:
-        own = slice(first, first + len(one.parameters))
-        first = own.stop
+    for one, own in zip(causes, places(causes, base), strict=True):
         if one.stick is None or one.over != ("force",):
             continue
         values, chain = one.values(theta[own])

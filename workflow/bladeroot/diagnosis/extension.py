@@ -11,7 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy import ndarray
 
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.diagnose import Diagnosis
+from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points
 from bladeroot.mechanisms.per_mode import modes_of, of_modes
 from bladeroot.rom.changed import changed_model
@@ -26,7 +28,7 @@ def model_file(made: Diagnosis) -> dict:
     """What `model.yaml` holds: the law of the contact stiffness and the causes."""
     law, mechanisms = {}, []
     for found in made.found:
-        theta, first = found.final.parameters, found.channel.base
+        theta, causes = found.final.parameters, [one.mechanism for one in found.causes]
         if found.channel.name == "stick" and made.simulated.kind == "structure":
             law = {
                 "reference_force_N": REFERENCE_FORCE,
@@ -35,23 +37,12 @@ def model_file(made: Diagnosis) -> dict:
                 "exponent": float(theta[2]),
                 "bias": {mode: float(theta[3 + k]) for k, mode in enumerate(made.data.modes)},
             }
-        for cause in found.causes:
-            own = slice(first, first + len(cause.mechanism.parameters))
-            first = own.stop
-            values, chain = cause.mechanism.values(theta[own])
-            mechanisms.append(
-                {
-                    "mechanism": cause.mechanism.id,
-                    "form": cause.mechanism.form,
-                    "parameters": {
-                        p.name: {"value": float(v), "std": float(s), "unit": p.unit}
-                        for p, v, s in zip(
-                            cause.mechanism.parameters, values, chain * found.final.std[own],
-                            strict=True,
-                        )
-                    },
-                }
-            )  # fmt: skip
+        for one, own in zip(causes, places(causes, found.channel.base), strict=True):
+            values = zip(one.parameters, sizes(one, found.final, own), strict=True)
+            parameters = {
+                p.name: {"value": value, "std": std, "unit": p.unit} for p, (value, std) in values
+            }
+            mechanisms.append({"mechanism": one.id, "form": one.form, "parameters": parameters})
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.channel import Channel, Kernels
 from bladeroot.diagnosis.plausibility import sizes
 from bladeroot.diagnosis.posterior import temperature
@@ -60,12 +61,10 @@ class Model:
 
     def size(self, name: str) -> tuple[float, float]:
         """First parameter of a cause: over its forms, or in the form that it has; and its std."""
-        place = self.fit.parameters.size - sum(len(one.parameters) for one in self.causes)
-        for one in self.causes:
-            if one.id == name:
-                break
-            place += len(one.parameters)
-        return self.sizes.get(name) or sizes(one, self.fit, place)[0]
+        base = self.fit.parameters.size - places(self.causes)[-1].stop
+        pairs = zip(self.causes, places(self.causes, base), strict=True)
+        one, own = next(pair for pair in pairs if pair[0].id == name)
+        return self.sizes.get(name) or sizes(one, self.fit, own)[0]
 
 
 def prepared(mechanism: Mechanism, known: Known) -> tuple[Mechanism, float]:
@@ -167,9 +166,9 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
         whole = weights[0]
     changed, fitted, _ = tried[int(weights.argmax())]
     explained = model.log_evidence + float(whole) - model.fit.log_evidence
-    first = model.fit.parameters.size
+    own = slice(model.fit.parameters.size, None)
     likely = np.exp((weights - whole) / temperature(explained, known.replicates, channel.trust))
-    size = mixed(likely.tolist(), [sizes(form, fitted, first)[0] for form, fitted, _ in tried])
+    size = mixed(likely.tolist(), [sizes(form, fitted, own)[0] for form, fitted, _ in tried])
     return Model((*model.causes, changed), fitted, explained, {family.id: size}, model.maxima)
 
 
@@ -254,16 +253,10 @@ def _alike(one: Mechanism, other: Mechanism, fitted: Fit) -> np.ndarray:
 
 def without(channel: Channel, model: Model, gone: str) -> Model:
     """The model without one of its causes; its log evidence is by the forms that it has."""
-    first, kept, own = channel.base, [], []
-    for one in model.causes:
-        place = np.arange(first, first + len(one.parameters))
-        first += len(one.parameters)
-        if one.id == gone:
-            own = place
-        else:
-            kept.append(one)
-    problem = channel.problem(kept, ())
-    fitted = fit(problem, np.delete(model.fit.parameters, own), model.fit.scales)
+    kept = [one for one in model.causes if one.id != gone]
+    owns = zip(model.causes, places(model.causes, channel.base), strict=True)
+    start = np.delete(model.fit.parameters, next(own for one, own in owns if one.id == gone))
+    fitted = fit(channel.problem(kept, ()), start, model.fit.scales)
     change = fitted.log_evidence - model.fit.log_evidence
     return Model(tuple(kept), fitted, model.log_evidence + change, maxima=model.maxima)
 

@@ -8,47 +8,40 @@ from numpy import ndarray
 from scipy.linalg import cho_factor, cho_solve
 
 from bladeroot.diagnosis import guards
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.channel import Channel
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
 
-def sizes(mechanism: Mechanism, fitted: Fit, first: int) -> list[tuple[float, float]]:
-    """Value and standard deviation of each parameter; `first` is its place in the fit."""
-    own = slice(first, first + len(mechanism.parameters))
+def sizes(mechanism: Mechanism, fitted: Fit, own: slice) -> list[tuple[float, float]]:
+    """Value and standard deviation of each parameter; `own` is their place in the fit."""
     values, chain = mechanism.values(fitted.parameters[own])
     return list(zip(values.tolist(), (chain * fitted.std[own]).tolist(), strict=True))
 
 
-def by_effect(mechanism: Mechanism, fitted: Fit, first: int, cause: int) -> np.ndarray:
+def by_effect(mechanism: Mechanism, fitted: Fit, own: slice, cause: int) -> np.ndarray:
     """What each parameter of a cause, number `cause` of the fit, loses were its effect twice as
     large at the same parameters: all else is fitted again (the model made straight).
     """
-    own = slice(first, first + len(mechanism.parameters))
     covariance, _ = fitted.problem.covariance(fitted.state, fitted.scales)
     pull = fitted.state.slope.T @ np.linalg.solve(covariance, fitted.state.facts["effects"][cause])
     _, chain = mechanism.values(fitted.parameters[own])
     return chain * (fitted.covariance @ pull)[own]
 
 
-def plausible(mechanism: Mechanism, fitted: Fit, first: int) -> bool:
-    """Whether its parameters, from place `first` of the fit on, are within physical limits."""
+def plausible(mechanism: Mechanism, fitted: Fit, own: slice) -> bool:
+    """Whether its parameters, at place `own` of the fit, are within physical limits."""
     return all(
         p.low - guards.IMPLAUSIBLE * std <= value <= p.high + guards.IMPLAUSIBLE * std
-        for p, (value, std) in zip(
-            mechanism.parameters, sizes(mechanism, fitted, first), strict=True
-        )
+        for p, (value, std) in zip(mechanism.parameters, sizes(mechanism, fitted, own), strict=True)
     )
 
 
 def possible(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool:
     """Whether all causes of a fit are plausible, the earlier ones too."""
-    first = channel.base
-    for one in chosen:
-        if not plausible(one, fitted, first):
-            return False
-        first += len(one.parameters)
-    return True
+    pairs = zip(chosen, places(chosen, channel.base), strict=True)
+    return all(plausible(one, fitted, own) for one, own in pairs)
 
 
 def largest(fitted: Fit, cause: int, own: slice, rows: slice = slice(None)) -> tuple[float, float]:
@@ -66,14 +59,12 @@ def largest(fitted: Fit, cause: int, own: slice, rows: slice = slice(None)) -> t
 _OF_CURVES = (("frequency over amplitude", 0), ("loss factor over amplitude", 1))
 
 
-def changes(found, cause, first: int) -> list[dict]:
+def changes(found, number: int, own: slice) -> list[dict]:
     """The largest change that a cause makes of each quantity of its data, with its error.
 
     In ln of the frequency or of the loss factor of the stuck joint, and over amplitude the rise of
-    the loss factor itself; of `bladeroot.diagnosis.naming.Found` and one of its causes.
+    the loss factor itself; of `bladeroot.diagnosis.naming.Found` and the number of a cause of it.
     """
-    number = [one is cause for one in found.causes].index(True)
-    own = slice(first, first + len(cause.mechanism.parameters))
     n = found.final.problem.data.size
     named = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
     parts = [(named.get(found.channel.name, ""), slice(0, n))]
@@ -93,11 +84,9 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
     fit, whose error scales the parameter and makes it no nearer to nothing; whatever the other
     causes may be.
     """
-    base, first = channel.base, 0
+    base = channel.base
     causes = np.linalg.inv(np.linalg.inv(fitted.covariance)[base:, base:])
-    for number, one in enumerate(chosen):
-        own = slice(first, first + len(one.parameters))
-        first = own.stop
+    for number, (one, own) in enumerate(zip(chosen, places(chosen), strict=True)):
         effect = fitted.state.facts["effects"][number]
         k = int(np.argmax(np.abs(effect)))
         slope = fitted.state.slope[k, base:][own]

@@ -13,12 +13,12 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
-from bladeroot.diagnosis.causes import Causes, causes
+from bladeroot.diagnosis.causes import Causes, causes, places, with_causes, with_smooth
 from bladeroot.diagnosis.clampings import clampings, directions, hold_names
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Said, Simulation
-from bladeroot.inference.problem import Prior, Problem, Slopes, State
+from bladeroot.inference.problem import Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 # ln of laws' own errors over TRUST, of which they rather have less: a law that bends to what it
@@ -167,10 +167,7 @@ def problem(
     of_mode = np.eye(len(data.modes))[records.mode]
     here = simulated.of_records(records, data.hold, data.rounding)
     base, kinds = here.prior.mean.size, len(here.scales)
-    prior = Prior(
-        np.concatenate([here.prior.mean, *(m.start for m in mechanisms)]),
-        np.concatenate([here.prior.std, *(m.std for m in mechanisms)]),
-    )
+    prior = with_causes(here.prior.mean, here.prior.std, mechanisms)
     rows = np.arange(n)
 
     def predict(theta: ndarray) -> State:
@@ -195,13 +192,12 @@ def problem(
         by_cause = [np.einsum("nap,nab->npb", slope[:, :3], by_change) for slope in made.slopes]
         turn = np.concatenate([by_law, *by_cause], axis=1)
         times, traces = here.turned(said.gradient, turn, scales[:kinds], vector, matrix)
-        first, trusted = base, TRUST * np.exp(scales[kinds + 1])
+        trusted, owns = TRUST * np.exp(scales[kinds + 1]), places(mechanisms, base)
         whole = np.column_stack([said.gradient, np.ones(n)])
-        for k, (one, slope, kernel) in enumerate(zip(mechanisms, made.slopes, trust, strict=True)):
+        for k, (one, own, kernel) in enumerate(zip(mechanisms, owns, trust, strict=True)):
             grown = np.einsum("npb,nb->np", turn, made.effects[k][:, :3])
-            own = slice(first, first + slope.shape[2])
-            grown[:, own] += np.einsum("nc,ncp->np", whole, slope)
-            e, first = effects[k], own.stop
+            grown[:, own] += np.einsum("nc,ncp->np", whole, made.slopes[k])
+            e = effects[k]
             if one.kind == "level":
                 e = e - of_mode @ _means(of_mode, e)
                 grown = grown - of_mode @ _means(of_mode, grown)
@@ -237,10 +233,8 @@ def problem(
 
         return whole, slopes
 
-    scales = [*here.scales, NOISE, LAWS]
-    scales += [(np.log(size), 1.5) for _, size in extra]
-    means, stds = (np.array(part, float) for part in zip(*scales, strict=True))
-    return Problem(data.ln_f, predict, covariance, prior, Prior(means, stds))
+    scales = with_smooth([*here.scales, NOISE, LAWS], extra)
+    return Problem(data.ln_f, predict, covariance, prior, scales)
 
 
 def _of_limits(data: StickData) -> Float[ndarray, "record record"] | None:

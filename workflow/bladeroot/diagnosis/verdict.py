@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.guards import CERTAIN
@@ -59,13 +60,10 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     """Causes of all channels, what explains most first; record faults by how many records."""
     rows = []
     for found in made.found:
-        first = found.channel.base
-        for cause in found.causes:
-            rows.append((cause.gain, _cause(made, found, cause, first, sets)))
-            first += len(cause.mechanism.parameters)
+        rows += [(cause.gain, _cause(made, found, cause, sets)) for cause in found.causes]
         if found.open:
-            supposed, cause, first = _as_if(found)
-            rows.append((cause.gain, _cause(made, supposed, cause, first, sets)))
+            supposed, cause = _as_if(found)
+            rows.append((cause.gain, _cause(made, supposed, cause, sets)))
     for one in made.faulty:
         if one.named:
             rows.append((one.log_odds, _fault(one)))
@@ -73,15 +71,15 @@ def _causes(made: Diagnosis, sets: Sets) -> list[dict]:
     return [row | {"splitter": made.terms.say(row["splitter"])} for row in rows]
 
 
-def _cause(made: Diagnosis, found: Found, cause: Cause, first: int, sets: Sets) -> dict:
-    mechanism = cause.mechanism
+def _cause(made: Diagnosis, found: Found, cause: Cause, sets: Sets) -> dict:
+    mechanism, number = cause.mechanism, [one is cause for one in found.causes].index(True)
+    place = places([one.mechanism for one in found.causes], found.channel.base)[number]
     by_id = {one.id: one for one in found.channel.candidates}
-    own = sizes(mechanism, found.final, first)
+    own = sizes(mechanism, found.final, place)
     own[0] = found.sizes.get(mechanism.id, own[0])
     if found.channel.name == "stick" and made.simulated.kind == "none" and of_joint(mechanism):
         # the joint's part is assumed: where it is less, they are larger
-        number = [one is cause for one in found.causes].index(True)
-        moved = (JOINT_DOUBT - 1.0) * by_effect(mechanism, found.final, first, number)
+        moved = (JOINT_DOUBT - 1.0) * by_effect(mechanism, found.final, place, number)
         own = [
             (value, float(np.hypot(std, more)))
             for (value, std), more in zip(own, moved, strict=True)
@@ -99,25 +97,22 @@ def _cause(made: Diagnosis, found: Found, cause: Cause, first: int, sets: Sets) 
             {"name": p.name, "value": value, "std": std, "unit": p.unit}
             for p, (value, std) in zip(mechanism.parameters, own, strict=True)
         ],
-        "sizes": changes(found, cause, first),
-        "plausible": plausible(mechanism, found.final, first),
+        "sizes": changes(found, number, place),
+        "plausible": plausible(mechanism, found.final, place),
         "splitter": mechanism.splitter,
         "log_evidence": cause.gain,
     }
 
 
-def _as_if(found: Found) -> tuple[Found, Cause, int]:
-    """The most probable mechanism of an open question, with all that may stand in its place, and
-    the place of its parameters.
-    """
+def _as_if(found: Found) -> tuple[Found, Cause]:
+    """The most probable mechanism of an open question, with all that may stand in its place."""
     name = next(one for one in found.open if one in found.beside)
     model, chance = found.beside[name], inclusion(found.probabilities, name)
     choice = (name, *(one for one in found.open if one != name))
     gain = found.steps[-1].mechanisms[name]
     causes = tuple(Cause(one, gain, choice, chance) for one in model.causes)
-    place = [one.id for one in model.causes].index(name)
-    first = found.channel.base + sum(len(one.parameters) for one in model.causes[:place])
-    return replace(found, final=model.fit, causes=causes), causes[place], first
+    cause = next(one for one in causes if one.mechanism.id == name)
+    return replace(found, final=model.fit, causes=causes), cause
 
 
 def _fault(one) -> dict:
