@@ -5,7 +5,7 @@ they would count one chance as often as there are modes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,7 @@ from bladeroot.diagnosis.causes import places, with_causes, with_smooth
 from bladeroot.diagnosis.guards import TRUST
 from bladeroot.diagnosis.stick_model import LAWS, StickData, same_mode, trust_kernel
 from bladeroot.inference.problem import Problem, Slopes, State
-from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.mechanism import Mechanism, rows_of
 
 LEVEL = (np.log(5e-3), 1.5)  # steel structures with joints
 SCATTER = (np.log(0.03), 0.8)  # of ln(loss factor) between clampings: of all modes, of each one's
@@ -39,18 +39,10 @@ def damping_data(seen: xr.Dataset, stick: StickData) -> DampingData | None:
     kept = np.flatnonzero(np.isfinite(loss) & (loss > 0.0) & np.isfinite(std))
     if not kept.size:
         return None
-    r = stick.records
-    known = {one.name: getattr(r, one.name) for one in fields(r)}
-    parts = {name: part[kept] for name, part in known.items() if isinstance(part, ndarray)}
     here = replace(
-        stick,
-        records=replace(r, **parts),
-        ln_f=stick.ln_f[kept],
-        std=stick.std[kept],
+        rows_of(stick, kept),
+        records=rows_of(stick.records, kept),
         hold=np.unique(stick.hold[kept], return_inverse=True)[1],
-        row=stick.row[kept],
-        group=None if stick.group is None else stick.group[kept],
-        shared=None if stick.shared is None else stick.shared[kept],
     )
     return DampingData(here, np.log(loss[kept]), std[kept] / loss[kept])
 

@@ -26,7 +26,7 @@ from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.problem import Problem
-from bladeroot.mechanisms.mechanism import Mechanism, Points, Records
+from bladeroot.mechanisms.mechanism import Mechanism, Records, rows_of
 from bladeroot.variables import dataset, names
 
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
@@ -344,7 +344,7 @@ def _more_curves(
     )
     rows = np.concatenate([np.arange(count), np.flatnonzero(off <= least[points.mode])])
     new = np.arange(rows.size) >= count
-    there = Points(*(getattr(points, f.name)[rows] for f in fields(Points)))
+    there = rows_of(points, rows)
     there.force[new] = force
     there.amplitude[new] *= times
     both, fresh = np.concatenate([rows, rows + count]), np.tile(new, 2)

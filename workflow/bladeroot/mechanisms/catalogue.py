@@ -11,6 +11,7 @@ from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.mechanisms.own_files import own_files, try_apart
 from bladeroot.mechanisms.probe import probe
 
+
 def catalogue(folder: str | Path | None = None) -> tuple[Mechanism, ...]:
     """The mechanisms in alphabetical order of their ids, with those of `folder` among them.
 

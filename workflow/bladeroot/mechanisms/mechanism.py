@@ -9,11 +9,11 @@ derivatives, so that every fit is a Newton fit.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.rom.ritz import Ritz
@@ -162,6 +162,13 @@ class CurveEffect:
     loss: Float[ndarray, " point"]
     ln_f_slope: Float[ndarray, "point parameter"]
     loss_slope: Float[ndarray, "point parameter"]
+
+
+def rows_of(whole, rows: Int[ndarray, " row"] | Bool[ndarray, " whole"]):
+    """Some of the rows of a dataclass of arrays; what is no array stays."""
+    parts = {one.name: getattr(whole, one.name) for one in fields(whole)}
+    arrays = {name: part[rows] for name, part in parts.items() if isinstance(part, ndarray)}
+    return replace(whole, **arrays)
 
 
 StickHook = Callable[[Records, Float[ndarray, " parameter"]], StickEffect]

@@ -4,13 +4,13 @@ Not a mechanism itself. What a mode has of the joint's slip, of a stretch or of 
 shape: a third mode is no more like the second than like the first.
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Int
 from numpy import ndarray
 
-from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points, Records
+from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Points, Records, rows_of
 
 
 def of_modes(one: Mechanism, count: int) -> Mechanism:
@@ -59,9 +59,7 @@ def _parts(mode: Int[ndarray, " row"], places: Int[ndarray, "mode parameter"]):
 
 def _rows(rows: Points | Records, mine: Bool[ndarray, " row"]) -> Points | Records:
     """Some of the rows, their modes the first and another."""
-    whole = {field.name: getattr(rows, field.name) for field in fields(rows)}
-    kept = {name: part[mine] for name, part in whole.items() if isinstance(part, ndarray)}
-    return replace(rows, **kept | {"mode": np.minimum(kept["mode"], 1)})
+    return replace(rows_of(rows, mine), mode=np.minimum(rows.mode[mine], 1))
 
 
 def _curve(hook, places: Int[ndarray, "mode parameter"]):
