@@ -89,8 +89,8 @@ def test_no_force_below_that_of_full_contact_is_proposed(made):
     options = [str(option) for option in next_measurements(changed)["option"].values]
     proposed = [float(one.split(" at ")[1].split()[0]) for one in options if " at " in one]
     assert proposed
-    assert min(proposed) >= 1.7
-    assert max(proposed) <= 30.0
+    assert min(proposed) >= 1.7e3
+    assert max(proposed) <= 30e3
 
 
 def test_a_small_drag_shows_more_at_larger_amplitudes():

@@ -121,7 +121,7 @@ def test_a_speed_stiffens_by_its_square(model, expected, unit, nothing):
     seen["stick_frequency"].values[:] = level * np.sqrt(1.0 + gain) * np.exp(scatter)
     seen["force"].values[:] = speed
     made = of_a_load(seen, "speed", unit)
-    _, said, _ = judged.with_baseline(made, SETTINGS, CATALOGUE, expected)
+    _, said, _ = judged.judge(made, None, {"expected_Hz": expected}, CATALOGUE)
     assert (said["answer"] == "nothing-missing") == nothing
 
 
@@ -130,7 +130,7 @@ def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effec
     wanted = {"": [], "drift": ["drift"]}[effect[0]]
     seen = campaign(model, *effect, seed=2, scatter=0.03, rows=programme(cycles=2), curves=False)
     seen = of_a_load(seen, "bolt torque", "Nm", 1e-3)
-    made, said, extension = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    made, said, extension = judged.judge(seen, None, {"expected_Hz": expected}, CATALOGUE)
     check(json.loads(json.dumps(said)), "verdict", "linear modes")
     assert names(said) == wanted
     assert (said["structure"], extension) == (None, None)
@@ -143,7 +143,7 @@ def test_linear_modes_name_what_does_not_need_a_structure(model, expected, effec
 
 def test_a_size_without_structure_has_the_assumed_part_of_the_joint_in_its_error(model, expected):
     seen = campaign(model, "exponent", 0.5, seed=3, rows=programme(cycles=2), curves=False)
-    _, said, _ = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    _, said, _ = judged.judge(seen, None, {"expected_Hz": expected}, CATALOGUE)
     (cause,) = (one for one in said["causes"] if one["mechanism"] == "load-dependent-stiffness")
     exponent, *_ = cause["parameters"]
     assert exponent["value"] < 0.1  # contact carries less than is assumed
@@ -157,7 +157,7 @@ def test_of_curves_of_one_condition_the_likeliest_causes_and_what_would_split_th
     seen = campaign(model, "slip", 0.02, rows=programme(cycles=2, forces=np.array([6e3])))
     seen["direction"] = seen["direction"].where(False, "")
     seen = of_a_load(seen, "", "", 0.0)
-    made, said, _ = judged.with_baseline(seen, SETTINGS, CATALOGUE, expected)
+    made, said, _ = judged.judge(seen, None, {"expected_Hz": expected}, CATALOGUE)
     assert said["answer"] == "insufficient-data"
     assert {row["quantity"] for row in said["shortfall"]} >= {"loss factor over amplitude"}
     assert "joint-slip" in said["reason"]
@@ -177,7 +177,7 @@ def test_a_verdict_says_how_far_the_frequencies_lie_from_the_table(model):
     low = replace(table, ln_f=tuple(ln_f - np.log(1.01) for ln_f in table.ln_f))
     apart = []
     for one in (table, low):
-        _, said, _ = judged.with_table(seen, one, SETTINGS, CATALOGUE)
+        _, said, _ = judged.judged(seen, one, SETTINGS, CATALOGUE)
         text = re.search(r"lie from the table's by (\S+) % \(1B\), (\S+) % \(2B\)", said["reason"])
         apart.append([float(number) for number in text.groups()])
         assert re.search(r"takes for kn times .*, an FE bias of .* % \(2B\)", said["reason"])
@@ -188,8 +188,8 @@ def test_a_verdict_says_how_far_the_frequencies_lie_from_the_table(model):
 def test_a_table_of_the_dovetail_names_what_the_dovetail_names(model, expected):
     seen = campaign(model, "exponent", 0.3, seed=4, rows=programme(cycles=2), curves=False)
     table = dovetail_table(model)
-    of_table = judged.with_table(seen, table, SETTINGS, CATALOGUE)[1]
-    of_structure = judged.with_structure(seen, model, SETTINGS, CATALOGUE, expected)[1]
+    of_table = judged.judged(seen, table, SETTINGS, CATALOGUE)[1]
+    of_structure = judged.judge(seen, model, {"expected_Hz": expected}, CATALOGUE)[1]
     assert names(of_table) == names(of_structure)
     assert of_table["structure"] == "sim.csv"
     low, high = table.load_range
@@ -291,7 +291,7 @@ def test_another_machine_is_refused_in_one_sentence_with_the_numbers(model, expe
     seen = campaign(model, rows=programme(cycles=1), curves=False)
     seen["mode"] = ("record", np.where(seen["mode"].values == "1B", "first", "second"))
     seen["stick_frequency"] = seen["stick_frequency"] * np.nan
-    made, said, extension = judged.with_structure(seen, model, SETTINGS, CATALOGUE, foreign)
+    made, said, extension = judged.judge(seen, model, {"expected_Hz": foreign}, CATALOGUE)
     check(json.loads(json.dumps(said)), "verdict", "refused")
     assert (said["answer"], said["causes"]) == ("insufficient-data", [])
     assert answer_of(said) == "not this specimen"

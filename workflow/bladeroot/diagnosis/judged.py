@@ -8,7 +8,12 @@ import pandas as pd
 import xarray as xr
 
 from bladeroot.diagnosis.dataset import dataset
-from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
+from bladeroot.diagnosis.diagnose import (
+    Settings,
+    diagnose,
+    simulation_of,
+    with_lower_forces,
+)
 from bladeroot.diagnosis.extension import SCHEMA as EXTENSION
 from bladeroot.diagnosis.extension import model_file
 from bladeroot.diagnosis.next_measurement import following, next_measurements
@@ -72,86 +77,42 @@ def judge(
         facts.get("costs", {}),
     )  # fmt: skip
     if simulation is None:
-        return with_baseline(seen, settings, candidates, expected)
+        linear = _linear(seen, expected)
+        return judged(seen, linear, settings, [x for x in candidates if not linear.silent(x)])
+    usual, found = BIAS_PERCENT / 100, frequencies(seen, expected)
     if isinstance(simulation, pd.DataFrame):
-        usual_bias = {"": BIAS_PERCENT / 100} | bias
-        table = table_of(simulation, simulation.attrs["name"], usual_bias, offset)
-        reason = impossible_table(table, frequencies(seen, expected))
+        table = table_of(simulation, simulation.attrs["name"], {"": usual} | bias, offset)
+        reason = impossible_table(table, found)
         if reason:
             return refused(seen, table.structure, reason)
-        return with_table(seen, table, settings, candidates)
-    if simulation.attrs.get("kind") == "assembly":
-        return with_assembly(seen, simulation, settings, candidates, expected)
-    return with_structure(
-        seen, simulation, settings, candidates, expected, facts.get("structure_lacks", "")
-    )
-
-
-def with_structure(
-    seen: xr.Dataset,
-    model: xr.Dataset,
-    settings: Settings,
-    candidates: Sequence[Mechanism],
-    expected: Mapping[str, float],
-    lacks: str = "",
-) -> Made:
-    """With a parametric structure, unless it cannot be the specimen.
-
-    expected: Hz, of every mode. lacks: why a structure cannot be asked at all, or "".
-    """
-    name = str(model.attrs["structure"])
-    reason = impossible(model, frequencies(seen, expected), settings.fe_bias)
+        return judged(seen, table, settings, candidates)
+    name, assembly = simulation.attrs["structure"], simulation.attrs.get("kind") == "assembly"
+    lacks = facts.get("structure_lacks", "")
+    stated = {mode: bias.get(mode, usual) for mode in expected} if assembly else bias
+    reason = impossible(simulation, found, stated)
     if reason or lacks:
         return refused(seen, name, reason or f"{name} cannot be compared with: {lacks}")
-    made = diagnose(seen, model, settings, candidates)
-    further = next_measurements(made)
-    said = verdict(made, with_lower_forces(seen, model, settings, candidates))
-    whole = dataset(made, said).merge(further)
-    said = _with_groups(said | {"next": following(further, made)}, seen)
-    return whole.assign_attrs(_load(seen)), said, model_file(made)
+    if assembly:
+        known = simulation["mode"].isin(seen["mode"].values.astype(str))
+        made = of_assembly(simulation.isel(mode=known.values), stated, offset, usual)
+    else:
+        made = simulation_of(seen, simulation, settings)
+    return judged(seen, made, settings, candidates)
 
 
-def with_assembly(
-    seen: xr.Dataset, model: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
-    expected: Mapping[str, float],
-) -> Made:  # fmt: skip
-    """With an assembly of any bodies and interfaces, unless it cannot be the specimen."""
-    name, known = str(model.attrs["structure"]), set(seen["mode"].values.astype(str))
-    usual = BIAS_PERCENT / 100
-    bias = {mode: settings.fe_bias.get(mode, usual) for mode in expected}
-    reason = impossible(model, frequencies(seen, expected), bias)
-    if reason:
-        return refused(seen, name, reason)
-    here = model.sel(mode=[mode for mode in model["mode"].values.astype(str) if mode in known])
-    simulated = of_assembly(here, bias, settings.fe_offset, usual)
-    return _in_own(seen, simulated, settings, candidates, name)
-
-
-def with_baseline(
-    seen: xr.Dataset, settings: Settings, candidates: Sequence[Mechanism],
-    expected: Mapping[str, float],
-) -> Made:  # fmt: skip
-    """Against linear modes, in the campaign's own range of load and amplitude."""
+def _linear(seen: xr.Dataset, expected: Mapping[str, float]) -> Linear:
+    """Linear modes, those expected that were measured."""
     modes = tuple(mode for mode in expected if mode in set(seen["mode"].values.astype(str)))
     own = own_range(seen)
     at = np.array([expected[mode] for mode in modes], float)
     power = 2.0 if own.unit == SPEED else 1.0
-    linear = Linear(modes, at, bool(own.name), power, own.shift * own.per_load)
-    spoken = [one for one in candidates if not linear.silent(one)]
-    return _in_own(seen, linear, settings, spoken, "")
+    return Linear(modes, at, bool(own.name), power, own.shift * own.per_load)
 
 
-def with_table(
-    seen: xr.Dataset, table: Table, settings: Settings, candidates: Sequence[Mechanism]
+def judged(
+    seen: xr.Dataset, simulated: Simulation, settings: Settings, candidates: Sequence[Mechanism]
 ) -> Made:
-    """Against a table of simulated frequencies."""
-    return _in_own(seen, table, settings, candidates, table.structure)
-
-
-def _in_own(
-    seen: xr.Dataset, simulated: Simulation, settings: Settings, candidates: Sequence[Mechanism],
-    name: str,
-) -> Made:  # fmt: skip
+    """Against any simulation, in the campaign's own range of load and amplitude."""
     own = own_range(seen)
     if simulated.kind != "none" and own.unit == "N":
         own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
@@ -168,9 +129,11 @@ def _in_own(
     further = next_measurements(
         made,
         lambda force: f"{factor * (force / own.per_load - own.shift):.3g} {unit}".strip(),
-        lambda size: f"{size / own.per_load:.2g} {own.unit}".strip(),
+        lambda size: f"{size / own.per_load:.3g} {own.unit}".strip(),
     )
-    said = verdict(made)
+    of_structure = simulated.kind == "structure"
+    said = verdict(made, with_lower_forces(scaled, simulated, asked, candidates) if of_structure
+                   else None)  # fmt: skip
     whole = dataset_in_own(dataset(made, said).merge(further), own)
     said = verdict_in_own(said | {"next": following(further, made)}, own)
     if simulated.kind == "none":
@@ -182,11 +145,10 @@ def _in_own(
         stick = [one.final for one in made.found if one.channel.name == "stick"]
         far = [moved(simulated, made.data.records, made.data.ln_f, one) for one in stick]
         said["reason"] = ". ".join([said["reason"], *far])
-    said["structure"] = name or None
-    said = _with_groups(said, seen)
-    whole.attrs |= {"structure": name or BASELINE, "reason": said["reason"], "kind": simulated.kind}
-    whole.attrs |= _load(seen)
-    return whole, said, None
+    said = _with_groups(said | {"structure": simulated.structure or None}, seen)
+    whole.attrs |= {"structure": simulated.structure or BASELINE, "reason": said["reason"],
+                    "kind": simulated.kind, **_load(seen)}  # fmt: skip
+    return whole, said, model_file(made) if of_structure else None
 
 
 def refused(seen: xr.Dataset, structure: str, reason: str) -> Made:

@@ -48,22 +48,14 @@ class Rival:
     heat: float
 
 
-def kilonewtons(force: float) -> str:
-    """A load as text."""
-    return f"{force / 1e3:.3g} kN"
-
-
-def newtons(force: float) -> str:
-    """A small difference of a load as text."""
-    return f"{force:.3g} N"
-
-
 def next_measurements(
     made: Diagnosis,
-    as_text: Callable[[float], str] = kilonewtons,
-    as_size: Callable[[float], str] = newtons,
+    as_text: Callable[[float], str] = "{:.3g} N".format,
+    as_size: Callable[[float], str] = "{:.3g} N".format,
 ) -> xr.Dataset:
     """What each possible measurement is expected to decide, the best for its hours first.
+
+    as_text, as_size: a load, and a small difference of it, as text.
 
     dims option, stiffness; the first option is the campaign as it is. `decided`: the expected fall
     of the entropy of what is possible (`rivals`, in its attributes) over that entropy, NaN where
