@@ -8,7 +8,7 @@ from bladeroot.diagnosis.channel import stick_channel
 from bladeroot.diagnosis.clampings import directions
 from bladeroot.diagnosis.simulation.parametric import parametric as simulation
 from bladeroot.diagnosis.stick_model import kinked, near, problem, stick_data, trust_kernel
-from bladeroot.diagnosis.structures import Structures
+from bladeroot.diagnosis.structures import solved_change
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.rom.parametric_build import parametric_model
@@ -155,14 +155,14 @@ def test_changed_matrices_move_frequencies_as_an_exact_solution_does(parts):
     records, modulus = data.records, BY_ID["modulus-density"]
     by_record = 0.13 * np.log(records.force / 12e3)
     ln_kn, ln_kt = np.log(1.27e9) + by_record, np.log(1.91e9) + by_record
-    quotient = Structures(records, simulated.ritz, simulated.surface, {})
-    found = quotient(modulus, np.array([0.004, 0.0]), ln_kn, ln_kt)[0]
+    places = np.column_stack([ln_kn, ln_kt, records.force])
+    values = np.array([0.004, 0.0])
+    found = solved_change(records, simulated.ritz, modulus, values, places)[0]
     for mode, ritz in enumerate(simulated.ritz):
         mine = records.mode == mode
-        points = np.column_stack([ln_kn, ln_kt, records.force])[mine]
-        whole, _ = modulus.structure(ritz, np.array([0.004, 0.0]))
+        whole, _ = modulus.structure(ritz, values)
         f = [
-            changed_frequencies(ritz, points, [whole], np.full((mine.sum(), 1), amount))
+            changed_frequencies(ritz, places[mine], [whole], np.full((mine.sum(), 1), amount))
             for amount in (0.0, 1.0)
         ]
         np.testing.assert_allclose(found[mine], np.log(f[1] / f[0]), rtol=2e-3)

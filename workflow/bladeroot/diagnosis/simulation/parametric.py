@@ -5,7 +5,7 @@ the specimen changes kn and kt at random, of all interfaces alike, and the gauge
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.simulation.interface import Said
-from bladeroot.diagnosis.structures import Structures, distinct, solved_change
+from bladeroot.diagnosis.structures import distinct, solved_change
 from bladeroot.inference.problem import Prior, Slopes
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.chebyshev import Surface, trimmed
@@ -53,7 +53,6 @@ class Parametric:
     parameters: names of the stiffnesses, kn or kt and the interface. prior: mean and standard
     deviation of each one's logarithm. pivot: the load about which laws and biases tilt; None: the
     middle of the records'. per_load, shift: from a load of the model to the records' (`OwnRange`).
-    shapes: those already worked out (`Structures`).
     """
 
     surface: Surface | Solved
@@ -62,7 +61,6 @@ class Parametric:
     offset: Float[ndarray, " mode"]
     modes: tuple[str, ...] = ()
     structure: str = ""
-    shapes: dict = field(default_factory=dict)
     kind: str = "structure"
     knows_contact: bool = True
     parameters: tuple[str, ...] = ("kn", "kt")
@@ -214,17 +212,12 @@ class _OfRecords:
         )
         self.own = biases(simulated)
         self.same_hold = (hold[:, None] == hold).astype(float)
-        self.at_grid = None
-        if isinstance(self.surface, Surface):
-            self.at_grid = Structures(records, simulated.ritz, self.surface, simulated.shapes)
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray, ndarray | None]:
+    ) -> tuple[ndarray, ndarray, ndarray]:
         """Changed matrices, by the modes' shapes at each record's place."""
-        if self.at_grid is not None:
-            return *self.at_grid(one, values, *(self.ln_k(theta) + changed)), None
-        points = self._places(theta, changed, 0.0)
+        points = np.clip(self._places(theta, changed, 0.0), self.surface.low, self.surface.high)
         return solved_change(self.records, self.simulated.ritz, one, values, points)
 
     def ln_k(self, theta: ndarray) -> ndarray:
