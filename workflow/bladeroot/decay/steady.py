@@ -77,13 +77,21 @@ def _parts(
 
 
 def _second(z: Complex[ndarray, " part"]) -> Complex[ndarray, " part"]:
-    """What there is in the parts beside what is largest in the end: the mode's last.
-
-    Of two exponentials by a matrix pencil (Hua and Sarkar 1990).
-    """
-    rows = np.lib.stride_tricks.sliding_window_view(z, PARTS // 2 + 1)
-    own = np.linalg.svd(rows, full_matrices=False)[2][:2].T
-    poles = np.linalg.eigvals(np.linalg.lstsq(own[:-1], own[1:], rcond=None)[0])
-    shapes = poles ** np.arange(PARTS)[:, None]
-    both = shapes * np.linalg.lstsq(shapes, z, rcond=None)[0]
+    """What there is in the parts beside what is largest in the end: the mode's last."""
+    factor, size = exponentials(z, PARTS // 2 + 1)
+    both = np.vander(factor, PARTS, increasing=True).T * size
     return both[:, int(np.argmin(np.abs(both[-1])))]
+
+
+def exponentials(
+    z: Complex[ndarray, " value"], width: int
+) -> tuple[Complex[ndarray, "2"], Complex[ndarray, "2"]]:
+    """Factors from value to value, and sizes in the first, of two exponentials.
+
+    By the rotation of the signal subspace (ESPRIT: Roy & Kailath 1989) of windows of a width.
+    """
+    rows = np.lib.stride_tricks.sliding_window_view(z, width)
+    signal = np.linalg.svd(rows, full_matrices=False)[2][:2].T
+    factor = np.linalg.eigvals(np.linalg.lstsq(signal[:-1], signal[1:], rcond=None)[0])
+    shapes = np.vander(factor, z.size, increasing=True).T
+    return factor, np.linalg.lstsq(shapes, z, rcond=None)[0]

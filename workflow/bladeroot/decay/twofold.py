@@ -1,20 +1,19 @@
 """A second mode that dies before it beats: two exponentials against one mode that bends.
 
-Over a segment of intervals the mode's envelope is fitted as the sum of two exponentials (by the
-rotation of its signal subspace, ESPRIT: Roy & Kailath 1989), and as one whose logarithm is a cubic,
-which has as many unknowns and is what a mode with laws of its own looks like.
+Over a segment of intervals the mode's envelope is fitted as the sum of two exponentials, and as one
+whose logarithm is a cubic, which has as many unknowns and is what a mode with laws of its own looks
+like.
 """
 
 import numpy as np
 from jaxtyping import Complex
 from numpy import ndarray
-from numpy.lib.stride_tricks import sliding_window_view
 
 from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.envelope_model import SHARE, Envelopes
 from bladeroot.decay.steady import REMARK as STEADY
-from bladeroot.decay.steady import STAYS
+from bladeroot.decay.steady import STAYS, exponentials
 
 # Intervals in a segment; the mode has not fallen to the other part of its largest in it.
 SEGMENTS, ALIVE = (12, 18, 27, 40), 0.02
@@ -49,7 +48,7 @@ def twofold(
         part = z[:count]
         if z.size < count or abs(part[-1]) < ALIVE * np.abs(part).max():
             break
-        pole, size = _exponentials(part)
+        pole, size = exponentials(part, count // 3)
         turns = abs(np.angle(pole[1] / pole[0])) * count / (2.0 * np.pi)
         if not LIVES < np.abs(pole).min() <= np.abs(pole).max() < 1.1 or turns < TURNS:
             continue
@@ -82,17 +81,6 @@ def twofold(
     alike = own_Hz / (SHARE * abs(line[1] - line[0]))
     beside = Beside(float(line[k]), wave, time, error, finding, remark, alike)
     return float(own_Hz), beside
-
-
-def _exponentials(
-    z: Complex[ndarray, " interval"],
-) -> tuple[Complex[ndarray, "2"], Complex[ndarray, "2"]]:
-    """Factors over an interval, and sizes in the first, of two exponentials."""
-    rows = sliding_window_view(z, z.size // 3)
-    signal = np.linalg.svd(rows, full_matrices=False)[2][:2].T
-    pole = np.linalg.eigvals(np.linalg.lstsq(signal[:-1], signal[1:], rcond=None)[0])
-    powers = np.vander(pole, z.size, increasing=True).T
-    return pole, np.linalg.lstsq(powers, z, rcond=None)[0]
 
 
 def _bending(z: Complex[ndarray, " interval"], passes: int = 3) -> Complex[ndarray, " interval"]:
