@@ -3,6 +3,6 @@
 In: curves and plateaus of all records. Out: stick frequencies by record and level (`stick`, whose
 mean and errors are `components`'), the mean curve of a level with its covariance (`level_curve`)
 and those of all levels as a file (`curves`), groups compared (`groups`), records unlike their
-repeats (`repeats`, told by `judgement`). Read `stick` first. `variables.csv` says what each
-output variable is.
+repeats or unlike other sensors of their motion (`repeats`, `sensors`, told by `judgement`). Read
+`stick` first. `variables.csv` says what each output variable is.
 """

@@ -2,5 +2,7 @@
 
 In: samples and a sampling frequency. Out: arrays. Nothing here knows a file, a sheet or a finding.
 Read `phasors` first (from samples to independent log-phasors), then `smooth` (a curve and its
-derivatives from noisy values). Tapers and spectral lines are those of `lines`.
+derivatives from noisy values). Tapers and spectral lines are those of `lines`, frames in which a
+decay is looked for those of `envelope`, where it turns `turning`; `recording` is what a sensor gave
+and makes a velocity of it.
 """
