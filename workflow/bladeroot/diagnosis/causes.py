@@ -28,8 +28,8 @@ class Causes:
     changes: of all together. effects: of each alone, and, to first order, what laws of the force
     make of its change of the force. slopes: derivatives of `changes` by each cause's own
     coordinates in the fit, shape (record, 4, own). by_place: derivatives of what changed matrices
-    do by the record's place (ln k..., load), where they count. inside: whether every record is left
-    a force; where it is not, it has the least.
+    do by the record's place (ln k..., load). inside: whether every record is left a force; where it
+    is not, it has the least.
     """
 
     changes: Float[ndarray, "record 4"]
@@ -43,7 +43,7 @@ def causes(
     mechanisms: Sequence[Mechanism],
     theta: Float[ndarray, " parameter"],
     records: Records,
-    structures: Callable[[Mechanism, ndarray, ndarray], tuple[ndarray, ndarray, ndarray | None]],
+    structures: Callable[[Mechanism, ndarray, ndarray], tuple[ndarray, ndarray, ndarray]],
 ) -> Causes:
     """At coordinates `theta` of all mechanisms in order.
 
@@ -77,7 +77,7 @@ def causes(
         if one.structure is not None:
             change, slope, further = structures(one, values, ln_k)
             own[k][:, 3], slopes[k][:, 3] = change, slope * chain
-            by_place = by_place if further is None else by_place + further
+            by_place = by_place + further
     effects = np.array([a + b for a, b in zip(own, through, strict=True)]).reshape(-1, n, 4)
     changes = sum(own, np.zeros((n, 4)))
     changes[:, _FORCE] = force - records.force

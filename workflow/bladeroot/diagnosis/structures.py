@@ -8,7 +8,6 @@ from numpy import ndarray
 
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.ritz import Ritz, solve, turning
-from bladeroot.rom.sensitivity import Change
 
 LEAST = 0.05  # of stiffness and mass, that a change may leave
 
@@ -77,14 +76,3 @@ def distinct(points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarr
     where = np.empty(len(points), dtype=int)
     where[order] = np.cumsum(new) - 1
     return placed[new], where
-
-
-def shift(whole: Change, parts: Sequence[Change]) -> tuple[float, Float[ndarray, " parameter"]]:
-    """Change of ln f of a mode of one degree of freedom, and its derivatives."""
-    stiff = max(1.0 + float(whole.stiffness[0, 0]), LEAST)
-    mass = max(1.0 + float(whole.mass[0, 0]), LEAST)
-    slope = [
-        0.5 * (float(part.stiffness[0, 0]) / stiff - float(part.mass[0, 0]) / mass)
-        for part in parts
-    ]
-    return 0.5 * float(np.log(stiff) - np.log(mass)), np.array(slope)

@@ -46,9 +46,9 @@ class OfRecords(Protocol):
         one: Mechanism,
         values: Float[ndarray, " value"],
         changed: Float[ndarray, "2 record"],
-    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"], ndarray | None]:
-        """Change of ln f of each record by changed matrices, and its derivatives by the values and,
-        where they count, by the record's place; changed: ln kn and ln kt by other causes.
+    ) -> tuple[Float[ndarray, " record"], Float[ndarray, "record value"], ndarray]:
+        """Change of ln f of each record by changed matrices, and its derivatives by the values and
+        by the record's place; changed: ln kn and ln kt by other causes.
         """
 
     def at(

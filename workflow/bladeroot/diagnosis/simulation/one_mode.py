@@ -1,9 +1,11 @@
 """A mode as a problem of one degree of freedom, for causes that change matrices to act on."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy import ndarray
 
-from bladeroot.diagnosis.structures import shift
+from bladeroot.diagnosis.structures import solved_change
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 from bladeroot.rom.ritz import Ritz
 
@@ -15,11 +17,10 @@ class OneMode:
 
     def structures(
         self, theta: ndarray, one: Mechanism, values: ndarray, changed: ndarray
-    ) -> tuple[ndarray, ndarray, None]:
+    ) -> tuple[ndarray, ndarray, ndarray]:
         """Changed matrices, which do the same to all modes."""
-        n = self.records.force.size
-        change, slope = shift(*one.structure(one_mode(), values))
-        return np.full(n, change), np.tile(slope, (n, 1)), None
+        alike = replace(self.records, mode=np.zeros_like(self.records.mode))
+        return solved_change(alike, [one_mode()], one, values, np.zeros((alike.mode.size, 3)))
 
 
 def one_mode() -> Ritz:
