@@ -104,48 +104,14 @@ def baseline(channel: Channel) -> Model:
     return Model((), best, 0.0, maxima=tuple(others))
 
 
-def with_one_more(channel: Channel, model: Model, known: Known) -> tuple[Model, dict[str, Model]]:
-    """The model, and those with one cause more by its id.
-
-    The first is also tried from where the best of the others ends: a mechanism that does nothing
-    may find a better maximum of the model without it, which is no evidence.
-    """
-    more = _added(channel, model, known)
-    own = model.fit.parameters.size
-    if not own or not more:
-        return model, more
-    best = max((one.fit for one in more.values()), key=lambda one: one.log_evidence)
-    second = fit(channel.problem(model.causes, ()), best.parameters[:own], best.scales)
-    gain = second.log_evidence - model.fit.log_evidence
-    if not gain > 0.0:
-        return model, more
-    better = replace(model, fit=second)
-    if gain > guards.OTHER_SUMMIT:
-        more = {name: _moved(channel, better, one, gain) for name, one in more.items()}
-    return better, more
-
-
-def _moved(channel: Channel, model: Model, more: Model, gain: float) -> Model:
-    """A model with one cause more, fitted again from the better maximum of the model without.
-
-    gain: of that maximum; the model's own evidence is what is counted from, and stands for it now.
-    """
-    own = more.fit.parameters[model.fit.parameters.size :]
-    start = np.append(model.fit.parameters, own)
-    fitted = fit(channel.problem(more.causes, ()), start, model.fit.scales)
-    further = fitted.log_evidence - more.fit.log_evidence
-    if further <= 0.0:
-        return replace(more, log_evidence=more.log_evidence - gain)
-    return replace(more, fit=fitted, log_evidence=more.log_evidence + further - gain)
-
-
-def _added(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
+def with_one_more(channel: Channel, model: Model, known: Known) -> dict[str, Model]:
+    """The models with one cause more, by its id."""
     asks = any(_asks(model.fit, kernels) for kernels in channel.smooth(model.fit).values())
-    found = {}
-    for one in channel.candidates:
-        if one.id not in model.ids:
-            found[one.id] = _family(channel, model, one, known, asks)
-    return found
+    return {
+        one.id: _family(channel, model, one, known, asks)
+        for one in channel.candidates
+        if one.id not in model.ids
+    }
 
 
 def _family(channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool) -> Model:

@@ -35,9 +35,6 @@ ROUNDS = 4  # of the search for the most probable set
 TRUST = 0.08
 # The same over amplitude, where laws are cruder and each clamping's friction differs.
 TRUST_CURVE = 0.15
-# Nats by which the model without a mechanism must gain from where one with it ended before all are
-# fitted anew from there: less is how exactly fits end.
-OTHER_SUMMIT = 1.0
 # Standard deviations of its score beyond which the smooth competitor is fitted from two starts.
 ASKED = 1.0
 MOST_CAUSES = 3  # a channel

@@ -133,9 +133,8 @@ class _Search:
         """Try one cause more, and the smooth competitors, beside a model."""
         if model.ids in self.steps:
             return
-        more: dict[str, Model] = {}
-        if len(model.causes) < guards.MOST_CAUSES:
-            model, more = with_one_more(self.channel, model, self.known)
+        few = len(model.causes) < guards.MOST_CAUSES
+        more = with_one_more(self.channel, model, self.known) if few else {}
         self.models[model.ids] = model
         gains = {name: one.log_evidence - model.log_evidence for name, one in more.items()}
         self.steps[model.ids] = Step(gains, smooth(self.channel, model))
