@@ -143,13 +143,11 @@ def _known(data: StickData) -> dict[str, bool]:
     }
 
 
-def not_judged(
-    candidates: Sequence[Mechanism], data: StickData, simulated: Simulation | None = None
-) -> str:
+def not_judged(candidates: Sequence[Mechanism], data: StickData, simulated: Simulation) -> str:
     """A line on what the campaign, or the simulation, cannot speak of and what follows, or ""."""
     known = _known(data)
     silent: dict[str, list[str]] = {}
-    for one in candidates if simulated is not None else ():
+    for one in candidates:
         if one.channel == "stick" and (why := simulated.silent(one)):
             silent.setdefault(why, []).append(one.id)
     lines = [f"{', '.join(names)} not judged: {why}" for why, names in silent.items()]

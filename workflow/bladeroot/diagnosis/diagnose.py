@@ -79,29 +79,25 @@ def diagnose(
     model: xr.Dataset | Simulation,
     settings: Settings,
     candidates: Sequence[Mechanism],
-    baseline: xr.Dataset | None = None,
     terms: Terms = DOVETAIL,
 ) -> Diagnosis:
     """Judge a campaign.
 
     seen: from `bladeroot.diagnosis.observations`. model: from `bladeroot.rom.parametric`, or
     any other simulation (`bladeroot.diagnosis.simulation`).
-    candidates: from `bladeroot.mechanisms.catalogue`. baseline: simulated changes `ln_frequency`
-    and `loss_factor` over (mode, force, amplitude), if the simulation has slip of its own.
-    terms: the campaign's own words.
+    candidates: from `bladeroot.mechanisms.catalogue`. terms: the campaign's own words.
     """
     seen = one_of_each_event(seen)
     simulated = simulation_of(seen, model, settings)
     modes = simulated.modes
     candidates = [of_modes(one, len(modes)) for one in candidates]
-    baseline = simulated.curves() if baseline is None else baseline
     data = stick_model.stick_data(seen, modes, settings.least_force)
     lacks = lacking(data, simulated.kind, simulated.knows_contact)
     barred = _barred(candidates, data, bool(lacks), settings.splits, simulated)
     known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
-    curves = curve_model.curve_data(seen, modes, skip, baseline)
+    curves = curve_model.curve_data(seen, modes, skip, simulated.curves())
     nothing = hopeless(data, simulated.kind)
     found = []
 

@@ -10,6 +10,7 @@ from scipy.linalg import cho_factor, cho_solve
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.channel import Channel
+from bladeroot.diagnosis.shortfall import NAMES
 from bladeroot.inference.gaussian import Fit
 from bladeroot.mechanisms.mechanism import Mechanism
 
@@ -56,23 +57,16 @@ def largest(fitted: Fit, cause: int, own: slice, rows: slice = slice(None)) -> t
     return float(effect[k]), float(std)
 
 
-_OF_CURVES = (("frequency over amplitude", 0), ("loss factor over amplitude", 1))
-
-
 def changes(found, number: int, own: slice) -> list[dict]:
     """The largest change that a cause makes of each quantity of its data, with its error.
 
     In ln of the frequency or of the loss factor of the stuck joint, and over amplitude the rise of
     the loss factor itself; of `bladeroot.diagnosis.naming.Found` and the number of a cause of it.
     """
-    n = found.final.problem.data.size
-    named = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
-    parts = [(named.get(found.channel.name, ""), slice(0, n))]
-    if found.channel.name == "curve":
-        parts = [(text, slice(k * (n // 2), (k + 1) * (n // 2))) for text, k in _OF_CURVES]
-    rows = []
-    for quantity, data in parts:
-        value, std = largest(found.final, number, own, data)
+    quantities, rows = NAMES[found.channel.name], []
+    n = found.final.problem.data.size // len(quantities)
+    for k, quantity in enumerate(quantities):
+        value, std = largest(found.final, number, own, slice(k * n, (k + 1) * n))
         rows.append({"quantity": quantity, "value": value, "std": std, "unit": "1"})
     return rows
 

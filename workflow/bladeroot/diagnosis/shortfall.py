@@ -8,7 +8,12 @@ from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.inference.gaussian import Fit
 
-_NAMES = {"stick": "stick frequency", "damping": "loss factor of the stuck joint"}
+# Quantities of a channel's data, one behind another.
+NAMES = {
+    "stick": ("stick frequency",),
+    "damping": ("loss factor of the stuck joint",),
+    "curve": ("frequency over amplitude", "loss factor over amplitude"),
+}
 
 
 def of_records(
@@ -33,7 +38,7 @@ def of_records(
             continue
         size, text = _trend(along[mine], miss[mine], smooth_in.partition(",")[0])
         entries.append(
-            {"quantity": _NAMES[channel], "mode": mode, "trend": text, "size": size, "unit": "1"}
+            {"quantity": NAMES[channel][0], "mode": mode, "trend": text, "size": size, "unit": "1"}
         )
     return entries
 
@@ -70,7 +75,7 @@ def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
     entries = []
     miss = fitted.problem.data - fitted.state.mean
     n = data.points.mode.size
-    for quantity, name in enumerate(("frequency", "loss factor")):
+    for quantity, name in enumerate(NAMES["curve"]):
         value = miss[quantity * n : (quantity + 1) * n]
         for number, mode in enumerate(data.modes):
             tops = _tops(data, number)
@@ -80,7 +85,7 @@ def of_curves(data: CurveData, fitted: Fit) -> list[dict[str, object]]:
             way = "rises" if size > 0 else "falls"
             shown = _percent(size) if quantity == 0 else f"{100.0 * abs(size):.2g} % (absolute)"
             entries.append(
-                {"quantity": f"{name} over amplitude", "mode": mode, "size": size, "unit": "1",
+                {"quantity": name, "mode": mode, "size": size, "unit": "1",
                  "trend": f"{way} with the amplitude by up to {shown} more {{than_simulated}}"}
             )  # fmt: skip
     return entries
