@@ -33,10 +33,9 @@ def asked_along(fitted: Fit, slope: Float[ndarray, "datum parameter"]) -> float:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Predictions of parts of the data by the rest: error, its covariance's blocks, log score."""
+    """Predictions of parts of the data by the rest: error, log score."""
 
     error: Float[ndarray, " datum"]
-    std: Float[ndarray, " datum"]
     log_score: Float[ndarray, " part"]
 
 
@@ -48,15 +47,13 @@ def hold_out(fitted: Fit, part: Int[ndarray, " datum"], allowance: slice = slice
     took up in the rest of the data is an error then. The log score has them.
     """
     pulled = fitted.precision @ fitted.residual
-    error, std = np.zeros(part.size), np.zeros(part.size)
-    scores = np.zeros(int(part.max()) + 1)
+    error, scores = np.zeros(part.size), np.zeros(int(part.max()) + 1)
     spared = fitted.state.slope[:, allowance]
     learned = (fitted.problem.prior.std[allowance] ** 2)[:, None] * spared.T
     for number in range(scores.size):
         rows = np.flatnonzero(part == number)
         block = np.linalg.inv(fitted.precision[np.ix_(rows, rows)])
         error[rows] = block @ pulled[rows]
-        std[rows] = np.sqrt(np.diag(block))
         scores[number] = -0.5 * (
             pulled[rows] @ error[rows]
             + np.linalg.slogdet(block)[1]
@@ -64,4 +61,4 @@ def hold_out(fitted: Fit, part: Int[ndarray, " datum"], allowance: slice = slice
         )
         without = pulled - fitted.precision[:, rows] @ error[rows]  # of the fit to the rest
         error[rows] += spared[rows] @ (learned @ without)
-    return HeldOut(error, std, scores)
+    return HeldOut(error, scores)
