@@ -20,7 +20,7 @@ from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
 from bladeroot.inference.gaussian import Fit, fit, maxima_of
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
-from bladeroot.inference.sampling import Draws, sample
+from bladeroot.inference.sampling import sample
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.variables import dataset
@@ -81,14 +81,6 @@ def stiffness_problem(
     )  # fmt: skip
 
 
-def stiffness_draws(asked: Problem, fits: Sequence[Fit], draws: int = DRAWS) -> Draws:
-    """Draws of ln k and the scales from `stiffness_problem`; fits: at the whole one's maxima."""
-    count = asked.prior.mean.size
-    ends = [fit(asked, one.parameters[:count], one.scales) for one in fits]
-    best, *others = maxima_of(ends, count)
-    return sample(best, range(count), draws, others=others)
-
-
 def interface_stiffness(
     data: StickData, simulated: Parametric, fits: Sequence[Fit], mechanisms: list[Mechanism],
     base: int,
@@ -98,7 +90,10 @@ def interface_stiffness(
     fits: at the maxima of the whole problem's posterior; the first has the mechanisms.
     """
     asked = stiffness_problem(data, simulated, fits[0], mechanisms, base)
-    found = stiffness_draws(asked, fits)
+    count = asked.prior.mean.size
+    ends = [fit(asked, one.parameters[:count], one.scales) for one in fits]
+    best, *others = maxima_of(ends, count)
+    found = sample(best, range(count), DRAWS, others=others)
     made = {
         "interface_k": np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
         "interface_ln_covariance": np.cov(found.parameters.T),

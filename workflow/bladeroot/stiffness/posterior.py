@@ -103,9 +103,9 @@ def posterior(
     )
 
 
-def at_forces(law: Law, forces: Sequence[float], count: int = DRAWS) -> xr.Dataset:
+def at_forces(law: Law, forces: Sequence[float]) -> xr.Dataset:
     """What `posterior` says of kn and kt at each wanted force alone; arguments as there."""
-    return _at_forces(law, sample(law.fit, _BENT, count), np.asarray(forces, float))
+    return _at_forces(law, sample(law.fit, _BENT), np.asarray(forces, float))
 
 
 def _some(draws: Float[ndarray, "draw parameter"], count: int) -> ndarray:
