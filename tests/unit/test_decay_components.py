@@ -348,6 +348,26 @@ def test_a_steady_line_that_the_mode_has_not_died_beside_is_taken_off():
     assert np.abs(found["loss_factor"].values[clear] / 0.003 - 1.0).max() < 0.1
 
 
+def test_a_steady_line_that_only_the_quiet_before_a_blow_shows_is_taken_off():
+    """The record ends before the mode has sunk to the line, or has beaten with it twice."""
+    velocity = blow([(100.7, 0.0015, 0.02)], before_s=0.6, length_s=2.6)
+    line = 1e-4 * np.cos(2.0 * np.pi * 100.0 * np.arange(velocity.size) / RATE + 1.0)
+    judged, found = curve(velocity + line, 100.0)
+    assert "steady-line" in judged["finding_id"].values
+    assert judged.attrs["components_Hz"][-1] == pytest.approx(100.0, abs=0.01)
+    assert np.median(np.abs(found["loss_factor"].values / 0.003 - 1.0)) < 0.01
+    off = np.abs(found["loss_factor"].values - 0.003) / found["loss_factor_std"].values
+    assert off.max() < 3.0
+
+
+def test_what_rings_of_the_mode_before_a_blow_is_no_steady_line():
+    velocity = blow([(100.7, 0.0001, 0.02)], before_s=0.6, length_s=2.6)
+    velocity += decay(100.7, 0.0001, 2e-4, np.arange(velocity.size) / RATE)
+    judged, _ = curve(velocity, 100.0)
+    assert judged.attrs["verdict"] == "usable"
+    assert "steady-line" not in judged["finding_id"].values
+
+
 @pytest.mark.parametrize(("away_Hz", "size"), [(28.0, 0.01), (40.0, 0.02), (40.0, 0.05)])
 @pytest.mark.parametrize(("falls", "finding"), [(0.0, "steady-line"), (0.15, "close-mode")])
 def test_what_beats_with_the_mode_and_stays_is_no_mode(away_Hz, size, falls, finding):

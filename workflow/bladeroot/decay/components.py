@@ -94,6 +94,7 @@ def separated(
     modes_Hz: tuple[float, ...] = (),
     first: int = 0,
     blows: int = BLOWS,
+    quiet: int = 0,
 ) -> Separated:
     """A record whose decay begins at a sample, without all that is not the mode, nor noise.
 
@@ -101,7 +102,7 @@ def separated(
     noise. modes_Hz: where other modes are expected; close ones are separated from it.
     first: the sample in which the decay begins, moved on (so many `blows` times at most) where
     what is left over shows that something still acts: a blow's contact, a drive that fades, a
-    second blow.
+    second blow. quiet: so many samples at the record's start come before all that.
 
     All components are followed at once (`decay.envelope_model`), first with none of their
     courses known, then with what that found of them; where the two differ the result depends on how
@@ -126,7 +127,11 @@ def separated(
         more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
         if (turn and not trimmed) or not (more or searched):
             last = _lasting(found)
-            steady = None if heard else steady_line(x, found, last, sampling_Hz, APART)
+            steady = (
+                None
+                if heard
+                else steady_line(x, found, last, sampling_Hz, APART, whole[:quiet], first - quiet)
+            )
             if steady is not None:  # without it the mode is followed for longer
                 heard, lines = True, named
             one = steady or clearest_harmonic(x, found, sampling_Hz, APART)
@@ -183,7 +188,7 @@ def separated(
     struck = struck or _grows(found, rest)
     if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
-        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1
+        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1, quiet
         return separated(*again)
     if lone:
         return Separated(velocity, first, [], *np.zeros((3, 0)), tuple(remarks))

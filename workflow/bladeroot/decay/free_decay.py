@@ -57,7 +57,7 @@ def free_decay(
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how == "begins in the decay":
         how = AT_ONCE
-    parts = separated(clear, rate, expected_Hz, modes_Hz, first)
+    parts = separated(clear, rate, expected_Hz, modes_Hz, first, quiet=struck)
     release = Release(parts.first / rate, 0.0, how)
     lone = not parts.lines_Hz and parts.velocity is clear
     freed = seen

@@ -1,79 +1,122 @@
-"""A steady line beside the mode, such as the mains': seen by itself once the mode has died away.
+"""A steady line beside the mode, such as the mains': seen by itself where the mode does not ring.
 
 Close to the mode no spectrum of the decay shows it, and it takes the mode's envelope for its own.
-What follows the decay tells its frequency and phase so well that it can be taken off before.
+What comes before a blow, and what follows the decay, tell its frequency and phase so well that it
+can be taken off between.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.beside import Beside
-from bladeroot.decay.envelope_model import Envelopes
+from bladeroot.decay.envelope_model import SHARE, Envelopes
 from bladeroot.signal.lines import hann, lines_of
 
-# Parts of what follows the decay, in which the line's amplitude and phase are compared; fewest
-# cycles of the mode in each.
-PARTS, FEWEST_CYCLES = 8, 6.0
-# A line is over the median one around it by this factor, its parts differ by no more than that part
-# of it (rms), and carried back to the decay's start it is known to this part of itself.
-CLEAR, UNEVEN, KNOWN = 12.0, 0.1, 0.3
-# Turns that it makes at least against the mode's later half: what makes fewer is the mode itself.
-TURNS = 1.0
+# Parts of what is quiet, in which the line's amplitude and phase are compared; fewest cycles of the
+# mode in each.
+PARTS, FEWEST_CYCLES = 8, 2.0
+# A line's parts differ by no more than this part of it (rms; in noise alone by all of it), and
+# carried through the decay it is known to that part of itself.
+UNEVEN, KNOWN = 0.1, 1.0
+# Turns that it makes at least against the mode's later half, unless it stays, before the blow, for
+# so much of the mode's fall (of ln A): what does neither is the mode itself, which may fall ever
+# slower.
+TURNS, LASTING = 1.0, 0.7
 # What falls less than this part as fast as the mode is no mode beside it, but a line that stays.
 STAYS = 0.1
 REMARK = "a steady line at {:.6g} Hz ({:.2g} m/s) rings on beside the mode; taken off"
 
 
+@dataclass(frozen=True)
+class _Quiet:
+    """A piece that is quiet, in parts, their times (s), and whether a mode has died before."""
+
+    samples: Float[ndarray, "part sample"]
+    time: Float[ndarray, "part sample"]
+    died: bool
+
+
 def steady_line(
-    x: Float[ndarray, " sample"], found: Envelopes, last: int, sampling_Hz: float, within: float
+    x: Float[ndarray, " sample"],
+    found: Envelopes,
+    last: int,
+    sampling_Hz: float,
+    within: float,
+    before: Float[ndarray, " earlier"],
+    gap: int = 0,
 ) -> Beside | None:
     """The clearest steady line within that part of the mode's frequency, None without one.
 
     x: a decay (m/s) and what follows it. found: its envelopes, the mode's first. last: the sample
-    in which the mode has died away.
+    in which the mode has died away. before: what is quiet and ends so many samples (`gap`) before
+    the decay begins.
     """
-    own_Hz, count = float(found.lines_Hz[0]), (x.size - last) // PARTS
-    if count < FEWEST_CYCLES * sampling_Hz / own_Hz:
-        return None
-    begin = x.size - PARTS * count
-    after = x[begin:]
-    frequency, level = lines_of(after, sampling_Hz)
-    around = np.abs(frequency - own_Hz) < within * own_Hz
-    at = int(np.argmax(np.where(around, level, 0.0)))
-    if level[at] < CLEAR * np.median(level[around]):
-        return None
-    time = (np.arange(after.size) + begin) / sampling_Hz
-    line = float(frequency[at])
-    for _ in range(3):  # the phase from part to part tells the frequency best
-        z, middle = _parts(after, time, line)
-        turned = np.unwrap(np.angle(z - _second(z)))
-        line += float(np.polyfit(middle, turned, 1)[0]) / (2.0 * np.pi)
-    z, middle = _parts(after, time, line)
-    z = z - _second(z)
-    mean = complex(z.mean())
-    off = float(np.sqrt(np.sum(np.abs(z - mean) ** 2) / (PARTS - 4)))
-    now = np.arange(x.size) / sampling_Hz
-    # errors of the mean, and of the frequency from where it is known best
-    away = (now - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
-    error = off * np.hypot(PARTS**-0.5, away)
-    if off > UNEVEN * abs(mean) or error[0] > KNOWN * abs(mean):
-        return None
+    own_Hz = float(found.lines_Hz[0])
+    fewest = FEWEST_CYCLES * sampling_Hz / own_Hz
     late = found.envelope(0)[last // found.spacing // 2 : last // found.spacing]
-    turn = float(np.angle(np.vdot(late[:-1], late[1:]))) / (2.0 * np.pi * found.spacing)
-    if abs(line - own_Hz - turn * sampling_Hz) * last < TURNS * sampling_Hz:
-        return None  # the mode itself
-    wave = (mean * np.exp(2j * np.pi * line * now)).real
-    return Beside(line, wave, now, error, "steady-line", REMARK.format(line, abs(mean)))
+    step = np.vdot(late[:-1], late[1:]) / max(float(np.sum(np.abs(late[:-1]) ** 2)), 1e-300)
+    turn_Hz = float(np.angle(step)) * sampling_Hz / (2.0 * np.pi * found.spacing)
+    decline = -float(np.log(max(abs(step), 1e-300))) * sampling_Hz / found.spacing
+    pieces = []
+    for piece, end, died in ((before, -gap, False), (x[last:], x.size, True)):
+        count = piece.size // PARTS
+        if count >= fewest:
+            time = np.arange(end - PARTS * count, end) / sampling_Hz
+            parts = piece[piece.size - PARTS * count :].reshape(PARTS, count)
+            pieces.append(_Quiet(parts, time.reshape(PARTS, count), died))
+    # what all say, or the longest alone
+    for quiet in [pieces, sorted(pieces, key=lambda piece: piece.samples.size)[-1:]][: len(pieces)]:
+        line, mean, off, middle = _line(quiet, own_Hz, sampling_Hz, within)
+        now = np.arange(x.size) / sampling_Hz
+        # errors of the mean, and of the frequency from where it is known best
+        away = (now - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
+        error = off * np.hypot(middle.size**-0.5, away)
+        if off > UNEVEN * abs(mean) or error[:last].max() > KNOWN * abs(mean):
+            continue
+        apart_Hz = abs(line - own_Hz - turn_Hz)
+        stays = 0.0 if quiet[0].died else (middle[-1] - middle[0]) * decline
+        if apart_Hz * last < TURNS * sampling_Hz and stays < LASTING:
+            return None  # the mode itself
+        wave = (mean * np.exp(2j * np.pi * line * now)).real
+        alike = own_Hz / max(SHARE * apart_Hz, sampling_Hz / x.size)
+        remark = REMARK.format(line, abs(mean))
+        return Beside(line, wave, now, error, "steady-line", remark, alike)
+    return None
+
+
+def _line(
+    quiet: list[_Quiet], own_Hz: float, sampling_Hz: float, within: float
+) -> tuple[float, complex, float, Float[ndarray, " part"]]:
+    """Frequency and phasor of the loudest line, the parts' scatter about it, their middles (s)."""
+    longest = max(quiet, key=lambda piece: piece.samples.size)
+    frequency, level = lines_of(longest.samples.ravel(), sampling_Hz)
+    around = np.abs(frequency - own_Hz) < within * own_Hz
+    line = float(frequency[np.argmax(np.where(around, level, 0.0))])
+    # the phase from part to part tells the frequency best; of both pieces once it is known so well
+    # that no turn is lost between them
+    for used in ([longest],) * 3 + (quiet,) * 3:
+        z, middle = _parts(used, line)
+        line += float(np.polyfit(middle, np.unwrap(np.angle(z)), 1)[0]) / (2.0 * np.pi)
+    z, middle = _parts(quiet, line)
+    off = float(np.sqrt(np.sum(np.abs(z - z.mean()) ** 2) / (z.size - 4)))
+    return line, complex(z.mean()), off, middle
 
 
 def _parts(
-    after: Float[ndarray, " sample"], time: Float[ndarray, " sample"], line_Hz: float
+    quiet: list[_Quiet], line_Hz: float
 ) -> tuple[Complex[ndarray, " part"], Float[ndarray, " part"]]:
-    """A line's phasor in each part (Hann), and the parts' middles (s)."""
-    turned = (after * np.exp(-2j * np.pi * line_Hz * time)).reshape(PARTS, -1)
-    taper = hann(turned.shape[1])
-    return 2.0 * (turned @ taper) / taper.sum(), time.reshape(PARTS, -1).mean(axis=1)
+    """A line's phasor in each part (Hann), without what is left of a mode; the parts' middles."""
+    found, middles = [], []
+    for piece in quiet:
+        taper = hann(piece.time.shape[1])
+        turned = piece.samples * np.exp(-2j * np.pi * line_Hz * piece.time)
+        z = 2.0 * (turned @ taper) / taper.sum()
+        found.append(z - _second(z) if piece.died else z)
+        middles.append(piece.time.mean(axis=1))
+    return np.concatenate(found), np.concatenate(middles)
 
 
 def _second(z: Complex[ndarray, " part"]) -> Complex[ndarray, " part"]:
