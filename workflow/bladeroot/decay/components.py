@@ -57,7 +57,7 @@ ALIKE = 2
 OVERLAP = 3.0
 CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
-    "the other is taken off; the sheet had better name both"
+    "the other is taken off; name both: modes of a campaign, other_modes_Hz in Python"
 )
 NOT_APART = (
     "the mode near {:.5g} Hz lies within {:.2g} half-power bandwidths of this one, and the record "

@@ -33,7 +33,7 @@ DOUBT = 0.5
 REMARK = (
     "two modes ring near {:.5g} and {:.5g} Hz until one is gone: the first is taken for the one "
     "that is asked for, the other, {:.2g} times as large at first, is taken off as a plain "
-    "exponential; the sheet had better name both"
+    "exponential; name both: modes of a campaign, other_modes_Hz in Python"
 )
 
 

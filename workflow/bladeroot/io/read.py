@@ -190,7 +190,7 @@ def _unit(
         if means != named:
             raise ValueError(
                 f"the channel is called {named}, its unit {normal_unit(chosen)} is one of {means} "
-                f"({SI[means]}); quantity in records.csv can decide ({where})"
+                f"({SI[means]}); quantity can decide ({where})"
             )
     if quantity and found.quantity and quantity != found.quantity:
         raise ValueError(
@@ -217,7 +217,7 @@ def _sampling(
             notes.append(
                 "the file's digits leave the sampling frequency open between "
                 f"{own / (1.0 + error):.6g} and {own / (1.0 - error):.6g} Hz, {own:.9g} Hz is "
-                "taken; sampling_Hz in records.csv settles it"
+                "taken; sampling_Hz settles it"
             )
         elif usual_rate(own) is None:
             notes.append(

@@ -123,7 +123,7 @@ def _unnamed_clock(path: str, form: _Form) -> str:
     except ValueError:
         return ""
     return (
-        f"column 1 rises in steps of {1.0 / rate:.6g}, as times do; sampling_Hz in records.csv "
+        f"column 1 rises in steps of {1.0 / rate:.6g}, as times do; sampling_Hz "
         f"says their unit: {rate:.9g} if they are in s, {1e3 * rate:.9g} in ms"
     )
 

@@ -50,16 +50,17 @@ def find(seen: Examined) -> Finding | None:
         shown, part = (close, nearer) if nearer > NEARER else (second, rival)
         text = (
             f"two modes in the band: {seen.own_Hz:.5g} and {peak_Hz(frequency, shown):.5g} Hz, "
-            f"the second {part:.2g} times as loud"
+            f"the second {part:.2g} times as loud; the first is taken"
         )
         if nearer <= NEARER:
+            text += f", {seen.expected_Hz:.5g} Hz was expected"
             return Finding(statistic, THRESHOLD, "warn", text)
-        text += f", but nearer to the expected {seen.expected_Hz:.5g} Hz"
+        text += f", the second is nearer to the expected {seen.expected_Hz:.5g} Hz"
         # the strongest may be the mode all the same, unless the sheet has another one there
         return Finding(statistic, THRESHOLD, "drop" if theirs < off else "warn", text)
     if ratio <= THRESHOLD and theirs < off:
         text = (
-            f"the mode at {seen.own_Hz:.5g} Hz is nearer to another one of the sheet than to the "
+            f"the mode at {seen.own_Hz:.5g} Hz is nearer to another known one than to the "
             f"one that is asked for, at {seen.expected_Hz:.5g} Hz"
         )
         return Finding(THRESHOLD * off / max(theirs, 1e-9 * off), THRESHOLD, "drop", text)
