@@ -322,6 +322,14 @@ def test_a_mode_of_the_sheet_that_dies_sooner_is_told_once():
     assert judged["finding_id"].values.tolist().count("close-mode") == 1
 
 
+def test_modes_that_beat_are_not_several_decays():
+    velocity = blow([(400.0, 0.0005, 0.02), (405.0, 0.0005, 0.019)], length_s=3.0)
+    judged, _ = curve(velocity, 400.0)
+    told = judged["finding_id"].values
+    assert "close-mode" in told
+    assert "several-decays" not in told
+
+
 def test_a_steady_line_beside_the_mode_is_taken_off():
     velocity = blow([(257.0, 0.003, 0.02)], length_s=6.0)
     time = np.arange(velocity.size) / RATE

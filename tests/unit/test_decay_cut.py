@@ -12,6 +12,7 @@ from decay_bench import START, course, levels, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as some
 from records_bench import draw
+from scipy.signal import lfilter
 
 
 def drawn(kind, noise_db, back="none", records=12):
@@ -248,6 +249,39 @@ def test_what_is_wrong_is_said(velocity, expected_Hz, text):
     assert found.attrs["verdict"] == "rejected"
     assert text in found.attrs["findings"]
     assert "\n" not in found.attrs["findings"]
+
+
+def shaken_at_random(rate=100.0, own_Hz=3.0, seconds=300.0, seed=0, driven=None):
+    """A mode of 1 % of critical damping that white noise drives, for so many samples."""
+    pole = np.exp((-0.01 + 1j) * 2.0 * np.pi * own_Hz / rate)
+    white = np.random.default_rng(seed).standard_normal(int(seconds * rate))
+    white[driven or white.size :] = 0.0
+    return 1e-3 * lfilter([1.0], [1.0, -2.0 * pole.real, abs(pole) ** 2], white)
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3])
+def test_random_vibration_is_no_ring_down(seed):
+    found = br.ringdown(shaken_at_random(seed=seed), 3.0, sampling_Hz=100.0)
+    assert "random vibration" in found.verdict
+    assert len(found.findings) == 1
+
+
+def test_a_release_in_random_vibration_is_one():
+    velocity, time = shaken_at_random(), np.arange(30_000) / 100.0
+    let_go = np.where(time > 120.0, np.exp(-0.06 * np.pi * (time - 120.0)), 0.0)
+    velocity += 20.0 * velocity.std() * let_go * np.sin(6.0 * np.pi * time)
+    found = cut(velocity, 100.0, 3.0)
+    assert found.attrs["verdict"] == "usable"
+    assert found.attrs["start_s"] == pytest.approx(120.0, abs=1.0)
+
+
+@pytest.mark.parametrize("seed", [2, 4, 5, 6])
+def test_a_random_drive_that_ends_is_a_release(seed):
+    velocity = shaken_at_random(seconds=75.0, seed=seed, driven=6000)
+    noise = 0.01 * velocity.std() * np.random.default_rng(seed).standard_normal(velocity.size)
+    found = cut(velocity + noise, 100.0, 3.0)
+    assert found.attrs["verdict"] == "usable"
+    assert found.attrs["start_s"] == pytest.approx(60.0, abs=2.0)
 
 
 def swept(level, cycles=150, rate=4000.0, own_Hz=200.0):

@@ -47,7 +47,7 @@ def test_keep_makes_findings_warn_and_shows_it():
 def test_a_window_without_samples_is_rejected_in_words():
     decay = made(start_s=9.0)[0]
     assert decay.attrs["verdict"] == "rejected"
-    assert "nothing between 9 and" in decay.attrs["reason"]
+    assert "nothing between start_s 9 and" in decay.attrs["reason"]
 
 
 def test_the_band_takes_a_neighbour_off_and_leaves_the_mode():

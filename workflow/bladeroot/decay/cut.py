@@ -31,6 +31,13 @@ LOUD_CYCLES = 200
 # With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
 # many steps high then follows them, not the mode.
 BLURRED, STEPS = 0.45, 8.0
+# Random vibration falls so many times at least; the median fall follows a rise that takes more than
+# that part of its time (a blow's takes none, a drive's a third), both from a quarter of the fall to
+# the other. Its first top is not the highest (a blow's), its last fall not the largest (a drive's
+# that ends); no top is so much (of ln A) above the median one, and no more of them are lower than
+# the one before than that part: more are where two modes beat.
+FALLS, AS_SLOWLY, STANDS_OUT, ONE_BY_ONE = 3, 0.5, 1.0, 0.75
+AMBIENT = "ambient"
 # Bins of the overview of a record.
 BINS = 1000
 
@@ -49,8 +56,9 @@ def cut(
     mode is lost in the noise, or where something disturbs it (the tip's return, another blow), or,
     with hardly any noise, where it is but some steps of the digitiser high.
     Attributes: `release_s` and `release_std_s` (the release and its standard error),
-    `excitation` ("shaker", "at once" or "begins in the decay"), `fall` (factor by which the
-    smoothed envelope falls), `decays` (decays in the record at least half as deep as this one),
+    `excitation` ("shaker", "at once" or "begins in the decay"; "ambient" where nothing is let go),
+    `fall` (factor by which the smoothed envelope falls), `decays` (those in the record at least
+    half as deep as this one),
     `start_s` and `end_s` (first and last sample kept, in the raw record's time), `end_reason`,
     `noise_velocity` (m/s, rms), `verdict` and `findings`. A record that cannot be used is returned
     with verdict "rejected" and one line in findings; its `time` may be empty.
@@ -171,6 +179,14 @@ def _span(
             f"no free decay found near {expected_Hz:.6g} Hz: the envelope falls at most by a "
             f"factor of {np.exp(fall):.3g}, at least {least_fall:g} is needed"
         )
+    deep = _deep(fall, level, found)
+    if known is None and _ambient(level, deep):
+        attrs["excitation"] = AMBIENT
+        return (0, 0), (
+            f"no free decay near {expected_Hz:.6g} Hz: random vibration, such as wind's or "
+            f"traffic's, whose envelope rises as slowly as it falls, {len(deep)} times; if the "
+            "mode is let go somewhere in it, give start_s"
+        )
     release = known or find_release(velocity, sampling_Hz, seen, floor, level, peak, trough)
     start_s = release.time_s + 2.0 * release.std_s
     begin = min(int(np.searchsorted(seen.time, start_s + 0.5 * seen.frame_s)), trough)
@@ -181,7 +197,7 @@ def _span(
     attrs |= {
         "release_s": release.time_s, "release_std_s": release.std_s,
         "excitation": release.excitation,
-        "decays": len(_deep(fall, level, found)),
+        "decays": len(deep),
         "start_s": first / sampling_Hz, "end_s": (stop - 1) / sampling_Hz, "end_reason": reason,
     }  # fmt: skip
     if not velocity[first:stop].any():
@@ -216,6 +232,25 @@ def _falls(
 def _deep(fall: float, level: ndarray, found: list[tuple[int, int]]) -> list[tuple[int, int]]:
     """The falls of ln A that are at least half of the largest."""
     return [(p, t) for p, t in found if level[p] - level[t] > 0.5 * fall]
+
+
+def _ambient(level: Float[ndarray, " frame"], deep: list[tuple[int, int]]) -> bool:
+    """Whether falls of ln A are those of random vibration: alike forwards and backwards."""
+    falls = sorted(deep)
+    tops = level[[p for p, _ in falls]]
+    if len(falls) < FALLS or tops.argmax() == 0 or deep[0] == falls[-1]:
+        return False
+    if tops.max() - np.median(tops) > STANDS_OUT or np.mean(np.diff(tops) < 0.0) > ONE_BY_ONE:
+        return False
+    ratio = []
+    for p, t in falls:
+        quarters = level[p] - np.array([0.25, 0.75]) * (level[p] - level[t])
+        sides = level[p::-1], level[p:]
+        low = [[np.flatnonzero(side < one) for one in quarters] for side in sides]
+        if all(one.size for side in low for one in side):
+            rise, fall = (far[0] - near[0] for near, far in low)
+            ratio.append(rise / max(fall, 1))
+    return bool(ratio) and float(np.median(ratio)) > AS_SLOWLY
 
 
 def cut_out(

@@ -6,7 +6,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.components import Separated, onset, separated
-from bladeroot.decay.cut import LEAST_FALL, coarse, cut, too_fast_or_short
+from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import windowed
 from bladeroot.decay.release import AT_ONCE, Release
@@ -17,10 +17,7 @@ from bladeroot.variables import dataset
 
 # Cycles of the mode by which two looks at its release differ at most: a frame.
 SMEARED = 3.0
-SEVERAL = (
-    "{} decays are in this record, the deepest is taken; rows of records.csv with from_s and to_s "
-    "make a record of each"
-)
+SEVERAL = "{} decays are in this record, the deepest is taken; from_s and to_s take each by itself"
 SHORT = (
     "the mode falls by a factor of {:.3g} only: this is a free decay if nothing drives it, and "
     "the record ends soon"
@@ -49,7 +46,8 @@ def free_decay(
     remarks += tuple(("reader", note) for note in whole.notes)
     asked = expected_Hz, modes_Hz, recording
     decay = windowed(seen, clear, start_s, end_s)
-    if too_fast_or_short(clear.size, rate, expected_Hz):
+    ambient = decay.attrs["excitation"] == AMBIENT
+    if ambient or too_fast_or_short(clear.size, rate, expected_Hz):
         return judge(decay, motion, *asked, remarks=remarks)
     struck = onset(clear, rate / expected_Hz)
     unclipped, told = _clipped(seen, clear, expected_Hz, recording)
@@ -72,17 +70,20 @@ def free_decay(
     if start_s is not None:
         start_s = max(start_s, unclipped / rate)
     freed = windowed(freed, parts.velocity, start_s, end_s)
-    remarks += told + _remarks(seen, freed) + parts.remarks
+    count = seen.attrs["decays"]
+    if count > 1 and "close-mode" in dict(parts.remarks):  # two modes that beat rise again, too
+        count = cut(parts.velocity, rate, expected_Hz, end, least=steps).attrs["decays"]
+    remarks += told + _remarks(count, freed) + parts.remarks
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts)
 
 
-def _remarks(whole: xr.Dataset, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:
+def _remarks(count: int, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:
     """Findings that warn where a record holds more than one decay, or but the start of one.
 
-    whole: the cut of the record as it is; mode: of the mode by itself.
+    mode: the cut of the mode by itself.
     """
-    count, fall = whole.attrs["decays"], mode.attrs["fall"]
+    fall = mode.attrs["fall"]
     several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
     short = mode.attrs["excitation"] == "begins in the decay" and fall < LEAST_FALL
     return (*several, ("short-record", SHORT.format(fall))) if short else several

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.decay.cut import cut_out
+from bladeroot.decay.cut import AMBIENT, cut_out
 from bladeroot.signal.lines import hann
 
 # Half the filter's length, in inverse widths of the band: shorter lets the neighbours in, longer
@@ -40,13 +40,13 @@ def windowed(
     first = int(np.clip(np.ceil(begin * rate), 0, whole.size))
     stop = int(np.clip(np.floor(finish * rate) + 1, first, whole.size))
     piece = whole[first:stop]
-    finding = "" if piece.any() else f"nothing between {begin:g} and {finish:g} s of records.csv"
+    finding = "" if piece.any() else f"nothing between start_s {begin:g} and end_s {finish:g}"
     facts = {"start_s": first / rate, "end_s": max(stop - 1, first) / rate,
-             "end_reason": decay.attrs["end_reason"] if end_s is None else "records.csv",
+             "end_reason": decay.attrs["end_reason"] if end_s is None else "end_s",
              "verdict": "rejected" if finding else "usable", "findings": finding}  # fmt: skip
     if start_s is not None:
         facts |= {"release_s": first / rate, "release_std_s": 0.0}
-    if not decay.attrs["excitation"]:
+    if decay.attrs["excitation"] in ("", AMBIENT):
         facts["excitation"] = "begins in the decay"
     return cut_out(whole, rate, (first, stop), decay.attrs | facts)
 
