@@ -250,7 +250,7 @@ def test_a_step_of_few_digits_agrees_with_the_rate(tmp_path, step):
 def test_a_rounded_step_is_told_and_the_sheet_settles_it(tmp_path, head, taken, low, high, true):
     path = csv(tmp_path / "a.csv", f"{head}\nvelocity_m/s", WAVE)
     (note,) = read(path).notes
-    assert f"open between {low} and {high} Hz, {taken} Hz is taken; sampling_Hz in" in note
+    assert f"open between {low} and {high} Hz, {taken} Hz is taken; sampling_Hz settles" in note
     found = read(path, sampling_Hz=true)
     assert found.sampling_Hz == true
     assert found.notes == (f"sampling_Hz {true:g} as stated is taken, not {taken} Hz",)
