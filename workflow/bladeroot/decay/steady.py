@@ -16,8 +16,8 @@ from bladeroot.decay.envelope_model import SHARE, Envelopes
 from bladeroot.signal.lines import hann, lines_of
 
 # Parts of what is quiet, in which the line's amplitude and phase are compared; fewest cycles of the
-# mode in each.
-PARTS, FEWEST_CYCLES = 8, 2.0
+# mode in each, before the blow and where a mode has died before.
+PARTS, FEWEST_CYCLES = 8, (2.0, 6.0)
 # A line's parts differ by no more than this part of it (rms; in noise alone by all of it), and
 # carried through the decay it is known to that part of itself.
 UNEVEN, KNOWN = 0.1, 1.0
@@ -55,7 +55,6 @@ def steady_line(
     the decay begins.
     """
     own_Hz = float(found.lines_Hz[0])
-    fewest = FEWEST_CYCLES * sampling_Hz / own_Hz
     late = found.envelope(0)[last // found.spacing // 2 : last // found.spacing]
     step = np.vdot(late[:-1], late[1:]) / max(float(np.sum(np.abs(late[:-1]) ** 2)), 1e-300)
     turn_Hz = float(np.angle(step)) * sampling_Hz / (2.0 * np.pi * found.spacing)
@@ -63,7 +62,7 @@ def steady_line(
     pieces = []
     for piece, end, died in ((before, -gap, False), (x[last:], x.size, True)):
         count = piece.size // PARTS
-        if count >= fewest:
+        if count >= FEWEST_CYCLES[died] * sampling_Hz / own_Hz:
             time = np.arange(end - PARTS * count, end) / sampling_Hz
             parts = piece[piece.size - PARTS * count :].reshape(PARTS, count)
             pieces.append(_Quiet(parts, time.reshape(PARTS, count), died))
