@@ -107,6 +107,16 @@ def test_each_stage_leads_to_its_chapter_with_its_uncertainty(stages):
     assert any(getattr(part, "lines", None) == ["r2: rejected: hum."] for part in parts)
 
 
+def test_only_what_is_certain_is_called_named(stages):
+    doubt = cause(("joint-slip", "none"), probability=0.85)
+    said = verdict(causes=[cause(), doubt])
+    row = front(stages, said=said)[1]["diagnosis, S"]
+    assert row[1] == "cause named: load dependent stiffness"
+    assert "joint slip (85 %) or nothing at all" in row[2]
+    row = front(stages, said=verdict("ambiguous", [doubt]))[1]["diagnosis, S"]
+    assert row[1] == "cause known up to a few: joint slip"
+
+
 def test_curves_are_taken_where_they_could_be_used_else_the_frequencies_alone(stages):
     joints = [inference(3.0)]
     for amplitudes, kn, data in (

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Table
-from bladeroot.report.verdict import answer_of, between_forces, plain, size
+from bladeroot.report.verdict import answer_of, between_forces, causes_of, plain, size
 from bladeroot.report.words import Words
 
 # as `bladeroot.diagnosis.verdict` says it
@@ -26,13 +26,13 @@ def structures_table(verdicts: Sequence[Mapping]) -> Table:
     for said in verdicts:
         gain = between_forces(said)
         sides = [percent(gain.get(side, np.nan), 2) for side in ("before", "after")]
-        first = said["causes"][0] if said["causes"] else None
+        causes = causes_of(said)
         rows.append(
             (
                 said["structure"],
                 answer_of(said),
-                listed([plain(c["mechanism"]) for c in said["causes"]]) or NONE,
-                size(first["parameters"][0]) if first else NONE,
+                listed([plain(c["mechanism"]) for c in causes]) or NONE,
+                size(causes[0]["parameters"][0]) if causes else NONE,
                 " → ".join(dict.fromkeys(sides)),
             )
         )

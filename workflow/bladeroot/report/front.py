@@ -13,6 +13,7 @@ from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
     against,
     answer_of,
+    causes_of,
     chance,
     disagreement,
     in_short,
@@ -157,7 +158,7 @@ def _stages(
         rows.append((Link("contact theory", "theory"), f"{listed(theory)} GN/m",
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
     for said in verdicts[:1]:
-        causes = listed([plain(cause["mechanism"]) for cause in said["causes"]])
+        causes = listed([plain(cause["mechanism"]) for cause in causes_of(said)])
         odds = list(said["probabilities"].items())[:1]
         texts = [f"{plain(name).replace('+', ' and ')} ({chance(p)})" for name, p in odds]
         sure = "; ".join(map(supposed, said["causes"])) or listed(texts) or NONE

@@ -93,6 +93,12 @@ def with_open(said: Mapping) -> dict:
     return {**said, "causes": shown, "open": quiet}
 
 
+def causes_of(said: Mapping) -> list[Mapping]:
+    """The causes that an answer is of: where one is certain, those that are."""
+    certain = [cause for cause in said["causes"] if len(cause["credible_set"]) == 1]
+    return certain if said["answer"] == "named" else list(said["causes"])
+
+
 def answer_of(said: Mapping) -> str:
     """The answer as words; without probabilities nothing was inferred."""
     if not said["probabilities"]:
@@ -198,7 +204,7 @@ def disagreement(verdicts: Sequence[Mapping]) -> list[str]:
         return []
     texts = []
     for said in others:
-        names = listed([plain(cause["mechanism"]) for cause in said["causes"]])
+        names = listed([plain(cause["mechanism"]) for cause in causes_of(said)])
         texts.append(f"{said['structure']}: {answer_of(said)}{', ' + names if names else ''}")
     return [
         "Other structures lead elsewhere, so this is true of the one named above only: "
