@@ -40,6 +40,11 @@ def test_without_evidence_the_prior_is_left():
     assert np.log(sets[EMPTY] / sets[frozenset({UNKNOWN})]) == pytest.approx(guards.PRIOR_UNKNOWN)
 
 
+def test_stated_groups_that_a_law_cannot_be_told_from_share_its_probability():
+    sets = probabilities([Weighed(EMPTY, 0.0, -3.0, 20.0), Weighed(A, 20.0)])
+    assert sets[A] == pytest.approx(sets[frozenset({UNKNOWN})], rel=1e-3)
+
+
 def test_a_small_part_of_a_large_effect_makes_no_second_cause():
     """Three per cent of what is explained are much by themselves, and little beside it."""
     alone = probabilities([Weighed(EMPTY, 0.0), Weighed(B, 15.0)])

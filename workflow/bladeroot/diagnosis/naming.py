@@ -207,9 +207,11 @@ class _Search:
                     rows.append(Weighed(ids, max(self.unsure[ids], self._rival(model))))
                 continue
             step = self.steps.get(ids)
-            gains = np.array([*step.smooth.values(), *self._impossible(model)] if step else [])
+            tried = dict(step.smooth) if step else {}
+            group = tried.pop("group", -np.inf)
+            gains = np.array([*tried.values(), *self._impossible(model)] if step else [])
             other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
-            rows.append(Weighed(ids, model.log_evidence, float(other)))
+            rows.append(Weighed(ids, model.log_evidence, float(other), group))
         return probabilities(rows, self.known.replicates, self.channel.trust)
 
     def best(self) -> frozenset:

@@ -21,12 +21,13 @@ _DIGITS = 9
 @dataclass(frozen=True)
 class Weighed:
     """A set of causes with its log evidence over the baseline, and what the best smooth competitor
-    adds to it (-inf: not tried).
+    adds to it (-inf: not tried), or a difference between the groups that the campaign states.
     """
 
     causes: frozenset[str]
     log_evidence: float
     smooth: float = -np.inf
+    group: float = -np.inf
 
 
 def temperature(explained: float, replicates: bool = True, trust: float = guards.TRUST) -> float:
@@ -44,7 +45,8 @@ def probabilities(
     """
     models = list(models)
     best = max(one.log_evidence for one in models)
-    reach = max(best, *(one.log_evidence + one.smooth for one in models if not one.causes), 0.0)
+    others = [max(one.smooth, one.group) + one.log_evidence for one in models if not one.causes]
+    reach = max(best, *others, 0.0)
     heat = temperature(reach, replicates, trust)
     alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
     log: Sets = {}
@@ -52,8 +54,12 @@ def probabilities(
         own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
         own -= _invented(one, alone, trust) / heat
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
-        if np.isfinite(one.smooth):
-            log[one.causes | {UNKNOWN}] = own + one.smooth / heat - guards.PRIOR_UNKNOWN
+        # A group is stated because it may matter: as likely as a cause of the catalogue.
+        other = np.logaddexp(
+            one.smooth / heat - guards.PRIOR_UNKNOWN, one.group / heat - guards.PRIOR
+        )
+        if np.isfinite(other):
+            log[one.causes | {UNKNOWN}] = own + float(other)
     top = max(log.values())
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
     total = sum(weights.values())
