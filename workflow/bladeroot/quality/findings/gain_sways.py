@@ -60,9 +60,10 @@ def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     if not inside.any():
         return None
     k = int(np.argmax(np.where(inside, swing, 0.0)))
+    off = f"{100 * harm[k]:.2g} %" if harm[k] < 10.0 else "more than they are"
     text = (
         f"the sensor's gain sways by {100 * swing[k]:.2g} % at "
         f"{turns[k] * seen.sampling_Hz / frames.hop:.3g} Hz (the phase does not): loss factors "
-        f"may be off by {100 * harm[k]:.2g} %"
+        f"may be off by {off}"
     )
     return Finding(float(swing[k] / usual), THRESHOLD, "warn", text)
