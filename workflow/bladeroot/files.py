@@ -38,7 +38,6 @@ def whole_file(path: str | Path) -> Iterator[Path]:
             yield part
             _to_disk(part)
             os.replace(part, whole)
-            _to_disk(whole.parent)
         finally:
             with suppress(OSError):
                 part.unlink()
@@ -67,7 +66,6 @@ def whole_folder(path: str | Path) -> Iterator[Path]:
                 _to_disk(one)
             shutil.rmtree(whole, ignore_errors=True)
             os.replace(part, whole)
-            _to_disk(whole.parent)
         finally:
             shutil.rmtree(part, ignore_errors=True)
     except OSError as error:

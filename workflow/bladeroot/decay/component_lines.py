@@ -130,8 +130,9 @@ def _floor(
     chunk = min(CHUNK, level.size)
     rows = level[: level.size // chunk * chunk].reshape(-1, chunk)
     floor = medians(rows)
-    away = np.abs(np.subtract.outer(frequency, [0.0, *found.lines_Hz])).min(axis=1)
-    taken = away <= 0.5 * sampling_Hz / found.spacing
+    taken, reach = np.zeros(level.size, bool), 0.5 * sampling_Hz / found.spacing
+    for line in (0.0, *found.lines_Hz):
+        taken[slice(*np.searchsorted(frequency, [line - reach, line + reach]))] = True
     reached = np.flatnonzero(taken[: rows.size].reshape(rows.shape).any(axis=1))
     beside = np.flatnonzero(~taken)
     if beside.size and reached.size:

@@ -31,9 +31,11 @@ class Frame:
 
     def seen(self, cells: Float[ndarray, "column cell"]) -> tuple[ndarray, ndarray]:
         """What rates, as means over the cells, make of the data, and of their lines' slopes."""
-        x = integral(self.segment, cells) / self.segment.std
+        x = integral(self.segment, cells)
+        x /= self.segment.std
         on_line = x @ self.line
-        return x - on_line @ self.line.T, on_line @ self.slope
+        x -= on_line @ self.line.T
+        return x, on_line @ self.slope
 
 
 def framed(segment: Segment) -> Frame:
@@ -80,8 +82,9 @@ class Fits:
 def sums(frame: Frame, laws: Laws) -> Sums:
     """Projections of each law's columns on one another and on the data."""
     segment = frame.segment
-    nodes = laws.shape[:, None] * hats(_middle(segment), laws.first)
-    cells = np.concatenate([nodes, laws.between[:, None]], axis=1)
+    cells = np.empty((laws.first.size, NODES + 1, laws.shape.shape[1]))
+    np.multiply(laws.shape[:, None], hats(_middle(segment), laws.first), out=cells[:, :NODES])
+    cells[:, NODES] = laws.between
     x, tilt = frame.seen(cells.reshape(-1, cells.shape[-1]))
     x, tilt = x.reshape(*cells.shape[:2], -1), tilt.reshape(cells.shape[:2])
     square, axis = np.linalg.eigh(x @ x.swapaxes(1, 2))

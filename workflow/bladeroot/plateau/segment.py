@@ -87,11 +87,13 @@ def over_cells(segment: Segment, rate: Float[ndarray, "law step"]) -> Float[ndar
 
 def integral(segment: Segment, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
     """Integral over time as the groups see it, zero at the record's end, from the cells' means."""
-    length, step = np.diff(segment.time), np.diff(cells)
+    length = np.diff(segment.time)
     gap = 0.5 * (length[1:] + length[:-1])
+    total = np.empty((cells.shape[0], segment.time.size))
+    np.subtract(cells[:, 1:], cells[:, :-1], out=total[:, 1:-1])
+    total[:, 0], total[:, -1] = total[:, 1], total[:, -2]
     # what a step between cells adds to the mean over a group
-    bend = 0.5 * segment.width / np.concatenate([gap[:1], gap, gap[-1:]])
-    total = bend * np.concatenate([step[:, :1], step, step[:, -1:]], axis=1)
+    total *= 0.5 * segment.width / np.concatenate([gap[:1], gap, gap[-1:]])
     total[:, :-1] -= np.cumsum((cells * length)[:, ::-1], axis=1)[:, ::-1]
     return total
 
