@@ -414,6 +414,6 @@ def test_a_law_that_turns_a_few_times_does_not_beat(turns):
 def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):
     velocity, noise, *_ = backbone(3, 60.0)
     assert separated_curves(velocity, 25600.0, 247.0, noise).sizes["point"] > 100
-    monkeypatch.setattr(importlib.import_module("bladeroot.decay.freevib"), "SURE", 1e-8)
+    monkeypatch.setattr(importlib.import_module("bladeroot.decay.freevib"), "FREQUENCY_KNOWN", 1e-8)
     with pytest.raises(ValueError, match="at least 4"):
         separated_curves(velocity, 25600.0, 247.0, noise)

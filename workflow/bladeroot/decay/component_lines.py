@@ -9,38 +9,54 @@ from bladeroot.decay.envelope_model import Envelopes
 from bladeroot.signal.lines import lines_of, magnitudes, one_sided, peaks
 from bladeroot.signal.runs import medians
 
-# A line counts from this part of the mode's amplitude on (where it lies above the mode, the more
-# the further: frames of whole cycles tell it off), and from this many times the median around it.
-LEAST, CLEAR = 3e-3, 8.0
-# Nor is one looked for above this part of the sampling frequency.
-HIGHEST = 0.48
-# Lines of a spectrum that share a median.
-CHUNK = 64
-# Lines nearer to the mode than this part of its frequency are left to it, unless a known one is
-# nearer, or its envelope reaches less far by that factor, and a segment tells them apart by so many
-# lines of its spectrum; nearer to one another than that part, or that part of the distance from the
-# mode to the nearest, are one.
-APART, REACHES, TOLD, SAME, SAME_NEAR = 0.17, 1.25, 8.0, 0.1, 0.3
-# Nor is one that lies so near to a louder one (over its frequency) with less than that part of it:
-# that is its skirt, where it is chirping.
-SKIRT, FAINT = 0.35, 0.03
-# Cycles of the mode in the first segment that is searched (samples, at least); each next one ends
-# that many times later, so that what is steady is seen beside what then is left of the mode.
-# Lines that are added at a time.
-FIRST_CYCLES, SHORTEST, LONGER, AT_ONCE = 16.0, 64, 4.0, 3
-# Beside a line that is not known yet, what has less than this part of its harm may be its image.
-IMAGE = 0.1
-# Modes of the campaign within this part of the mode's frequency are looked for by name: where they
-# are expected (relative), from this part of the loudest within that many times as far on, in so
-# many of their beats.
-CLOSE, ABOUT, HEARD, AROUND, RESOLVING = 0.3, 0.04, 0.01, 1.2, 8.0
-# A beat is looked for in so many first intervals, before the mode has fallen to that part. Its line
-# is over the median one by that factor (by the other one half a segment later, where it turns
-# alike within so many turns), and makes the logarithm's change in an interval swing by that much,
-# or by that part of its mean.
-BEATEN, ALIVE = (20, 40, 80, 160, 266), 0.02
-CLEAR_BEAT, AGAIN, ALIKE, SWING, SWAYED = 10.0, 3.0, 1.5, 0.015, 0.2
-# A line moves by this part of the distance to the next one at most when it is placed better.
+# Which maxima of a spectrum of what is left over count as lines.
+LEAST_LINE = 3e-3  # amplitude over the mode's; of a faster line, times their frequencies' ratio
+PEAK_OVER_FLOOR = 8.0  # amplitude over the median around it
+CHUNK = 64  # neighbouring bins of the spectrum that share a median
+HIGHEST = 0.48  # frequency over the sampling frequency
+
+# The spectra are those of segments: the first begins with the decay, each next one where the last
+# ends, so that what is steady is seen beside what then is left of the mode.
+FIRST_CYCLES = 16.0  # of the mode in the first segment
+SHORTEST = 64  # samples of a segment
+LONGER = 4.0  # end of a segment over the end of the one before
+
+# A maximum close to the mode is the mode itself, whose envelope varies. Close is what lies within
+# the smallest of three distances (APART, ENVELOPE_REACH, and that to the nearest known line), and
+# what a segment does not resolve.
+APART = 0.17  # distance from the mode over its frequency
+ENVELOPE_REACH = 1.25  # times the fastest change that the envelope's knots can follow (Hz)
+RESOLVED_BINS = 8.0  # bins of the segment's spectrum
+# A maximum is a line that is known already where it is nearer to it than both of these.
+SAME = 0.1  # over the maximum's frequency, or the mode's where that is lower
+SAME_NEAR = 0.3  # over the distance from the mode to the nearest known line
+
+# A maximum beside a louder known line is that line's skirt: its frequency varies.
+SKIRT = 0.35  # distance over the louder one's frequency
+SKIRT_LEVEL = 0.03  # amplitude over the louder one's
+
+# Lines are added a few at a time, the most harmful first.
+LINES_AT_ONCE = 3
+IMAGE = 0.1  # harm over the worst line's: what has less may be an image of that one, and waits
+
+# Modes of the campaign that are close to the one asked for are looked for by name.
+CLOSE = 0.3  # distance over the mode's frequency
+ABOUT = 0.04  # of a frequency, by which a mode may lie off where the sheet expects it
+AUDIBLE = 0.01  # amplitude over the largest in the band that is searched
+LOOK_AROUND = 1.2  # times CLOSE: the band that is searched
+BEATS_TO_RESOLVE = 8.0  # of the closest two modes in the spectrum
+
+# A mode too close to be seen as a line makes the envelope beat: the envelope's logarithm then has a
+# spectral line on one side of zero.
+BEAT_SPANS = (20, 40, 80, 160, 266)  # first intervals of the envelope that are searched
+ALIVE = 0.02  # envelope over its largest: beyond, it is not searched
+BEAT_OVER_MEDIAN = 10.0  # the line over the spectrum's median, in a span
+LATER_OVER_MEDIAN = 3.0  # the same in a span that begins half a span later
+TURNS_ALIKE = 1.5  # turns a span by which the two spans' lines may differ
+SWING = 0.015  # change of the logarithm in an interval that the line makes, at least
+SWING_OF_DECAY = 0.2  # the same, over the logarithm's mean fall in an interval
+
+# How far a line's frequency is corrected at most, over the distance to the next line.
 MOVED = 0.1
 
 
@@ -50,7 +66,7 @@ def more_lines(
     sampling_Hz: float,
     slowest_Hz: float,
 ) -> list[float]:
-    """Up to `AT_ONCE` lines (Hz) that what is left over shows clearly, the most harmful first.
+    """Up to `LINES_AT_ONCE` lines (Hz) that stand out of what is left over, the most harmful first.
 
     found: the envelopes of the lines known so far, the mode's first. slowest_Hz: what is slower is
     known to belong to the baseline.
@@ -73,7 +89,7 @@ def more_lines(
             abs(line - one) > SAME * min(line, own_Hz) for one in chosen
         ):
             chosen.append(line)
-    return chosen[:AT_ONCE]
+    return chosen[:LINES_AT_ONCE]
 
 
 def _peaks(
@@ -91,13 +107,17 @@ def _peaks(
     floor = _floor(level, frequency, found, sampling_Hz)
     peak = peaks(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
-    peak &= (harm > LEAST) & (level > CLEAR * floor) & (frequency > max(slowest_Hz, 2.0 * width))
+    peak &= (
+        (harm > LEAST_LINE)
+        & (level > PEAK_OVER_FLOOR * floor)
+        & (frequency > max(slowest_Hz, 2.0 * width))
+    )
     peak &= frequency < HIGHEST * sampling_Hz
-    # within the resolution of a segment what leaks from the mode looks like a line
+    # what leaks from the mode looks like a line within the resolution of a segment
     others_Hz = found.lines_Hz[1:]
     nearest = np.abs(others_Hz - own_Hz).min(initial=np.inf)
-    left = min(APART * own_Hz, nearest, REACHES * 0.5 * sampling_Hz / found.spacing)
-    peak &= np.abs(frequency - own_Hz) > max(left, TOLD * width)
+    left = min(APART * own_Hz, nearest, ENVELOPE_REACH * 0.5 * sampling_Hz / found.spacing)
+    peak &= np.abs(frequency - own_Hz) > max(left, RESOLVED_BINS * width)
     first = min(part.start // found.spacing, found.samples // found.spacing - 1)
     near = slice(first, max(part.stop // found.spacing, first + 1))
     others = range(1, found.lines_Hz.size)
@@ -105,7 +125,7 @@ def _peaks(
     made = []
     for k in np.flatnonzero(peak):
         away = np.abs(frequency[k] - found.lines_Hz)
-        skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < FAINT * np.array(loud))
+        skirt = (away[1:] < SKIRT * found.lines_Hz[1:]) & (level[k] < SKIRT_LEVEL * np.array(loud))
         same = min(SAME * min(frequency[k], own_Hz), SAME_NEAR * nearest)
         if skirt.any() or away.min() <= max(same, 2.0 * width):
             continue
@@ -155,11 +175,11 @@ def lines_by_name(
     if not close:
         return []
     apart = min(abs(one - expected_Hz) for one in close)
-    count = min(int(RESOLVING * sampling_Hz / apart), x.size)
+    count = min(int(BEATS_TO_RESOLVE * sampling_Hz / apart), x.size)
     frequency, level = magnitudes(x[:count], sampling_Hz)
     wanted = [expected_Hz, *close]
-    inside = np.abs(frequency / expected_Hz - 1.0) < AROUND * CLOSE
-    heard = level > HEARD * level.max(where=inside, initial=0.0)
+    inside = np.abs(frequency / expected_Hz - 1.0) < LOOK_AROUND * CLOSE
+    heard = level > AUDIBLE * level.max(where=inside, initial=0.0)
     seen = np.flatnonzero(peaks(level) & inside & heard)
     off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in seen]
     found: dict[int, float] = {}
@@ -177,17 +197,17 @@ def beating_line(found: Envelopes, sampling_Hz: float) -> list[float]:
     weak = np.flatnonzero(np.abs(z) < ALIVE * np.abs(z).max(initial=0.0))
     z = z[: weak[0]] if weak.size else z
     log = np.log(np.maximum(np.abs(z), 1e-300)) + 1j * np.unwrap(np.angle(z))
-    best, line = CLEAR_BEAT, []
-    if log.size < BEATEN[0]:
+    best, line = BEAT_OVER_MEDIAN, []
+    if log.size < BEAT_SPANS[0]:
         return line
-    least = min(SWING, SWAYED * (log[0] - log[-1]).real / log.size)
-    for count in BEATEN:
+    least = min(SWING, SWING_OF_DECAY * (log[0] - log[-1]).real / log.size)
+    for count in BEAT_SPANS:
         if count + count // 2 > log.size:
             break
         clear, turns = one_sided(log[:count], least)
         again, then = one_sided(log[count // 2 : count // 2 + count], least)
         # a beat goes on, a bend of the mode's own laws does not
-        if clear > best and again > AGAIN and abs(turns - then) * count < ALIKE:
+        if clear > best and again > LATER_OVER_MEDIAN and abs(turns - then) * count < TURNS_ALIKE:
             best = clear
             line = [float(found.lines_Hz[0] + turns * sampling_Hz / found.spacing)]
     return line

@@ -11,7 +11,7 @@ from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
-    LEAST,
+    LEAST_LINE,
     beating_line,
     lines_by_name,
     meant,
@@ -25,35 +25,53 @@ from bladeroot.decay.steady import STAYS, steady_line
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import CLOSE, loudest, mode_Hz
 
-# Most lines besides the mode, and how often what the known ones leave over is searched for more.
-MOST, ROUNDS = 8, 8
-# What lies below this part of the mode's frequency belongs to the baseline, which is then followed
-# up to this multiple of it, but not beyond this part of the mode's frequency. A line this close
-# above what is followed belongs to it too.
-LOW, ABOVE, HIGHEST, FOLLOWED = 0.15, 2.5, 0.45, 1.05
-# Knots in the time in which the mode and its nearest neighbour differ by a turn; fewest cycles of
-# the mode, and samples, from knot to knot; most intervals, which bound the cost of a long record.
-KNOTS, FEWEST_CYCLES, FEWEST_SAMPLES, INTERVALS = 0.8, 1.5, 8.0, 400
-# A blow rises to this part of the record's largest step out of what is quieter than that part, and
-# within two cycles of the mode to that part of it.
-RISEN, QUIET, SUDDEN, FEWEST_QUIET = 0.1, 0.03, 0.3, 8
-# Something still acts where the components leave over this many times what they do next, that many
-# times the median, and that part of the mode; looked for in so many first spacings. The start is
-# moved so many times.
-STRUCK, BURST, HARM, EARLY, BLOWS = 3.0, 4.0, 0.01, 24, 4
-# A free decay grows by no more than this factor, and so many times the noise of an interval.
-GROWN, CLEAR = 1.02, 6.0
-# A mode has drowned where its envelope is no more than so many times what is left of it at the end,
-# if it began so many times higher and is not falling still (by that part in a tenth of the time);
-# how much longer, and by how many intervals, it is followed; fewest cycles left to a decay.
-ABOVE_FLOOR, DEEP, FALLING, LONGER, LIFE_CYCLES = 2.0, 30.0, 0.85, (1.1, 4), 16.0
-# Part of what two notions of smoothness differ by, and of what neither follows, that is taken as a
-# standard error; as on drawn records of close modes.
-DOUBT = 0.5
-# Intervals on either side that share the largest such difference, which passes through zero.
-ALIKE = 2
-# A mode of the sheet is not told apart that no line shows and that lies within so many half-power
-# bandwidths of the mode.
+# The search for lines in what the known ones leave over.
+MOST_LINES = 8  # besides the mode
+ROUNDS = 8  # of following all that is known, and searching what is left over
+
+# What is slow is no line but the baseline, which splines follow as they do envelopes.
+LOW = 0.15  # frequency over the mode's: what is slower is the baseline's
+ABOVE = 2.5  # the baseline is followed up to this many times the frequency of what it holds,
+HIGHEST = 0.45  # but no further than this part of the mode's frequency
+FOLLOWED = 1.05  # a maximum up to this many times as fast as what it holds is the baseline's, too
+
+# Distance of an envelope's knots: as short as telling the mode from its nearest neighbour needs.
+KNOTS = 0.8  # in turns by which the two differ
+FEWEST_CYCLES = 1.5  # of the mode
+FEWEST_SAMPLES = 8.0
+MOST_INTERVALS = 400  # of a record, which bounds the cost of a long one
+
+# A blow is seen in the changes from sample to sample, over the largest of the record.
+RISEN = 0.1  # the blow begins with the first change above this,
+QUIET = 0.03  # where the changes before are smaller than this (rms)
+SUDDEN = 0.3  # and one within two cycles of the mode is larger than this
+FEWEST_QUIET = 8  # samples before the blow
+
+# Something still acts at the start (a blow's contact, a drive that fades) where the rms of what the
+# components leave over in a part of an interval is larger than all of these; the decay then begins
+# after it.
+STILL_ACTS = 3.0  # times the largest rms of the next two intervals
+BURST = 4.0  # times the median rms
+HARMFUL = 0.01  # of the mode's envelope
+EARLY = 24  # first intervals in which it is looked for
+BLOWS = 4  # the start is moved so many times at most
+# The mode is driven still where its envelope grows beyond the sum of these.
+GROWN = 1.02  # times its first value
+GROWN_NOISES = 6.0  # times its standard error
+
+# A mode has drowned where its envelope is but a floor, which its last fifth shows.
+ABOVE_FLOOR = 2.0  # envelope over the floor where the mode is lost
+DEEP = 30.0  # envelope's start over the floor: of less, no floor is seen yet
+FALLING = 0.85  # median over that of a tenth of the record earlier: what is less falls still
+LONGER = 1.1  # the record is kept for this many times the time until then,
+MORE_INTERVALS = 4  # and so many intervals more
+LIFE_CYCLES = 16.0  # of the mode, that must be left after a blow
+
+# Envelopes are fitted twice, with two notions of what is smooth. The mode is uncertain by what the
+# two differ by and by what neither follows.
+DOUBT = 0.5  # part of that which is a standard error; set on drawn records of close modes
+ALIKE = 2  # intervals on either side that share the largest difference, which passes through zero
+# A mode of the sheet that no line shows is not told apart within so many half-power bandwidths.
 OVERLAP = 3.0
 CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
@@ -63,9 +81,9 @@ NOT_APART = (
     "the mode near {:.5g} Hz lies within {:.2g} half-power bandwidths of this one, and the record "
     "does not tell them apart: frequency and damping may be of both"
 )
-# A course falls by no more than this (of ln A) below its top: what is lower is noise. Its slope is
-# a mean over so many intervals on either side.
-DEEPEST, SLOPE_REACH = 12.0, 2
+# The course of an envelope's logarithm, to which a second fit's smoothness refers.
+DEEPEST = 12.0  # fall of ln A below its top: what is lower is noise
+SLOPE_REACH = 2  # intervals on either side whose mean is its slope
 
 
 @dataclass(frozen=True)
@@ -166,11 +184,11 @@ def separated(
         if not more:
             break
         # a baseline can follow what its knots resolve
-        resolved = min(LOW * own_Hz, 0.5 * sampling_Hz * INTERVALS / x.size / ABOVE)
+        resolved = min(LOW * own_Hz, 0.5 * sampling_Hz * MOST_INTERVALS / x.size / ABOVE)
         slow = [line for line in more if line < resolved]
         base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
         fast = [line for line in more if line >= resolved]
-        lines = np.concatenate([lines, fast[: max(MOST + 1 - lines.size, 0)]])
+        lines = np.concatenate([lines, fast[: max(MOST_LINES + 1 - lines.size, 0)]])
     near += veiled_harmonics(found, sampling_Hz, near)
     shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
     other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
@@ -264,8 +282,7 @@ def _lasting(found: Envelopes) -> int:
     if size[0] < DEEP * floor or floor < FALLING * before:
         return found.samples
     last = int(np.flatnonzero(size > ABOVE_FLOOR * floor)[-1])
-    times, more = LONGER
-    return min(int((times * last + more) * found.spacing), found.samples)
+    return min(int((LONGER * last + MORE_INTERVALS) * found.spacing), found.samples)
 
 
 def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) -> int:
@@ -280,8 +297,8 @@ def _struck(found: Envelopes, rest: Float[ndarray, " sample"], blocks: int = 4) 
         return 0
     after = sliding_window_view(power[blocks:], 2 * blocks)[:count].max(axis=1)
     own = np.abs(found.envelope(0))[np.arange(count) * length // found.spacing]
-    least = np.maximum(BURST * np.median(power), HARM * own)
-    falls = power[:count] > np.maximum(STRUCK * after, least)
+    least = np.maximum(BURST * np.median(power), HARMFUL * own)
+    falls = power[:count] > np.maximum(STILL_ACTS * after, least)
     return int(np.flatnonzero(falls)[-1] + 1) * length if falls.any() else 0
 
 
@@ -316,13 +333,14 @@ def _grows(found: Envelopes, rest: Float[ndarray, " sample"]) -> int:
     size = np.abs(found.envelope(0))[: found.samples // found.spacing // 2]
     top = int(np.argmax(size))
     noise = np.std(rest) * np.sqrt(2.0 / found.spacing)
-    return int((top + 0.5) * found.spacing) if size[top] > GROWN * size[0] + CLEAR * noise else 0
+    grows = size[top] > GROWN * size[0] + GROWN_NOISES * noise
+    return int((top + 0.5) * found.spacing) if grows else 0
 
 
 def _sways(found: Envelopes) -> bool:
     """Whether the baseline moves by more than a line that counts."""
     mode = np.sqrt(np.mean(np.abs(found.envelope(0)) ** 2))
-    return bool(np.std(found.waves([])) > LEAST * mode)
+    return bool(np.std(found.waves([])) > LEAST_LINE * mode)
 
 
 def _slowest(base_Hz: float, own_Hz: float) -> float:
@@ -341,7 +359,7 @@ def _followed(
     nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
     spacing = max(KNOTS / nearest, FEWEST_CYCLES / own_Hz)
     spacing = min(spacing, 0.5 / max(base_Hz, 1e-9))
-    spacing = int(max(spacing * sampling_Hz, velocity.size / INTERVALS, FEWEST_SAMPLES))
+    spacing = int(max(spacing * sampling_Hz, velocity.size / MOST_INTERVALS, FEWEST_SAMPLES))
     spacing = min(spacing, velocity.size // 2)  # a course has two intervals at least
     return demodulated(velocity, sampling_Hz, lines, spacing, base_Hz)
 

@@ -17,29 +17,34 @@ from bladeroot.signal.lines import FASTEST, quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 from bladeroot.variables import dataset
 
-# Of a decay; a record holds twice as many, in which it is looked for.
+# A decay has so many cycles; a record twice as many, in which it is looked for.
 FEWEST_CYCLES = 5
-# A decay falls by this factor at least (6 dB): beats of a drive may fall by as much, not more.
-# Where it is known when it was let go, a short record of it falls by less; and where it falls over
-# that part of the record at once, by less than beats would.
-LEAST_FALL, SHORT_FALL, STEADY_FALL, THROUGHOUT = 2.0, 1.1, 1.25, 0.95
-# Frames of a smoothed envelope, and the multiple of the noise's amplitude below which it is not
-# followed (a mode that weak rises and falls with the noise by half).
-SMOOTHING, CLEAR = 8, 5.0
-# Cycles from which the mode's own frequency is taken.
-LOUD_CYCLES = 200
-# With less noise than this part of a digitiser's step nothing blurs the steps: what is not this
-# many steps high then follows them, not the mode.
-BLURRED, STEPS = 0.45, 8.0
-# Random vibration falls so many times at least; the median fall follows a rise that takes more than
-# that part of its time (a blow's takes none, a drive's a third), both from a quarter of the fall to
-# the other. Its first top is not the highest (a blow's), its last fall not the largest (a drive's
-# that ends); no top is so much (of ln A) above the median one, and no more of them are lower than
-# the one before than that part: more are where two modes beat.
-FALLS, AS_SLOWLY, STANDS_OUT, ONE_BY_ONE = 3, 0.5, 1.0, 0.75
+
+# Factors by which the envelope of a free decay falls at least.
+LEAST_FALL = 2.0  # 6 dB: beats of a drive may fall by as much, not more
+FALL_AFTER_RELEASE = 1.1  # where it is known when the mode was let go
+FALL_THROUGHOUT = 1.25  # where it falls all the time, over this part of the record:
+THROUGHOUT = 0.95
+
+# The smoothed envelope in which falls are looked for.
+SMOOTHING = 8  # frames
+ABOVE_NOISE = 5.0  # over the noise's amplitude: a weaker mode rises and falls with it by half
+LOUD_CYCLES = 200  # of the record's loudest part, from which the mode's own frequency is taken
+
+# Where noise is less than this part of a digitiser's step, nothing blurs the steps; a mode of fewer
+# steps then follows them, not itself.
+BLURRED = 0.45
+STEPS = 8.0
+
+# Random vibration, of which no mode is let go, falls again and again, and rises as slowly.
+FALLS = 3  # at least
+AS_SLOWLY = 0.5  # median time of a rise over that of the fall after it, each from a quarter of the
+# fall to the other: a blow takes none, a drive a third
+STANDS_OUT = 1.0  # largest top over the median one, of ln A: more is a blow's, or a drive's end
+ONE_BY_ONE = 0.75  # part of the tops that are lower than the one before: of more, two modes beat
 AMBIENT = "ambient"
-# Bins of the overview of a record.
-BINS = 1000
+
+BINS = 1000  # of the overview of a record
 
 
 def cut(
@@ -214,15 +219,15 @@ def _span(
 def _least_fall(seen: Envelope, peak: int, trough: int, begin_s: float = 0.0) -> float:
     """By how much a decay from one frame to another falls at least, let go at a known time."""
     if begin_s > 0.0:
-        return SHORT_FALL
-    return STEADY_FALL if trough - peak > THROUGHOUT * seen.time.size else LEAST_FALL
+        return FALL_AFTER_RELEASE
+    return FALL_THROUGHOUT if trough - peak > THROUGHOUT * seen.time.size else LEAST_FALL
 
 
 def _falls(
     seen: Envelope, noise: float, broken: ndarray, first: int = 0
 ) -> tuple[float, Float[ndarray, " frame"], list[tuple[int, int]]]:
     """Largest fall of ln A from frame `first` on, the smoothed level that shows it, all falls."""
-    least = max(CLEAR * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
+    least = max(ABOVE_NOISE * noise, 1e-12 * np.exp(seen.level.max()), 1e-150)
     level = 0.5 * np.log(np.maximum(running_power(seen, SMOOTHING), least**2))
     found = clean_falls(level[first:], RISE, broken[first:])
     found = [(first + p, first + t) for p, t in found]
@@ -238,6 +243,7 @@ def _ambient(level: Float[ndarray, " frame"], deep: list[tuple[int, int]]) -> bo
     """Whether falls of ln A are those of random vibration: alike forwards and backwards."""
     falls = sorted(deep)
     tops = level[[p for p, _ in falls]]
+    # a blow's first top is the highest, of a drive that ends the last fall is the largest
     if len(falls) < FALLS or tops.argmax() == 0 or deep[0] == falls[-1]:
         return False
     if tops.max() - np.median(tops) > STANDS_OUT or np.mean(np.diff(tops) < 0.0) > ONE_BY_ONE:

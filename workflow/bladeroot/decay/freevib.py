@@ -15,33 +15,42 @@ from bladeroot.signal.runs import longest
 from bladeroot.variables import dataset, names
 
 POINTS = 500  # of the curves at most
-# So many first blocks are unsure where a parabola through twice as many later ones, that goes on
-# backwards, misses half of them, the first, by more than this (mean square in errors: noise's, and
-# a part of what it differs by from a straight line), and as many that follow miss theirs by no more
-# than the last: something still acted.
-STARTS, UNLIKE, BENDS, LIKE = (12, 6, 3), 1.5, 0.25, 0.8
-# Where ln A falls by more than this in all those blocks, no law of amplitude is a parabola in time.
-PLAIN = 2.0
-# What falls by less than this in all, and by less than so many of its errors, is a steady tone.
-STEADY, SHOWN = 0.02, 3.0
-# A point is given where the standard error of its frequency is less than this part of it: beyond,
-# noise or another mode may be followed.
-SURE = 0.005
-FEWEST = 4
-# The curves begin and end where the standard error of the loss factor, by noise, is less than this
-# part of it, where so large a part of their points is.
-KNOWN, KNOWN_PART = 0.1, 0.5
-# Fall of ln A in which what waves is distinguished from a law; fewest such segments, fewest that
-# wave, and fewest points in each.
-SEGMENT, FEWEST_SEGMENTS, WAVING, EACH = 1.0, 4, 3, 8
-# So many turning points of a rate while ln A falls by so much, each clear of its neighbours by so
-# many standard errors, are no law of amplitude.
-TURNS, WITHIN, CLEAR = 5, 2.0, 3.0
-# What else rings and the laws' bends are largest at the start, where a curve has one side only: the
-# first standard errors are larger by this part, which falls by a factor of e in so many blocks (by
-# simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001 to
-# 2042).
-START, STARTING = 0.45, 3.0
+
+# The first blocks, in which a blow or a drive may still act (`acting`). They are compared with a
+# parabola in time through twice as many later blocks.
+STARTS = (12, 6, 3)  # numbers of first blocks that are tried, in turn
+UNLIKE = 1.5  # mean square of what the first half of them miss, over its variance, that tells
+LIKE = 0.8  # the same of as many blocks that follow: of more, the mode's own law is no parabola
+BENDS = 0.25  # part of the parabola's difference from a straight line that is in the variance
+PLAIN = 2.0  # fall of ln A in all those blocks, beyond which no law is a parabola in time
+
+# What does not fall by either of these in all is a steady tone.
+STEADY = 0.02  # of ln A
+STEADY_ERRORS = 3.0  # standard errors of ln A
+
+# Which points are given.
+FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
+FEWEST = 4  # points
+LOSS_KNOWN = 0.1  # standard error over loss factor, by noise, at which the curves begin and end,
+LOSS_KNOWN_PART = 0.5  # where so large a part of the points is better known
+
+# What waves all along a decay is no law of amplitude, which bends a few times (`waves`).
+SEGMENT = 1.0  # fall of ln A in a segment through which a parabola in ln A is laid
+FEWEST_SEGMENTS = 4
+FEWEST_WAVING = 3  # segments that miss their parabola by more than noise lets them
+POINTS_EACH = 8  # fewest, in a segment
+
+# What beats in a part of a decay alone is none either (`beats`).
+TURNS = 5  # turning points of a rate
+TURNS_WITHIN = 2.0  # fall of ln A between the first and the last of them
+TURNS_CLEAR = 3.0  # standard errors by which each stands out of its neighbours
+
+# What else rings, and how laws bend, is largest at the start, where a curve has one side only. The
+# standard error of the first point is larger by this part, which falls by e in so many blocks; set
+# by simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001
+# to 2042.
+START = 0.45
+START_BLOCKS = 3.0
 
 
 def freevib(
@@ -96,10 +105,10 @@ def freevib(
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), fit.std(centre)
-    std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / STARTING)
+    std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / START_BLOCKS)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
-    known = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2) < KNOWN * loss
+    known = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2) < LOSS_KNOWN * loss
     for order in (1, 2):
         rates, error = value[order], std[order]
         sways = [waves(value[0, 0], *one) for one in zip(rates, error, strict=True)]
@@ -110,17 +119,18 @@ def freevib(
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
     errors = (amplitude_std, frequency_std, loss_std)
-    keep = frequency_std < SURE * omega_n / (2.0 * np.pi)  # and a number
+    keep = frequency_std < FREQUENCY_KNOWN * omega_n / (2.0 * np.pi)  # and a number
     if np.count_nonzero(keep) < FEWEST:
         raise ValueError(
-            f"the mode's frequency is known to {100.0 * SURE:g} % in {np.count_nonzero(keep)} of "
-            f"{keep.size} cycles or groups of them, at least {FEWEST} are needed"
+            f"the mode's frequency is known to {100.0 * FREQUENCY_KNOWN:g} % in "
+            f"{np.count_nonzero(keep)} of {keep.size} cycles or groups of them, at least {FEWEST} "
+            "are needed"
         )
     known = np.flatnonzero(keep & known)
-    if known.size > max(KNOWN_PART * np.count_nonzero(keep), FEWEST):
+    if known.size > max(LOSS_KNOWN_PART * np.count_nonzero(keep), FEWEST):
         keep[: known[0]] = keep[known[-1] + 1 :] = False
     middle_Hz = float(np.median(omega_n[keep])) / (2.0 * np.pi)
-    if np.ptp(value[0, 0][keep]) < max(STEADY, SHOWN * float(np.median(std[0, 0][keep]))):
+    if np.ptp(value[0, 0][keep]) < max(STEADY, STEADY_ERRORS * float(np.median(std[0, 0][keep]))):
         raise ValueError(f"what rings at {middle_Hz:.6g} Hz does not decay: a steady tone")
     if not band[0] <= middle_Hz <= band[1]:
         raise ValueError(
@@ -153,7 +163,7 @@ def waves(
     level: ln A; rate: the derivative; std: its standard error.
     """
     segments = int((level.max() - level.min()) / SEGMENT)
-    if segments < FEWEST_SEGMENTS or level.size < EACH * segments:
+    if segments < FEWEST_SEGMENTS or level.size < POINTS_EACH * segments:
         return np.zeros(level.size)
     left, noise = np.empty((2, segments))
     parts = np.array_split(np.arange(level.size), segments)
@@ -161,7 +171,7 @@ def waves(
         powers = np.vander(np.linspace(-1.0, 1.0, part.size), 3)
         off = rate[part] - powers @ np.linalg.lstsq(powers, rate[part], rcond=None)[0]
         left[k], noise[k] = np.mean(off**2), np.mean(std[part] ** 2)
-    if np.count_nonzero(left > 2.0 * noise) < WAVING:
+    if np.count_nonzero(left > 2.0 * noise) < FEWEST_WAVING:
         return np.zeros(level.size)
     near = np.max(sliding_window_view(np.pad(left, 1), 3), axis=1)
     return np.repeat(np.sqrt(near), [part.size for part in parts])
@@ -183,10 +193,10 @@ def beats(
     """
     error = np.zeros(rates.shape)
     for part, (rate, noise) in enumerate(zip(rates, std, strict=True)):
-        sides = [find_peaks(side, prominence=CLEAR * noise)[0] for side in (rate, -rate)]
+        sides = [find_peaks(side, prominence=TURNS_CLEAR * noise)[0] for side in (rate, -rate)]
         turns = np.sort(np.concatenate(sides))
         fall = level[turns[: 1 - TURNS]] - level[turns[TURNS - 1 :]]
-        for first in np.flatnonzero(fall < WITHIN):
+        for first in np.flatnonzero(fall < TURNS_WITHIN):
             some = turns[first : first + TURNS]
             begin, end = 3 * some[0] - 2 * some[1], 2 * some[-1] - some[-2]
             here = np.arange(max(begin, 0), min(end + 1, rate.size))
