@@ -126,115 +126,226 @@ def separated(
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    whole, x = velocity, velocity[first:]
-    frequency, level = loudest(x, sampling_Hz, expected_Hz)
-    for other in modes_Hz:
-        if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another mode's is not this one's
-            level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
-    own_Hz = mode_Hz(frequency, level, expected_Hz)
-    lines = np.array(lines_by_name(x, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz])
-    own_Hz, base_Hz, named = float(lines[0]), 0.0, lines
-    if abs(own_Hz / expected_Hz - 1.0) > APART:  # it has moved so far that others may be its own
+    whole = velocity
+    search = _Search(whole, first, quiet, sampling_Hz, expected_Hz, modes_Hz)
+    if abs(search.own_Hz / expected_Hz - 1.0) > APART:  # so far off that others may be its own
         return Separated(velocity, first, [], *np.zeros((3, 0)))
-    trimmed = heard = searched = beaten = paired = False
-    near: list[Beside] = []
-    close: list[float] = []
-    for turn in range(ROUNDS):
-        found = _followed(x, sampling_Hz, lines, base_Hz)
-        lines = np.array([moved(found, k, sampling_Hz) for k in range(lines.size)])
-        more = more_lines(x, found, sampling_Hz, _slowest(base_Hz, own_Hz))
-        if (turn and not trimmed) or not (more or searched):
-            last = _lasting(found)
-            steady = (
-                None
-                if heard
-                else steady_line(x, found, last, sampling_Hz, APART, whole[:quiet], first - quiet)
-            )
-            if steady is not None:  # without it the mode is followed for longer
-                heard, lines = True, named
-            one = steady or clearest_harmonic(x, found, sampling_Hz, APART)
-            if one is not None:
-                near.append(one)
-                velocity = _without(one, velocity, first)
-                x, trimmed = velocity[first : first + x.size], False
-                continue
-            searched = not more
-            if not trimmed:
-                last = min([last, *(one.hides(found, sampling_Hz) for one in near)])
-                trimmed = True
-                # what is hidden from its start on leaves nothing that could be followed
-                if 0 < last < found.samples:
-                    x = x[:last]
-                    continue
-        if not more and not beaten:
-            beaten, close = True, beating_line(found, sampling_Hz)
-            if close:
-                lines = meant(np.concatenate([lines, close]), expected_Hz, modes_Hz)
-                own_Hz, close = float(lines[0]), [float(lines[-1])]
-                continue
-        if not more and not paired:
-            paired, pair = True, twofold(found, sampling_Hz, expected_Hz, modes_Hz)
-            if pair is not None:
-                own_Hz = pair[0]
-                near.append(pair[1])
-                lines = np.concatenate([[own_Hz], lines[1:]])
-                velocity = _without(pair[1], velocity, first)
-                x = velocity[first : first + x.size]
-                continue
-        if not more:
-            break
-        # a baseline can follow what its knots resolve
-        resolved = min(LOW * own_Hz, 0.5 * sampling_Hz * MOST_INTERVALS / x.size / ABOVE)
-        slow = [line for line in more if line < resolved]
-        base_Hz = max([base_Hz, *(min(ABOVE * line, HIGHEST * own_Hz) for line in slow)])
-        fast = [line for line in more if line >= resolved]
-        lines = np.concatenate([lines, fast[: max(MOST_LINES + 1 - lines.size, 0)]])
-    near += veiled_harmonics(found, sampling_Hz, near)
-    shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
-    other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
-    hidden = _overlapping(found, sampling_Hz, other_Hz)
-    remarks = [("not-apart", NOT_APART.format(*one)) for one in hidden]
+    found = search.followed()
+    near = search.beside + veiled_harmonics(found, sampling_Hz, search.beside)
+    x, lines, base_Hz, own_Hz = search.decay, search.lines, search.base_Hz, search.own_Hz
     lone = lines.size == 1 and not base_Hz and not near and not _sways(found)
     if not lone:
         found = _followed(x, sampling_Hz, lines, base_Hz)
+    acts = _still_acts(found, x, sampling_Hz, lines, base_Hz)
+    if blows and acts and x.size - acts >= LIFE_CYCLES * sampling_Hz / own_Hz:
+        # lines that were found in what is not free are no lines
+        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + acts, blows - 1, quiet
+        return separated(*again)
+    remarks = _not_apart(search.last, near, sampling_Hz, modes_Hz)
+    if lone:
+        return Separated(search.velocity, first, [], *np.zeros((3, 0)), remarks)
+    course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
+    found = demodulated(x, sampling_Hz, lines, found.spacing, base_Hz, course)
+    time = (first + (np.arange(before.size) + 0.5) * found.spacing) / sampling_Hz
+    doubt = _doubt(found, before, x, sampling_Hz, own_Hz)
+    for one in near:
+        doubt = np.hypot(doubt, one.doubt(found.envelope(0), time - first / sampling_Hz))
+    single = demodulated(
+        x, sampling_Hz, lines[:1], found.spacing, course=course[:1], beside=lines[1:]
+    )
+    widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
+    others = list(range(1, lines.size))
+    left = search.velocity[: first + x.size].copy()
+    left[first:] -= found.waves(others)
+    loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
+    taken_Hz = [float(lines[1 + k]) for k in loud] + [
+        one.frequency_Hz for one in near if one.wave.any()
+    ]
+    remarks += tuple((one.finding, one.remark) for one in near)
+    if search.close and abs(search.close[0] / own_Hz - 1.0) < CLOSE:
+        k = 1 + int(np.argmin(np.abs(lines[1:] - search.close[0])))
+        remarks += (_beside_it(found, k),)
+    return Separated(left, first, taken_Hz, time, widening, doubt, remarks)
+
+
+class _Search:
+    """What is known of a decay's components while they are looked for.
+
+    velocity: the record, `decay` its samples from the decay's start on, both without the waves of
+    `beside`; `decay` ends where the mode has drowned. lines: Hz, the mode's (`own_Hz`) first.
+    base_Hz: what is slower is the baseline. close: the line of a mode that beats with it, if any.
+    last: the envelopes that were followed last.
+    """
+
+    last: Envelopes
+
+    def __init__(
+        self,
+        velocity: Float[ndarray, " sample"],
+        first: int,
+        quiet: int,
+        sampling_Hz: float,
+        expected_Hz: float,
+        modes_Hz: tuple[float, ...],
+    ) -> None:
+        """Arguments as of `separated`."""
+        self.velocity, self.first, self.sampling_Hz = velocity, first, sampling_Hz
+        self.expected_Hz, self.modes_Hz = expected_Hz, modes_Hz
+        self.before = velocity[:quiet]
+        self.decay = velocity[first:]
+        frequency, level = loudest(self.decay, sampling_Hz, expected_Hz)
+        for other in modes_Hz:
+            if abs(other / expected_Hz - 1.0) > 2.0 * ABOUT:  # what is another's is not this one's
+                level = np.where(np.abs(frequency / other - 1.0) < ABOUT, 0.0, level)
+        own_Hz = mode_Hz(frequency, level, expected_Hz)
+        named = lines_by_name(self.decay, sampling_Hz, expected_Hz, modes_Hz) or [own_Hz]
+        self.lines = self.named = np.array(named)
+        self.own_Hz, self.base_Hz = float(self.lines[0]), 0.0
+        self.beside: list[Beside] = []
+        self.close: list[float] = []
+        self.heard = self.trimmed = self.searched = self.beaten = self.paired = False
+
+    def followed(self) -> Envelopes:
+        """The envelopes of all components, once nothing more is found in what they leave over."""
+        for turn in range(ROUNDS):
+            self.last = found = _followed(self.decay, self.sampling_Hz, self.lines, self.base_Hz)
+            self.lines = np.array(
+                [moved(found, k, self.sampling_Hz) for k in range(self.lines.size)]
+            )
+            slowest_Hz = _slowest(self.base_Hz, self.own_Hz)
+            more = more_lines(self.decay, found, self.sampling_Hz, slowest_Hz)
+            if (turn and not self.trimmed) or not (more or self.searched):
+                last = _lasting(found)
+                if self._takes_beside(last):
+                    continue
+                self.searched = not more
+                if self._trims(last):
+                    continue
+            if more:
+                self._add(more)
+            elif not (self._beats() or self._splits()):
+                break
+        return found
+
+    def _takes_beside(self, last: int) -> bool:
+        """Whether a steady line or a harmonic beside the mode is found, and taken off.
+
+        last: samples until the mode has drowned.
+        """
+        one = None
+        if not self.heard:
+            rest = self.first - self.before.size
+            one = steady_line(
+                self.decay, self.last, last, self.sampling_Hz, APART, self.before, rest
+            )
+        if one is not None:  # without it the mode is followed for longer
+            self.heard, self.lines = True, self.named
+        one = one or clearest_harmonic(self.decay, self.last, self.sampling_Hz, APART)
+        if one is None:
+            return False
+        self._take(one)
+        self.trimmed = False
+        return True
+
+    def _trims(self, last: int) -> bool:
+        """Whether samples are left out at the end, where the mode has drowned or is hidden."""
+        if self.trimmed:
+            return False
+        self.trimmed = True
+        last = min([last, *(one.hides(self.last, self.sampling_Hz) for one in self.beside)])
+        # what is hidden from its start on leaves nothing that could be followed
+        if not 0 < last < self.last.samples:
+            return False
+        self.decay = self.decay[:last]
+        return True
+
+    def _beats(self) -> bool:
+        """Whether a mode too close to be seen as a line is found, once."""
+        if self.beaten:
+            return False
+        self.beaten, close = True, beating_line(self.last, self.sampling_Hz)
+        if close:
+            both = np.concatenate([self.lines, close])
+            self.lines = meant(both, self.expected_Hz, self.modes_Hz)
+            self.own_Hz, self.close = float(self.lines[0]), [float(self.lines[-1])]
+        return bool(close)
+
+    def _splits(self) -> bool:
+        """Whether the mode is a pair of modes, once; the one that is not meant is taken off."""
+        if self.paired:
+            return False
+        self.paired = True
+        pair = twofold(self.last, self.sampling_Hz, self.expected_Hz, self.modes_Hz)
+        if pair is None:
+            return False
+        self.own_Hz, other = pair
+        self.lines = np.concatenate([[self.own_Hz], self.lines[1:]])
+        self._take(other)
+        return True
+
+    def _take(self, one: Beside) -> None:
+        """Take a wave off the record."""
+        self.beside.append(one)
+        self.velocity = self.velocity.copy()
+        self.velocity[self.first : self.first + one.wave.size] -= one.wave
+        self.decay = self.velocity[self.first : self.first + self.decay.size]
+
+    def _add(self, more: list[float]) -> None:
+        """Add lines (Hz), the slow ones to the baseline, which follows what its knots resolve."""
+        resolved = 0.5 * self.sampling_Hz * MOST_INTERVALS / self.decay.size / ABOVE
+        resolved = min(LOW * self.own_Hz, resolved)
+        slow = [line for line in more if line < resolved]
+        reach = (min(ABOVE * line, HIGHEST * self.own_Hz) for line in slow)
+        self.base_Hz = max([self.base_Hz, *reach])
+        fast = [line for line in more if line >= resolved]
+        self.lines = np.concatenate([self.lines, fast[: max(MOST_LINES + 1 - self.lines.size, 0)]])
+
+
+def _still_acts(
+    found: Envelopes,
+    x: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    lines: Float[ndarray, " line"],
+    base_Hz: float,
+) -> int:
+    """Samples at a decay's start in which something still acts; found: its envelopes."""
     rest = x - found.waves()
     struck = _struck(found, rest)
     if struck and lines.size == 1:  # splines that do not know how fast it falls leave some over
         course = _course(found, 0)[None]
         own = demodulated(x, sampling_Hz, lines, found.spacing, base_Hz, course)
         struck = min(struck, _struck(own, x - own.waves()))
-    struck = struck or _grows(found, rest)
-    if blows and struck and x.size - struck >= LIFE_CYCLES * sampling_Hz / own_Hz:
-        # lines that were found in what is not free are no lines
-        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + struck, blows - 1, quiet
-        return separated(*again)
-    if lone:
-        return Separated(velocity, first, [], *np.zeros((3, 0)), tuple(remarks))
-    spacing = found.spacing
-    course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
-    found = demodulated(x, sampling_Hz, lines, spacing, base_Hz, course)
-    single = demodulated(x, sampling_Hz, lines[:1], spacing, course=course[:1], beside=lines[1:])
-    nearest = np.abs(np.concatenate([[0.0], lines[1:]]) - own_Hz).min()
+    return struck or _grows(found, rest)
+
+
+def _not_apart(
+    found: Envelopes, near: list[Beside], sampling_Hz: float, modes_Hz: tuple[float, ...]
+) -> tuple[tuple[str, str], ...]:
+    """Findings on modes of the sheet that no line shows, and that overlap with the mode."""
+    shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
+    other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
+    hidden = _overlapping(found, sampling_Hz, other_Hz)
+    return tuple(("not-apart", NOT_APART.format(*one)) for one in hidden)
+
+
+def _doubt(
+    found: Envelopes,
+    before: Complex[ndarray, " interval"],
+    x: Float[ndarray, " sample"],
+    sampling_Hz: float,
+    own_Hz: float,
+) -> Float[ndarray, " interval"]:
+    """Relative error of the mode's envelope for how smooth the components are taken to be.
+
+    before: the same envelope with the other notion of what is smooth. own_Hz: the mode's.
+    """
+    nearest = np.abs(np.concatenate([[0.0], found.lines_Hz[1:]]) - own_Hz).min()
     few = max(int(0.25 * sampling_Hz / own_Hz), 1)
-    doubt = np.hypot(np.abs(found.envelope(0) - before), _missed(x - found.waves(), spacing, few))
+    missed = _missed(x - found.waves(), found.spacing, few)
+    doubt = np.hypot(np.abs(found.envelope(0) - before), missed)
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
-    doubt = np.minimum(doubt, 1.0) * DOUBT * np.sqrt(lines[0] / (SHARE * nearest))
-    time = (first + (np.arange(doubt.size) + 0.5) * spacing) / sampling_Hz
-    for one in near:
-        doubt = np.hypot(doubt, one.doubt(found.envelope(0), time - first / sampling_Hz))
-    widening = np.sqrt(np.maximum(found.variance(0) / single.variance(0), 1.0))
-    others = list(range(1, lines.size))
-    left = velocity[: first + x.size].copy()
-    left[first:] -= found.waves(others)
-    loud = np.argsort([-np.abs(found.envelope(k)).max() for k in others])
-    taken_Hz = [float(lines[1 + k]) for k in loud] + [
-        one.frequency_Hz for one in near if one.wave.any()
-    ]
-    remarks += [(one.finding, one.remark) for one in near]
-    if close and abs(close[0] / own_Hz - 1.0) < CLOSE:
-        remarks.append(_beside_it(found, 1 + int(np.argmin(np.abs(lines[1:] - close[0])))))
-    return Separated(left, first, taken_Hz, time, widening, doubt, tuple(remarks))
+    return np.minimum(doubt, 1.0) * DOUBT * np.sqrt(found.lines_Hz[0] / (SHARE * nearest))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
@@ -248,15 +359,6 @@ def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
     if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():
         return 0
     return first if size[first : first + int(2 * cycle) + 1].max() > SUDDEN * size.max() else 0
-
-
-def _without(
-    one: Beside, velocity: Float[ndarray, " sample"], first: int
-) -> Float[ndarray, " sample"]:
-    """The record without a wave that begins with sample `first`."""
-    left = velocity.copy()
-    left[first : first + one.wave.size] -= one.wave
-    return left
 
 
 def _overlapping(
