@@ -126,8 +126,7 @@ def separated(
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    whole = velocity
-    search = _Search(whole, first, quiet, sampling_Hz, expected_Hz, modes_Hz)
+    search = _Search(velocity, first, quiet, sampling_Hz, expected_Hz, modes_Hz)
     if abs(search.own_Hz / expected_Hz - 1.0) > APART:  # so far off that others may be its own
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     found = search.followed()
@@ -139,7 +138,7 @@ def separated(
     acts = _still_acts(found, x, sampling_Hz, lines, base_Hz)
     if blows and acts and x.size - acts >= LIFE_CYCLES * sampling_Hz / own_Hz:
         # lines that were found in what is not free are no lines
-        again = whole, sampling_Hz, expected_Hz, modes_Hz, first + acts, blows - 1, quiet
+        again = velocity, sampling_Hz, expected_Hz, modes_Hz, first + acts, blows - 1, quiet
         return separated(*again)
     remarks = _not_apart(search.last, near, sampling_Hz, modes_Hz)
     if lone:
