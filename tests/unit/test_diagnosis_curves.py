@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.curve_model import LOOSE, OFFSET, curve_data, problem
+from bladeroot.diagnosis.curve_model import OFFSET, OFFSET_NO_PLATEAU, curve_data, problem
 from bladeroot.diagnosis.dataset import level_offsets
 from bladeroot.inference.gaussian import fit
 from bladeroot.mechanisms.catalogue import catalogue
@@ -45,7 +45,7 @@ def test_levels_without_a_plateau_begin_anywhere():
     whole = made.covariance(made.predict(np.zeros(0)), made.scales.mean)[0]
     first, other = (np.flatnonzero(data.level == k)[[0, -1]] for k in (0, 1))
     shared = [whole[a, b] - data.noise[a, b] for a, b in (first, other)]
-    assert shared == pytest.approx([LOOSE**2, OFFSET**2])
+    assert shared == pytest.approx([OFFSET_NO_PLATEAU**2, OFFSET**2])
 
 
 def test_levels_are_drawn_from_where_their_small_amplitudes_lie():

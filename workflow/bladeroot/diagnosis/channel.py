@@ -19,10 +19,11 @@ from bladeroot.inference.problem import Problem
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
 Kernels = Sequence[tuple[ndarray, float]]
-# Length of what the competitor may be, of ln F and of the campaign's time: a rough course
-# (Ornstein-Uhlenbeck, which finds steps), and beside it a slow one, so many times as long: to a
-# rough one alone a law's plain trend is so unlikely that any law of that variable is preferred.
-_FORCE, _TIME, _SLOW = 1.0, 0.5, 1.5
+# The smooth competitor is a rough course (Ornstein-Uhlenbeck, which finds steps) with a slow one
+# beside it: for a rough one alone a plain trend is so unlikely that any law of that variable wins.
+_FORCE_LENGTH = 1.0  # of ln F, over which the rough course forgets itself
+_TIME_LENGTH = 0.5  # of the campaign, likewise
+_SLOW = 1.5  # length of the slow course over the rough one's
 
 
 @dataclass(frozen=True)
@@ -179,12 +180,12 @@ def _smooth(data: StickData, size: float, together: bool = False) -> dict[str, K
         own = [(same * rough, size), (same * slow, size)]
         return [*own, (rough, size)] if together else own
 
-    found = {"force": along(np.log(records.force), _FORCE)}
+    found = {"force": along(np.log(records.force), _FORCE_LENGTH)}
     if np.unique(records.force).size == 1 and data.group is not None:
         found = {}  # one condition: nothing runs with the load
     if data.time_known and records.span > 0.0:
         # Of the holds: what changes from hold to hold says nothing of records of one.
-        found["time"] = along(records.time - records.since, _TIME * records.span)
+        found["time"] = along(records.time - records.since, _TIME_LENGTH * records.span)
     if data.time_known and records.hold_span > 0.0:
         share = records.since / records.hold_span
         found["time in a clamping"] = [(same * np.minimum(share[:, None], share), 0.1 * size)]
@@ -203,10 +204,10 @@ def _contact(data: StickData, fitted: Fit) -> dict[str, Kernels]:
     records, gradient = data.records, fitted.state.facts["gradient"][:, :2].sum(axis=1)
     both, found = np.outer(gradient, gradient), {}
     if np.unique(records.force).size > 1:
-        found["force, through the contact"] = _courses(np.log(records.force), _FORCE)
+        found["force, through the contact"] = _courses(np.log(records.force), _FORCE_LENGTH)
     if data.time_known and records.span > 0.0:
         began = records.time - records.since
-        found["time, through the contact"] = _courses(began, _TIME * records.span)
+        found["time, through the contact"] = _courses(began, _TIME_LENGTH * records.span)
     return {name: [(both * one, 0.1) for one in courses] for name, courses in found.items()}
 
 

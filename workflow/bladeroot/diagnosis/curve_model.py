@@ -24,10 +24,13 @@ from bladeroot.pooling.level_curve import level_curve
 
 SPACING = 5  # ladder's points between those that are used
 REACH = 10.0**2.5  # from the largest amplitude of a level down
-# Free offset of a level, of ln f and of the loss factor, where records reach their plateau and
-# where none does and the curves begin anywhere.
-OFFSET, LOOSE = 2e-3, 2e-2
-LN_A_LENGTH, LN_F_LENGTH = 1.0, 0.8  # of a law's own errors
+# Each level's curves have a free offset of ln f and of the loss factor, with these standard
+# deviations.
+OFFSET = 2e-3  # where records reach their plateau
+OFFSET_NO_PLATEAU = 2e-2  # where none does, and the curves begin anywhere
+# Over so much of ln A and of ln F a law's own errors vary.
+LN_A_LENGTH = 1.0
+LN_F_LENGTH = 0.8
 AT_TOP = 3e-4  # of what is smooth in amplitude, of ln f and of the loss factor, likely beforehand
 # What the analysis of records is trusted to at best, of ln f and of the loss factor.
 BEST = (1e-6, 5e-6)
@@ -140,7 +143,7 @@ def problem(
     n = data.value.size
     loss = data.quantity == 1
     group = np.concatenate([data.level, data.level + data.level.max() + 1])
-    size = np.tile(np.where(data.stuck, OFFSET, LOOSE), 2)
+    size = np.tile(np.where(data.stuck, OFFSET, OFFSET_NO_PLATEAU), 2)
     free = size**2 * (group[:, None] == group)
     best, rows = np.where(loss, BEST[1] ** 2, BEST[0] ** 2), np.arange(n)
     kernel = law_kernel(data, kinked)

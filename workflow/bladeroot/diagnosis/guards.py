@@ -1,12 +1,14 @@
 """The thresholds of the diagnosis: what each guards against, and how it was set."""
 
-# Priors are stated, not fitted: nats by which a cause of the catalogue is less likely than its
-# absence (with the catalogue's 21 that are no findings, two of five campaigns have none), and
-# something of no catalogue that is smooth in what was varied: it may be anything, and is asked for
-# more than two causes are.
-PRIOR, PRIOR_UNKNOWN = 2.9, 6.3
-# Further nats of each cause beside a first one, in whichever data: campaigns with two are rarer
-# than those of two independent causes would be.
+# Priors are stated, not fitted. All are nats (natural logarithms of odds).
+# A cause of the catalogue against its absence: of campaigns, two of five then have none of the 21
+# causes that are no findings.
+PRIOR = 2.9
+# Something of no catalogue, smooth in what was varied, against its absence: it may be anything, and
+# more is asked of it than of two causes.
+PRIOR_UNKNOWN = 6.3
+# Of each cause beside a first one, in whichever data, in addition: campaigns with two causes are
+# rarer than if causes were independent.
 FURTHER = 0.7
 # Nats by which the data must raise a cause's odds for it to be spoken of as possibly shown. In 22
 # drawn campaigns without a cause none rose by more than 1.3 before it was tempered.
@@ -17,10 +19,12 @@ UNSURE = 3.0
 # than these (its seeds 1 to 199, benchmarks/foreign.py) and 36 of Masing's slip, seating and drift
 # by further formulas, so that no name above 0.9 was wrong but for reasons that were mended.
 # Part of all that is explained (nats), times the laws' own error (TRUST), that is no evidence
-# between laws: no law is exact. The part of what the best single cause explains that each further
-# cause must explain besides is that error itself: a law that is not quite right invents small ones.
-# It fades where a further one explains such parts of it.
-MODEL_ERROR, FURTHER_FADES = 0.2, 0.2
+# between laws: no law is exact.
+MODEL_ERROR = 0.2
+# A law that is not quite right invents small further causes: each must explain that error (TRUST)
+# of what the best single cause explains besides. What is asked fades where a further cause explains
+# such parts of it.
+FURTHER_FADES = 0.2
 # Times the temperature where clampings are not repeated: their scatter is told from the law's own
 # misfit. An unreplicated null then needs some 8 nats to be named, not 5.
 FEW_TEMPERATURE = 1.5

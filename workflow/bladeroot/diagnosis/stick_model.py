@@ -29,9 +29,9 @@ NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign, by time or by its clampings
 KELVIN = 3.0  # of temperature
-# K by which a thermometer is off the beam, half of it for an hour (s), half of a record; K from the
-# mean below which a temperature is none.
-READING, HOUR, LEAST_KELVIN = 0.2, 3600.0, 0.01
+READING = 0.2  # K by which a thermometer is off the beam: half of it for an hour, half of a record
+HOUR = 3600.0  # s
+LEAST_KELVIN = 0.01  # K from the mean: smaller differences of temperature are none
 # Part of its own effect by which a law of the time in a clamping differs from clamping to clamping:
 # nobody states the time from the clamping to its first record.
 OF_HOLD = 0.3
