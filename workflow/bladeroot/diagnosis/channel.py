@@ -160,6 +160,9 @@ def not_judged(candidates: Sequence[Mechanism], data: StickData, simulated: Simu
             lines.append(f"{', '.join(missing)} not judged: {lack} of records missing or alike")
     if data.untimed:
         lines.append(f"{data.untimed} records without a time left out")
+    if data.thinned:
+        fitted = data.ln_f.size
+        lines.append(f"{data.thinned} records left out, as {fitted} of theirs say nearly as much")
     if data.unheld and data.time_known:
         lines.append(
             f"{data.unheld} records without a clamping: those one after another at one {{force}} "

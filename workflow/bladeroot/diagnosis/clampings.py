@@ -6,6 +6,10 @@ from numpy import ndarray
 
 from bladeroot.diagnosis import guards
 
+# Records that are fitted at most: the cost grows with their cube. Clampings scatter much more than
+# the records of one, of which two of a mode say nearly as much as all.
+MOST_RECORDS = 300
+
 
 def hold_names(
     hold: ndarray, record: ndarray, force: ndarray, direction: ndarray, time: ndarray
@@ -73,3 +77,41 @@ def clampings(
                 jumped.append(number)
                 split[(hold == number) & (time >= time[after[k]])] = hold.max() + len(jumped)
     return split, jumped
+
+
+def thinned(
+    row: Int[ndarray, " record"],
+    mode: ndarray,
+    hold: ndarray,
+    level: ndarray,
+    time: ndarray,
+    most: int = MOST_RECORDS,
+) -> Int[ndarray, " kept"]:
+    """Of more than `most` records, the first and the last of each mode in a clamping, and more
+    between them as far as that allows.
+
+    Where these are too many, whole clampings are left out, evenly over levels, and over time in
+    each. row: the records' numbers in the other arrays. level: what a level is told by, a row each.
+    """
+    if row.size <= most:
+        return row
+    time = np.nan_to_num(time)
+    order = row[np.lexsort([row, time[row], mode[row], hold[row]])]
+    last, then = order[:-1], order[1:]
+    other = (mode[last] != mode[then]) | (hold[last] != hold[then])
+    parts = np.split(order, np.flatnonzero(other) + 1)
+    each = max(most // len(parts), 2)
+    some = [part[_evenly(part.size, each)] for part in parts]
+    kept = np.sort(np.concatenate(some))
+    if kept.size > most:
+        names, at = np.unique(hold[kept], return_index=True)
+        first = kept[at]
+        names = names[np.lexsort([first, time[first], *level[:, first]])]
+        stay = names[_evenly(names.size, int(names.size * most / kept.size))]
+        kept = kept[np.isin(hold[kept], stay)]
+    return kept
+
+
+def _evenly(count: int, most: int) -> Int[ndarray, " kept"]:
+    """Numbers of `most` of `count` things in a row, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))

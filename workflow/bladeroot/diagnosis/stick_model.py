@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.diagnosis.causes import Causes, causes, places, with_causes, with_smooth
-from bladeroot.diagnosis.clampings import clampings, directions, hold_names
+from bladeroot.diagnosis.clampings import clampings, directions, hold_names, thinned
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Said, Simulation
@@ -50,7 +50,8 @@ class StickData:
     number of the clamping. rounding: standard deviation of the reading's rounding, N. row: number
     in the observations. group: number of each record's group, None where there is one only. jumped:
     holds that count as two clampings. unheld: records whose hold is not stated. untimed: records
-    left out for want of a time. kernels: those already worked out (`trust_kernel`).
+    left out for want of a time. thinned: those left out as others say nearly as much (`thinned`).
+    kernels: those already worked out (`trust_kernel`).
     """
 
     modes: tuple[str, ...]
@@ -66,6 +67,7 @@ class StickData:
     jumped: tuple[str, ...] = ()
     unheld: int = 0
     untimed: int = 0
+    thinned: int = 0
     shared: Float[ndarray, " record"] | None = None
     kernels: dict = field(default_factory=dict, init=False, repr=False)
 
@@ -78,17 +80,19 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     frequency, std, shared = _with_limits(seen, frequency, std)
     usable &= np.isfinite(frequency) & np.isfinite(std)
     row = np.flatnonzero(usable & (seen["force"].values >= least_force))
-    every = row
-    row = _timed(row, seen["time"].values, seen["force"].values, mode)
-    force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
+    timed = _timed(row, seen["time"].values, seen["force"].values, mode)
     hold, record, way = (seen[name].values.astype(str) for name in ("hold", "record", "direction"))
-    unheld = int((hold[row] == "").sum())
+    unheld = int((hold[timed] == "").sum())
     holds = hold_names(hold, record, seen["force"].values, way, seen["time"].values)
+    groups = seen["group"].values.astype(str) if "group" in seen else np.full(mode.size, "")
+    levels = np.array([groups, way, seen["force"].values.astype(str)])
+    kept = thinned(timed, mode, holds, levels, seen["time"].values)
+    untimed, row = row.size - timed.size, kept
+    force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
     called, hold = np.unique(holds[row], return_inverse=True)
     known = bool(np.isfinite(time).all()) and row.size > 0
     time = time - time.min() if known else np.zeros(row.size)
     since = np.array([t - time[hold == h].min() for t, h in zip(time, hold, strict=True)])
-    groups = seen["group"].values.astype(str) if "group" in seen else np.full(mode.size, "")
     group = np.unique(groups[row], return_inverse=True)[1]
     ln_f, error = np.log(frequency[row]), np.maximum(std[row] / frequency[row], BEST)
     jumped: list[int] = []
@@ -117,7 +121,8 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         group if group.max(initial=0) > 0 else None,
         tuple(called[jumped].tolist()),
         unheld,
-        every.size - row.size,
+        untimed,
+        timed.size - row.size,
         shared[row],
     )
 
