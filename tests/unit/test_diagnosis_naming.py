@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.naming import Known, search
+from bladeroot.diagnosis.naming import Known, _Search, baseline, search
 from bladeroot.diagnosis.plausibility import explained_by_law
 from bladeroot.diagnosis.posterior import UNKNOWN, inclusion
 from bladeroot.inference.gaussian import fit
@@ -218,6 +218,17 @@ def test_a_size_is_over_forms_and_over_the_sets_that_hold_it(shapes):
     assert found.alone["a"].size("a")[0] == pytest.approx(14.8, rel=0.02)
     assert 10.0 < mean < 14.8
     assert std > 1.2 * found.alone["a"].size("a")[1]
+
+
+def test_a_cause_that_is_left_out_takes_its_test_along(shapes):
+    a, b, *_ = shapes
+    tested = replace(line("a", a), measured_by="scale")
+    channel_ = channel(20.0 * a + 15.0 * b, [tested, line("b", b)])
+    made = _Search(channel_, Known(splits={"scale": (20.0, 1.0)}))
+    made.expand(baseline(channel_))
+    made.expand(made.models[frozenset("a")])
+    rest = made.without(made.models[frozenset("ab")], "a")
+    assert rest.log_evidence == pytest.approx(made.models[frozenset("b")].log_evidence, abs=0.1)
 
 
 def test_nothing_below_three_standard_deviations_is_named(shapes):

@@ -54,6 +54,14 @@ def test_a_small_part_of_a_large_effect_makes_no_second_cause():
     assert inclusion(beside, "a") > 0.999
 
 
+def test_a_test_of_a_cause_asks_for_no_law():
+    """The same nats of the data, beside so large an effect, may be the first law's error."""
+    law = [Weighed(EMPTY, 0.0), Weighed(A, 300.0), Weighed(AB, 308.0)]
+    tested = [Weighed(EMPTY, 0.0), Weighed(A, 300.0), Weighed(AB, 300.0)]
+    assert inclusion(probabilities(law), "b") < 0.1
+    assert inclusion(probabilities(tested, tests={"b": 8.0}), "b") > guards.CERTAIN
+
+
 def test_cruder_laws_make_evidence_count_less():
     rows = [Weighed(EMPTY, 0.0), Weighed(A, 300.0), Weighed(B, 290.0)]
     fine, crude = (inclusion(probabilities(rows, trust=trust), "a") for trust in (0.05, 0.2))

@@ -128,6 +128,7 @@ class _Search:
         self.allowed: dict[frozenset, bool] = {frozenset(): True}
         # Sets that may be and are not surely there: worth little more than without the last cause.
         self.unsure: dict[frozenset, float] = {}
+        self.tests = {one.id: prepared(one, known)[1] for one in channel.candidates}
 
     def expand(self, model: Model) -> None:
         """Try one cause more, and the smooth competitors, beside a model."""
@@ -156,6 +157,7 @@ class _Search:
     def without(self, model: Model, gone: str) -> Model:
         """The model without one of its causes, which what is left must stand for itself."""
         rest = without(self.channel, model, gone)
+        rest = replace(rest, log_evidence=rest.log_evidence - self.tests[gone])
         self.allowed[rest.ids] = possible(self.channel, rest.causes, rest.fit) and surely_there(
             self.channel, rest.causes, rest.fit
         )
@@ -202,17 +204,19 @@ class _Search:
         """
         rows = []
         for ids, model in self.models.items():
+            by_test = sum(self.tests[name] for name in ids)
             if not self.allowed[ids] or self._idle(model):
                 if ids in self.unsure:
-                    rows.append(Weighed(ids, max(self.unsure[ids], self._rival(model))))
+                    shown = max(self.unsure[ids], self._rival(model))
+                    rows.append(Weighed(ids, shown - by_test))
                 continue
             step = self.steps.get(ids)
             tried = dict(step.smooth) if step else {}
             group = tried.pop("group", -np.inf)
             gains = np.array([*tried.values(), *self._impossible(model)] if step else [])
             other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
-            rows.append(Weighed(ids, model.log_evidence, float(other), group))
-        return probabilities(rows, self.known.replicates, self.channel.trust)
+            rows.append(Weighed(ids, model.log_evidence - by_test, float(other), group))
+        return probabilities(rows, self.known.replicates, self.channel.trust, self.tests)
 
     def best(self) -> frozenset:
         """The most probable set of causes, whatever is unexplained beside it."""

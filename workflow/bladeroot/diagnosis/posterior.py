@@ -37,13 +37,17 @@ def temperature(explained: float, replicates: bool = True, trust: float = guards
 
 
 def probabilities(
-    models: Iterable[Weighed], replicates: bool = True, trust: float = guards.TRUST
+    models: Iterable[Weighed],
+    replicates: bool = True,
+    trust: float = guards.TRUST,
+    tests: Mapping[str, float] | None = None,
 ) -> Sets:
     """Of each set of causes, `UNKNOWN` being one where the smooth competitor is part of it.
 
-    trust: the part of its own effect to which a law is exact.
+    trust: the part of its own effect to which a law is exact. tests: nats by which an independent
+    measurement of a cause, which rests on no law, raises its odds beforehand.
     """
-    models = list(models)
+    models, tests = list(models), tests or {}
     best = max(one.log_evidence for one in models)
     others = [max(one.smooth, one.group) + one.log_evidence for one in models if not one.causes]
     reach = max(best, *others, 0.0)
@@ -51,7 +55,8 @@ def probabilities(
     alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
     log: Sets = {}
     for one in models:
-        own = one.log_evidence / heat - guards.PRIOR * len(one.causes)
+        prior = sum(tests.get(name, 0.0) - guards.PRIOR for name in one.causes)
+        own = one.log_evidence / heat + prior
         own -= _invented(one, alone, trust) / heat
         log[one.causes] = max(log.get(one.causes, -np.inf), own)
         # A group is stated because it may matter: as likely as a cause of the catalogue.
