@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.diagnosis import curve_model, next_measurement
+from bladeroot.diagnosis import curve_model, next_measurement, stick_model
 from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.diagnose import Settings, diagnose
 from bladeroot.diagnosis.next_measurement import (
@@ -13,11 +13,13 @@ from bladeroot.diagnosis.next_measurement import (
     _gained,
     _more_curves,
     _nats,
+    _rivals,
     decided,
     following,
     next_measurements,
 )
 from bladeroot.diagnosis.plausibility import sizes
+from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.mechanisms.catalogue import catalogue
 from bladeroot.report.next_measurement import next_sentence
 from diagnosis_bench import campaign, programme
@@ -106,6 +108,32 @@ def test_a_small_drag_shows_more_at_larger_amplitudes():
         problems = [curve_model.problem(data, one.mechanisms) for one in even]
         decides.append(_gained(even, problems, old, new))
     assert 0.0 < decides[0] < 0.9 * decides[1]
+
+
+def test_what_is_of_no_catalogue_is_no_rival(made):
+    """It is not the simulation as it is, which predicts that nothing is missing."""
+    (power, seating), nothing = map(lambda n: frozenset({n}), FEW), frozenset()
+    sets = {power: 0.5, frozenset({UNKNOWN}): 0.3, seating: 0.1, power | {UNKNOWN}: 0.1}
+    found = replace(made.found[0], probabilities=sets)
+    odds = [one.probability for one in _rivals(found, set(FEW))]
+    assert odds == [0.5, 0.1]
+    assert nothing in found.models
+
+
+def test_noise_that_a_law_makes_up_for_is_no_prediction(made):
+    fitted, n = made.found[0].baseline, made.data.ln_f.size
+    louder = replace(fitted, scales=fitted.scales + 1.0)
+    even = [Rival((), one, 0.5, 1.0) for one in (fitted, louder)]
+    again = made.data.hold.max() + 1 + made.data.hold
+    data = next_measurement._joined(made.data, made.data.records, again)
+    problems = [stick_model.problem(data, made.simulated)] * 2
+    old, new = np.arange(n), np.arange(n, data.ln_f.size)
+    assert _gained(even, problems, old, new) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_decides_next_to_nothing_is_not_proposed(made, monkeypatch):
+    monkeypatch.setattr(next_measurement, "_LEAST", 10.0)
+    assert following(next_measurements(made), made) == []
 
 
 def test_what_no_measurement_speaks_of_leaves_the_next_question(made, monkeypatch):

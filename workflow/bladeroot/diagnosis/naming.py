@@ -71,11 +71,11 @@ class Found:
     """The search's outcome in one channel.
 
     fits: the baseline's and the final one; maxima: the baseline's others. unexplained: what the
-    remainder is smooth in where that is more probable than not, or "". alone, beside: of every
-    mechanism the model that has it alone, or beside the causes, in its best form; steps: beside
-    none, and beside the causes. insufficient: the mechanism that is barred and yet the most
-    probable, or "". sizes: first parameter of each mechanism over its forms and the sets that hold
-    it, by their probability: mean and standard deviation.
+    remainder is smooth in where that is more probable than not, or "". models: of every set that
+    was fitted, each cause in its best form; steps: beside none, and beside the causes.
+    insufficient: the mechanism that is barred and yet the most probable, or "". sizes: first
+    parameter of each mechanism over its forms and the sets that hold it, by their probability: mean
+    and standard deviation.
     """
 
     channel: Channel
@@ -86,11 +86,26 @@ class Found:
     steps: tuple[Step, ...]
     unexplained: str
     probabilities: Sets
-    alone: Mapping[str, Model]
-    beside: Mapping[str, Model]
+    models: Mapping[frozenset[str], Model]
     insufficient: str = ""
     sizes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     maxima: tuple[Fit, ...] = ()
+
+    @property
+    def here(self) -> frozenset[str]:
+        """The causes."""
+        return frozenset(cause.mechanism.id for cause in self.causes)
+
+    @property
+    def alone(self) -> dict[str, Model]:
+        """Of every mechanism the model that has it alone."""
+        return {n: self.models[frozenset({n})] for n in self.steps[0].mechanisms}
+
+    @property
+    def beside(self) -> dict[str, Model]:
+        """Of every other mechanism that was tried beside the causes the model that has it there."""
+        sets = {n: self.here | {n} for n in self.steps[0].mechanisms if n not in self.here}
+        return {n: self.models[ids] for n, ids in sets.items() if ids in self.models}
 
     @property
     def quiet(self) -> bool:
@@ -100,7 +115,7 @@ class Found:
     @property
     def rest(self) -> Sets:
         """Probabilities of what acts beside the causes, were these all there."""
-        return conditional(self.probabilities, (cause.mechanism.id for cause in self.causes))
+        return conditional(self.probabilities, self.here)
 
     @property
     def open(self) -> list[str]:
@@ -272,7 +287,6 @@ def _found(made: _Search) -> Found:
     model = made.models[here]
     first = made.steps[frozenset()]
     steps = (first, made.steps[here]) if here in made.steps else (first,)
-    beside = {n: made.models.get(here | {n}) for n in first.mechanisms if n not in here}
     rest = made.steps.get(here, first).smooth if inclusion(sets, UNKNOWN) > 0.5 else {}
     unexplained = max(rest, key=rest.get, default="")
     causes = [_cause(made, model, one, sets, unexplained) for one in model.causes]
@@ -281,10 +295,7 @@ def _found(made: _Search) -> Found:
         leading = _leading(sets)
     return Found(
         made.channel, made.known, made.models[frozenset()].fit, model.fit, tuple(causes), steps,
-        unexplained, sets,
-        {n: made.models[frozenset({n})] for n in first.mechanisms},
-        {n: one for n, one in beside.items() if one},
-        leading,
+        unexplained, sets, made.models, leading,
         {n: _size(made, n, sets) for n in first.mechanisms},
         model.maxima,
     )  # fmt: skip

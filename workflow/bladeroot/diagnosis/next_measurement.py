@@ -20,7 +20,7 @@ from bladeroot.diagnosis.dataset import stiffness_law
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.naming import Found
 from bladeroot.diagnosis.options import Option, of_facts, of_records
-from bladeroot.diagnosis.posterior import UNKNOWN, Sets, entropy, inclusion, temperature
+from bladeroot.diagnosis.posterior import Sets, entropy, inclusion, temperature
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.verdict import probabilities
@@ -32,7 +32,7 @@ from bladeroot.variables import dataset, names
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
-_LEAST = 0.005  # of a question: what decides less of it decides nothing
+_LEAST = 0.02  # nats: what decides less decides nothing
 
 
 @dataclass(frozen=True)
@@ -176,20 +176,20 @@ def _stiffnesses(made: Diagnosis) -> tuple[str, ...]:
 
 
 def _rivals(found: Found, asked: set[str]) -> list[Rival]:
-    """The most probable sets of a channel that were fitted, with what is in question."""
-    causes = tuple(cause.mechanism for cause in found.causes)
-    here = frozenset(one.id for one in causes)
-    fitted = {frozenset({name}): (m.causes, m.fit) for name, m in found.alone.items()}
-    fitted |= {frozenset(): ((), found.baseline), here: (causes, found.final)}
-    sets: Sets = {}
-    for key, value in found.probabilities.items():
-        known = key - {UNKNOWN}
-        if known in fitted and known - here <= asked:
-            sets[known] = sets.get(known, 0.0) + value
-    order = sorted(sets, key=lambda key: (-sets[key], sorted(key)))[:_RIVALS]
-    reach = max((m.log_evidence for m in found.alone.values()), default=0.0)
-    heat = temperature(reach, found.known.replicates, found.channel.trust)
-    return [Rival(*fitted[key], sets[key], heat) for key in order]
+    """The most probable sets of a channel that were fitted, with what is in question.
+
+    What is of no catalogue predicts nothing: sets with it are no rivals.
+    """
+    odds = {found.here: 0.0} | {
+        key: value
+        for key, value in found.probabilities.items()
+        if key in found.models and key - found.here <= asked
+    }
+    order = sorted(odds, key=lambda key: (-odds[key], sorted(key)))[:_RIVALS]
+    alone = [one.fit.log_evidence - found.baseline.log_evidence for one in found.alone.values()]
+    heat = temperature(max(alone, default=0.0), found.known.replicates, found.channel.trust)
+    models = [found.models[key] for key in order]
+    return [Rival(one.causes, one.fit, odds[one.ids], heat) for one in models]
 
 
 def _row(
@@ -226,7 +226,7 @@ def _row(
     part = min(gained / whole, 1.0) if whole > 0.0 else np.nan
     return {
         "option": one.what,
-        "decided": 0.0 if part < _LEAST else part,
+        "decided": 0.0 if gained < _LEAST and whole > 0.0 else part,
         "hours": one.hours,
         "size_std": ratio,
         "expected_ln_std": ln_std,
@@ -239,10 +239,15 @@ def _row(
 def _gained(
     rivals: Sequence[Rival], problems: Sequence[Problem], old: ndarray, new: ndarray
 ) -> float:
-    """Nats that data at `new` decide between a channel's sets."""
+    """Nats that data at `new` decide between a channel's sets.
+
+    Scatter and noise are the laboratory's, not a cause's: those of the most probable set. What a
+    poor law counts as noise would come again.
+    """
     if len(rivals) < 2:
         return 0.0
-    predicted = [_predicted(p, r.fit, old, new) for p, r in zip(problems, rivals, strict=True)]
+    fits = [replace(one.fit, scales=rivals[0].fit.scales) for one in rivals]
+    predicted = [_predicted(p, one, old, new) for p, one in zip(problems, fits, strict=True)]
     return _nats(predicted, np.array([one.probability for one in rivals]), rivals[0].heat)
 
 
