@@ -32,7 +32,7 @@ from bladeroot.variables import dataset, names
 _RIVALS = 5  # sets of causes, most probable first, whose predictions are compared
 _NEAREST = 2  # mechanisms that are asked about where none explains the data
 _DRAWS = 400
-_LEAST = 0.02  # nats: what decides less decides nothing
+_LEAST = 0.04  # nats, and part of a question: what decides less decides nothing
 
 
 @dataclass(frozen=True)
@@ -226,7 +226,7 @@ def _row(
     part = min(gained / whole, 1.0) if whole > 0.0 else np.nan
     return {
         "option": one.what,
-        "decided": 0.0 if gained < _LEAST and whole > 0.0 else part,
+        "decided": 0.0 if whole > 0.0 and min(gained, part) < _LEAST else part,
         "hours": one.hours,
         "size_std": ratio,
         "expected_ln_std": ln_std,
