@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.envelope_model import ALIVE, _splines, _stiffness, demodulated
+from bladeroot.decay.envelope_model import SPLINES_ALIVE, _splines, _stiffness, demodulated
 
 RATE, SPACING, SAMPLES = 100.0, 20, 205
 LINES = np.array([7.0, 19.0])
-KNOTS = -(-SAMPLES // SPACING) + ALIVE - 1
+KNOTS = -(-SAMPLES // SPACING) + SPLINES_ALIVE - 1
 COLUMNS = 2 * LINES.size + 1
 
 
@@ -20,7 +20,7 @@ def plain(course, base_Hz):
     for k in range(SAMPLES):
         first = k // SPACING
         weights = _splines(SPACING)[k % SPACING]
-        design[k, first : first + ALIVE] = weights[:, None] * np.array(carriers)[:, k]
+        design[k, first : first + SPLINES_ALIVE] = weights[:, None] * np.array(carriers)[:, k]
     stiffness = _stiffness(LINES, SPACING, RATE, base_Hz)
     ratio = np.exp(-course)
     rows = []
@@ -56,7 +56,7 @@ def test_coefficients_waves_and_variances_are_those_of_least_squares():
             parts = []
             for part in (0, 1):
                 row = np.zeros((KNOTS, COLUMNS))
-                row[k : k + ALIVE, 1 + 2 * line + part] = middle
+                row[k : k + SPLINES_ALIVE, 1 + 2 * line + part] = middle
                 parts.append(row.ravel() @ inverse @ row.ravel())
             assert variance[k] == pytest.approx(max(parts), rel=1e-6)
 
@@ -70,7 +70,7 @@ def test_what_is_known_of_a_course_is_free_of_penalty():
         0.5 * np.exp(-4.0 * time) * np.cos(2 * np.pi * 58.0 * time + 1.0),
     ]
     intervals = 2000 // spacing
-    knot = (np.arange(intervals + ALIVE - 1) - 1.0) * spacing / rate
+    knot = (np.arange(intervals + SPLINES_ALIVE - 1) - 1.0) * spacing / rate
     course = np.array([-9.0 * knot, -4.0 * knot]).astype(complex)
     missed = []
     for known in (None, course):

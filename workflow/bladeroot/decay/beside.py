@@ -8,15 +8,17 @@ from numpy import ndarray
 
 from bladeroot.decay.envelope_model import Envelopes
 
-# What may be left of it is no more than this part of the mode, where a curve still goes.
-HIDDEN = 0.3
+# Standard error of what was taken off over the mode's amplitude: above it the mode counts as hidden
+# and its curve ends.
+HIDDEN_ABOVE = 0.3
 
 
 @dataclass(frozen=True)
 class Beside:
-    """A wave in the samples, its error (m/s) at times (s) evenly spaced, and the finding's id.
+    """What was found beside the mode, as it is taken off.
 
-    alike: cycles of the mode over which the error is one and the same.
+    wave: m/s, at the record's samples. error: its standard error (m/s) at `time` (s), evenly
+    spaced. finding: the finding's id. alike: how many cycles of the mode share the same error.
     """
 
     frequency_Hz: float
@@ -28,16 +30,16 @@ class Beside:
     alike: float = 1.0
 
     def over(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
-        """Its error over the mode, at times."""
+        """The wave's error over the mode's amplitude, at times (s)."""
         return np.interp(time, self.time, self.error) / np.maximum(np.abs(mode), 1e-300)
 
     def doubt(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
-        """The same as an error of independent cycles, of the mode at most."""
+        """`over` as an error of independent cycles, larger by the root of `alike`; 1 at most."""
         return np.minimum(self.over(mode, time) * np.sqrt(self.alike), 1.0)
 
     def hides(self, found: Envelopes, sampling_Hz: float) -> int:
-        """Samples until what is left of it may be more than `HIDDEN` of the mode."""
+        """Samples until the wave's error is more than `HIDDEN_ABOVE` of the mode."""
         mode = found.envelope(0)
         time = (np.arange(mode.size) + 0.5) * found.spacing / sampling_Hz
-        hidden = np.flatnonzero(self.over(mode, time) > HIDDEN)
+        hidden = np.flatnonzero(self.over(mode, time) > HIDDEN_ABOVE)
         return int(hidden[0]) * found.spacing if hidden.size else found.samples

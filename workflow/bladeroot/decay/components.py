@@ -18,7 +18,7 @@ from bladeroot.decay.component_lines import (
     more_lines,
     moved,
 )
-from bladeroot.decay.envelope_model import SHARE, Envelopes, demodulated
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes, demodulated
 from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STAYS, steady_line
@@ -344,7 +344,7 @@ def _doubt(
     doubt = np.hypot(np.abs(found.envelope(0) - before), missed)
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
-    return np.minimum(doubt, 1.0) * DOUBT * np.sqrt(found.lines_Hz[0] / (SHARE * nearest))
+    return np.minimum(doubt, 1.0) * DOUBT * np.sqrt(found.lines_Hz[0] / (ENVELOPE_BANDWIDTH * nearest))
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:

@@ -17,24 +17,22 @@ from scipy.linalg import lapack
 
 from bladeroot.signal.banded import inverse_band
 
-# The envelope of a component varies no faster than this part of its distance to the next one.
-SHARE = 0.35
-# Splines alive in an interval between knots, and what each weighs in its middle.
-ALIVE = 4
-_MIDDLE = np.array([1.0, 23.0, 23.0, 1.0]) / 48.0
-# Penalty (over an interval's own weight) that carries the splines over samples without weight.
-LEAST = 1e-6
-# What is added to the diagonal (relative) against rounding.
-RIDGE = 1e-13
+# How fast the envelopes may vary. A faster one would take in the line next to it.
+ENVELOPE_BANDWIDTH = 0.35  # of the distance (Hz) from a component to the nearest other one
+# The cubic B-splines, and what keeps their equations solvable.
+SPLINES_ALIVE = 4  # splines that are not zero in an interval between knots
+_MIDDLE_VALUES = np.array([1.0, 23.0, 23.0, 1.0]) / 48.0  # of these splines in its middle
+LEAST_PENALTY = 1e-6  # over an interval's own weight: determines splines where samples do not
+RIDGE = 1e-13  # added to the diagonal, relative to it, against rounding
 
 
 @dataclass(frozen=True)
 class Envelopes:
     """Coefficients of the baseline (column 0) and of each line's envelope (real, imaginary part).
 
-    `design` is an interval's samples by its columns, each line against its phase at the knot,
-    `phase` that phase as a factor; `factor` is the Cholesky factor of the normal matrix of
-    coefficients against it, in its band.
+    `design` maps an interval's coefficients to its samples, with each line's phase counted from
+    the middle of the interval. `phase` is exp(i phase) of each carrier there. `factor` is the
+    banded Cholesky factor of the normal matrix for coefficients against these phases.
     """
 
     lines_Hz: Float[ndarray, " line"]
@@ -48,7 +46,7 @@ class Envelopes:
     @property
     def intervals(self) -> int:
         """Number of intervals between knots."""
-        return len(self.phase) - ALIVE + 1
+        return len(self.phase) - SPLINES_ALIVE + 1
 
     @property
     def turn(self) -> Complex[ndarray, "interval line"]:
@@ -56,19 +54,19 @@ class Envelopes:
         return self.phase[: self.intervals]
 
     def waves(self, lines: list[int] | None = None, base: bool = True) -> Float[ndarray, " sample"]:
-        """The sum of some lines (all, unless projected), and of the baseline."""
+        """The sum of some lines (None: of all), with the baseline unless `base` is False."""
         kept = np.zeros(self.coefficient.shape[1], bool)
         kept[0] = base
         for k in range(self.lines_Hz.size) if lines is None else lines:
             kept[1 + 2 * k : 3 + 2 * k] = True
         c = _times(np.where(kept, self.coefficient, 0.0), self.phase)
-        local = np.concatenate([c[a : a + self.intervals] for a in range(ALIVE)], axis=1)
+        local = np.concatenate([c[a : a + self.intervals] for a in range(SPLINES_ALIVE)], axis=1)
         return (local @ self.design.T).ravel()[: self.samples]
 
     def envelope(self, line: int) -> Complex[ndarray, " interval"]:
         """A line's envelope in the middle of each interval, against its carrier."""
         z = self.coefficient[:, 1 + 2 * line] + 1j * self.coefficient[:, 2 + 2 * line]
-        return sum(share * z[a : a + self.intervals] for a, share in enumerate(_MIDDLE))
+        return sum(share * z[a : a + self.intervals] for a, share in enumerate(_MIDDLE_VALUES))
 
     def variance(self, line: int) -> Float[ndarray, " interval"]:
         """Variance of either part of `envelope` (the larger), for noise of unit variance."""
@@ -77,7 +75,7 @@ class Envelopes:
         knot = np.arange(count)
         # what a knot's two coefficients add to the real and to the imaginary part
         shares = []
-        for a, share in enumerate(_MIDDLE):
+        for a, share in enumerate(_MIDDLE_VALUES):
             z = share * self.phase[a : a + count, line]
             shares += [(a, 0, np.stack([z.real, -z.imag])), (a, 1, np.stack([z.imag, z.real]))]
         total = np.zeros((2, count))
@@ -100,18 +98,18 @@ def demodulated(
 ) -> Envelopes:
     """The envelopes of all lines and the baseline in a decay, knots every `spacing` samples.
 
-    base_Hz: what is slower than that belongs to the baseline. beside: further lines that bound how
-    fast the envelopes may vary, though they are not fitted.
-    course: what is known of the envelopes' logarithms at the knots; then it is the ratio to that
-    which is penalised, and a decay or a drift of frequency costs nothing.
+    base_Hz: what is slower than that belongs to the baseline. beside: frequencies (Hz) of further
+    lines that bound how fast the envelopes may vary, though they are not fitted.
+    course: logarithms of the envelopes at the knots, as far as known. The penalty then acts on the
+    envelopes divided by exp(course), so that a decay or a drift of frequency is not penalised.
     """
     intervals, columns = -(-velocity.size // spacing), 2 * lines_Hz.size + 1
-    knots, wide = intervals + ALIVE - 1, ALIVE * columns
+    knots, wide = intervals + SPLINES_ALIVE - 1, SPLINES_ALIVE * columns
     omega = 2.0 * np.pi * lines_Hz / sampling_Hz
     middle = 0.5 * (spacing - 1)
     phase = np.exp(1j * np.outer(np.arange(knots) * spacing + middle, omega))
     design = np.repeat(_splines(spacing)[:, :, None], columns, axis=2)
-    since = np.arange(spacing)[:, None] - middle - np.arange(ALIVE) * spacing
+    since = np.arange(spacing)[:, None] - middle - np.arange(SPLINES_ALIVE) * spacing
     design[..., 1::2] *= np.cos(since[..., None] * omega)
     design[..., 2::2] *= -np.sin(since[..., None] * omega)
     design = design.reshape(spacing, wide)
@@ -125,8 +123,8 @@ def demodulated(
         last = design[: velocity.size - whole * spacing]
         _add(band[whole * columns :], last.T @ last)
     right = np.zeros((knots, columns))
-    projected = (padded @ design).reshape(intervals, ALIVE, columns)
-    for a in range(ALIVE):
+    projected = (padded @ design).reshape(intervals, SPLINES_ALIVE, columns)
+    for a in range(SPLINES_ALIVE):
         right[a : a + intervals] += projected[:, a]
     every = lines_Hz if beside is None else np.concatenate([lines_Hz, beside])
     stiffness = _stiffness(every, spacing, sampling_Hz, base_Hz)[:columns]
@@ -167,9 +165,9 @@ def _stiffness(
     every = np.concatenate([[0.0], lines_Hz])
     apart = np.abs(every[:, None] - every) + np.where(np.eye(every.size), np.inf, 0.0)
     nearest = apart.min(axis=1) if lines_Hz.size else np.array([sampling_Hz])
-    bound = 2.0 * np.pi * spacing / sampling_Hz * SHARE * nearest
+    bound = 2.0 * np.pi * spacing / sampling_Hz * ENVELOPE_BANDWIDTH * nearest
     bound[0] = max(bound[0], 2.0 * np.pi * spacing / sampling_Hz * base_Hz)
-    penalty = np.maximum(bound**-6.0, LEAST) * 0.5 * spacing
+    penalty = np.maximum(bound**-6.0, LEAST_PENALTY) * 0.5 * spacing
     return np.concatenate([penalty[:1], np.repeat(penalty[1:], 2)])
 
 
@@ -179,7 +177,7 @@ def _add(
     intervals: int = 1,
 ) -> None:
     """Add the normal matrix of each of some intervals to the record's, from the first's on."""
-    columns = len(gram) // ALIVE
+    columns = len(gram) // SPLINES_ALIVE
     for u in range(len(gram)):
         band[u : u + columns * intervals : columns, : len(gram) - u] += gram[u:, u]
 

@@ -9,15 +9,16 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.beside import HIDDEN, Beside
-from bladeroot.decay.envelope_model import SHARE, Envelopes
-from bladeroot.decay.windowed import WINDOW, windowed
+from bladeroot.decay.beside import HIDDEN_ABOVE, Beside
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
+from bladeroot.decay.windowed import WINDOW_TURNS, windowed
 from bladeroot.signal.phasors import Segment, fit_frames
 
-ORDERS = (2, 3)
-# One that turns against the mode less often in the record is not told from it unless it is found:
-# it may be that part of its line, and matters from that part of the mode on.
-ENOUGH, UNKNOWN, VEIL = 6.0, 0.005, 0.003
+HARMONIC_ORDERS = (2, 3)  # multiples of a line's frequency that are looked for
+# What a harmonic may do to the mode that is not found because the record is too short for it.
+RESOLVED_TURNS = 6.0  # of the mode's phase against its phase in the record; with more it is found
+ASSUMED_HARMONIC = 0.005  # its amplitude over the line's, where the line is loudest
+NOTABLE_HARMONIC = 0.003  # of the mode's amplitude: a smaller one is left out of the errors
 TAKEN_OFF = (
     "a harmonic, {} x {:.5g} Hz, rings beside the mode, up to {:.3g} % of it; taken off, and the "
     "curve ends where it hides the mode"
@@ -33,10 +34,10 @@ def clearest_harmonic(
 ) -> Beside | None:
     """The clearest harmonic of another line within that part of the mode's frequency beside it.
 
-    x: the decay (m/s). found: the envelopes of all lines that are known, the mode's first, which
-    holds the harmonic, too.
+    x: the decay (m/s). found: the envelopes of all lines that are known, the mode's first; the
+    harmonic is still part of the mode's envelope.
     """
-    own_Hz, shortest = float(found.lines_Hz[0]), WINDOW * sampling_Hz / found.samples
+    own_Hz, shortest = float(found.lines_Hz[0]), WINDOW_TURNS * sampling_Hz / found.samples
     near = [pair for pair in _pairs(found, within * own_Hz) if abs(pair[2] - own_Hz) > shortest]
     if not near:
         return None
@@ -60,25 +61,25 @@ def clearest_harmonic(
     wave = (slow * np.exp(carrier * now)).real
     part = float(np.max(np.abs(law.phasor) / np.maximum(np.abs(y), np.abs(law.phasor))))
     remark = TAKEN_OFF.format(order, found.lines_Hz[line], 100.0 * part)
-    alike = own_Hz / (SHARE * abs(at_Hz - own_Hz))
+    alike = own_Hz / (ENVELOPE_BANDWIDTH * abs(at_Hz - own_Hz))
     return Beside(at_Hz, wave, time / sampling_Hz, law.error, "harmonic", remark, alike)
 
 
 def veiled_harmonics(found: Envelopes, sampling_Hz: float, known: list[Beside]) -> list[Beside]:
-    """Harmonics that a record so short does not tell from the mode: errors of it, and no waves.
+    """Harmonics that the record is too short to tell from the mode, as errors without a wave.
 
     known: what was found beside the mode.
     """
-    own_Hz, apart = float(found.lines_Hz[0]), ENOUGH * sampling_Hz / found.samples
+    own_Hz, apart = float(found.lines_Hz[0]), RESOLVED_TURNS * sampling_Hz / found.samples
     made = []
     for line, order, at_Hz in _pairs(found, apart):
         if any(abs(one.frequency_Hz - at_Hz) < apart for one in known):
             continue
         h, loudest = _unit(found, line, order)
-        error = UNKNOWN * loudest * np.abs(h)
+        error = ASSUMED_HARMONIC * loudest * np.abs(h)
         over = error / np.maximum(np.abs(found.envelope(0)), 1e-300)
-        part = float(over.max(where=over < HIDDEN, initial=0.0))
-        if part > VEIL:
+        part = float(over.max(where=over < HIDDEN_ABOVE, initial=0.0))
+        if part > NOTABLE_HARMONIC:
             time = (np.arange(h.size) + 0.5) * found.spacing / sampling_Hz
             remark = VEILED.format(order, found.lines_Hz[line], 100.0 * part)
             nothing, alike = np.zeros(found.samples), own_Hz * found.samples / sampling_Hz
@@ -87,17 +88,17 @@ def veiled_harmonics(found: Envelopes, sampling_Hz: float, known: list[Beside]) 
 
 
 def _pairs(found: Envelopes, within_Hz: float) -> list[tuple[int, int, float]]:
-    """Lines, orders and frequencies of the harmonics within that of the mode."""
+    """Lines, orders and frequencies (Hz) of the harmonics within a distance of the mode's line."""
     return [
         (line, order, float(order * found.lines_Hz[line]))
         for line in range(1, found.lines_Hz.size)
-        for order in ORDERS
+        for order in HARMONIC_ORDERS
         if abs(order * found.lines_Hz[line] - found.lines_Hz[0]) < within_Hz
     ]
 
 
 def _unit(found: Envelopes, line: int, order: int) -> tuple[Complex[ndarray, " interval"], float]:
-    """A line's harmonic of unit size against the mode's carrier, and how large the line is."""
+    """A line to the harmonic's order against the mode's carrier, 1 at most; its largest (m/s)."""
     base = found.envelope(line) * found.turn[:, line]
     loudest = float(np.abs(base).max())
     return (base / loudest) ** order * found.turn[:, 0].conj(), loudest

@@ -12,7 +12,7 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.beside import Beside
-from bladeroot.decay.envelope_model import SHARE, Envelopes
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
 from bladeroot.signal.lines import hann, lines_of
 
 # Parts of what is quiet, in which the line's amplitude and phase are compared; fewest cycles of the
@@ -80,7 +80,7 @@ def steady_line(
         if apart_Hz * last < TURNS * sampling_Hz and stays < LASTING:
             return None  # the mode itself
         wave = (mean * np.exp(2j * np.pi * line * now)).real
-        alike = own_Hz / max(SHARE * apart_Hz, sampling_Hz / x.size)
+        alike = own_Hz / max(ENVELOPE_BANDWIDTH * apart_Hz, sampling_Hz / x.size)
         remark = REMARK.format(line, abs(mean))
         return Beside(line, wave, now, error, "steady-line", remark, alike)
     return None

@@ -11,7 +11,7 @@ from numpy import ndarray
 
 from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
-from bladeroot.decay.envelope_model import SHARE, Envelopes
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STAYS, exponentials
 
@@ -78,7 +78,7 @@ def twofold(
     if np.log(np.abs(pole[k])) > STAYS * np.log(np.abs(pole[1 - k])):
         finding, remark = "steady-line", STEADY.format(line[k], abs(size[k]))
     time = (middle + 0.5) * step_s
-    alike = own_Hz / (SHARE * abs(line[1] - line[0]))
+    alike = own_Hz / (ENVELOPE_BANDWIDTH * abs(line[1] - line[0]))
     beside = Beside(float(line[k]), wave, time, error, finding, remark, alike)
     return float(own_Hz), beside
 

@@ -5,8 +5,8 @@ mode is multiplied by rho,
 
     y' = rho y + g (h' - rho h),    y = mode + g h,
 
-so rho and g follow from a linear regression in each of some windows. They need agree but roughly,
-as where modes in resonance drive one another.
+so rho and g follow from a linear regression in each of some windows. The windows need to agree only
+roughly, as where modes in resonance drive one another.
 """
 
 from dataclasses import dataclass
@@ -16,20 +16,23 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-# Turns of the mode against the harmonic over the regression's step and over a window.
-STEP, WINDOW = 1.0 / 6.0, 0.7
-# Part of the mode by which a window may be wrong for the mode's own laws, least and (as on records
-# of a beam, and where fewer windows than FEWEST tell) most.
-LAWS, FEWEST = (0.002, 0.05), 3
-PASSES = 3
-# A window counts from so many standard errors on, and a harmonic where all of them make so many
-# and agree in phase (rad, rms).
-SEEN, CLEAR, IN_PHASE = 3.0, 8.0, 0.5
-# A friction's harmonic is there while it slips: one law must leave no more than this part of what
-# all windows see.
-MISSED = 0.2
-# Its part of the line falls with the line's power, or grows, by no more than these exponents.
-EXPONENT = (-1.0, 0.5)
+# The regressions. Lengths are counted in turns of the mode's phase against the harmonic's.
+STEP_TURNS = 1.0 / 6.0  # from an interval to the later one that it is regressed on
+WINDOW_TURNS = 0.7  # length of a window
+PASSES = 3  # rounds of regressions; each takes over the exponent that the one before found
+# The mode's own laws (frequency and damping over amplitude) also change rho within a window: the
+# error of a window for that, over the mode's amplitude. It is estimated from how much neighbouring
+# windows differ.
+LAW_ERROR_RANGE = (0.002, 0.05)  # least and most of it; most is as on records of a beam
+FEWEST_LOUD_WINDOWS = 3  # in which the mode is louder than the harmonic; with fewer, most is taken
+# When a harmonic counts as found.
+WINDOW_ERRORS = 3.0  # standard errors above which a window's harmonic is used
+HARMONIC_ERRORS = 8.0  # standard errors that all used windows together must make
+MOST_PHASE_SCATTER = 0.5  # rad, rms over the used windows
+# The harmonic over the line's power goes with that power to an exponent. Friction's harmonic is
+# there only while the joint slips, and does not.
+EXPONENT_RANGE = (-1.0, 0.5)
+MOST_MISSED = 0.2  # of the sum of (g / error)^2 over all windows: as much may be left unexplained
 
 
 @dataclass(frozen=True)
@@ -46,10 +49,10 @@ def windowed(
 ) -> Harmonic | None:
     """A harmonic in the mode's phasor, None where none is clear.
 
-    y: the mode with the harmonic; h: the harmonic of unit size, against the same carrier. turns: of
-    the mode against it in an interval.
+    y: the mode with the harmonic; h: the line to the harmonic's order, 1 at the line's loudest,
+    against the same carrier. turns: of the mode against the harmonic in an interval.
     """
-    lag, length = (max(int(part / turns), 1) for part in (STEP, WINDOW))
+    lag, length = (max(int(part / turns), 1) for part in (STEP_TURNS, WINDOW_TURNS))
     size = np.maximum(np.abs(h), 1e-12)
     still = y * np.exp(-1j * np.angle(h))
     for _ in range(PASSES):  # in a window it falls as the line's power does, to an exponent
@@ -65,9 +68,10 @@ def windowed(
 
 @dataclass(frozen=True)
 class _Law:
-    """A harmonic is `part` of a line's power, to an exponent larger by `slope`; relative error.
+    """A harmonic is `part` times size^(1 + `slope`), where size is the line's power.
 
-    `centre` is ln of the power where it is seen best; `clear`: standard errors of all windows.
+    `error` is relative. `centre` is ln of the harmonic's size where it is seen best. `clear`:
+    standard errors of all windows together.
     """
 
     part: complex
@@ -87,26 +91,26 @@ def _law(
     windows = (sliding_window_view(x, length + lag)[::apart] for x in (y, size))
     g, std, level, mode = _regressions(*windows, lag)
     std = np.hypot(std, _laws(g, mode) * mode)
-    every, clear = (g, std, np.log(level)), np.abs(g) > SEEN * std
+    every, clear = (g, std, np.log(level)), np.abs(g) > WINDOW_ERRORS * std
     g, std, x = (values[clear] for values in every)
     weight = (np.abs(g) / std) ** 2
-    if weight.sum() < CLEAR**2:
+    if weight.sum() < HARMONIC_ERRORS**2:
         return None
     mean = np.sum(weight * g / np.abs(g))
     mean /= np.abs(mean)
     log = np.log(g / mean)
-    if np.sqrt(np.average(log.imag**2, weights=weight)) > IN_PHASE:
+    if np.sqrt(np.average(log.imag**2, weights=weight)) > MOST_PHASE_SCATTER:
         return None
     # where few windows see it, it goes with the line's power as it is
     centre, middle = np.average(x, weights=weight), np.average(log.real, weights=weight)
     slope = np.sum(weight * (x - centre) * log.real) / (np.sum(weight * (x - centre) ** 2) + 1.0)
-    slope = float(np.clip(slope, *EXPONENT))
+    slope = float(np.clip(slope, *EXPONENT_RANGE))
     left = np.abs(log - middle - slope * (x - centre))
     error = float(np.sqrt(np.average(left**2, weights=weight) + 1.0 / weight.sum()))
     part = complex(mean * np.exp(middle - slope * centre))
     g, std, x = every
     missed = np.sum(np.abs((g - part * np.exp(slope * x)) / std) ** 2)
-    if missed > MISSED * np.sum(np.abs(g / std) ** 2):
+    if missed > MOST_MISSED * np.sum(np.abs(g / std) ** 2):
         return None
     clear = float(np.sqrt(weight.sum()))
     return _Law(part, slope, (1.0 + slope) * float(centre), error, clear)
@@ -120,7 +124,7 @@ def _regressions(
     Float[ndarray, " window"],
     Float[ndarray, " window"],
 ]:
-    """The harmonic's part in each window, its standard error, mean level of line and mode."""
+    """Of each window: harmonic over h, its standard error, mean of h, median of the mode over h."""
     before, later, falls = y[:, :-lag], y[:, lag:], np.mean(h[:, lag:] / h[:, :-lag], axis=1)
     weight = 1.0 / np.maximum(np.abs(before), 1e-300)
     design = np.stack([before, h[:, :-lag]], axis=2) * weight[..., None]
@@ -137,8 +141,8 @@ def _regressions(
 
 
 def _laws(g: Complex[ndarray, " window"], mode: Float[ndarray, " window"]) -> float:
-    """Part of the mode by which windows err for its laws: they turn, and so windows differ."""
+    """Error of a window for the mode's own laws, over the mode, from how far neighbours differ."""
     loud = mode[1:] > np.abs(g[1:])
-    if np.count_nonzero(loud) < FEWEST:
-        return LAWS[1]
-    return float(np.clip(np.median((np.abs(np.diff(g)) / mode[1:])[loud]), *LAWS))
+    if np.count_nonzero(loud) < FEWEST_LOUD_WINDOWS:
+        return LAW_ERROR_RANGE[1]
+    return float(np.clip(np.median((np.abs(np.diff(g)) / mode[1:])[loud]), *LAW_ERROR_RANGE))
