@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bladeroot.decay.agreement import _mean_around, compare
 from bladeroot.decay.freevib import freevib, no_decay
-from bladeroot.decay.peaks import DELAY, bridged, correlation, extrema
+from bladeroot.decay.peaks import FILTER_DELAY, bridged, correlation, extrema
 from bladeroot.decay.pff import no_peaks, peak_fit
 from decay_bench import hysteretic, ring_down, viscous
 
@@ -29,7 +29,7 @@ def test_constants_of_a_decay_at_any_sampling_rate(sampling_Hz):
     assert np.abs(peaks["pff_loss_factor"].values[keep] / 5e-3 - 1).max() < 5e-3
     truth = 1e-4 * np.exp(rate.real * peaks["pff_time"].values)
     assert np.abs(peaks["pff_amplitude"].values / truth - 1)[keep].max() < 1e-3
-    assert peaks["pff_time"].values[0] < (DELAY + 2) / 250.0  # the first cycles are there
+    assert peaks["pff_time"].values[0] < (FILTER_DELAY + 2) / 250.0  # the first cycles are there
 
 
 def test_viscous_law():

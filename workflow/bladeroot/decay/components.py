@@ -21,7 +21,7 @@ from bladeroot.decay.component_lines import (
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes, demodulated
 from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
-from bladeroot.decay.steady import STAYS, steady_line
+from bladeroot.decay.steady import STEADY_DECAY_RATIO, steady_line
 from bladeroot.decay.twofold import twofold
 from bladeroot.signal.lines import CLOSE, loudest, mode_Hz
 
@@ -409,7 +409,7 @@ def _beside_it(found: Envelopes, k: int) -> tuple[str, str]:
     third = sizes.shape[1] // 3
     own, other = np.log(sizes[:, :third].mean(axis=1) / sizes[:, -third:].mean(axis=1))
     line_Hz = found.lines_Hz[k]
-    if other < STAYS * own:
+    if other < STEADY_DECAY_RATIO * own:
         return "steady-line", STEADY.format(line_Hz, sizes[1].mean())
     return "close-mode", CLOSE_MODE.format(found.lines_Hz[0], line_Hz)
 

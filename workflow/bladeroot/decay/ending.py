@@ -5,36 +5,38 @@ from jaxtyping import Bool, Float
 from numpy import ndarray
 from scipy.ndimage import maximum_filter1d
 
-from bladeroot.decay.release import FEWEST, OVERLAP, REACH, log_points
+from bladeroot.decay.release import FRAME_OVERLAP, KINK_REACH, LEAST_REACH, log_points
 from bladeroot.signal.envelope import FRAME_STEPS, Envelope
 from bladeroot.signal.turning import kinks
 
-# A blow is seen in what a frame holds besides the mode: this grows beyond its largest over the
-# eight cycles before by the factor STRIKE (noise in a frame of ten samples does so once in a
-# million), and is more than the part HARMFUL of the mode's amplitude; a smaller one does no harm.
-STRIKE, HARMFUL = 5.0, 0.005
-# The shaker's tip touches the beam again: a kink counts with GAIN over noise (see `release.GAIN`;
-# larger here, where every place of a record is tested) and BARE over noise and the ripple after
-# it, or with ALL_AT_ONCE over noise where it is abrupt.
-GAIN, BARE, ALL_AT_ONCE = 30.0, 10.0, 60.0
-# Least step of the log-phasor, or bend times the reach, of a kink. A joint that begins to stick has
-# neither. As much is reached by the beat of a close mode of 8 %, by a frequency that changes at
-# once by 0.7 % (over two dozen cycles), and by one that changes by 0.17 % (over a hundred).
-MOVED = 1.0
-# SIZES: frames (half cycles) in a tested point. STEEPEST, ABRUPT: a bend is a kink, or an abrupt
-# one, only if ln A falls by less than this over the points before it: over a larger fall, a joint's
-# damping rises to a hump and falls again by itself.
-SIZES, STEEPEST, ABRUPT = (16, 8, 4, 2, 1), 0.3, 0.2
 STEPPED = "the digitiser's steps"  # why a decay ends
-# Neither noise nor a decaying mode by itself makes the smoothed envelope rise by half.
+# A rise of the smoothed ln A that ends a decay: neither noise nor a decaying mode by itself makes
+# the envelope rise by half.
 RISE = float(np.log(1.5))
-# Frames over which the largest before a strike is taken.
-BEFORE = 16
-# The noise's mean square and so many of its standard errors end a decay, over half the frames in
-# which ln A falls by one, these at most; from so many times the noise on a phase is known.
-ERRORS, LONGEST, KNOWN = 3.0, 4096, 5.0
-# Points of a coarser scale by which a finer one may find the same kink later, in its own.
-LATER = 6
+# The decay ends in the noise where the mean square amplitude of some frames is no larger than the
+# noise's. They are half of those in which ln A falls by one.
+NOISE_ERRORS = 3.0  # standard errors above the noise's mean square, where the decay ends
+MOST_NOISE_FRAMES = 4096  # over which the mean square is taken
+# A blow is seen in what a frame holds besides the mode.
+STRIKE_FRAMES = 16  # half cycles before it, whose largest it is compared with
+STRIKE_FACTOR = 5.0  # over that; noise in a frame of ten samples reaches it once in a million
+HARMFUL_PART = 0.005  # of the mode's amplitude; a smaller blow does no harm
+# The shaker's tip touches the beam again: a kink of the log-phasor (gains: `signal.turning.Kinks`).
+# It counts with TIP_GAIN and TIP_BARE_GAIN, or with TIP_ABRUPT_GAIN alone where it is abrupt.
+TIP_GAIN = 30.0  # over noise; more than `release.KINK_GAIN`, as every place of a record is tested
+TIP_BARE_GAIN = 10.0  # over noise and the ripple after the kink
+TIP_ABRUPT_GAIN = 60.0  # over noise
+# Fall of ln A over the points before a kink, at most: over a larger one, a joint's damping rises to
+# a hump and falls again by itself.
+TIP_MOST_FALL = 0.3
+TIP_ABRUPT_FALL = 0.2  # of an abrupt kink
+# Least step of the log-phasor, or bend times the reach. A joint that begins to stick has neither.
+# As much is reached by the beat of a close mode of 8 %, by a frequency that changes at once by
+# 0.7 % (over two dozen cycles), and by one that changes by 0.17 % (over a hundred).
+TIP_LEAST_SIZE = 1.0
+TIP_OVER_NOISE = 5.0  # amplitude over the noise, down to which the phase is known and kinks sought
+TIP_SCALES = (16, 8, 4, 2, 1)  # frames (half cycles) in a tested point, one scale after the other
+TIP_REFINEMENT = 6  # points of a scale by which it may put the kink later than a coarser one did
 
 
 def running_power(seen: Envelope, size: int) -> Float[ndarray, " frame"]:
@@ -46,17 +48,23 @@ def running_power(seen: Envelope, size: int) -> Float[ndarray, " frame"]:
 
 
 def strikes(seen: Envelope, white: float) -> Bool[ndarray, " frame"]:
-    """Frames in which something strikes: the mean, or the rest besides the mode, jumps."""
+    """First frames in which something strikes: the mean, or what is beside the mode, jumps.
+
+    white: rms of the record's white noise (m/s), the least that a jump is compared with.
+    """
     lag = FRAME_STEPS // 2
     moved = np.zeros_like(seen.mean)
     moved[FRAME_STEPS:] = np.abs(seen.mean[FRAME_STEPS:] - seen.mean[:-FRAME_STEPS])
     struck = np.zeros(seen.level.size, bool)
     for size in (seen.rest, moved):
-        before = maximum_filter1d(size, BEFORE, origin=-(BEFORE // 2))  # from each frame on
-        now = size[BEFORE - 1 + lag :]
+        # the largest from each frame on
+        before = maximum_filter1d(size, STRIKE_FRAMES, origin=-(STRIKE_FRAMES // 2))
+        now = size[STRIKE_FRAMES - 1 + lag :]
         usual = np.maximum(before[: now.size], white)
-        own = np.exp(seen.level[BEFORE - 1 + lag :])
-        struck[BEFORE - 1 + lag :] |= (now > STRIKE * usual) & (now > HARMFUL * own)
+        own = np.exp(seen.level[STRIKE_FRAMES - 1 + lag :])
+        struck[STRIKE_FRAMES - 1 + lag :] |= (now > STRIKE_FACTOR * usual) & (
+            now > HARMFUL_PART * own
+        )
     return struck & ~np.concatenate([[False], struck[:-1]])
 
 
@@ -72,10 +80,10 @@ def find_end(
 ) -> tuple[float, str]:
     """Time at which the decay from frame `begin` on ends, and why.
 
-    `noise` is the rms amplitude that noise shows in a frame, `least` the amplitude below which a
-    digitiser's steps show, `level` the smoothed ln of the amplitude, not below what noise may show,
-    `broken` where something strikes, `trough` the frame in which the fall of `level` ends, `ratio`
-    the part of its first value at which the envelope shall end (0: go on to the noise).
+    noise: rms amplitude that noise shows in a frame, m/s. least: amplitude (m/s) below which a
+    digitiser's steps show. level: smoothed ln of the amplitude, not below what noise may show.
+    broken: where something strikes. trough: frame in which the fall of `level` ends. ratio: part of
+    its first value at which the envelope shall end (0: go on to the noise).
     """
     last = seen.level.size - 1
     ends = []
@@ -86,9 +94,9 @@ def find_end(
         at = trough if creeps else over[0]
         ends.append((seen.time[at] - 0.5 * seen.frame_s, "disturbed"))
     pace = (trough - begin) / max(seen.level[begin] - seen.level[trough], 0.1)
-    size = int(np.clip(0.5 * pace, FRAME_STEPS, LONGEST))
+    size = int(np.clip(0.5 * pace, FRAME_STEPS, MOST_NOISE_FRAMES))
     power = running_power(seen, size)[begin:]
-    limit = noise**2 * (1.0 + ERRORS * np.sqrt(OVERLAP / size))
+    limit = noise**2 * (1.0 + NOISE_ERRORS * np.sqrt(FRAME_OVERLAP / size))
     lost = np.flatnonzero(power <= limit)
     if lost.size:
         last = begin + int(lost[0])
@@ -112,26 +120,28 @@ def find_end(
 
 def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | None:
     """Time of the first kink in an otherwise smooth decay, found at several scales."""
-    weak = np.flatnonzero(seen.level[begin : last + 1] < np.log(max(KNOWN * noise, 1e-300)))
+    weak = np.flatnonzero(
+        seen.level[begin : last + 1] < np.log(max(TIP_OVER_NOISE * noise, 1e-300))
+    )
     stop = begin + int(weak[0]) if weak.size else last + 1
     found: int | None = None
-    for size in SIZES:
+    for size in TIP_SCALES:
         log, std, start = log_points(seen, noise, begin, stop, size)
-        reach = min(REACH, log.size // 2)
-        if reach < FEWEST:
+        reach = min(KINK_REACH, log.size // 2)
+        if reach < LEAST_REACH:
             continue
-        tested = kinks(log, std, reach, -1, max(1.0, OVERLAP / size))
+        tested = kinks(log, std, reach, -1, max(1.0, FRAME_OVERLAP / size))
         moved = np.maximum(np.abs(tested.step), np.abs(tested.bend) * reach)
         fall = log.real[tested.place - reach] - log.real[tested.place - 1]
-        kinked = (tested.gain > GAIN) & (tested.bare > BARE) & (fall < STEEPEST)
-        kinked |= (tested.gain > ALL_AT_ONCE) & (fall < ABRUPT)
-        real = np.flatnonzero(kinked & (moved > MOVED))
+        kinked = (tested.gain > TIP_GAIN) & (tested.bare > TIP_BARE_GAIN) & (fall < TIP_MOST_FALL)
+        kinked |= (tested.gain > TIP_ABRUPT_GAIN) & (fall < TIP_ABRUPT_FALL)
+        real = np.flatnonzero(kinked & (moved > TIP_LEAST_SIZE))
         if real.size:
             near = slice(real[0], real[0] + 2 * reach)
             place = tested.place[near][np.argmax(tested.gain[near])]
             early = min(place, tested.place[real[0]] + reach)
             at = max(int(start + (early - 1) * size), 0)
             # a finer scale sees the same kink more sharply
-            if found is None or at < found + LATER * size:
+            if found is None or at < found + TIP_REFINEMENT * size:
                 found = at
     return None if found is None else float(seen.time[found] - 0.5 * seen.frame_s)

@@ -16,7 +16,7 @@ from bladeroot.signal.phasors import Segment, fit_frames
 
 HARMONIC_ORDERS = (2, 3)  # multiples of a line's frequency that are looked for
 # What a harmonic may do to the mode that is not found because the record is too short for it.
-RESOLVED_TURNS = 6.0  # of the mode's phase against its phase in the record; with more it is found
+RESOLVED_TURNS = 6.0  # of its phase against the mode's; with more, the record tells the two apart
 ASSUMED_HARMONIC = 0.005  # its amplitude over the line's, where the line is loudest
 NOTABLE_HARMONIC = 0.003  # of the mode's amplitude: a smaller one is left out of the errors
 TAKEN_OFF = (

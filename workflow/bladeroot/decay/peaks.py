@@ -14,14 +14,19 @@ from scipy import fft
 
 from bladeroot.signal.runs import runs
 
-ORDER, QUALITY = 4, 2.5  # of the band-pass: -3 dB width = frequency / QUALITY
-REACH = 6.0 * QUALITY  # cycles ahead that the filter still sees
-LAGS = 60  # half cycles over which filtered noise is alike
-BRIDGE = 1.0 / 24.0  # of a cycle: a gap as short as this is bridged by a straight line
-_POLES = np.exp(1j * np.pi * (2 * np.arange(1, ORDER + 1) + ORDER - 1) / (2 * ORDER))
+# The Butterworth band-pass around the mode, which looks forward in time.
+FILTER_ORDER = 4
+FILTER_QUALITY = 2.5  # centre frequency over the width between the -3 dB points
+FILTER_REACH = 6.0 * FILTER_QUALITY  # cycles ahead of a sample that still have a say in it
+_POLES = np.exp(
+    1j * np.pi * (2 * np.arange(1, FILTER_ORDER + 1) + FILTER_ORDER - 1) / (2 * FILTER_ORDER)
+)
 _POLYNOMIAL = np.poly(_POLES).real
-# what the filter delays a slowly varying decay by, in cycles: it sees that much ahead
-DELAY = float(-(1.0 / _POLES).sum().real) * QUALITY / np.pi
+# group delay at the centre, in cycles: a slowly varying decay appears that much too early
+FILTER_DELAY = float(-(1.0 / _POLES).sum().real) * FILTER_QUALITY / np.pi
+
+NOISE_LAGS = 60  # half cycles over which filtered white noise is correlated
+BRIDGED_GAP = 1.0 / 24.0  # of a cycle: gaps up to this long are bridged by a straight line
 
 
 def band_displacement(
@@ -35,7 +40,7 @@ def band_displacement(
     few = max(1, int(sampling_Hz / expected_Hz / 32))
     means = velocity[: velocity.size // few * few].reshape(-1, few) @ np.full(few, 1.0 / few)
     rate = sampling_Hz / few
-    margin = 20.0 * QUALITY / expected_Hz * rate
+    margin = 20.0 * FILTER_QUALITY / expected_Hz * rate
     padded = fft.next_fast_len(means.size + int(margin) + 1, real=True)
     spectrum = fft.rfft(means, padded)
     spacing = rate / padded
@@ -98,27 +103,27 @@ def undisturbed(
 
 @cache
 def correlation() -> Float[ndarray, " lag"]:
-    """Correlation of filtered white noise over lags of up to LAGS half cycles either way."""
+    """Correlation of filtered white noise over up to `NOISE_LAGS` half cycles either way."""
     ratio = np.linspace(0.4, 2.4, 251)
     power = np.abs(_gain(ratio)) ** 2 / ratio**2
-    wave = np.cos(np.pi * (ratio[:, None] - 1.0) * np.arange(-LAGS, LAGS + 1))
+    wave = np.cos(np.pi * (ratio[:, None] - 1.0) * np.arange(-NOISE_LAGS, NOISE_LAGS + 1))
     return power @ wave / power.sum()
 
 
 def noise_bandwidth() -> float:
     """Width over centre frequency of the ideal band that passes as much white noise."""
-    return float(np.pi / 2 / ORDER / np.sin(np.pi / 2 / ORDER)) / QUALITY
+    return float(np.pi / 2 / FILTER_ORDER / np.sin(np.pi / 2 / FILTER_ORDER)) / FILTER_QUALITY
 
 
 def uneven_gain(
     rate: Complex[ndarray, " point"], centre_Hz: float
 ) -> tuple[Float[ndarray, " point"], Float[ndarray, " point"]]:
-    """What the filter makes of exp(rate t), rate in 1/s, besides looking ahead: ln size, phase."""
+    """ln of the filter's gain and its phase for exp(rate t), rate in 1/s, without the delay."""
     ratio = rate / (2j * np.pi * centre_Hz)
-    gain = _gain(ratio) * np.exp(-2j * np.pi * DELAY * (ratio - 1.0))
+    gain = _gain(ratio) * np.exp(-2j * np.pi * FILTER_DELAY * (ratio - 1.0))
     return np.log(np.abs(gain)), np.unwrap(np.angle(gain))
 
 
 def _gain(ratio: Inexact[ndarray, " bin"]) -> Complex[ndarray, " bin"]:
-    """Gain over (complex) frequency / centre; conjugate to the usual filter, for it looks ahead."""
-    return 1.0 / np.polyval(_POLYNOMIAL, -1j * QUALITY * (ratio - 1.0 / ratio))
+    """Gain by (complex) frequency over centre: the usual filter's conjugate, as it looks ahead."""
+    return 1.0 / np.polyval(_POLYNOMIAL, -1j * FILTER_QUALITY * (ratio - 1.0 / ratio))

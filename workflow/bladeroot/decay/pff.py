@@ -17,9 +17,9 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray
 
 from bladeroot.decay.peaks import (
-    BRIDGE,
-    DELAY,
-    REACH,
+    BRIDGED_GAP,
+    FILTER_DELAY,
+    FILTER_REACH,
     band_displacement,
     bridged,
     correlation,
@@ -31,11 +31,14 @@ from bladeroot.decay.peaks import (
 from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
-DEGREE = 3  # of the polynomials in time and log-amplitude
-FALL = 0.5  # of ln A in the segment that one polynomial describes
-FEWEST, MOST = 24, 400  # peaks in a segment
-CLEAR = 8.0  # a peak's height over the noise in the band
-TOLERANCE, POINTS = 0.3, 300  # half-width of the search band (relative); points at most
+SEARCH_TOLERANCE = 0.3  # relative half-width of the band around the expected frequency
+PEAK_OVER_NOISE = 8.0  # height over the noise's rms in the band; a lower peak ends the curve
+# The segment that is fitted around each point of the curve.
+SEGMENT_FALL = 0.5  # fall of ln A over it
+FEWEST_PEAKS = 24  # in it, whatever ln A falls by
+MOST_PEAKS = 400
+POLYNOMIAL_DEGREE = 3  # of time and of ln A over the peak's number
+CURVE_POINTS = 300  # of a record at most, shared among its runs of peaks by their lengths
 
 
 @dataclass(frozen=True)
@@ -58,13 +61,12 @@ def peak_fit(
     """Frequency and loss factor against displacement amplitude from the peaks of a free decay.
 
     Standard errors are from the scatter of the peaks about the fit, with the correlation that
-    the filter gives to white noise, and from what a polynomial of a
-    higher degree changes.
+    the filter gives to white noise, and from what a polynomial of a higher degree changes.
 
     Args:
         velocity: free decay in m/s.
         sampling_Hz: sampling frequency.
-        expected_Hz: the mode is looked for within `TOLERANCE` (relative) of it.
+        expected_Hz: the mode is looked for within `SEARCH_TOLERANCE` (relative) of it.
         noise: rms of the sensor's noise in m/s: what it leaves in the band ends the curve.
         usable: False for samples that must not count; peaks they reach are left out.
         damping: "hysteretic" (3.11) or "viscous" (the loss factor is then 2 zeta).
@@ -72,30 +74,34 @@ def peak_fit(
     Returns:
         Dataset with dim `peak` (0 long where no segment has enough peaks), variables of that table.
     """
-    if velocity.size * expected_Hz < FEWEST * sampling_Hz:
+    if velocity.size * expected_Hz < FEWEST_PEAKS * sampling_Hz:
         return no_peaks()
     bad = np.zeros(0, dtype=int)
     if usable is not None and not usable.all():
         if usable.sum() < 2:
             return no_peaks()
-        velocity, good = bridged(velocity, usable, BRIDGE * sampling_Hz / expected_Hz)
+        velocity, good = bridged(velocity, usable, BRIDGED_GAP * sampling_Hz / expected_Hz)
         bad = np.flatnonzero(~good)
-    centre_Hz, start, step, wave = band_displacement(velocity, sampling_Hz, expected_Hz, TOLERANCE)
+    centre_Hz, start, step, wave = band_displacement(
+        velocity, sampling_Hz, expected_Hz, SEARCH_TOLERANCE
+    )
     time, size = extrema(wave, step, start)
-    keep = undisturbed(time, REACH / centre_Hz, bad, velocity.size, sampling_Hz)
+    keep = undisturbed(time, FILTER_REACH / centre_Hz, bad, velocity.size, sampling_Hz)
     in_band = noise * np.sqrt(2.0 * noise_bandwidth() * centre_Hz / sampling_Hz)
-    drowned = np.flatnonzero((size < CLEAR * in_band / (2.0 * np.pi * centre_Hz)) & keep)
+    drowned = np.flatnonzero((size < PEAK_OVER_NOISE * in_band / (2.0 * np.pi * centre_Hz)) & keep)
     keep[drowned[0] if drowned.size else keep.size :] = False
     pieces = _segments(np.flatnonzero(keep), time, centre_Hz)
     total = sum(piece.size for piece in pieces)
     rows = [
-        _curve(time[piece], size[piece], centre_Hz, max(2, POINTS * piece.size // total), damping)
+        _curve(
+            time[piece], size[piece], centre_Hz, max(2, CURVE_POINTS * piece.size // total), damping
+        )
         for piece in pieces
     ]
     if not rows:
         return no_peaks()
     columns = np.concatenate(rows, axis=1)
-    columns[0] += DELAY / centre_Hz
+    columns[0] += FILTER_DELAY / centre_Hz
     return _dataset(columns)
 
 
@@ -106,11 +112,11 @@ def no_peaks() -> xr.Dataset:
 
 def _segments(keep: Int[ndarray, " kept"], time: ndarray, centre_Hz: float) -> list[ndarray]:
     """Runs of neighbouring peaks half a cycle apart, long enough to be fitted."""
-    if keep.size < FEWEST:
+    if keep.size < FEWEST_PEAKS:
         return []
     apart = np.diff(time[keep]) * 2.0 * centre_Hz
     breaks = 1 + np.flatnonzero((np.diff(keep) > 1) | (np.abs(apart - 1.0) > 0.3))
-    return [run for run in np.split(keep, breaks) if run.size >= FEWEST]
+    return [run for run in np.split(keep, breaks) if run.size >= FEWEST_PEAKS]
 
 
 def _curve(
@@ -141,16 +147,16 @@ def _curve(
 
 
 def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
-    """Number of peaks in which ln A falls by FALL, around each peak."""
+    """Number of peaks around each peak in which ln A falls by `SEGMENT_FALL`."""
     edges = np.linspace(0, level.size, min(16, level.size // 8) + 1).astype(int)
     mean = np.add.reduceat(level, edges[:-1]) / np.diff(edges)
     middle = 0.5 * (edges[1:] + edges[:-1])
     rate = np.abs(np.diff(mean)) / np.diff(middle) if middle.size > 1 else np.zeros(1)
     between = 0.5 * (middle[1:] + middle[:-1]) if middle.size > 1 else middle
-    wanted = FALL / np.maximum(np.interp(np.arange(level.size), between, rate), 1e-6)
+    wanted = SEGMENT_FALL / np.maximum(np.interp(np.arange(level.size), between, rate), 1e-6)
     # a ladder of lengths, so that few matrices serve all points
-    steps = np.round(np.log(np.clip(wanted, FEWEST, MOST)) / np.log(1.25))
-    return np.clip(1.25**steps, FEWEST, min(MOST, level.size)).astype(int)
+    steps = np.round(np.log(np.clip(wanted, FEWEST_PEAKS, MOST_PEAKS)) / np.log(1.25))
+    return np.clip(1.25**steps, FEWEST_PEAKS, min(MOST_PEAKS, level.size)).astype(int)
 
 
 def _fitted(
@@ -158,8 +164,8 @@ def _fitted(
 ) -> _Fit:
     """Polynomials in the peak's number through `length` peaks around each of `at`.
 
-    Maxima and minima may differ by a constant (an offset, a second harmonic). What a polynomial of
-    two degrees more makes of the slope is in its standard error.
+    Maxima and minima may differ by a constant (an offset, a second harmonic). The slope's standard
+    error includes by how much a polynomial of two degrees more changes it.
     """
     value = np.empty((y.shape[0], at.size))
     slope, variance = np.empty((2, 2, y.shape[0], at.size))  # of both degrees
@@ -168,7 +174,7 @@ def _fitted(
         which = length == count
         start = np.clip(at[which] - count // 2, 0, y.shape[1] - count)
         half = 0.5 * (count - 1)
-        powers = np.arange(DEGREE + 3)
+        powers = np.arange(POLYNOMIAL_DEGREE + 3)
         x = (np.arange(count) - half) / half
         alternating = np.where(np.arange(count) % 2, 1.0, -1.0)
         basis, triangle = np.linalg.qr(np.column_stack([alternating, x[:, None] ** powers]))
@@ -184,7 +190,7 @@ def _fitted(
         curve = place[:, None] ** powers
         tangent = np.zeros_like(curve)
         tangent[:, 1:] = curve[:, :-1] * powers[1:] / half
-        for k, terms in enumerate((DEGREE + 2, DEGREE + 4)):
+        for k, terms in enumerate((POLYNOMIAL_DEGREE + 2, POLYNOMIAL_DEGREE + 4)):
             inverse = np.linalg.inv(triangle[:terms, :terms])[1:]
             row = tangent[:, : terms - 1] @ inverse
             own = covariance[:terms, :terms]

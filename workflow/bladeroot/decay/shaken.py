@@ -2,9 +2,9 @@
 
 A mode answers a white force with the pole of its own free decay. Relative to the decay z that noise
 n is a random walk, d(n/z)/dt = force/z: its steps are independent and their variance grows as 1/A^2
-(a process of Ornstein and Uhlenbeck, over its own decline). It is alike in many blocks, so that
-neighbours tell little of it, and a curve bends with it to its end. How much of what neighbours
-scatter by is a walk, has a restricted likelihood (`signal.smooth.evidence`).
+(an Ornstein-Uhlenbeck process divided by its own decay). Over many blocks it is correlated, so that
+the scatter of neighbouring blocks tells little of it, and the curve follows it to its end. How much
+of the scatter is a walk is found by restricted likelihood (`signal.smooth.evidence`).
 """
 
 import numpy as np
@@ -14,24 +14,25 @@ from numpy import ndarray
 from bladeroot.signal.phasors import WORST, Phasors
 from bladeroot.signal.smooth import Spline, coarse, evidence
 
-# Laws of a mode bend the later half of a curve's blocks by so many degrees of freedom at most, or
-# by one for so many blocks.
-BENDS, APART = 16, 5
-# Noise of the surroundings is there all along. What is left of other modes falls: its amplitude in
-# the first third of the blocks is so many times that in the last.
-STEADY = 2.0
-# Shares of the neighbours' scatter that are tried for the walk, and the gain in ln of the
-# likelihood from which on there is one.
-SHARES, GAIN = (0.01, 0.1, 0.4, 0.9), 3.0
+# Effective degrees of freedom of the spline in the later half of the blocks: a mode's own laws take
+# fewer, and more are a sign of noise that the curve follows.
+MOST_BENDS = 16
+BLOCKS_PER_BEND = 5  # of a short curve: one degree of freedom for this many of all its blocks
+# Noise of the surroundings is there all along, what is left of other modes decays: scatter in the
+# first third of the blocks over that in the last third, both times the mode's amplitude.
+MOST_DECLINE = 2.0
+# The random walk in the log-phasor, as which such noise is looked for.
+WALK_SHARES = (0.01, 0.1, 0.4, 0.9)  # tried: the walk's part of the neighbours' variance
+WALK_GAIN = 3.0  # nats of log-likelihood that a walk must gain over none
 
 
 def shaken(
     blocks: Phasors, fit: Spline
 ) -> tuple[Float[ndarray, " left"], Float[ndarray, " left"]] | None:
-    """Errors of the blocks that such noise leaves, and variances of its steps; None: there is none.
+    """Standard errors of the blocks without such noise, and variances of its steps; None: no noise.
 
-    fit: the blocks' spline. Its errors are what neighbouring blocks scatter by; those that are
-    returned are what is independent in the blocks, the first ones.
+    fit: the blocks' spline. Both results are of the first blocks, as many as the walk leaves usable
+    (its standard deviation below `WORST`); the errors are those that are independent in the blocks.
     """
     time, y = blocks.time, np.stack([blocks.log.real, blocks.log.imag])
     value = fit.value(time)[0]
@@ -39,7 +40,7 @@ def shaken(
     steps = np.diff(time, prepend=2.0 * time[0] - time[1])
     if smooth(blocks, fit, off) or not steady(off * np.exp(level) * np.sqrt(steps)):
         return None
-    # what has gone on since long before: the steps of half the time in which A falls by e
+    # the noise has acted since long before the decay: that is steps over half a time constant of A
     steps[0] = 0.5 * (time[-1] - time[0]) / max(level[0] - level[-1], 1.0)
 
     def likeliest(shares: tuple[float, ...], steps: ndarray) -> tuple[float, float, ndarray]:
@@ -54,27 +55,27 @@ def shaken(
         return max(tried, key=lambda one: one[0])
 
     growing = np.exp(2.0 * (level[0] - level)) * steps
-    likelihood, white, walk = likeliest(SHARES, growing)
-    if likelihood < likeliest((0.0,), growing)[0] + GAIN:
+    likelihood, white, walk = likeliest(WALK_SHARES, growing)
+    if likelihood < likeliest((0.0,), growing)[0] + WALK_GAIN:
         return None
-    # what sways in proportion to the mode, as a sensor's gain, is no noise
-    if likelihood < likeliest(SHARES, steps)[0]:
+    # steps that do not grow as the mode decays are no force on it, but of a sensor's gain, say
+    if likelihood < likeliest(WALK_SHARES, steps)[0]:
         return None
     left = slice(0, int(np.searchsorted(np.cumsum(walk), WORST**2)))
     return np.sqrt(white) * blocks.std[left], walk[left]
 
 
 def smooth(blocks: Phasors, fit: Spline, off: Float[ndarray, "part block"]) -> bool:
-    """Whether a curve bends little to its end, and neighbours are not alike in what it misses."""
+    """Whether a curve bends little to its end and its residuals are not correlated."""
     own, count = off / blocks.std, blocks.time.size
     later = slice(count // 2, None)
     bends = np.square(fit.std(blocks.time[later], 1)[0] / blocks.std[later]).sum()
     alike = (own[:, 1:] * own[:, :-1]).sum()
-    return bool(bends < min(BENDS, count / APART) and alike < np.sqrt(own.size))
+    return bool(bends < min(MOST_BENDS, count / BLOCKS_PER_BEND) and alike < np.sqrt(own.size))
 
 
 def steady(off: Float[ndarray, "part block"]) -> bool:
-    """Whether noise in blocks is hardly larger at first than at last, by second differences."""
+    """Whether the blocks' noise, by second differences, is about as large at first as at last."""
     size = np.abs(np.diff(off, 2, axis=1))
     third = size.shape[1] // 3
-    return bool(np.median(size[:, :third]) < STEADY * np.median(size[:, -third:]))
+    return bool(np.median(size[:, :third]) < MOST_DECLINE * np.median(size[:, -third:]))

@@ -15,7 +15,8 @@ PARTS = {
     "rest": "what the mode leaves over",
 }
 
-FADE_CYCLES, LINES = 10, 1500
+FADE_CYCLES = 10  # of the mode over which each end of the segment is faded
+SPECTRUM_LINES = 1500  # of a long transform are kept at least, and fewer than twice as many
 
 
 def before_and_after(
@@ -42,7 +43,7 @@ def before_and_after(
     segment = longest(known) if known.any() else slice(0, velocity.size)
     velocity, mode = velocity[segment], mode[segment]
     raw = fft.rfftfreq(velocity.size, 1.0 / sampling_Hz)
-    step = max(1, raw.size // LINES)
+    step = max(1, raw.size // SPECTRUM_LINES)
     starts = np.arange(0, raw.size - step + 1, step)
     fade = np.ones(velocity.size)
     rise = min(int(FADE_CYCLES * sampling_Hz / decay.attrs["expected_Hz"]), velocity.size // 4)

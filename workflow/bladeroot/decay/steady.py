@@ -15,24 +15,22 @@ from bladeroot.decay.beside import Beside
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
 from bladeroot.signal.lines import hann, lines_of
 
-# Parts of what is quiet, in which the line's amplitude and phase are compared; fewest cycles of the
-# mode in each, before the blow and where a mode has died before.
-PARTS, FEWEST_CYCLES = 8, (2.0, 6.0)
-# A line's parts differ by no more than this part of it (rms; in noise alone by all of it), and
-# carried through the decay it is known to that part of itself.
-UNEVEN, KNOWN = 0.1, 1.0
-# Turns that it makes at least against the mode's later half, unless it stays, before the blow, for
-# so much of the mode's fall (of ln A): what does neither is the mode itself, which may fall ever
-# slower.
-TURNS, LASTING = 1.0, 0.7
-# What falls less than this part as fast as the mode is no mode beside it, but a line that stays.
-STAYS = 0.1
+# A quiet piece of the record is cut into parts, in which the line's phasors are compared.
+QUIET_PARTS = 8
+FEWEST_PART_CYCLES = (2.0, 6.0)  # of the mode in a part: before the blow, after a mode has died
+# A line is steady and known if, over its amplitude, these are small.
+MOST_SCATTER = 0.1  # rms scatter of the parts' phasors about their mean; about 1 in noise alone
+MOST_ERROR = 1.0  # standard error of the line carried through the decay
+# It is not the mode itself, which may decay ever more slowly, if one of these is reached.
+LEAST_TURNS = 1.0  # of its phase against that of the mode's later half, over the decay
+LEAST_FALL = 0.7  # of the mode's ln A in the time that the line stays before the blow
+STEADY_DECAY_RATIO = 0.1  # of the mode's decay rate; what decays more slowly is a steady line
 REMARK = "a steady line at {:.6g} Hz ({:.2g} m/s) rings on beside the mode; taken off"
 
 
 @dataclass(frozen=True)
 class _Quiet:
-    """A piece that is quiet, in parts, their times (s), and whether a mode has died before."""
+    """A quiet piece in parts, with its times (s). died: whether a mode has rung before it."""
 
     samples: Float[ndarray, "part sample"]
     time: Float[ndarray, "part sample"]
@@ -51,8 +49,8 @@ def steady_line(
     """The clearest steady line within that part of the mode's frequency, None without one.
 
     x: a decay (m/s) and what follows it. found: its envelopes, the mode's first. last: the sample
-    in which the mode has died away. before: what is quiet and ends so many samples (`gap`) before
-    the decay begins.
+    in which the mode has died away. before: a quiet piece that ends `gap` samples before the decay
+    begins.
     """
     own_Hz = float(found.lines_Hz[0])
     late = found.envelope(0)[last // found.spacing // 2 : last // found.spacing]
@@ -61,23 +59,23 @@ def steady_line(
     decline = -float(np.log(max(abs(step), 1e-300))) * sampling_Hz / found.spacing
     pieces = []
     for piece, end, died in ((before, -gap, False), (x[last:], x.size, True)):
-        count = piece.size // PARTS
-        if count >= FEWEST_CYCLES[died] * sampling_Hz / own_Hz:
-            time = np.arange(end - PARTS * count, end) / sampling_Hz
-            parts = piece[piece.size - PARTS * count :].reshape(PARTS, count)
-            pieces.append(_Quiet(parts, time.reshape(PARTS, count), died))
-    # what all say, or the longest alone
+        count = piece.size // QUIET_PARTS
+        if count >= FEWEST_PART_CYCLES[died] * sampling_Hz / own_Hz:
+            time = np.arange(end - QUIET_PARTS * count, end) / sampling_Hz
+            parts = piece[piece.size - QUIET_PARTS * count :].reshape(QUIET_PARTS, count)
+            pieces.append(_Quiet(parts, time.reshape(QUIET_PARTS, count), died))
+    # both pieces together, else the longer one alone
     for quiet in [pieces, sorted(pieces, key=lambda piece: piece.samples.size)[-1:]][: len(pieces)]:
         line, mean, off, middle = _line(quiet, own_Hz, sampling_Hz, within)
         now = np.arange(x.size) / sampling_Hz
         # errors of the mean, and of the frequency from where it is known best
         away = (now - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
         error = off * np.hypot(middle.size**-0.5, away)
-        if off > UNEVEN * abs(mean) or error[:last].max() > KNOWN * abs(mean):
+        if off > MOST_SCATTER * abs(mean) or error[:last].max() > MOST_ERROR * abs(mean):
             continue
         apart_Hz = abs(line - own_Hz - turn_Hz)
         stays = 0.0 if quiet[0].died else (middle[-1] - middle[0]) * decline
-        if apart_Hz * last < TURNS * sampling_Hz and stays < LASTING:
+        if apart_Hz * last < LEAST_TURNS * sampling_Hz and stays < LEAST_FALL:
             return None  # the mode itself
         wave = (mean * np.exp(2j * np.pi * line * now)).real
         alike = own_Hz / max(ENVELOPE_BANDWIDTH * apart_Hz, sampling_Hz / x.size)
@@ -94,8 +92,8 @@ def _line(
     frequency, level = lines_of(longest.samples.ravel(), sampling_Hz)
     around = np.abs(frequency - own_Hz) < within * own_Hz
     line = float(frequency[np.argmax(np.where(around, level, 0.0))])
-    # the phase from part to part tells the frequency best; of both pieces once it is known so well
-    # that no turn is lost between them
+    # the phase from part to part tells the frequency best: first within the longest piece, then
+    # over both, once no turn can be lost between them
     for used in ([longest],) * 3 + (quiet,) * 3:
         z, middle = _parts(used, line)
         line += float(np.polyfit(middle, np.unwrap(np.angle(z)), 1)[0]) / (2.0 * np.pi)
@@ -119,18 +117,19 @@ def _parts(
 
 
 def _second(z: Complex[ndarray, " part"]) -> Complex[ndarray, " part"]:
-    """What there is in the parts beside what is largest in the end: the mode's last."""
-    factor, size = exponentials(z, PARTS // 2 + 1)
-    both = np.vander(factor, PARTS, increasing=True).T * size
+    """What is left of the mode: of two exponentials the one that is smaller in the last part."""
+    factor, size = exponentials(z, QUIET_PARTS // 2 + 1)
+    both = np.vander(factor, QUIET_PARTS, increasing=True).T * size
     return both[:, int(np.argmin(np.abs(both[-1])))]
 
 
 def exponentials(
     z: Complex[ndarray, " value"], width: int
 ) -> tuple[Complex[ndarray, "2"], Complex[ndarray, "2"]]:
-    """Factors from value to value, and sizes in the first, of two exponentials.
+    """Two exponentials in a sequence: their factors from value to value, and first values.
 
-    By the rotation of the signal subspace (ESPRIT: Roy & Kailath 1989) of windows of a width.
+    By the rotation of the signal subspace (ESPRIT: Roy & Kailath 1989) of windows `width` values
+    long.
     """
     rows = np.lib.stride_tricks.sliding_window_view(z, width)
     signal = np.linalg.svd(rows, full_matrices=False)[2][:2].T

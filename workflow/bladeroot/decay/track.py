@@ -15,25 +15,27 @@ from bladeroot.signal.lines import strongest_line
 from bladeroot.signal.phasors import Frames, Phasors, Segment, corrected, fit_frames, gather
 from bladeroot.signal.smooth import Spline, coarse, fine
 
-# Of what was taken off before: times (s), factor of a phasor's standard error, and one to add.
+# What was taken off before adds to a phasor's standard error: at times (s) a factor, then a term
+# that is added in squares.
 Taken = tuple[Float[ndarray, " knot"], Float[ndarray, " knot"], Float[ndarray, " knot"]]
-# Squares of normal values beyond 2.5 standard errors are cut to that; this is then their mean.
-_LIMIT = 2.5
-_CUT_MEAN = 0.9765
-# Windows of the scatter along a record at most, and blocks in each at least.
-MOST_WINDOWS, LONG = 12, 80
-# Blocks, or cycles, that a curve needs.
-FEWEST = 5
-# The mode is lost where half of so many blocks ahead miss what is known by so many standard
-# errors and so many radians; only blocks less sure than BLUNT (rad) are doubted.
-AHEAD, LOST, LOST_TURN, BLUNT = 8, 5.0, 0.3, 0.03
-# Blocks scatter by this part of their stated errors at least; no clock or digitiser is better than
-# a millionth of a radian.
-LEAST_RATIO, CLOCK = 0.1, 1e-6
-# Frames are cut anew where ln of the frequency has moved by so much: a cycle stays whole to 1 %.
-MOVED = 0.02
-# A knock lies so many standard errors off the line through so many blocks around it.
-KNOCK, WINDOW = 6.0, 9
+FEWEST_BLOCKS = 5  # blocks, or cycles, that a curve needs
+RECUT_CHANGE = 0.02  # of ln frequency, at which frames are cut anew: a cycle stays whole to 1 %
+# The blocks' scatter over their stated errors (`noise_ratio`).
+MOST_WINDOWS = 12  # along a record, each with a ratio of its own
+WINDOW_BLOCKS = 80  # in a window at least, unless there are fewer in all
+_CUT_ERRORS = 2.5  # standard errors to which larger values are cut, against knocks
+_CUT_MEAN = 0.9765  # mean square of standard normal values that are cut so
+LEAST_NOISE_RATIO = 0.1  # a smaller ratio is not believed
+LEAST_ERROR = 1e-6  # rad, added in squares: no clock or digitiser is better
+# The mode is lost at the first block that is astray together with half of those ahead. Astray is a
+# weak block whose log-phasor lies far off what is known.
+LOST_BLOCKS = 8  # that are looked at, from the block itself on
+LOST_ERRORS = 5.0  # distance in standard errors, and
+LOST_RADIANS = 0.3  # in radians of phase or ln of amplitude: an astray block is farther off by both
+DOUBTED_ERROR = 0.03  # rad: a block with a smaller standard error is never astray
+# A knock lies far off the straight line through its neighbours (`without_knocks`).
+KNOCK_ERRORS = 6.0  # standard errors off
+KNOCK_WINDOW = 9  # blocks that the line goes through, the knock among them
 
 
 def follow(
@@ -63,7 +65,7 @@ def follow(
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
     found = shaken(blocks, fit)
-    if found is None or found[0].size < FEWEST:
+    if found is None or found[0].size < FEWEST_BLOCKS:
         return blocks, fit
     std, walk = found
     left = slice(0, std.size)
@@ -87,7 +89,7 @@ def _roughly(
     """Rough blocks of the mode near a line, and their spline."""
     blocks, phase = rough_phasors(velocity, sampling_Hz, line_Hz, noise, usable)
     scatter = noise_ratio(np.stack([blocks.log.real, phase]), blocks.std)
-    std = blocks.std * np.maximum(scatter, LEAST_RATIO)
+    std = blocks.std * np.maximum(scatter, LEAST_NOISE_RATIO)
     duration = velocity.size / sampling_Hz
     return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
 
@@ -98,14 +100,14 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
     omega = fit.value(grid)[1, 1]
     # where the mode is lost its phase may stand still or even turn back
     omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
-    class_ = np.round(np.log(omega / np.median(omega)) / MOVED)
+    class_ = np.round(np.log(omega / np.median(omega)) / RECUT_CHANGE)
     change = np.flatnonzero(np.diff(class_)) + 1
     found: list[Segment] = []
     first = 0
     starts = np.concatenate([[0], change])
     ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
     for start, end in zip(starts, ends, strict=True):
-        angle = float(np.median(omega) * np.exp(class_[start] * MOVED)) / sampling_Hz
+        angle = float(np.median(omega) * np.exp(class_[start] * RECUT_CHANGE)) / sampling_Hz
         length = max(round(2.0 * np.pi / angle), 8)
         frames = int(min(end, samples) - first) // length
         if frames > 0:
@@ -130,7 +132,7 @@ def _gathered(
 
     known: blocks to which the spline `fit` reaches; beyond them it goes on as a straight line.
     """
-    # not far beyond: a straight line soon says nothing about a mode that was lost
+    # not far beyond: a straight line soon tells nothing about a mode that was lost
     reach = known.time[-1] + 0.05 * (known.time[-1] - known.time[0])
     near = slice(0, int(np.searchsorted(frames.time, reach)))
     time = frames.time[near]
@@ -140,25 +142,27 @@ def _gathered(
     phasor = corrected(frames, near, log[1], log[2])
     blocks, miss = gather(time, phasor, frames.std[near], guess)
     # lost, where it is weak and half of the blocks ahead do not follow what is known
-    astray = (np.abs(miss) > np.maximum(LOST * blocks.std, LOST_TURN)) & (blocks.std > BLUNT)
+    astray = (np.abs(miss) > np.maximum(LOST_ERRORS * blocks.std, LOST_RADIANS)) & (
+        blocks.std > DOUBTED_ERROR
+    )
     lost = np.flatnonzero(
-        astray & (np.convolve(astray, np.ones(AHEAD))[AHEAD - 1 :] >= 0.5 * AHEAD)
+        astray & (np.convolve(astray, np.ones(LOST_BLOCKS))[LOST_BLOCKS - 1 :] >= 0.5 * LOST_BLOCKS)
     )
     if lost.size:
         part = slice(0, int(lost[0]))
         blocks, miss = Phasors(blocks.time[part], blocks.log[part], blocks.std[part]), miss[part]
-    if blocks.time.size < FEWEST:
+    if blocks.time.size < FEWEST_BLOCKS:
         raise ValueError(
-            f"expected {FEWEST} blocks of cycles above the noise, got {blocks.time.size}"
+            f"expected {FEWEST_BLOCKS} blocks of cycles above the noise, got {blocks.time.size}"
         )
     off = parts(miss)
-    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_RATIO)
+    std = blocks.std * np.maximum(noise_ratio(off, blocks.std), LEAST_NOISE_RATIO)
     if taken is not None and taken[0].size:
         time, factor, doubt = taken
         std = np.hypot(
             std * np.interp(blocks.time, time, factor), np.interp(blocks.time, time, doubt)
         )
-    std = np.hypot(std, CLOCK)
+    std = np.hypot(std, LEAST_ERROR)
     return Phasors(blocks.time, blocks.log, without_knocks(off, std))
 
 
@@ -178,23 +182,23 @@ def noise_ratio(
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
-    From second differences of what a smooth curve misses: noise near the mode that is not that of
-    the full band, remains of other modes and a wrong noise level all show here. Windows, at
-    most MOST_WINDOWS and of at least LONG blocks, since a scatter known too roughly spoils every
-    standard error that rests on it; knocks are cut off.
+    From second differences of the residuals of a smooth curve: noise near the mode that is not that
+    of the full band, remains of other modes and a wrong noise level all show here. There are at
+    most `MOST_WINDOWS` windows, of at least `WINDOW_BLOCKS` blocks, since a scatter known too
+    roughly spoils every standard error that rests on it. Knocks are cut off.
     """
     count = std.size - 2
     if count < 10:
         return np.ones(std.size)
     scaled = miss / std
     square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
-    windows = int(np.clip(count // LONG, 1, MOST_WINDOWS))
+    windows = int(np.clip(count // WINDOW_BLOCKS, 1, MOST_WINDOWS))
     length = count // windows
     near = square[:, : windows * length].reshape(-1, windows, length)
     near = near.transpose(1, 0, 2).reshape(windows, -1)
     mean = np.median(near, axis=1, keepdims=True) / 0.4549
     for _ in range(3):
-        mean = np.minimum(near, _LIMIT**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
+        mean = np.minimum(near, _CUT_ERRORS**2 * mean).mean(axis=1, keepdims=True) / _CUT_MEAN
     centre = (np.arange(windows) + 0.5) * length + 0.5
     return np.sqrt(np.interp(np.arange(std.size), centre, mean[:, 0]))
 
@@ -205,20 +209,20 @@ def without_knocks(
 ) -> Float[ndarray, " block"]:
     """Larger standard errors for the few blocks that a knock or a glitch threw off.
 
-    Such a block lies far from the straight line through its neighbours (by medians), on what a
-    smooth curve misses. At the ends the window shifts inwards.
+    miss: residuals of a smooth curve. Such a block lies far from the straight line through its
+    neighbours' residuals (by medians). At the ends the window shifts inwards.
     """
     count = std.size
     jump = np.abs(np.diff(miss, 2, axis=1)).max(axis=0) / np.sqrt(6.0)
-    if count < 2 * WINDOW or not (jump > KNOCK * std[1:-1]).any():
+    if count < 2 * KNOCK_WINDOW or not (jump > KNOCK_ERRORS * std[1:-1]).any():
         return std
     own = np.arange(count)
-    start = np.clip(own - WINDOW // 2, 0, count - WINDOW)
-    near = miss[:, start[:, None] + np.arange(WINDOW)]
+    start = np.clip(own - KNOCK_WINDOW // 2, 0, count - KNOCK_WINDOW)
+    near = miss[:, start[:, None] + np.arange(KNOCK_WINDOW)]
     slope = np.median(np.diff(near, axis=2), axis=2)
-    level = np.median(near - slope[:, :, None] * np.arange(WINDOW), axis=2)
+    level = np.median(near - slope[:, :, None] * np.arange(KNOCK_WINDOW), axis=2)
     off = np.abs(miss - level - slope * (own - start)).max(axis=0)
-    return np.where(off > KNOCK * std, np.maximum(off, std), std)
+    return np.where(off > KNOCK_ERRORS * std, np.maximum(off, std), std)
 
 
 def rough_phasors(
@@ -230,23 +234,23 @@ def rough_phasors(
 ) -> tuple[Phasors, Float[ndarray, " block"]]:
     """Log-phasors of blocks of the mode near a frequency, good to some per cent of a radian.
 
-    And their phases less a smoothed advance, in which their scatter shows.
+    Also returns their phases less a smoothed advance, in which their scatter shows.
 
     Raises ValueError where fewer than five cycles can be followed.
     """
     cycle = sampling_Hz / line_Hz
     length = round(np.ceil(12.0 / cycle) * cycle)  # enough samples for the fit's three columns
     count = velocity.size // length
-    if count < FEWEST:
+    if count < FEWEST_BLOCKS:
         raise ValueError(
-            f"expected at least {FEWEST * length / cycle:.3g} cycles near {line_Hz:.4g} Hz to "
-            f"follow the mode, got {velocity.size / cycle:.3g}"
+            f"expected at least {FEWEST_BLOCKS * length / cycle:.3g} cycles near {line_Hz:.4g} Hz "
+            f"to follow the mode, got {velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
     frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)
-    if frames.time.size < FEWEST:
+    if frames.time.size < FEWEST_BLOCKS:
         raise ValueError(
-            f"expected at least {FEWEST} usable cycles near {line_Hz:.4g} Hz, "
+            f"expected at least {FEWEST_BLOCKS} usable cycles near {line_Hz:.4g} Hz, "
             f"got {frames.time.size}"
         )
     turn = _turning(frames)
@@ -256,9 +260,9 @@ def rough_phasors(
     blocks, miss = gather(
         frames.time[:last], frames.phasor[:last], frames.std[:last], (level + 1j * turn)[:last]
     )
-    if blocks.time.size < FEWEST:
+    if blocks.time.size < FEWEST_BLOCKS:
         raise ValueError(
-            f"expected at least {FEWEST} cycles near {line_Hz:.4g} Hz above the noise, got "
+            f"expected at least {FEWEST_BLOCKS} cycles near {line_Hz:.4g} Hz above the noise, got "
             f"{blocks.time.size}"
         )
     return blocks, miss.imag
@@ -276,7 +280,7 @@ def _turning(frames: Frames) -> Float[ndarray, " frame"]:
 
 
 def _envelope(frames: Frames, still: ndarray) -> tuple[Float[ndarray, " frame"], int]:
-    """Amplitude of the frames, from ever more of them as the mode fades; where it has drowned."""
+    """Amplitude of the frames, averaged over more of them where it is weak; where it drowns."""
     found, last = np.abs(still), still.size
     for reach in (2, 8, 32):
         weak = found < 6.0 * frames.std

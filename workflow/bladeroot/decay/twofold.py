@@ -13,23 +13,22 @@ from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
 from bladeroot.decay.steady import REMARK as STEADY
-from bladeroot.decay.steady import STAYS, exponentials
+from bladeroot.decay.steady import STEADY_DECAY_RATIO, exponentials
 
-# Intervals in a segment; the mode has not fallen to the other part of its largest in it.
-SEGMENTS, ALIVE = (12, 18, 27, 40), 0.02
-# Two exponentials leave so many times less than one that bends; either keeps that part of itself
-# over an interval (what is shorter is a transient), and one differs from the other by that many
-# turns over the segment (less is a bend of the mode's own).
-CLEAR, LIVES, TURNS = 5.0, 0.5, 0.4
-# A joint that slips while it is loud makes a mode lower and more damped then: what lies lower by no
-# more than that part and dies so many times sooner is no other mode (of slip 7 to 26 times, of two
-# modes mostly below 3).
-SLIPS, LOWER = 6.0, 0.02
-# The mode that is meant has more of the energy, weighed by how far it lies from where the sheet has
-# it, which has that standard deviation.
-SHEET = 0.02
-# Part of what is taken off that is left as a standard error: its own laws are not known.
-DOUBT = 0.5
+# The segments from the decay's start on to which both models are fitted.
+SEGMENT_INTERVALS = (12, 18, 27, 40)  # lengths, tried one after the other
+LEAST_REMAINDER = 0.02  # amplitude at a segment's end over the largest in it
+# When there are two modes rather than one that bends.
+MISFIT_RATIO = 5.0  # rms misfit of the one that bends over that of two exponentials, at least
+LEAST_FACTOR = 0.5  # amplitude of either over that an interval before; less is a transient
+LEAST_TURNS = 0.4  # of one's phase against the other's in the segment; less is the mode's own bend
+# A joint that slips while it is loud makes its mode lower and more damped then. A component is
+# taken for that, and for no other mode, if it decays much faster and lies a little lower.
+SLIP_DECAY_RATIO = 6.0  # of the decay rates; of slip it is 7 to 26, of two modes mostly below 3
+SLIP_FREQUENCY_DROP = 0.02  # relative; what lies farther below is another mode
+# The mode that is meant has most energy, weighed by a normal density about the sheet's frequency.
+EXPECTED_STD = 0.02  # relative standard deviation of that density
+TAKEN_OFF_ERROR = 0.5  # standard error of what is taken off, over it: its own laws are not known
 REMARK = (
     "two modes ring near {:.5g} and {:.5g} Hz until one is gone: the first is taken for the one "
     "that is asked for, the other, {:.2g} times as large at first, is taken off as a plain "
@@ -40,21 +39,23 @@ REMARK = (
 def twofold(
     found: Envelopes, sampling_Hz: float, expected_Hz: float, modes_Hz: tuple[float, ...]
 ) -> tuple[float, Beside] | None:
-    """Frequency (Hz) of the mode that is meant and what rings beside it; None if it is one mode."""
+    """Frequency (Hz) of the mode that is meant, and the other one; None if there is one mode."""
     z = found.envelope(0)
     step_s = found.spacing / sampling_Hz
-    best, pair = CLEAR, None
-    for count in SEGMENTS:
+    best, pair = MISFIT_RATIO, None
+    for count in SEGMENT_INTERVALS:
         part = z[:count]
-        if z.size < count or abs(part[-1]) < ALIVE * np.abs(part).max():
+        if z.size < count or abs(part[-1]) < LEAST_REMAINDER * np.abs(part).max():
             break
         pole, size = exponentials(part, count // 3)
         turns = abs(np.angle(pole[1] / pole[0])) * count / (2.0 * np.pi)
-        if not LIVES < np.abs(pole).min() <= np.abs(pole).max() < 1.1 or turns < TURNS:
+        if not LEAST_FACTOR < np.abs(pole).min() <= np.abs(pole).max() < 1.1 or turns < LEAST_TURNS:
             continue
         fast, slow = sorted(pole, key=abs)
         lower = np.angle(slow / fast) / (2.0 * np.pi * step_s * found.lines_Hz[0])
-        if 0.0 < lower < LOWER and np.log(abs(fast)) < SLIPS * np.log(abs(slow)):
+        if 0.0 < lower < SLIP_FREQUENCY_DROP and np.log(abs(fast)) < SLIP_DECAY_RATIO * np.log(
+            abs(slow)
+        ):
             continue
         left = np.linalg.norm(part - np.vander(pole, count, increasing=True).T @ size)
         clear = np.linalg.norm(part - _bending(part)) / max(left, 1e-300)
@@ -65,7 +66,7 @@ def twofold(
     pole, size = pair
     line = found.lines_Hz[0] + np.angle(pole) / (2.0 * np.pi * step_s)
     energy = np.abs(size) ** 2 / np.maximum(1.0 - np.abs(pole) ** 2, 1e-3)
-    order = np.argsort(-energy * np.exp(-0.5 * (np.log(line / expected_Hz) / SHEET) ** 2))
+    order = np.argsort(-energy * np.exp(-0.5 * (np.log(line / expected_Hz) / EXPECTED_STD) ** 2))
     own_Hz = meant(line[order], expected_Hz, modes_Hz)[0]
     k = int(line[0] == own_Hz)  # the other
     now = np.arange(found.samples) - 0.5 * (found.spacing - 1)
@@ -73,9 +74,9 @@ def twofold(
     turn = np.exp(1j * np.pi * found.lines_Hz[0] * (found.spacing - 1) / sampling_Hz)
     wave = (size[k] * turn * np.exp(rate * now)).real
     middle = np.arange(z.size)
-    error = DOUBT * np.abs(size[k]) * np.abs(pole[k]) ** middle
+    error = TAKEN_OFF_ERROR * np.abs(size[k]) * np.abs(pole[k]) ** middle
     finding, remark = "close-mode", REMARK.format(own_Hz, line[k], abs(size[k] / size[1 - k]))
-    if np.log(np.abs(pole[k])) > STAYS * np.log(np.abs(pole[1 - k])):
+    if np.log(np.abs(pole[k])) > STEADY_DECAY_RATIO * np.log(np.abs(pole[1 - k])):
         finding, remark = "steady-line", STEADY.format(line[k], abs(size[k]))
     time = (middle + 0.5) * step_s
     alike = own_Hz / (ENVELOPE_BANDWIDTH * abs(line[1] - line[0]))
@@ -84,7 +85,7 @@ def twofold(
 
 
 def _bending(z: Complex[ndarray, " interval"], passes: int = 3) -> Complex[ndarray, " interval"]:
-    """The exponential of a cubic that comes nearest (Gauss-Newton, from the logarithm's own)."""
+    """The exponential of a cubic that fits best: Gauss-Newton from a fit of the logarithm."""
     size = np.maximum(np.abs(z), 1e-300)
     log = np.log(size) + 1j * np.unwrap(np.angle(z))
     basis = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, z.size), 3)

@@ -22,7 +22,7 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.freevib import decay_dataset, freevib
-from bladeroot.decay.peaks import BRIDGE, bridged
+from bladeroot.decay.peaks import BRIDGED_GAP, bridged
 from bladeroot.reproduction.error_bounds import two_points
 from bladeroot.signal.lines import hann
 from bladeroot.signal.phasors import natural
@@ -99,7 +99,7 @@ def thesis_freevib(
     pass_Hz = pass_Hz or stop_Hz / 3.0
     good = np.ones(velocity.size, dtype=bool)
     if usable is not None and not usable.all():
-        velocity, good = bridged(velocity, usable, BRIDGE * sampling_Hz / centre_Hz)
+        velocity, good = bridged(velocity, usable, BRIDGED_GAP * sampling_Hz / centre_Hz)
     thin = max(1, int(sampling_Hz / (SAMPLES * centre_Hz)))
     filters = design(sampling_Hz / thin, centre_Hz, pass_Hz, stop_Hz)
     y = _integrated(velocity, sampling_Hz, centre_Hz)
