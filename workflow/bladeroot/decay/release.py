@@ -32,13 +32,11 @@ LEAST_BEND_ERROR = 0.8  # frames: a tip leaves within half a cycle, and frames s
 # Without a kink: a first fall that takes much longer than by the later decay rate is still driven.
 FLAT_FALL = 0.1  # of ln A, from the peak on
 FLAT_SLOWNESS = 3.0  # times as long
-# The rise before the release tells a blow, or a release from rest, from a shaker: it is sudden there,
-# and takes a third of the mode's time constant here.
+# The rise before the release is sudden after a blow or a release from rest; under a shaker it takes
+# a third of the mode's time constant.
 QUIET_BELOW = np.log(10.0)  # ln A below what follows, where a rise begins: before it, it is quiet
 RISEN_BELOW = np.log(3.0)  # ln A below what follows, where the rise ends
-SUDDEN_CYCLES = (
-    1.2  # duration of a sudden rise at most; a frame of three cycles makes 0.6 of a jump
-)
+SUDDEN_CYCLES = 1.2  # that a sudden rise takes at most; a frame of three makes 0.6 of a jump
 # The instant of a step in the raw samples. The smooth decay after it is continued backwards; before
 # the step the samples' difference from it has another variance.
 FEWEST_SIDE_FRAMES = 8  # of the decay that is continued

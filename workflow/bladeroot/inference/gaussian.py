@@ -15,37 +15,53 @@ from scipy.linalg import lapack
 
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 
-_STEPS, _HALVINGS = 60, 5
-# Maxima lie so many of their standard deviations apart; those of so many nats less do not count.
-_APART, _AS_GOOD = 1.0, 7.0
-_FIRST_STEPS, _LEFT = (2, 4), 3  # from each of several starts, and how many of these go on at least
-_NO_GAIN = 3e-3  # nats a step
-# Nats that a step which fails must have promised to be tried shorter: the covariance, whose slope
-# steps do not know, has its own say in the rest.
-_PROMISED = 0.05
-_SETTLED = 1e-2  # prior's standard deviations, and of a scale's coordinate
-_LONGEST = 1.5  # of a step of a scale's coordinate
-_SMALL = 0.02  # such a step is taken without asking whether it gains
-_FIRST_GAIN = 0.1  # nats, of a first step at fixed scales that is still worth another
-_FARTHEST = 8.0  # prior's standard deviations that a step goes at most
-# Parts of what a step promised, beyond and below which the next goes so many times farther, or half
-# as far; that part after one that fails; and how near to its length a step is held.
-_GOOD, _LONGER, _POOR, _HALF, _SHORTER, _WITHIN = 0.75, 2.0, 0.25, 0.5, 0.25, 0.9
-_SECULAR = 8  # rounds to that length
-# Turns that go the same way (cosine), each at least such a part of the one before, go on as a
-# geometric series; so many times the last at most.
-_SAME_WAY, _SERIES, _AHEAD = 0.9, 0.3, 20.0
-_ROUNDING = 1e-14  # of a curvature
-_RISE = 1e-9  # nats, that rounding may add to the cost
+# Several starts: all make a few steps at fixed scales, and the best ones go on.
+_FIRST_STEPS = (2, 4)  # steps before the first and the second choice among the starts
+_FEWEST_LEFT = 3  # starts that a choice leaves at least; a third of them, if that is more
+# When a search ends.
+_MOST_STEPS = 60  # of parameters and scales in turn
+_LEAST_GAIN = 3e-3  # nats of marginal likelihood that a step must gain, unless the caller says else
+_WORTHWHILE_GAIN = 0.1  # nats of cost that a step must promise, or gain at fixed scales
+# A move that gains less than `_LEAST_PROMISE` and is smaller than this is the last: in the prior's
+# standard deviations, and in ln of a scale.
+_SETTLED_MOVE = 1e-2
+# Where the covariance turns with the parameters, their step is held to a length (a trust region),
+# which follows from how much of the promised gain the last one brought.
+_FARTHEST_STEP = 8.0  # prior's standard deviations: the first length, and any parameter's move
+_GOOD_STEP = 0.75  # gain over promise, above which the length becomes
+_LENGTHENED = 2.0  # times the step just made
+_POOR_STEP = 0.25  # gain over promise, below which it becomes
+_SHORTENED = 0.5  # times the step just made
+_RETRIED = 0.25  # times the step, after one that fails: the cost rises
+# A failing step that promised less (nats) is not tried shorter: steps do not know the slope of the
+# covariance, which has its own say in so small a change.
+_LEAST_PROMISE = 0.05
+_LENGTH_TOLERANCE = 0.9  # ratio of a step's length to the wanted one, within this and its inverse
+_LENGTH_ROUNDS = 8  # of Newton's method for that length
+# A step of ln of the scales.
+_LONGEST_SCALE_STEP = 1.5
+_UNCHECKED_SCALE_STEP = 0.02  # is taken without asking whether it gains
+_MOST_HALVINGS = 5  # of a step, until the marginal likelihood does not fall
+# A search that creeps along a ridge is extrapolated as a geometric series (`_ahead`).
+_CREEP_COSINE = 0.9  # between two successive moves, at least
+_CREEP_RATIO = 0.3  # of a move to the one before along it, at least
+_CREEP_FARTHEST = 20.0  # times the last move, at most
+# Several maxima of a posterior (`maxima_of`).
+_MAXIMA_APART = 1.0  # standard deviations of one of the parameters, at least
+_MAXIMA_WITHIN = 7.0  # nats of evidence below the best, at most
+# Rounding.
+_CURVATURE_ROUNDING = 1e-14  # of the largest curvature: the least that is counted
+_COST_ROUNDING = 1e-9  # nats that it may add to the cost
 
 
 @dataclass(frozen=True)
 class Fit:
     """The MAP estimate of parameters and scales, and the data's covariance there.
 
-    residual: data less the prior's mean, by the model made straight. precision: inverse of the
-    covariance of `residual`, with the parameters' prior in it. covariance, scales_covariance:
-    Laplace's. log_evidence: Laplace's, of the data with parameters and scales integrated out.
+    residual: data less what the model, linear about the estimate, gives at the prior's mean.
+    precision: inverse of the covariance of `residual`, which includes the parameters' prior.
+    covariance, scales_covariance: by Laplace's approximation. log_evidence: Laplace's, of the data
+    with parameters and scales integrated out.
     """
 
     problem: Problem
@@ -66,9 +82,9 @@ class Fit:
 
 @dataclass(frozen=True)
 class _Descent:
-    """Of the cost by the parameters: pull, minus the gradient, and curve, the curvature.
+    """Of the cost by the parameters: pull is minus the gradient, curve the curvature.
 
-    unit: of each parameter's step.
+    unit: the unit in which a step of each parameter is measured.
     """
 
     pull: Float[ndarray, " parameter"]
@@ -79,7 +95,7 @@ class _Descent:
     def principal(self) -> tuple[ndarray, ndarray]:
         """Eigenvalues and vectors of the curvature in its steps' units."""
         value, vector = np.linalg.eigh(self.curve * np.outer(self.unit, self.unit))
-        return np.maximum(value, _ROUNDING * value[-1:]), vector
+        return np.maximum(value, _CURVATURE_ROUNDING * value[-1:]), vector
 
 
 @dataclass(frozen=True)
@@ -101,7 +117,7 @@ class _Point:
 
     @cached_property
     def inverse(self) -> ndarray:
-        """Of the covariance."""
+        """The covariance's inverse."""
         # nothing above the diagonal
         half, _ = _of_blocks(lapack.dpotri, self.factor, self.problem.blocks)
         whole = half + half.T
@@ -110,7 +126,7 @@ class _Point:
 
     @cached_property
     def information(self) -> ndarray:
-        """Expected, of the parameters with their prior."""
+        """Expected information of the parameters, with their prior."""
         slope = self.whitened(self.state.slope)
         return slope.T @ slope + np.diag(1.0 / self.problem.prior.std**2)
 
@@ -123,13 +139,13 @@ class _Point:
 
     @cached_property
     def descent(self) -> _Descent:
-        """With C_j the covariance's derivative by parameter j and w what is left over the
-        covariance, the misfit's gradient has w C_j w, and its curvature is that of the slope plus
-        C_j w.
+        """Gradient and expected curvature of the cost by the parameters.
 
-        Where steps see how the covariance turns, their unit is the prior's standard deviation: what
-        is known well moves freely, what is known badly as far as the model is straight. Elsewhere
-        it is that of the data.
+        With C_j the derivative of the covariance C by parameter j, and w = C^-1 times the residual,
+        the gradient of the misfit has a term w C_j w, and its curvature is that of the slope plus
+        C_j w. Where a state gives these derivatives (`turns`), steps are measured in the prior's
+        standard deviations: what is known well moves freely, what is known badly only as far as the
+        model is linear. Elsewhere they are measured in the standard deviations by the curvature.
         """
         prior, bent = self.problem.prior, self.state.slope
         weight, weighted = 1.0 / prior.std**2, self.over(self.problem.data - self.state.mean)
@@ -144,11 +160,11 @@ class _Point:
         return _Descent(pull, curve, unit)
 
     def over(self, values: ndarray) -> ndarray:
-        """Values over the covariance."""
+        """The covariance's inverse times values."""
         return lapack.dpotrs(self.factor, values, lower=1)[0]
 
     def whitened(self, columns: ndarray) -> ndarray:
-        """Columns over the covariance's root."""
+        """The inverse of the covariance's Cholesky factor times columns."""
         return lapack.dtrtrs(self.factor, columns, lower=1)[0]
 
 
@@ -189,21 +205,24 @@ def _point(
 
 
 def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
-    """Newton's step within a distance in its units (More and Sorensen 1983), and what it should
-    gain.
+    """Newton's step of a bounded length (More and Sorensen 1983), and the gain that it promises.
+
+    farthest: the bound, in the steps' units.
     """
     by, wide = at.descent, at.problem.prior.std
     value, vector = by.principal
     pull, held = vector.T @ (by.unit * by.pull), 0.0
-    for _ in range(_SECULAR):
+    for _ in range(_LENGTH_ROUNDS):
         step = pull / (value + held)
         size = float(np.sqrt(step @ step))
-        if size <= farthest / _WITHIN and (held == 0.0 or size >= farthest * _WITHIN):
+        if size <= farthest / _LENGTH_TOLERANCE and (
+            held == 0.0 or size >= farthest * _LENGTH_TOLERANCE
+        ):
             break
         slope = float(step @ (step / (value + held))) / size**2
         held = max(held + (size / farthest - 1.0) / slope, 0.0)
     whole = by.unit * (vector @ step)
-    part = 1.0 / max(1.0, np.abs(whole / wide).max(initial=0.0) / _FARTHEST)
+    part = 1.0 / max(1.0, np.abs(whole / wide).max(initial=0.0) / _FARTHEST_STEP)
     gain = part * (step @ pull) - 0.5 * part**2 * (step**2 @ value)
     return part * whole, float(gain)
 
@@ -211,7 +230,7 @@ def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
 def _solved(curve: ndarray, pull: ndarray) -> ndarray:
     """Solution with a positive definite matrix, however unlike its coordinates' units are."""
     unit = np.sqrt(np.diag(curve))
-    even = curve / np.outer(unit, unit) + _ROUNDING * np.eye(unit.size)
+    even = curve / np.outer(unit, unit) + _CURVATURE_ROUNDING * np.eye(unit.size)
     return (np.linalg.solve(even, (pull.T / unit).T).T / unit).T
 
 
@@ -240,10 +259,10 @@ def _rescaled(at: _Point) -> _Point:
     step = np.linalg.solve(_curvature(at, parts), gradient)
     # A variance v that is too large wants ln(wanted / v) / 2, of which Newton sees the first term.
     step = 0.5 * np.log(np.maximum(1.0 + 2.0 * step, 1e-9))
-    step = np.clip(step, -_LONGEST, _LONGEST)
-    for _ in range(_HALVINGS):
+    step = np.clip(step, -_LONGEST_SCALE_STEP, _LONGEST_SCALE_STEP)
+    for _ in range(_MOST_HALVINGS):
         new = _point(problem, at.parameters, at.scales + step, at.state)
-        if np.abs(step).max() < _SMALL or new.marginal <= before:
+        if np.abs(step).max() < _UNCHECKED_SCALE_STEP or new.marginal <= before:
             return new
         step = 0.5 * step
     return at
@@ -265,7 +284,7 @@ def _times(left: ndarray, part: ndarray) -> ndarray:
 
 
 def _straight(at: _Point) -> ndarray:
-    """Data less the prior's mean, by the model made straight."""
+    """Data less what the model, linear about the point, gives at the prior's mean."""
     own = at.state.slope @ (at.parameters - at.problem.prior.mean)
     return at.problem.data - at.state.mean + own
 
@@ -282,7 +301,7 @@ def fit(
     problem: Problem,
     start: ndarray | None = None,
     scales: ndarray | None = None,
-    least: float = _NO_GAIN,
+    least: float = _LEAST_GAIN,
 ) -> Fit:
     """The MAP estimate from one start (the prior's means where none is given).
 
@@ -295,23 +314,24 @@ def best_fit(
     problem: Problem,
     starts: Sequence[ndarray],
     scales: ndarray | None = None,
-    least: float = _NO_GAIN,
+    least: float = _LEAST_GAIN,
 ) -> Fit:
-    """The fit from the start that is best after a few steps at fixed scales, which those that are
-    far behind after the first do not make.
+    """The fit from the start that is best after a few steps at fixed scales.
+
+    Starts that are far behind after the first of these steps are dropped.
     """
     scales = problem.scales.mean if scales is None else np.asarray(scales, float)
     points = [_point(problem, np.asarray(start, float), scales) for start in starts]
     for steps in _FIRST_STEPS if len(points) > 1 else ():
         points = [_iterated(point, steps, free=False) for point in points]
-        points = sorted(points, key=lambda point: point.cost)[: max(_LEFT, len(points) // 3)]
+        points = sorted(points, key=lambda point: point.cost)[: max(_FEWEST_LEFT, len(points) // 3)]
     at = min(points, key=lambda point: point.cost)
-    return _finish(_iterated(at, _STEPS, least=least))
+    return _finish(_iterated(at, _MOST_STEPS, least=least))
 
 
 def about(prior: Prior, count: int) -> list[ndarray]:
-    """Starts beside the prior's mean: its standard deviation up and down along each of the first
-    `count` parameters.
+    """Starts a prior's standard deviation above and below its mean, by each of the first `count`
+    parameters in turn.
     """
     steps = np.diag(prior.std)[:count]
     return [*(prior.mean + steps), *(prior.mean - steps)]
@@ -324,8 +344,8 @@ def maxima_of(fits: Sequence[Fit], count: int) -> list[Fit]:
     found: list[Fit] = []
     for one in sorted(fits, key=lambda one: -one.log_evidence):
         off = [np.abs(one.parameters - other.parameters)[:count] for other in found]
-        new = all((away > _APART * one.std[:count]).any() for away in off)
-        if new and (not found or one.log_evidence > found[0].log_evidence - _AS_GOOD):
+        new = all((away > _MAXIMA_APART * one.std[:count]).any() for away in off)
+        if new and (not found or one.log_evidence > found[0].log_evidence - _MAXIMA_WITHIN):
             found.append(one)
     return found
 
@@ -341,39 +361,41 @@ def information(problem: Problem, parameters: ndarray, scales: ndarray) -> ndarr
     return _point(problem, parameters, scales).information
 
 
-def _iterated(at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN) -> _Point:
+def _iterated(at: _Point, steps: int, free: bool = True, least: float = _LEAST_GAIN) -> _Point:
     """Newton's steps of the parameters, and of the scales in turn if they are free.
 
-    The two have goals of their own, so that what one gains the other may lose in the end; with free
-    scales the search ends where the marginal likelihood gains no more.
+    Parameters and scales have goals of their own, so that one may lose what the other gains; with
+    free scales the search ends where the marginal likelihood gains no more.
     """
     if not np.isfinite(at.cost):
         return at
     problem, wide = at.problem, at.problem.prior.std
-    farthest = _FARTHEST if at.state.turns is not None else np.inf
+    farthest = _FARTHEST_STEP if at.state.turns is not None else np.inf
     before = None
     for _ in range(steps):
         step, expected = _step(at, farthest)
         size = float(np.linalg.norm(step / at.descent.unit))
         new = _point(problem, at.parameters + step, at.scales)
         gain = at.cost - new.cost
-        if gain < -_RISE and expected > _PROMISED:
-            farthest = _SHORTER * min(size, farthest)
+        if gain < -_COST_ROUNDING and expected > _LEAST_PROMISE:
+            farthest = _RETRIED * min(size, farthest)
             continue
-        if gain < -_RISE:
+        if gain < -_COST_ROUNDING:
             new, gain = at, 0.0
-        elif gain > _GOOD * expected:
-            farthest = max(farthest, _LONGER * size)
-        elif gain < _POOR * expected:
-            farthest = _HALF * size
+        elif gain > _GOOD_STEP * expected:
+            farthest = max(farthest, _LENGTHENED * size)
+        elif gain < _POOR_STEP * expected:
+            farthest = _SHORTENED * size
         moved = np.abs((new.parameters - at.parameters) / wide).max(initial=0.0)
-        settled = gain < _FIRST_GAIN
+        settled = gain < _WORTHWHILE_GAIN
         if free:
             stepped, new = new, _rescaled(new)
             moved = max(moved, float(np.abs(new.scales - at.scales).max(initial=0.0)))
-            settled = at.marginal - new.marginal < least and expected < _FIRST_GAIN
+            settled = at.marginal - new.marginal < least and expected < _WORTHWHILE_GAIN
             new = min(stepped, new, key=lambda one: one.marginal) if settled else new
-        if settled or (gain < _PROMISED and moved < _SETTLED * np.sqrt(least / _NO_GAIN)):
+        if settled or (
+            gain < _LEAST_PROMISE and moved < _SETTLED_MOVE * np.sqrt(least / _LEAST_GAIN)
+        ):
             at = new
             break
         before, at = at, _ahead(before, at, new) if free and before is not None else new
@@ -385,18 +407,20 @@ def _iterated(at: _Point, steps: int, free: bool = True, least: float = _NO_GAIN
 
 
 def _ahead(first: _Point, second: _Point, third: _Point) -> _Point:
-    """Where points go on to, if that is better than the last: parameters and scales that mean the
-    same creep along a ridge in turns (Aitken's extrapolation).
+    """The point to which three successive ones lead, if it is better than the last of them.
+
+    Parameters and scales that explain the same data creep along a ridge in turns; their moves are
+    extrapolated as a geometric series (Aitken).
     """
     steps = [
         np.concatenate([(b.parameters - a.parameters) / a.problem.prior.std, b.scales - a.scales])
         for a, b in ((first, second), (second, third))
     ]
     along, (short, long) = steps[0] @ steps[1], (float(step @ step) for step in steps)
-    if not (along > _SAME_WAY * np.sqrt(short * long) and _SERIES < along / short < 1.0):
+    if not (along > _CREEP_COSINE * np.sqrt(short * long) and _CREEP_RATIO < along / short < 1.0):
         return third
     part = along / short
-    far = min(part / (1.0 - part), _AHEAD)
+    far = min(part / (1.0 - part), _CREEP_FARTHEST)
     parameters = third.parameters + far * (third.parameters - second.parameters)
     new = _point(third.problem, parameters, third.scales + far * (third.scales - second.scales))
     return min(third, new, key=lambda one: one.marginal)

@@ -16,10 +16,10 @@ from scipy.special import chdtrc
 from bladeroot.inference.gaussian import Fit, best_fit
 from bladeroot.inference.problem import Prior, State, with_known_errors
 
-_STARTS = (-0.6, 0.0, 0.6)  # of all ln k, in standard deviations of their prior
-_LEAST_GAIN = 1e-8  # nats
 FE_BIAS = 0.005  # relative error of a model's frequency, one standard deviation, unless known
-NOTABLE = 0.05  # probability of a larger misfit, below which the model is said not to fit
+LEAST_PROBABILITY = 0.05  # of a larger chi-square; below it the model is said not to fit
+_START_OFFSETS = (-0.6, 0.0, 0.6)  # of all ln k from their prior's mean, in standard deviations
+_LEAST_GAIN = 1e-8  # nats: the fit ends with a step that gains less
 
 # ln f of the modes at ln k, their slopes, and whether the model holds there.
 Frequencies = Callable[[Float[ndarray, " parameter"]], tuple[ndarray, ndarray, bool]]
@@ -61,7 +61,7 @@ def fit_stiffness(
         return State(value, slope, {}, inside)
 
     problem = with_known_errors(ln_measured, predict, np.diag(std**2), prior)
-    starts = [prior.mean + step * prior.std for step in _STARTS]
+    starts = [prior.mean + step * prior.std for step in _START_OFFSETS]
     found = best_fit(problem, starts, least=_LEAST_GAIN)
     misfit = (ln_measured - found.state.mean) / std
     square, freedom = float(misfit @ misfit), ln_measured.size - prior.mean.size

@@ -1,8 +1,10 @@
 """Mean and covariance of a posterior that is far from normal along one parameter.
 
 Where data leave a ridge, its top says little: a fit may stop anywhere on it, and the curvature
-there is not the ridge's width. So the one parameter stands in turn at places of a lattice, which
-hang on its prior alone; the rest is fitted there and integrated out by Laplace's formula.
+there is not the ridge's width. So the one parameter is set to the places of a lattice in turn; the
+other parameters are fitted there and integrated out by Laplace's formula. The places are whole
+steps from the prior's mean; a step is the prior's standard deviation, halved until it is short
+enough.
 """
 
 from dataclasses import replace
@@ -14,12 +16,11 @@ from numpy import ndarray
 from bladeroot.inference.gaussian import Fit, cost, fit
 from bladeroot.inference.problem import LazyState, Prior, Problem, State
 
-# A sum over a lattice as wide as two standard deviations has a normal density's moments to a
-# hundredth.
-_APART = 2.0
-_BELOW = 3.0  # nats below the best place, where the lattice ends
-_MOST = 12  # places to each side
-_LEAST_GAIN = 0.1  # nats, of a step of the rest's fit
+# The lattice of the one parameter.
+_LATTICE_STEP = 2.0  # standard deviations at most: so a normal density's moments are met to 1 %
+_LATTICE_DEPTH = 3.0  # nats below the best place, where the lattice ends
+_MOST_PLACES = 12  # to each side of the first
+_LEAST_GAIN = 0.1  # nats: a fit of the other parameters ends with a step that gains less
 
 
 def moments(
@@ -32,7 +33,7 @@ def moments(
     problem, prior = found.problem, found.problem.prior
     rest = np.delete(np.arange(found.parameters.size), number)
     apart = prior.std[number]
-    while apart > _APART * found.std[number]:
+    while apart > _LATTICE_STEP * found.std[number]:
         apart *= 0.5
     ridge = found.covariance[rest, number] / found.covariance[number, number]
 
@@ -49,8 +50,8 @@ def moments(
     for side in (1, -1):
         step, change = first, side * apart * ridge
         while (
-            fits[step][1] > max(log for _, log in fits.values()) - _BELOW
-            and abs(step - first) < _MOST
+            fits[step][1] > max(log for _, log in fits.values()) - _LATTICE_DEPTH
+            and abs(step - first) < _MOST_PLACES
         ):
             before = fits[step][0].parameters
             step += side

@@ -1,7 +1,7 @@
 """What is fitted: data, a model of them with a covariance, and priors.
 
-A model says its mean and slope at given parameters, and the covariance of what it leaves at given
-ln of scales. The parameters have a Gaussian prior, the scales too.
+A model gives its mean and slope at given parameters, and the covariance of the data about the mean
+at given logarithms of scales. Parameters and logarithms of scales have Gaussian priors.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,9 +25,10 @@ class Prior:
 class State:
     """What a model says at one point: mean, slope, and what its covariance needs to know.
 
-    inside: whether the point is one that the model allows; beyond it goes straight on. turns: of
+    inside: whether the model holds at the point; outside it is continued linearly. turns: given
     scales, a vector and a symmetric matrix, the covariance's derivatives by the parameters times
-    the one, and the traces of their products with the other, where steps must see them.
+    the vector, and the traces of their products with the matrix. None where the steps of a fit can
+    do without them.
     """
 
     mean: Float[ndarray, " datum"]
@@ -51,8 +52,8 @@ class LazyState(State):
 
 
 Predict = Callable[[Float[ndarray, " parameter"]], State]
-# Covariance of the data about the mean, and a function that makes its derivatives by the scales,
-# of which a vector is the diagonal of one.
+# Covariance of the data about the mean, and a function that makes its derivatives by the scales; a
+# diagonal derivative is given as a vector.
 Slopes = Callable[[], list[ndarray]]
 Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
 
@@ -61,7 +62,8 @@ Covariance = Callable[[State, Float[ndarray, " scale"]], tuple[ndarray, Slopes]]
 class Repeats:
     """Variances that repeated measurements show, beside the data.
 
-    expected: by the model, and the slopes of its logarithm by the scales.
+    freedom: degrees of freedom of each. expected: function that gives the model's variances and
+    the slopes of their logarithms by the scales.
     """
 
     freedom: Float[ndarray, " variance"]
@@ -84,8 +86,8 @@ class Repeats:
 class Problem:
     """Data, a model of them, and priors of its parameters and scales.
 
-    many: `predict` of several points at once, where that is cheaper. blocks: of data that share no
-    errors with those of others.
+    many: `predict` of several points at once, where that is cheaper. blocks: data of different
+    blocks share no errors.
     """
 
     data: Float[ndarray, " datum"]

@@ -2,7 +2,7 @@
 
 Along a few parameters (and the scales) the posterior bends; given them, the rest is nearly normal
 about a point that two Gauss-Newton steps reach. So a mixture that learns from its own draws
-proposes the few, Gauss and Newton the rest, and weights make both exact.
+proposes the few, the normal distribution about that point the rest, and weights correct for both.
 """
 
 from collections.abc import Sequence
@@ -17,19 +17,22 @@ from scipy.special import gammaln, logsumexp
 from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.problem import Problem, State
 
-DRAWS = 4000  # that are handed out
-# Draws are added until this part of those handed out is independent, or so many times were asked
-# for. Of 2,000 the quantiles of 68 % move by 0.03 of a standard deviation from seed to seed.
-_WANTED, _MOST = 0.5, 6
-_ROUND = 500  # draws between two looks at them; for memory, too
-# Effective draws that a proposal is learnt from at least: with fewer, weights are evened out.
-_LEARNT_FROM = 60
-_PARTS = 3  # of the proposal, once it has learnt
-_OF_PRIOR = 0.25  # of the first proposal: Laplace's knows one peak, the prior all that can be
-_STEPS = 2  # of Gauss and Newton, to the rest
-_HELD = 1e-9  # weight of a part's own place: one that no draw belongs to stays there
-_FREEDOM = 5.0  # of each part (multivariate t): heavier tails than the posterior's
-_WIDER = 1.3  # std of the first proposal over Laplace's
+# How many draws are made.
+DRAWS = 4000  # that are handed out, unless the caller says otherwise
+# Drawing ends at the first of these. Of 2,000 effective draws the quantiles of 68 % move by 0.03 of
+# a standard deviation from seed to seed.
+_WANTED_PART = 0.5  # effective draws over those that are handed out
+_MOST_DRAWN = 6  # weighted draws over those that are handed out
+_ROUND_DRAWS = 500  # that are made at once, between two updates of the proposal; for memory, too
+# The proposal, a mixture of multivariate t distributions, which learns from the weighted draws.
+_WIDENING = 1.3  # standard deviations of the first proposal over those of Laplace's approximation
+_PRIOR_SHARE = 0.25  # of the first proposal: Laplace's knows one peak, the prior all that can be
+_MIXTURE_PARTS = 3  # once it has learnt
+_TAIL_FREEDOM = 5.0  # degrees of freedom: tails heavier than the posterior's
+_FEWEST_EFFECTIVE = 60  # draws to learn from; with fewer, weights are evened out for that
+_PLACE_WEIGHT = 1e-9  # of a part's own mean: a part to which no draw belongs keeps it
+# The other parameters, given those along which the posterior bends.
+_NEWTON_STEPS = 2  # of Gauss-Newton, to their most probable values
 
 
 @dataclass(frozen=True)
@@ -53,13 +56,13 @@ def sample(
 ) -> Draws:
     """Draws by adaptive importance sampling from Laplace's approximation; the same for a seed.
 
-    bent: numbers of the parameters along which the posterior bends. others: fits at further maxima
+    bent: indices of the parameters along which the posterior bends. others: fits at further maxima
     of it. ValueError where no draw has a finite posterior.
     """
     rng, bent = np.random.default_rng(seed), np.asarray(bent)
     proposals = [_first([fit, *others], bent)]
     found, log, densities = [], np.zeros(0), []
-    while len(log) < _MOST * draws:
+    while len(log) < _MOST_DRAWN * draws:
         found.append(_proposed(fit, bent, proposals[-1], rng))
         points, parameters, target = (np.concatenate(part) for part in zip(*found, strict=True))
         densities = [  # of the earlier proposals only those of the new points lack
@@ -68,7 +71,7 @@ def sample(
         ]
         densities.append(proposals[-1].log_density(points))
         log = target - logsumexp(densities, axis=0)
-        if _effective(log) >= _WANTED * draws:
+        if _effective(log) >= _WANTED_PART * draws:
             break
         proposals.append(proposals[-1].learnt(points, _weights(_evened(log))))
     weight = _weights(log)
@@ -83,11 +86,11 @@ def _first(fits: Sequence[Fit], bent: ndarray) -> "_Mixture":
     prior, scales = fits[0].problem.prior, fits[0].problem.scales
     means = [[*one.parameters[bent], *one.scales] for one in fits]
     spreads = [
-        _WIDER**2 * block_diag(one.covariance[np.ix_(bent, bent)], one.scales_covariance)
+        _WIDENING**2 * block_diag(one.covariance[np.ix_(bent, bent)], one.scales_covariance)
         for one in fits
     ]
     before = np.diag(np.concatenate([prior.std[bent], scales.std]) ** 2)
-    share = [*[(1.0 - _OF_PRIOR) / len(fits)] * len(fits), _OF_PRIOR]
+    share = [*[(1.0 - _PRIOR_SHARE) / len(fits)] * len(fits), _PRIOR_SHARE]
     means += [[*prior.mean[bent], *scales.mean]]
     return _Mixture(np.array(share), np.array(means), np.stack([*spreads, before]))
 
@@ -104,9 +107,12 @@ def _effective(log: Float[ndarray, " draw"]) -> float:
 
 
 def _evened(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
-    """ln of weights of which no few have it all."""
+    """ln of weights, flattened until enough draws are effective."""
     heat = 1.0
-    while _effective(log / heat) < _LEARNT_FROM and np.isfinite(log).sum() > 2 * _LEARNT_FROM:
+    while (
+        _effective(log / heat) < _FEWEST_EFFECTIVE
+        and np.isfinite(log).sum() > 2 * _FEWEST_EFFECTIVE
+    ):
         heat *= 1.5
     return log / heat
 
@@ -114,9 +120,9 @@ def _evened(log: Float[ndarray, " draw"]) -> Float[ndarray, " draw"]:
 def _proposed(
     fit: Fit, bent: ndarray, mixture: "_Mixture", rng: np.random.Generator
 ) -> tuple[ndarray, ndarray, ndarray]:
-    """Points of the mixture, all parameters there, and ln of the posterior over the rest's."""
-    points = mixture.draw(_ROUND, rng)
-    noise = rng.standard_normal((_ROUND, fit.parameters.size - len(bent)))
+    """Points of the mixture, all parameters there, and ln of posterior over the rest's density."""
+    points = mixture.draw(_ROUND_DRAWS, rng)
+    noise = rng.standard_normal((_ROUND_DRAWS, fit.parameters.size - len(bent)))
     return points, *_completed(fit, bent, points, noise)
 
 
@@ -131,7 +137,7 @@ def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tupl
     theta[:, rest] += (points[:, :count] - fit.parameters[bent]) @ along
     weight = np.diag(prior.std[rest] ** -2.0)
     curve = np.zeros((len(points), 0, 0))
-    for _ in range(_STEPS if rest.size else 0):
+    for _ in range(_NEWTON_STEPS if rest.size else 0):
         here = _seen(problem, theta, scales)
         white = np.linalg.solve(
             here.root, np.concatenate([here.slope[..., rest], here.miss], axis=2)
@@ -208,7 +214,7 @@ class _Mixture:
         part = rng.choice(len(self.share), count, p=self.share)
         root = np.linalg.cholesky(self.scale)[part]
         noise = rng.standard_normal((count, self.mean.shape[1], 1))
-        tail_factor = np.sqrt(_FREEDOM / rng.chisquare(_FREEDOM, count))
+        tail_factor = np.sqrt(_TAIL_FREEDOM / rng.chisquare(_TAIL_FREEDOM, count))
         return self.mean[part] + tail_factor[:, None] * (root @ noise)[..., 0]
 
     def log_parts(self, points: Float[ndarray, "point coordinate"]) -> tuple[ndarray, ndarray]:
@@ -217,10 +223,10 @@ class _Mixture:
         root = np.linalg.cholesky(self.scale)
         away = points[None] - self.mean[:, None]
         square = (np.linalg.solve(root, away.transpose(0, 2, 1)) ** 2).sum(axis=1)
-        constant = gammaln(0.5 * (_FREEDOM + n)) - gammaln(0.5 * _FREEDOM)
-        constant -= 0.5 * n * np.log(_FREEDOM * np.pi)
+        constant = gammaln(0.5 * (_TAIL_FREEDOM + n)) - gammaln(0.5 * _TAIL_FREEDOM)
+        constant -= 0.5 * n * np.log(_TAIL_FREEDOM * np.pi)
         log = constant + np.log(self.share)[:, None] - _log_det(root)[:, None]
-        return log - 0.5 * (_FREEDOM + n) * np.log1p(square / _FREEDOM), square
+        return log - 0.5 * (_TAIL_FREEDOM + n) * np.log1p(square / _TAIL_FREEDOM), square
 
     def log_density(self, points: Float[ndarray, "point coordinate"]) -> ndarray:
         """Log density at points."""
@@ -229,24 +235,24 @@ class _Mixture:
     def learnt(self, points: ndarray, weight: ndarray) -> "_Mixture":
         """The mixture that the weighted draws ask for (expectation maximisation)."""
         mixture = self
-        if len(self.share) < _PARTS:  # apart along the longest axis of what was seen
+        if len(self.share) < _MIXTURE_PARTS:  # apart along the longest axis of what was seen
             mean = weight @ points
             spread = (weight[:, None] * (points - mean)).T @ (points - mean)
             spread += 0.05 * self.scale[0]
             unit = np.sqrt(np.diag(spread))
             size, axis = np.linalg.eigh(spread / np.outer(unit, unit))
             along = axis[:, -1] * np.sqrt(size[-1]) * unit
-            places = mean + np.linspace(-1.0, 1.0, _PARTS)[:, None] * along
-            share = np.full(_PARTS, 1.0 / _PARTS)
-            mixture = _Mixture(share, places, np.tile(spread, (_PARTS, 1, 1)))
+            places = mean + np.linspace(-1.0, 1.0, _MIXTURE_PARTS)[:, None] * along
+            share = np.full(_MIXTURE_PARTS, 1.0 / _MIXTURE_PARTS)
+            mixture = _Mixture(share, places, np.tile(spread, (_MIXTURE_PARTS, 1, 1)))
         n = points.shape[1]
         for _ in range(5):
             log, square = mixture.log_parts(points)
             member = weight * np.exp(log - logsumexp(log, axis=0))
             share = np.maximum(member.sum(axis=1), 0.02)
-            tail = member * (_FREEDOM + n) / (_FREEDOM + square)
-            held = tail.sum(axis=1)[:, None] + _HELD
-            mean = (tail @ points + _HELD * mixture.mean) / held
+            tail = member * (_TAIL_FREEDOM + n) / (_TAIL_FREEDOM + square)
+            held = tail.sum(axis=1)[:, None] + _PLACE_WEIGHT
+            mean = (tail @ points + _PLACE_WEIGHT * mixture.mean) / held
             away = points[None] - mean[:, None]
             scale = np.einsum("kp,kpi,kpj->kij", tail, away, away) / share[:, None, None]
             scale += 0.05 * mixture.scale  # a part that few draws hold does not shrink to a line

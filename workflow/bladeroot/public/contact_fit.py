@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy.stats import chi2
 
-from bladeroot.inference.least_squares import FE_BIAS, NOTABLE, fit_stiffness, ln_range
+from bladeroot.inference.least_squares import FE_BIAS, LEAST_PROBABILITY, fit_stiffness, ln_range
 from bladeroot.public.joint import Joint, load_number
 
 RANGE = (1e6, 1e13)  # N/m, in which nearly all contact stiffnesses lie: two standard deviations
@@ -46,7 +46,7 @@ class ContactFit:
     @property
     def fits(self) -> bool:
         """Whether the model gives the measured frequencies within their errors and its bias."""
-        return bool(self.result.attrs["probability"] >= NOTABLE)
+        return bool(self.result.attrs["probability"] >= LEAST_PROBABILITY)
 
     def _only(self, name: str) -> float:
         if name not in self.result["parameter"].values:

@@ -17,7 +17,7 @@ from scipy.special import ndtri
 
 from bladeroot.inference.least_squares import (
     FE_BIAS,
-    NOTABLE,
+    LEAST_PROBABILITY,
     StiffnessFit,
     fit_stiffness,
     ln_range,
@@ -203,7 +203,7 @@ def _estimate(surface, roots, fitted, target, std, bias, known, modes) -> xr.Dat
         "chi_square": np.nan if fitted is None else fitted.chi_square,
         "freedom": 0 if fitted is None else max(fitted.freedom, 0),
         "probability": np.nan if fitted is None or fitted.freedom < 1 else fitted.probability,
-        "fits": int(fitted is None or fitted.probability >= NOTABLE),
+        "fits": int(fitted is None or fitted.probability >= LEAST_PROBABILITY),
         "source": list(SOURCES),
         "stiffness": list(STIFFNESS),
         "mode": modes,
