@@ -40,7 +40,7 @@ from bladeroot.stiffness.curve_fit import fit_curves
 from bladeroot.stiffness.interpolation import ForceGauge
 from bladeroot.stiffness.joint import freest, models_of
 from bladeroot.stiffness.model import map_estimate
-from bladeroot.stiffness.posterior import SHARES, share_within
+from bladeroot.stiffness.posterior import REGION_SHARES, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.stiffness.softening import DISCREPANCY, softening_of
 
@@ -172,7 +172,7 @@ def summary(rows: list[dict], stages: tuple[str, ...]) -> None:
     for stage in stages:
         for way in rows[0][stage]:
             inside = np.array([one[stage][way] for one in rows])
-            held = ", ".join(f"{np.sum(inside < c)} in {100 * c:g} %" for c in SHARES)
+            held = ", ".join(f"{np.sum(inside < c)} in {100 * c:g} %" for c in REGION_SHARES)
             print(f"  {stage:7s} {way:15s} {held} of {len(rows)}")
     if "curves" in stages:
         narrower = np.array([one["narrower"] for one in rows])

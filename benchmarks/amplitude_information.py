@@ -91,7 +91,7 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
     spread = np.array([entry[1] for entry in FRICTION.values()])
 
     def doubt(
-        discrepancy=DISCREPANCY, uneven=1.0, clamping=curve_errors.CLAMPING, friction=1.0,
+        discrepancy=DISCREPANCY, uneven=1.0, clamping=curve_errors.CLAMPING_SCATTER, friction=1.0,
         bias=1.0, gauge=1.0, curves=True,
     ) -> np.ndarray:  # fmt: skip
         """Covariance of (ln kn, ln kt) at the reference force."""
@@ -99,10 +99,10 @@ def main(results: str, campaign: str = "rig", structure: str = "dovetail-HB") ->
         gauges = tuple(n for n in bare.names if n.startswith("force_"))
         model = scaled(scaled(bare, biases, bias), gauges, gauge)
         if curves:
-            own = curve_errors.CLAMPING
-            curve_errors.CLAMPING = clamping
+            own = curve_errors.CLAMPING_SCATTER
+            curve_errors.CLAMPING_SCATTER = clamping
             errors = covariance(softening, levels, discrepancy) + np.diag((FLOOR * size) ** 2)
-            curve_errors.CLAMPING = own
+            curve_errors.CLAMPING_SCATTER = own
             errors += uneven**2 * moved @ moved.T
             errors += (of_friction * (friction * spread) ** 2) @ of_friction.T
             term = curve_term(z, np.zeros(len(row)), slope.reshape(len(row), -1), errors)

@@ -48,7 +48,7 @@ from bladeroot.stiffness.interpolation import interpolate_to
 from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.model import level_model, map_estimate, predict
-from bladeroot.stiffness.posterior import SHARES, share_within
+from bladeroot.stiffness.posterior import REGION_SHARES, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
 from bladeroot.stiffness.roots import newton
 from bladeroot.stiffness.search import ln_covariance
@@ -162,10 +162,10 @@ def main(draws: int, seed: int) -> None:
     print("regions of (ln kn, ln kt) at 12 kN that hold the truth     68 %   95 %")
     for name, column in (("joint posterior, densest region", 0), ("joint, Laplace's ellipse", 1),
                          ("per force, measurement error only", 2)):  # fmt: skip
-        inside = [100 * np.mean(np.nan_to_num(rows[:, column], nan=1.0) < c) for c in SHARES]
+        inside = [100 * np.mean(np.nan_to_num(rows[:, column], nan=1.0) < c) for c in REGION_SHARES]
         print(f"{name:55s} {inside[0]:6.1f} {inside[1]:6.1f}")
     rooted = np.isfinite(rows[:, 2])
-    inside = [100 * np.mean(rows[rooted, 2] < c) for c in SHARES]
+    inside = [100 * np.mean(rows[rooted, 2] < c) for c in REGION_SHARES]
     print(f"{'  the same, of the ' + str(rooted.sum()) + ' with a root':55s} "
           f"{inside[0]:6.1f} {inside[1]:6.1f}")  # fmt: skip
     error = 100 * np.sqrt(0.25 / draws)
@@ -244,10 +244,10 @@ def coverage(title: str, true, ours, draws: int, seed: int) -> None:
     print(f"{title}: {draws}, seed {seed}, {seconds:.0f} s; effective draws from "
           f"{min(effective):.0f}, median {np.median(effective):.0f}")  # fmt: skip
     for way, column in zip(("by draws", "by Laplace"), np.array(shares).T, strict=True):
-        inside = [100 * np.mean(column < c) for c in SHARES]
+        inside = [100 * np.mean(column < c) for c in REGION_SHARES]
         print(f"  region of all ln k {way}: 68 % {inside[0]:.1f}, 95 % {inside[1]:.1f}; sampling "
               f"error up to {100 * np.sqrt(0.25 / draws):.1f} points")  # fmt: skip
-    inside = [100 * np.mean(abs(np.array(below) - 0.5) < c / 2, axis=0) for c in SHARES]
+    inside = [100 * np.mean(abs(np.array(below) - 0.5) < c / 2, axis=0) for c in REGION_SHARES]
     for one in zip(ours.parameters, *inside, np.median(stds, axis=0), strict=True):
         print("  {}: 68 % {:.0f}, 95 % {:.0f}; median std over the prior's {:.2f}".format(*one))
 

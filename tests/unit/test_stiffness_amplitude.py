@@ -261,7 +261,7 @@ def test_a_friction_far_from_all_that_is_known_is_not_tried():
     at = levels_at(joint, made_up(levels), levels, LASERS, z)
     problem = friction_problem(joint, at, np.zeros(16), np.eye(16))
     for sign in (1.0, -1.0):
-        edge = problem.prior.mean + sign * (curve_fit._FAR - 0.1) * problem.prior.std
+        edge = problem.prior.mean + sign * (curve_fit._FARTHEST_FRICTION - 0.1) * problem.prior.std
         assert np.isfinite(along(joint, at, edge)[0]).all()
         assert cost(problem, edge + sign * problem.prior.std) == np.inf
 

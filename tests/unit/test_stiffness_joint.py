@@ -12,7 +12,7 @@ from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.stiffness.information import expected_information
 from bladeroot.stiffness.joint import freest, joint, models_of, surfaces_of
 from bladeroot.stiffness.laws import LAWS, PRIORS, powers, slopes
-from bladeroot.stiffness.levels import LEAST_STD, levels_of
+from bladeroot.stiffness.levels import LEAST_FREQUENCY_STD, levels_of
 from bladeroot.stiffness.model import map_estimate, predict, problem_of
 from bladeroot.stiffness.posterior import combinations, share_within
 from bladeroot.stiffness.priors import REFERENCE_FORCE
@@ -212,7 +212,7 @@ def test_one_clean_record_a_mode_and_force_of_one_clamping_has_a_posterior(model
         "holds": ("level", np.ones(len(f), int)),
     }
     given = stick(f).drop_dims("record").assign(records)
-    assert levels_of(given, ("1B", "2B")).std.min() == LEAST_STD
+    assert levels_of(given, ("1B", "2B")).std.min() == LEAST_FREQUENCY_STD
     found = map_estimate(models_of(model, given, GAUGE, BIAS)["one power"], (0.0,))
     draws = sample(found, (0, 1), 200)
     assert np.isfinite(draws.parameters).all()

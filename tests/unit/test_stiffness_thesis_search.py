@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.reproduction.thesis_search import NODES, thesis_search
+from bladeroot.reproduction.thesis_search import FLANK_NODES, thesis_search
 from bladeroot.rom.parametric import frequencies, surface_of
 from bladeroot.rom.parametric_build import parametric_model
 from bladeroot.stiffness.interpolation import ForceGauge, fe_forces
@@ -68,5 +68,5 @@ def test_table_deltas_are_those_of_finite_differences(found):
         f = frequencies(surface, np.column_stack([np.log(k), np.full(2, 12e3)]))
         slopes[:, i] = (f[0] - f[1]) / (2 * step * TRUE[i])
     covariance = np.linalg.inv(slopes.T @ slopes / 0.2**2)
-    expected = np.sqrt(np.diag(covariance)) / NODES
+    expected = np.sqrt(np.diag(covariance)) / FLANK_NODES
     np.testing.assert_allclose(result["table_std"].sel(table_force=12e3), expected, rtol=1e-5)

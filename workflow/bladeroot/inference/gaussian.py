@@ -25,8 +25,8 @@ _WORTHWHILE_GAIN = 0.1  # nats of cost that a step must promise, or gain at fixe
 # A move that gains less than `_LEAST_PROMISE` and is smaller than this is the last: in the prior's
 # standard deviations, and in ln of a scale.
 _SETTLED_MOVE = 1e-2
-# Where the covariance turns with the parameters, their step is held to a length (a trust region),
-# which follows from how much of the promised gain the last one brought.
+# A step of the parameters is held to a length (a trust region) that follows from how much of the
+# promised gain the last one brought; the first step only where a state has `turns`.
 _FARTHEST_STEP = 8.0  # prior's standard deviations: the first length, and any parameter's move
 _GOOD_STEP = 0.75  # gain over promise, above which the length becomes
 _LENGTHENED = 2.0  # times the step just made
@@ -40,7 +40,7 @@ _LENGTH_TOLERANCE = 0.9  # ratio of a step's length to the wanted one, within th
 _LENGTH_ROUNDS = 8  # of Newton's method for that length
 # A step of ln of the scales.
 _LONGEST_SCALE_STEP = 1.5
-_UNCHECKED_SCALE_STEP = 0.02  # is taken without asking whether it gains
+_UNCHECKED_SCALE_STEP = 0.02  # a shorter one is taken without asking whether it gains
 _MOST_HALVINGS = 5  # of a step, until the marginal likelihood does not fall
 # A search that creeps along a ridge is extrapolated as a geometric series (`_ahead`).
 _CREEP_COSINE = 0.9  # between two successive moves, at least

@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from bladeroot.fem.clamped_beam import beam_frequency, stiffening_factor, wave_number
 from bladeroot.reproduction.entry import Computed, Evidence
-from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.grid_search import FLANK_NODES
 from bladeroot.stiffness.search import ln_covariance
 from bladeroot.stiffness.surface import MODES, all_frequencies, surface_of_map
 
@@ -152,7 +152,7 @@ def searched(evidence: Evidence, name: str) -> Computed:
     stiffness = evidence.stages["stiffness"].reindex(force=_forces(evidence))
     return {
         str(structure): stiffness[f"grid_{name}"].sel(structure=structure).values
-        / NODES
+        / FLANK_NODES
         / _N_PER_MM
         for structure in stiffness["structure"].values
     }
@@ -170,7 +170,7 @@ def growth(evidence: Evidence, name: str) -> Computed:
 def _at_table_5_2(evidence: Evidence) -> dict[str, tuple[ndarray, ndarray]]:
     """Frequencies (mode, force) and slopes by ln k (force, mode, k) at Table 5.2's own points."""
     table = evidence.tables["5_2"]
-    points = np.log(NODES * _N_PER_MM * table[["kn_N_per_mm", "kt_N_per_mm"]].to_numpy())
+    points = np.log(FLANK_NODES * _N_PER_MM * table[["kn_N_per_mm", "kt_N_per_mm"]].to_numpy())
     out = {}
     for structure, maps in evidence.maps.items():
         values, slopes = np.full((2, len(table)), np.nan), np.full((len(table), 2, 2), np.nan)
@@ -222,8 +222,8 @@ def correlation_at_table_5_2(evidence: Evidence) -> Computed:
 
 def curvature_of_the_map(evidence: Evidence) -> Computed:
     """Slope of 1B by kn at the low end of the thesis's grid (1e4 N/mm a node) over the high end."""
-    k = NODES * _N_PER_MM * np.array([1e4, 1.5e5])
-    points = np.log([(k[0], NODES * _N_PER_MM * 6e4), (k[1], NODES * _N_PER_MM * 6e4)])
+    k = FLANK_NODES * _N_PER_MM * np.array([1e4, 1.5e5])
+    points = np.log([(k[0], FLANK_NODES * _N_PER_MM * 6e4), (k[1], FLANK_NODES * _N_PER_MM * 6e4)])
     out = {}
     for structure, maps in evidence.maps.items():
         surface = surface_of_map(maps[min(maps)].sel(mode=["1B"]))

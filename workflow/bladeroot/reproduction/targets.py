@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from bladeroot.reproduction.cases import RIGID, Case, Mode
-from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.grid_search import FLANK_NODES
 
 _STRETCHED = 30.0e3
 _BENDING = {"1B": "1Fy", "2B": "2Fy"}
@@ -134,7 +134,7 @@ def _table_5_2(tables: Mapping[str, pd.DataFrame]) -> list[Row]:
     rows = []
     for one in tables["table_5_2"].itertuples():
         force = 1e3 * float(one.force_kN)
-        flank = [1e3 * NODES * k for k in (one.kn_N_per_mm, one.kt_N_per_mm)]
+        flank = [1e3 * FLANK_NODES * k for k in (one.kn_N_per_mm, one.kt_N_per_mm)]
         for mode, table in measured.items():
             reference = float(np.interp(force, table.force_N, table.frequency_Hz))
             measured_std = float(errors.loc[one.force_kN, f"frequency_delta_{mode}_Hz"])

@@ -11,7 +11,7 @@ from numpy import ndarray
 
 from bladeroot.rom.chebyshev import Surface, at_force
 from bladeroot.rom.parametric import surface_of
-from bladeroot.stiffness.grid_search import NODES, grid_search
+from bladeroot.stiffness.grid_search import FLANK_NODES, grid_search
 from bladeroot.stiffness.search import ln_covariance
 from bladeroot.stiffness.surface import MODES, all_frequencies
 from bladeroot.variables import dataset
@@ -84,7 +84,7 @@ def table_deltas(
         cut = at_force(surface, float(force))
         f, jacobian = all_frequencies(cut, np.log(k[row : row + 1]))
         both = ln_covariance(jacobian[0], f[0], published_std[row], fe_error)
-        spreads = np.sqrt(np.diagonal(both, axis1=1, axis2=2)) * k[row] / NODES
+        spreads = np.sqrt(np.diagonal(both, axis1=1, axis2=2)) * k[row] / FLANK_NODES
         std[row], bias[row], frequency[row] = spreads[0], spreads[1], f[0]
     printed = np.column_stack([published["kn_nodal_std"].values, published["kt_nodal_std"].values])
     return {

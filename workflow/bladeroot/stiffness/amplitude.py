@@ -29,9 +29,9 @@ from bladeroot.stiffness.simulated_curves import friction_of, level_systems
 from bladeroot.stiffness.softening import DISCREPANCY, Softening, of_modes, softening_of
 from bladeroot.variables import dataset
 
-_MAP = np.geomspace(2e-7, 2e-5, 41)  # m
+_CURVE_AMPLITUDES = np.geomspace(2e-7, 2e-5, 41)  # m, of the curves of all levels (`map_fall`)
+_PICTURE_AMPLITUDES = (0.3, 0.6, 1.0)  # of loops and slip, over the largest amplitude measured
 _TABLE = "stiffness/amplitude"
-_PICTURES = (0.3, 0.6, 1.0)  # of the largest amplitude measured
 
 
 def amplitude(
@@ -228,12 +228,14 @@ def _simulated(
             raise RuntimeError(system)
         return system, uneven_sliders(joint, system, float(np.exp(z[level, 2])), law)
 
-    curves = np.full((2, len(levels), len(_MAP)), np.nan)
+    curves = np.full((2, len(levels), len(_CURVE_AMPLITUDES)), np.nan)
     for level in shown:
         with suppress(RuntimeError):  # beyond what was measured it may not settle
-            curves[:, level] = softening_curve(*made(level), _MAP)[0]
+            curves[:, level] = softening_curve(*made(level), _CURVE_AMPLITUDES)[0]
     most = int(softening.level[np.argmin(softening.fall)])
     largest = float(softening.amplitude[softening.level == most].max())
-    drawn = pictures(joint, *made(most), [p * largest for p in _PICTURES])
-    made = dataset(_TABLE, {"map_fall": curves[0], "map_rise": curves[1], "amplitude": _MAP})
+    drawn = pictures(joint, *made(most), [p * largest for p in _PICTURE_AMPLITUDES])
+    made = dataset(
+        _TABLE, {"map_fall": curves[0], "map_rise": curves[1], "amplitude": _CURVE_AMPLITUDES}
+    )
     return made.assign(drawn.variables).assign_attrs(drawn.attrs, picture_force_N=levels[most][1])

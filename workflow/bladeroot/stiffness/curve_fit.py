@@ -1,11 +1,11 @@
-"""The friction that the curves want, and what they then say of the stiffness.
+"""The friction that the curves ask for, and what they then tell of the stiffness.
 
 In each round the curves are made linear at the present stiffness and friction, friction is
 integrated out of them, and the joint MAP estimate of the stiffness with what is left is found. In
-the first rounds friction is fitted to the curves before; from then on it is its posterior's mean,
-since the fit's place on a ridge of friction coefficients says nothing. Where on the flanks the
-pressure happens to be high is not known: what that does to the curves is an error that all levels,
-falls and rises share.
+the first rounds friction is fitted to the curves before that; from then on it is kept at its
+posterior's mean, since a fit may stop anywhere on a ridge of friction coefficients. Where on the
+flanks the pressure happens to be high is not known: what that does to the curves is an error that
+all levels, falls and rises share.
 """
 
 from collections.abc import Mapping
@@ -30,13 +30,16 @@ from bladeroot.stiffness.simulated_curves import (
 )
 from bladeroot.stiffness.softening import Softening, covariance
 
-_ROUNDS, _CLOSE = 8, 0.01  # of ln k, in the last round
-_FITTED = 2  # rounds in which friction is fitted; at the end of the last its posterior is taken
-_LONGEST = 0.4  # change of ln k in one round
-_MET = 3.0  # standard deviations by which simulated curves may miss the measured ones, rms
-_SCAN = np.arange(-3.0, 4.0)  # of ln friction where the first fit may start, in prior's std
-_FAR = 8.0  # prior's std beyond which no friction is tried: its powers overflow
-_LEAST_GAIN = 1e-2  # nats, of a step of the friction's fit
+# The rounds, in each of which the curves are linearised at the stiffness so far.
+_MOST_ROUNDS = 8
+_CONVERGED_MOVE = 0.01  # of any level's ln kn, ln kt or ln F in the last round
+_LONGEST_MOVE = 0.4  # of the same in one round
+_MOST_MISFIT = 3.0  # rms of measured less simulated curves over std, up to which rounds converged
+# The fit of the friction in the first rounds.
+_FRICTION_ROUNDS = 2  # at the end of the last its posterior's mean takes the fit's place
+_FRICTION_STARTS = np.arange(-3.0, 4.0)  # prior's std from its mean, of ln friction coefficient
+_FARTHEST_FRICTION = 8.0  # prior's std beyond which none is tried: powers overflow there
+_LEAST_GAIN = 1e-2  # nats: the fit ends with a step that gains less
 FRICTION_PRIOR = Prior(*np.array([entry[:2] for entry in FRICTION.values()]).T)
 
 
@@ -79,19 +82,19 @@ def fit_curves(
     row = np.arange(len(measured))
     friction, at_k = prior.mean, alone
     largest, rounds = np.inf, 0
-    while (largest > _CLOSE or rounds <= _FITTED) and rounds < _ROUNDS:
+    while (largest > _CONVERGED_MOVE or rounds <= _FRICTION_ROUNDS) and rounds < _MOST_ROUNDS:
         rounds += 1
         z = predict(model, at_k.parameters[None]).logarithms[0]
         at = levels_at(joint, softening, levels, lasers, z)
         if rounds == 1:
             friction = _start(friction_problem(joint, at, measured, smooth))
-        if rounds <= _FITTED:
+        if rounds <= _FRICTION_ROUNDS:
             uneven = by_unevenness(joint, at, friction)
             errors = smooth + uneven @ uneven.T
             problem = friction_problem(joint, at, measured, errors)
             fitted = fit(problem, friction, least=_LEAST_GAIN)
             friction = fitted.parameters
-        if rounds == _FITTED:
+        if rounds == _FRICTION_ROUNDS:
             friction, friction_covariance = moments(fitted, 0)
         value, along_curve = along(joint, at, friction)
         by_law = by_friction(joint, at, friction, value, along_curve)
@@ -103,7 +106,7 @@ def fit_curves(
         found = refit(replace(model, curves=term), at_k)
         away = predict(model, found.parameters[None]).logarithms[0] - z
         largest = float(np.abs(away).max())
-        share = min(1.0, _LONGEST / max(largest, _LONGEST))
+        share = min(1.0, _LONGEST_MOVE / max(largest, _LONGEST_MOVE))
         at_k = replace(
             at_k,
             parameters=at_k.parameters + share * (found.parameters - at_k.parameters),
@@ -118,7 +121,7 @@ def fit_curves(
         value,
         std,
         rounds,
-        bool(largest <= _CLOSE and np.sqrt(np.mean(miss**2)) <= _MET),
+        bool(largest <= _CONVERGED_MOVE and np.sqrt(np.mean(miss**2)) <= _MOST_MISFIT),
     )
 
 
@@ -132,7 +135,7 @@ def friction_problem(
     prior, none = FRICTION_PRIOR, np.full(measured.size, np.nan)
 
     def predict_curves(friction: ndarray) -> State:
-        if np.abs((friction - prior.mean) / prior.std).max() > _FAR:
+        if np.abs((friction - prior.mean) / prior.std).max() > _FARTHEST_FRICTION:
             return LazyState(none, lambda: none, {})
         try:
             value, slope = along(joint, at, friction)
@@ -147,5 +150,7 @@ def friction_problem(
 
 def _start(problem: Problem) -> Float[ndarray, " parameter"]:
     """The friction coefficient to start from: where nothing slips no slope leads away."""
-    trials = problem.prior.mean + np.outer(_SCAN, problem.prior.std * [1.0, 0.0, 0.0, 0.0])
+    trials = problem.prior.mean + np.outer(
+        _FRICTION_STARTS, problem.prior.std * [1.0, 0.0, 0.0, 0.0]
+    )
     return trials[int(np.argmin([cost(problem, one) for one in trials]))]

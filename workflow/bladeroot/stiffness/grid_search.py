@@ -14,9 +14,9 @@ from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.surface import all_frequencies
 from bladeroot.variables import dataset
 
-NODES = 33  # of a flank (6.16); tables print the stiffness of one
-NODAL_RANGE = (1e7, 1.5e8)  # N/m: 1e4 to 1.5e5 N/mm
-POINTS = 50
+FLANK_NODES = 33  # nodes of a flank (6.16); the thesis prints the stiffness of one node
+NODAL_STIFFNESS = (1e7, 1.5e8)  # N/m, the range searched: 1e4 to 1.5e5 N/mm
+GRID_POINTS = 50  # along each axis
 
 
 def grid_search(
@@ -30,7 +30,7 @@ def grid_search(
     target, target_std, fe_error: Hz. The thesis does not publish its FE error. Stiffness is
     given as flank totals, 33 times the nodal one (eq. 6.16). NaN when no point is accepted.
     """
-    axis = np.linspace(*NODAL_RANGE, POINTS) * NODES
+    axis = np.linspace(*NODAL_STIFFNESS, GRID_POINTS) * FLANK_NODES
     k = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     f, jacobian = all_frequencies(surface, np.log(k))
     miss = np.abs(f - target)
@@ -47,7 +47,7 @@ def grid_search(
     if accepted.any():
         chosen, std = k[best], np.sqrt(np.diag(covariance[best]))
     made = {
-        "grid_accepted": accepted.reshape(POINTS, POINTS).astype(np.int8),
+        "grid_accepted": accepted.reshape(GRID_POINTS, GRID_POINTS).astype(np.int8),
         "grid_axis_kn": axis,
         "grid_axis_kt": axis,
     }

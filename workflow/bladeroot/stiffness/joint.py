@@ -22,7 +22,7 @@ from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior
 from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
 from bladeroot.variables import dataset
 
-_ODDS = np.log(20.0)  # by which a law must be less probable to be dropped
+_DROPPED_ODDS = np.log(20.0)  # nats of evidence below the best law, at which a law is dropped
 
 
 def joint(
@@ -108,11 +108,11 @@ def models_of(
 def freest(fits: Mapping[str, Fit]) -> str:
     """The law with most parameters among those that the evidence does not drop.
 
-    kn and kt that are tied together by too poor a law look better known than they are, and such a
-    law often has most evidence; one twenty times less probable than the best is dropped.
+    Under too simple a law kn and kt look better known than they are, and such a law often has the
+    highest evidence. A law twenty times less probable than the best is dropped.
     """
     best = max(fit.log_evidence for fit in fits.values())
-    kept = {name: fit for name, fit in fits.items() if fit.log_evidence > best - _ODDS}
+    kept = {name: fit for name, fit in fits.items() if fit.log_evidence > best - _DROPPED_ODDS}
     return max(kept, key=lambda name: (kept[name].parameters.size, kept[name].log_evidence))
 
 

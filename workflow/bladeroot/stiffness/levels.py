@@ -10,20 +10,21 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.sparse.csgraph import connected_components
 
-# No frequency repeats better, relative: a steel's modulus changes by 2.5e-4 a kelvin, so 0.01 K is
-# as much. An error of one clean record alone may be a thousand times smaller; beside the scatter of
-# clampings such an error is lost in rounding, and covariances are no longer positive definite.
-LEAST_STD = 1e-6
+# Least relative error of a level's frequency. No frequency repeats better: a steel's modulus
+# changes by 2.5e-4 a kelvin, so 0.01 K is as much. The error of one clean record alone may be a
+# thousand times smaller; beside the scatter of clampings it would be lost in rounding, and
+# covariances would not be positive definite.
+LEAST_FREQUENCY_STD = 1e-6
 
 
 @dataclass(frozen=True)
 class Levels:
     """One entry a mode and force.
 
-    mode: number of the mode in `modes`. std: relative, without what a new clamping changes.
-    clamping: levels of one number were measured on the same clampings, `clampings` of them.
-    clamping_std, clamping_freedom: what each mode's repeats say of the scatter between clampings,
-    relative, and with how many degrees of freedom (0: nothing).
+    mode: index of the mode in `modes`. force: N. std: relative, without what a new clamping
+    changes. clamping: the same number for levels that were measured on the same clampings;
+    clampings: how many these are. clamping_std: relative scatter between clampings by each mode's
+    repeats; clamping_freedom: its degrees of freedom (0: no repeats).
     """
 
     modes: tuple[str, ...]
@@ -49,10 +50,10 @@ def from_force(levels: Levels, least: float) -> Levels:
 def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
     """The levels of `bladeroot.pooling.stick` that belong to the given modes.
 
-    A level's own noise is that within records and between records of a clamping, `LEAST_STD` at
-    least; of a table without records it is `frequency_std`. Two modes at one force share their
-    clampings if the records say so. Raises ValueError if there is no level or a frequency has no
-    error.
+    A level's own noise is that within records and between records of a clamping, and at least
+    `LEAST_FREQUENCY_STD`; of a table without records it is `frequency_std`. Two modes at one force
+    share their clampings if the records say so. Raises ValueError if there is no level or a
+    frequency has no error.
     """
     name, frequency = stick["mode"].values.astype(str), stick["frequency"].values
     chosen = np.flatnonzero(np.isin(name, modes) & np.isfinite(frequency))
@@ -87,7 +88,7 @@ def levels_of(stick: xr.Dataset, modes: tuple[str, ...]) -> Levels:
         mode,
         force,
         np.log(frequency),
-        np.maximum(own / frequency, LEAST_STD),
+        np.maximum(own / frequency, LEAST_FREQUENCY_STD),
         _clampings(stick, here, force),
         np.maximum(here["holds"].values, 1).astype(float),
         clamping_std,

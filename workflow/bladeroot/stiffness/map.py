@@ -1,7 +1,7 @@
 """The map from contact stiffness to the modes' frequencies at one force (section 5.2.1).
 
-A cut through the parametric model of the structure, checked against the assembly of that force. The
-map knows nothing of measurements.
+A cut through the parametric model of the structure, checked against the assembly of that force. No
+measurement enters it.
 """
 
 import numpy as np
@@ -14,8 +14,8 @@ from bladeroot.rom.ritz import frequency
 from bladeroot.stiffness.surface import MODES, all_frequencies
 from bladeroot.variables import dataset
 
-GRID = 60  # points of the drawn map along each axis
-_CHECKS = 3
+MAP_POINTS = 60  # of the drawn map along each axis
+_CHECK_POINTS = 3  # in the box, at which the map is compared with exact solutions
 
 
 def frequency_map(model: xr.Dataset, assembly: xr.Dataset) -> xr.Dataset:
@@ -40,11 +40,11 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset) -> xr.Dataset:
     force = assembly.attrs["axial_force"]
     modes = tuple(str(mode) for mode in model["mode"].values)
     surface = at_force(surface_of(model), force)
-    axis = np.linspace(surface.low[0], surface.high[0], GRID)
+    axis = np.linspace(surface.low[0], surface.high[0], MAP_POINTS)
     mesh = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     drawn, _ = all_frequencies(surface, mesh)
     joint = joint_of(assembly, equal_nodes=model.attrs["springs"] != "by area")
-    shares = np.random.default_rng(2).uniform(size=(_CHECKS, 2))
+    shares = np.random.default_rng(2).uniform(size=(_CHECK_POINTS, 2))
     unseen = axis[0] + (axis[-1] - axis[0]) * shares
     exact = [exact_modes(joint, np.append(point, 0.0), modes).values for point in unseen]
     truth = frequency(np.array(exact)).T
@@ -55,7 +55,7 @@ def frequency_map(model: xr.Dataset, assembly: xr.Dataset) -> xr.Dataset:
         "map_kn": np.exp(axis),
         "map_kt": np.exp(axis),
         "ln_frequency": surface.coefficients[..., 0],
-        "map_frequency": drawn.T.reshape(-1, GRID, GRID),
+        "map_frequency": drawn.T.reshape(-1, MAP_POINTS, MAP_POINTS),
         "bonded_frequency": bonded,
         "check_kn": np.exp(unseen[:, 0]),
         "check_kt": np.exp(unseen[:, 1]),

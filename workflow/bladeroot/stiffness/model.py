@@ -26,18 +26,18 @@ from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
 from bladeroot.stiffness.levels import Levels
 from bladeroot.stiffness.priors import BIAS_TILT, REFERENCE_FORCE, SCATTER
 
-LEAST_FORCE = 100.0  # N; a law in ln F ends before zero force
-_STARTS = (-0.7, 0.0, 0.7)  # of ln kn and ln kt, in standard deviations of their priors
-_LEAST_GAIN = 1e-6  # nats: laws and variations are compared by their MAP estimates
+LEAST_FORCE = 100.0  # N, the smallest true force at which a law in ln F is evaluated
+_START_OFFSETS = (-0.7, 0.0, 0.7)  # of ln kn and ln kt from their priors' means, in std
+_LEAST_GAIN = 1e-6  # nats: a fit ends with a step that gains less; laws are compared by their fits
 
 
 @dataclass(frozen=True)
 class CurveTerm:
-    """rest = slope (z - center) + errors of unit variance, as few rows as say it all.
+    """What curves say of z = (ln kn, ln kt, ln F) of all levels, F the true axial force in N.
 
-    center: (ln kn, ln kt, ln F) of each level, F the true axial force in N; slope by the same
-    coordinates, flattened. constant: what these rows leave out of the log-likelihood. points:
-    numbers behind it.
+    rest = slope (z - center) + errors of unit variance, in as few rows as hold all information on
+    z, flattened. constant: the part of the log-likelihood that does not depend on z. points: number
+    of measured values.
     """
 
     center: Float[ndarray, "level 3"]
@@ -69,7 +69,7 @@ def curve_term(
 class LevelModel:
     """Surface (ln f of the modes of `levels`, in their order), data, law and priors.
 
-    names: of the parameters. curves: what amplitude curves say of the levels; None without any.
+    names: of the parameters. curves: what amplitude curves tell of the levels; None without any.
     """
 
     surface: Surface
@@ -126,11 +126,11 @@ def level_model(
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the model says of every level at several points of the parameters.
+    """What the model predicts for every level at several points of the parameters.
 
-    coordinates: (ln kn, ln kt, F), F the true axial force in N; design: their derivatives by the
-    parameters. ln_frequency as it would be measured without noise; slope: of ln f by the
-    coordinates. allowed: within the model's box.
+    coordinates: (ln kn, ln kt, F), F the true axial force in N. design: their derivatives by the
+    parameters. ln_frequency: as measured without noise. slope: of ln f by the coordinates.
+    allowed: whether all coordinates lie within the model's box.
     """
 
     coordinates: Float[ndarray, "point level 3"]
@@ -148,7 +148,7 @@ class Prediction:
 
 
 def bias_rows(levels: Levels) -> Float[ndarray, "bias level"]:
-    """What each bias, then each tilt, does to the bias of every level."""
+    """Derivatives of every level's bias by each mode's bias, then by each mode's tilt."""
     of_mode = (levels.mode == np.arange(len(levels.modes))[:, None]).astype(float)
     return np.concatenate([of_mode, of_mode * np.log(levels.force / REFERENCE_FORCE)])
 
@@ -184,7 +184,7 @@ def predict(model: LevelModel, theta: Float[ndarray, "point parameter"]) -> Pred
 
 
 def problem_of(model: LevelModel) -> Problem:
-    """What the engine fits and samples; its only scale is ln of the scatter between clampings."""
+    """The problem that is fitted and sampled; its one scale is the scatter between clampings."""
     levels, curves = model.levels, model.curves
     rows = bias_rows(levels).T
     data = levels.ln_frequency
@@ -251,7 +251,7 @@ def _repeats(levels: Levels) -> Repeats | None:
     )
 
 
-def map_estimate(model: LevelModel, starts: tuple[float, ...] = _STARTS) -> Fit:
+def map_estimate(model: LevelModel, starts: tuple[float, ...] = _START_OFFSETS) -> Fit:
     """The MAP estimate, the best from several stiffnesses.
 
     starts: of ln kn and of ln kt, in standard deviations of their priors. Raises ValueError if no

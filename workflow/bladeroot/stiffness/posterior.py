@@ -1,7 +1,7 @@
-"""What a posterior of (ln kn, ln kt) over the axial force is told by: draws and curvature.
+"""A posterior of (ln kn, ln kt) over the axial force, by draws and by curvature.
 
-In: a fit of the engine and how its parameters make (ln kn, ln kt). Out: the variables of a joint
-artifact that are the posterior's own.
+In: a fit and the function from its parameters to (ln kn, ln kt). Out: the variables of a joint
+artifact that describe the posterior.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,13 +20,12 @@ from bladeroot.variables import dataset
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 COMBINATIONS = ("stiff", "sloppy")
 STIFFNESS = ("kn", "kt")
-_BENT = (0, 1)  # ln kn and ln kt: along them the posterior bends
-_KEPT = 2000  # draws in the artifact
+REGION_SHARES = (0.68, 0.95)  # of the draws, within the regions of (ln kn, ln kt) that are drawn
+_BENT_PARAMETERS = (0, 1)  # ln kn and ln kt: along them the posterior bends
+_KEPT_DRAWS = 2000  # in the artifact
 _LEVEL_DRAWS = 400  # behind a level's prediction
-_CURVE = 60
-_PLANE = 80  # points along each axis of the plane of (ln kn, ln kt)
-
-SHARES = (0.68, 0.95)  # of the regions that are drawn
+_CURVE_POINTS = 60  # forces of the curve of kn and kt
+_PLANE_POINTS = 80  # along each axis of the plane of (ln kn, ln kt)
 _TABLE = "stiffness/posterior"
 
 LnStiffness = Callable[[ndarray, ndarray], ndarray]
@@ -88,13 +87,13 @@ def posterior(
     force (N) and ln frequency of the data's first entries. count: of draws.
     """
     law = laws[chosen]
-    draws = sample(law.fit, _BENT, count)
+    draws = sample(law.fit, _BENT_PARAMETERS, count)
     parts = [
         _laws(laws),
         _parameters(law, draws),
         _at_forces(law, draws, np.asarray(forces, float)),
         _plane(law, draws),
-        _curve(law, draws, np.linspace(*range_N, _CURVE)),
+        _curve(law, draws, np.linspace(*range_N, _CURVE_POINTS)),
         _levels(law, draws, levels),
     ]
     whole = xr.merge(parts, compat="equals", join="exact", combine_attrs="drop_conflicts")
@@ -105,7 +104,7 @@ def posterior(
 
 def at_forces(law: Law, forces: Sequence[float]) -> xr.Dataset:
     """What `posterior` says of kn and kt at each wanted force alone; arguments as there."""
-    return _at_forces(law, sample(law.fit, _BENT), np.asarray(forces, float))
+    return _at_forces(law, sample(law.fit, _BENT_PARAMETERS), np.asarray(forces, float))
 
 
 def _some(draws: Float[ndarray, "draw parameter"], count: int) -> ndarray:
@@ -161,7 +160,7 @@ def _at_forces(law: Law, draws: Draws, forces: Float[ndarray, " force"]) -> xr.D
         "combination_std": np.array(size)[:-1],
         "combination_weight": np.array(weights)[:-1],
         "reference_quantile": quantile[-1],
-        "reference_draw": np.exp(_some(ln_k[:, -1], _KEPT)),
+        "reference_draw": np.exp(_some(ln_k[:, -1], _KEPT_DRAWS)),
         "force": forces,
         "stiffness": list(STIFFNESS),
         "quantile": list(QUANTILES),
@@ -172,10 +171,10 @@ def _at_forces(law: Law, draws: Draws, forces: Float[ndarray, " force"]) -> xr.D
 
 def _plane(law: Law, draws: Draws) -> xr.Dataset:
     """Regions of (ln kn, ln kt) at 12 kN, by the share of the draws that lie denser."""
-    ln_k = law.ln_k(_some(draws.parameters, _KEPT), np.array([REFERENCE_FORCE]))[:, 0]
+    ln_k = law.ln_k(_some(draws.parameters, _KEPT_DRAWS), np.array([REFERENCE_FORCE]))[:, 0]
     low, high = np.quantile(ln_k, (0.005, 0.995), axis=0)
     margin = 0.2 * (high - low)
-    axes = np.linspace(low - margin, high + margin, _PLANE).T
+    axes = np.linspace(low - margin, high + margin, _PLANE_POINTS).T
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     share = share_within(ln_k, points.reshape(-1, 2)).reshape(points.shape[:2])
     made = {"region_share": share, "region_kn": np.exp(axes[0]), "region_kt": np.exp(axes[1])}
@@ -183,7 +182,7 @@ def _plane(law: Law, draws: Draws) -> xr.Dataset:
 
 
 def _curve(law: Law, draws: Draws, force: Float[ndarray, " force"]) -> xr.Dataset:
-    ln_k = law.ln_k(_some(draws.parameters, _KEPT), force)
+    ln_k = law.ln_k(_some(draws.parameters, _KEPT_DRAWS), force)
     quantile = np.exp(np.quantile(ln_k, QUANTILES, axis=0)).transpose(1, 2, 0)
     made = {
         "curve_quantile": quantile,

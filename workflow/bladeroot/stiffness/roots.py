@@ -7,8 +7,8 @@ from numpy import ndarray
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.stiffness.surface import all_frequencies
 
-_CONVERGED = 1e-9  # of the frequency; ten times finer than the map itself
-_SAME = 1e-4  # two roots nearer than this in ln k are one
+_ROOT_TOLERANCE = 1e-9  # relative, of each frequency; ten times finer than the map itself
+_SAME_ROOT = 1e-4  # of ln k: two roots nearer than this are one
 
 
 def newton(
@@ -26,13 +26,13 @@ def newton(
     for _ in range(40):
         f, jacobian = all_frequencies(surface, x)
         relative = (target - f) / target
-        if np.all(np.abs(relative) < _CONVERGED):
+        if np.all(np.abs(relative) < _ROOT_TOLERANCE):
             break
         step = _solve_pairs(jacobian / target[:, :, None], relative)
         step *= np.minimum(1.0, 1.0 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         x = np.clip(x + step, *log_box)
     f, _ = all_frequencies(surface, x)
-    return x, np.all(np.abs(f / target - 1.0) < _CONVERGED, axis=1)
+    return x, np.all(np.abs(f / target - 1.0) < _ROOT_TOLERANCE, axis=1)
 
 
 def _solve_pairs(matrix: Float[ndarray, "point 2 2"], right: Float[ndarray, "point 2"]) -> ndarray:
@@ -75,7 +75,7 @@ def all_roots(
     ends, good = newton(surface, targets, starts, (log_axis[0], log_axis[-1]))
     roots: list[ndarray] = []
     for end in ends[good]:
-        if all(np.abs(end - root).max() > _SAME for root in roots):
+        if all(np.abs(end - root).max() > _SAME_ROOT for root in roots):
             roots.append(end)
     return np.array(sorted(roots, key=tuple)).reshape(-1, 2)
 

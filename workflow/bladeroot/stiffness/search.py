@@ -1,10 +1,10 @@
 """Contact stiffness of one assembly from the frequencies measured at its force (sections 5.2, 5.3).
 
-Two frequencies fix two unknowns exactly, so nothing is left over to tell how well the model
-fits; all doubt is in what the frequencies are worth. Measured ones carry the errors of 5.14, the
-model's a bias that is the same for all forces. Both go into the covariance of (ln kn, ln kt), and,
-as the map bends and ends at bonded contact, into draws that may have no root at all. A further mode
-leaves a chi-square; of one mode alone the prior decides what it does not tell.
+Two frequencies fix two unknowns exactly, so nothing is left over to tell how well the model fits;
+all uncertainty is that of the frequencies. Measured ones have the errors of 5.14, the model's a
+bias that is the same for all forces. Both go into the covariance of (ln kn, ln kt), and, as the map
+bends and ends at bonded contact, into draws that may have no root at all. With a further mode there
+is a chi-square; with one mode alone the prior decides what that mode does not tell.
 """
 
 from collections.abc import Mapping
@@ -31,8 +31,8 @@ from bladeroot.variables import dataset
 SOURCES = ("measurement", "finite elements")
 QUANTILES = (0.16, 0.5, 0.84)
 STIFFNESS = ("kn", "kt")
-_FEWEST = 20  # draws with a root, from which on they have quantiles
-_EDGE = 1e-3  # of ln k, from the box, at which a point lies on its edge
+_FEWEST_ROOTS = 20  # draws with a root; of fewer no quantiles are given
+_EDGE_WIDTH = 1e-3  # of ln k: a point nearer to the box's edge counts as on it
 
 
 def search(
@@ -226,7 +226,7 @@ def _miss(surface, target, std, bias, drawn, log_axis, modes, rootless) -> xr.Da
         point = nearest_point(surface, target, spread, drawn, log_axis)
         near = all_frequencies(surface, point[None])[0][0]
         needed = target / near - 1.0
-        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < _EDGE))
+        edge = int(np.any(np.abs(point[:, None] - log_axis[[0, -1]]) < _EDGE_WIDTH))
     return _said({"needed_bias": needed, "needed_bias_at_edge": edge, "mode": modes})
 
 
@@ -246,7 +246,7 @@ def _scatter(
         start = np.stack(np.unravel_index(np.argmin(miss, axis=1), drawn.shape[1:]), axis=1)
         ends, good = newton(surface, aims, log_axis[start], (log_axis[0], log_axis[-1]))
         share = float(np.mean(good))
-        if good.sum() >= _FEWEST:
+        if good.sum() >= _FEWEST_ROOTS:
             quantiles = np.exp(np.quantile(ends[good], QUANTILES, axis=0)).T
     elif fitted is not None:
         spread = np.outer(fitted.fit.std, ndtri(QUANTILES))

@@ -17,17 +17,18 @@ from bladeroot.nonlinear.uneven import Uneven, uneven_sliders
 from bladeroot.rom.joint import Joint
 from bladeroot.stiffness.softening import Softening
 
-# Of ln k and the friction's parameters, for slopes by differences: across the slips of several
-# friction points. A step as short as one slip takes its kink for what the curves know.
-_STEP = 0.1
-_PRESSED = 0.02  # of one pair's ln pressure: few of its parts slip
+# Steps for slopes by differences. Each slip of a friction point is a kink in a curve; a step as
+# short as one slip would give the kink's slope, not the curve's.
+_SLOPE_STEP = 0.1  # of ln k and of the friction's parameters: across several points' slips
+_PRESSURE_STEP = 0.02  # of one pair's ln pressure; few parts of one pair slip
 
 
 @dataclass(frozen=True)
 class Bench:
     """The systems in which a level's curves are simulated.
 
-    number: of the level. force: N. systems: at its ln kn, ln kt; with ln kn a step larger; ln kt.
+    number: of the level. force: N. systems: at its ln kn and ln kt, then with ln kn, and with ln
+    kt, a step larger.
     """
 
     number: int
@@ -45,7 +46,7 @@ def levels_at(
 ) -> list[Bench]:
     """The systems of the levels (mode, force) that have points, at z = (ln kn, ln kt, ln F)."""
     numbers = np.unique(softening.level)
-    steps = _STEP * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    steps = _SLOPE_STEP * np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     wanted = [(levels[number][0], z[number] + step) for number in numbers for step in steps]
     systems = level_systems(joint, wanted, lasers)
     made = []
@@ -67,7 +68,7 @@ def level_systems(
     wanted: Sequence[tuple[str, Float[ndarray, "3"]]],
     lasers: Mapping[str, float],
 ) -> list[System | str]:
-    """The systems of modes at places z = (ln kn, ln kt, ln F); why there is none, where so.
+    """The system of each mode at its place z = (ln kn, ln kt, ln F), or why there is none.
 
     The modes of one place share its factors and its lowest modes.
     """
@@ -104,13 +105,15 @@ def by_friction(
     slope: Float[ndarray, " number"],
 ) -> Float[ndarray, "number parameter"]:
     """Slopes by the parameters in the order of `FRICTION`; value and slope: from `along`."""
-    steps = friction + _STEP * np.eye(len(friction))[1:]
+    steps = friction + _SLOPE_STEP * np.eye(len(friction))[1:]
     parts = []
     for one in at:
         system = one.systems[0]
         moved = [uneven_sliders(joint, system, one.force, friction_of(step)) for step in steps]
         parts.append(softening_curves(system, moved, one.amplitude)[0])
-    changed = [(_stacked(list(curves)) - value) / _STEP for curves in zip(*parts, strict=True)]
+    changed = [
+        (_stacked(list(curves)) - value) / _SLOPE_STEP for curves in zip(*parts, strict=True)
+    ]
     return np.stack([-slope, *changed], axis=1)
 
 
@@ -125,26 +128,26 @@ def by_level(
     changed = [
         _stacked([_curve(joint, one, one.systems[k], friction)[0] for one in at]) for k in (1, 2)
     ]
-    return np.stack([*((one - value) / _STEP for one in changed), -slope], axis=1)
+    return np.stack([*((one - value) / _SLOPE_STEP for one in changed), -slope], axis=1)
 
 
 def by_unevenness(
     joint: Joint, at: list[Bench], friction: Float[ndarray, " parameter"]
 ) -> Float[ndarray, "number pair"]:
-    """Change of all points, falls then rises, where one pair's pressure is a standard deviation up.
+    """Change of all points, falls then rises, by one standard deviation of each pair's pressure.
 
-    The flanks' mean pressure stays. Mirror images of a contact are uneven each by itself, so that
-    their sum, which the mode feels, is so by the root of their number.
+    The flanks' mean pressure is kept. Mirror images of a contact vary independently, so that their
+    mean, which the mode feels, varies less by the root of their number.
     """
     law = friction_of(friction)
     parts = []
     for one in at:
         system = one.systems[0]
         sliders = uneven_sliders(joint, system, one.force, law)
-        up = 1.0 + np.expm1(_PRESSED) * np.eye(system.pair.size)[:, :, None]
+        up = 1.0 + np.expm1(_PRESSURE_STEP) * np.eye(system.pair.size)[:, :, None]
         pressed = [replace(sliders, preload=sliders.preload * higher) for higher in up]
         value, *changed = softening_curves(system, [sliders, *pressed], one.amplitude)[0]
-        slope = np.stack([(curve - value) / _PRESSED for curve in changed], axis=-1)
+        slope = np.stack([(curve - value) / _PRESSURE_STEP for curve in changed], axis=-1)
         share = system.count * sliders.preload.sum(axis=1)
         slope -= slope.sum(axis=2, keepdims=True) * share / share.sum()
         part = np.zeros((*slope.shape[:2], system.image.size))

@@ -1,9 +1,10 @@
 """Measured curves as the inference takes them: how far frequency falls and damping rises by slip.
 
-How far measured and simulated curves may differ is a covariance. Besides noise: the clampings' own
-friction, which moves a curve along the amplitude; and the model itself, which is trusted to some
-per cent. Slip is made of patches that let go one after the other, so an effect that is small
-against the largest, made by few of them, is less certain by its root.
+How far measured and simulated curves may differ is a covariance. Besides noise it holds the
+scatter of friction between clampings, which moves a curve along the amplitude, and the model's own
+error of some per cent. Slip is made of patches that let go one after the other. So the relative
+error of a small effect, made by few of them, is larger: its standard deviation goes with the root
+of the effect.
 """
 
 from collections.abc import Collection
@@ -17,13 +18,17 @@ from scipy.linalg import block_diag
 
 from bladeroot.pooling.level_curve import level_curve
 
-_LEAST = 2e-4  # of the stick frequency: less softening than this is not used
-_CLEAR = 4.0  # in standard errors
-DISCREPANCY = 0.05  # of the largest effect
-CLAMPING = 0.06  # standard deviation of ln friction between clampings
-_LENGTH = 0.7  # of the model's error, in ln amplitude
-# Of its variance: common to all forces at the same amplitude over force; own to the level; neither.
-_COMMON, _OWN, _LOOSE = 0.4, 0.4, 0.2
+# A point of a curve is used if its frequency has fallen by more than both of these.
+_LEAST_FALL = 2e-4  # of the stick frequency
+_FALL_ERRORS = 4.0  # standard errors of the fall
+CLAMPING_SCATTER = 0.06  # standard deviation of ln friction between clampings
+# The error of the simulated curves.
+DISCREPANCY = 0.05  # standard deviation of the largest effect, over it
+_ERROR_LENGTH = 0.7  # of ln amplitude, over which its correlation falls to 1/e
+# Parts of its variance, which add up to one.
+_SHARED_PART = 0.4  # of a mode, shared by all forces at the same amplitude over force
+_LEVEL_PART = 0.4  # of each level by itself
+_POINT_PART = 0.2  # of each point by itself
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ def softening_of(seen: xr.Dataset, levels: list[tuple[str, float]]) -> Softening
             continue
         fall, (noise, noise_rise) = np.expm1(curve.mean[0]), curve.stated
         noise = np.outer(1.0 + fall, 1.0 + fall) * noise
-        clear = (fall < -_LEAST) & (-fall > _CLEAR * np.sqrt(np.diag(noise)))
+        clear = (fall < -_LEAST_FALL) & (-fall > _FALL_ERRORS * np.sqrt(np.diag(noise)))
         known = np.isfinite(seen["frequency"].values[own])
         at = np.searchsorted(seen["amplitude"].values, curve.amplitude)
         clampings = [len(set(names[own][row])) for row in known[:, at].T]
@@ -96,13 +101,13 @@ def covariance(
     points = len(mode)
     alike = (mode[:, None] == mode) * _near(np.log(softening.amplitude / force))
     own = (softening.level[:, None] == softening.level) * _near(np.log(softening.amplitude))
-    kernel = _COMMON * alike + _OWN * own + _LOOSE * np.eye(points)
+    kernel = _SHARED_PART * alike + _LEVEL_PART * own + _POINT_PART * np.eye(points)
     for part, value in ((slice(0, points), softening.fall), (slice(points, None), softening.rise)):
         largest = np.array([np.abs(value[mode == one]).max() for one in mode])
         size = discrepancy * np.sqrt(np.abs(value) * largest)
         total[part, part] += kernel * np.outer(size, size)
     along = np.concatenate([_slope(softening, softening.fall), _slope(softening, softening.rise)])
-    moved = CLAMPING * along / np.sqrt(np.tile(softening.clampings, 2))
+    moved = CLAMPING_SCATTER * along / np.sqrt(np.tile(softening.clampings, 2))
     same = np.tile(force, 2)[:, None] == np.tile(force, 2)
     return total + same * np.outer(moved, moved)
 
@@ -118,4 +123,4 @@ def _slope(softening: Softening, value: Float[ndarray, " point"]) -> Float[ndarr
 
 
 def _near(place: Float[ndarray, " point"]) -> Float[ndarray, "point point"]:
-    return np.exp(-np.abs(place[:, None] - place) / _LENGTH)
+    return np.exp(-np.abs(place[:, None] - place) / _ERROR_LENGTH)

@@ -7,15 +7,15 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.grid_search import NODES
+from bladeroot.stiffness.grid_search import FLANK_NODES
 from bladeroot.stiffness.priors import REFERENCE_FORCE
 from bladeroot.variables import dataset, registered
 
-DETERMINED = ("root", "fit")  # status where the frequencies alone give kn and kt
-FEWEST = 3  # of these that a law of two parameters needs at least
+DETERMINED = ("root", "fit")  # status of a search whose frequencies alone give kn and kt
+FEWEST_DETERMINED = 3  # such searches that a law of two parameters needs
 _TABLES = ("stiffness/search", "stiffness/grid_search")
-_LEFT_OUT = {"root", "grid_axis_kn", "grid_axis_kt"}  # dims of what belongs to one search
-_FLOOR = 1e-6  # smallest std of ln k that a weight may rest on
+_LEFT_OUT = {"root", "grid_axis_kn", "grid_axis_kt"}  # variables with these dims are of one search
+_LEAST_LN_STD = 1e-6  # of ln k, for the weights of the law's fit
 
 
 def summarise(
@@ -52,7 +52,7 @@ def summarise(
 
 
 def _of_structure(name: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """All forces of a structure, but for every root and the thesis's grid."""
+    """All forces of a structure, without the list of all roots and the thesis's grid."""
     forces = [float(part.attrs["axial_force"]) for part in parts]
     if len(set(forces)) != len(forces):
         raise ValueError(f"structure {name}: two searches at one force among {sorted(forces)} N")
@@ -68,7 +68,7 @@ def _of_structure(name: str, parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _counted(whole: xr.Dataset) -> dict[str, xr.DataArray]:
     """Roots, and totals shared equally among the thesis's 33 nodes (eq. 6.16)."""
-    made = {f"{name}_nodal": whole[name] / NODES for name in ("kn", "kt")}
+    made = {f"{name}_nodal": whole[name] / FLANK_NODES for name in ("kn", "kt")}
     made["root_count"] = (whole["status"] == "root").sum("force")
     known = registered("stiffness/summary")
     return {name: value.assign_attrs(known[name][1]) for name, value in made.items()}
@@ -90,7 +90,7 @@ def power_law(
     """
     x = np.log(force / REFERENCE_FORCE)
     design = np.column_stack([np.ones_like(x), x])
-    weight = 1.0 / np.maximum(np.diag(measured), _FLOOR**2)
+    weight = 1.0 / np.maximum(np.diag(measured), _LEAST_LN_STD**2)
     estimator = np.linalg.solve(design.T @ (weight[:, None] * design), design.T * weight)
     law = estimator @ ln_stiffness
     residual = ln_stiffness - design @ law
@@ -104,7 +104,7 @@ def _laws(line: xr.Dataset, fe_forces: xr.Dataset) -> xr.Dataset:
     good = np.flatnonzero(np.isin(line["status"].values, DETERMINED))
     names = ("kn", "kt")
     law, std, scatter = np.full((2, 2), np.nan), np.full((2, 2), np.nan), np.full(2, np.nan)
-    if len(good) >= FEWEST:
+    if len(good) >= FEWEST_DETERMINED:
         here = line.isel(force=good).transpose("force", ...)
         measured, shared = _joint_covariances(here, fe_forces)
         for i, name in enumerate(names):

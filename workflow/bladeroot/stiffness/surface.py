@@ -7,7 +7,7 @@ from numpy import ndarray
 
 from bladeroot.rom.chebyshev import Surface, evaluate
 
-MODES = ("1B", "2B")  # of the source, and of every map
+MODES = ("1B", "2B")  # that the source uses and every map holds
 
 
 def surface_of_map(drawn: xr.Dataset) -> Surface:
