@@ -31,7 +31,7 @@ AMPLITUDES = LIMIT / TANGENTIAL * np.geomspace(0.3, 30.0, 25)
 @pytest.fixture
 def any_harmonics(monkeypatch):
     """The first harmonic alone, whatever the next ones would change."""
-    monkeypatch.setattr(harmonic_balance, "SUFFICES", (np.inf, np.inf))
+    monkeypatch.setattr(harmonic_balance, "TRUNCATION_LIMITS", (np.inf, np.inf))
 
 
 def first_harmonic_only(system, sliders, amplitudes, method):
@@ -193,7 +193,7 @@ def test_too_few_harmonics_end_the_curve_and_say_so():
 def test_a_decay_that_its_own_damping_does_not_agree_with_is_no_solution(stuck, monkeypatch):
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
     amplitudes = np.array([1e-6, 1e-4])
-    monkeypatch.setattr(harmonic_balance, "_SAME_FADE", -1.0)
+    monkeypatch.setattr(harmonic_balance, "_FADE_TOLERANCE", -1.0)
     curve = mode_curve(stuck, sliders, amplitudes, "harmonic-balance")
     assert np.isnan(curve.frequency).all()
     assert "did not converge" in curve.reason
@@ -204,7 +204,7 @@ def test_a_curve_that_ends_early_says_why_and_where(stuck, monkeypatch):
     """One number, that of the last amplitude with a value, by either method."""
     sliders = flank_sliders(coarse_joint(), stuck, POINT, FlankContact("jenkins", 0.05, 2.0))
     amplitudes = np.array([1e-6, 1e-5, 1e-4])
-    monkeypatch.setattr(harmonic_balance, "SUFFICES", (np.inf, np.inf))
+    monkeypatch.setattr(harmonic_balance, "TRUNCATION_LIMITS", (np.inf, np.inf))
     for method in ("harmonic-balance", "quasi-static"):
         whole = mode_curve(stuck, sliders, amplitudes, method)
         assert (np.isfinite(whole.frequency).all(), whole.reason) == (True, "")

@@ -12,7 +12,7 @@ from bladeroot.nonlinear.curves import mode_curve
 from bladeroot.nonlinear.fast_loading import softening_curve, softening_curves
 from bladeroot.nonlinear.harmonic_balance import nonlinear_mode
 from bladeroot.nonlinear.pictures import pictures
-from bladeroot.nonlinear.shortfall import FALL, crossing, onset_table, partial_contact
+from bladeroot.nonlinear.shortfall import ONSET_FALL, crossing, onset_table, partial_contact
 from bladeroot.nonlinear.system import system_of
 from bladeroot.nonlinear.uneven import Uneven, relative_pressure, uneven_sliders
 from hypothesis import given, settings
@@ -144,7 +144,7 @@ def test_less_pressure_at_the_edges_lets_slip_begin_earlier():
     assert np.all(table["onset"].values >= 0.99 * table["first_slip"].values)
     assert np.all(np.diff(table["partial_onset"].values, axis=1) < 0.0)
     assert table["onset"].values[0] > 20.0 * table["partial_onset"].values[-1, -1]
-    assert 0.0 < FALL < 1e-3
+    assert 0.0 < ONSET_FALL < 1e-3
     assert table.attrs["reason"] == ""
 
 

@@ -1,7 +1,7 @@
 """Alternating frequency-time: harmonics of the motion in, harmonics of the contact force out.
 
 Motion is x(theta) = x_0 + sum of x_c cos(h theta) + x_s sin(h theta); coefficients are ordered
-mean, cosine and sine of each harmonic. Sliders are marched from rest until they repeat themselves.
+mean, cosine and sine of each harmonic. Sliders are marched from rest until their cycle repeats.
 The Jacobian is exact for the sampled cycles and couples a contact's coefficients only among
 themselves.
 
@@ -20,7 +20,7 @@ from numpy import ndarray
 from bladeroot.compiled import njit
 from bladeroot.contact.laws.sliders import Sliders, parts, slide
 
-TIMES = 128
+CYCLE_SAMPLES = 128  # times in a cycle at which motion and contact force are sampled
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Cycle:
     analysis: Float[ndarray, "time coefficient"]
 
 
-def cycle(harmonics: Sequence[int], times: int = TIMES, fade: float = 0.0) -> Cycle:
+def cycle(harmonics: Sequence[int], times: int = CYCLE_SAMPLES, fade: float = 0.0) -> Cycle:
     """Samples of the given harmonics, ascending; 0 is the mean. ValueError if too few times.
 
     Without fading the second of two cycles is analysed. With it (fade: zeta of the decay), the
-    second and third of three, weighted like a triangle about the moment between them, at which the
-    coefficients hold: so the amplitude's trend in force over motion cancels.
+    second and third of three are, with triangular weights about the instant between them, for which
+    the coefficients hold: so the trend of force over motion with amplitude cancels.
     """
     if list(harmonics) != sorted(set(harmonics)) or min(harmonics) < 0 or 1 not in harmonics:
         raise ValueError(f"harmonics must be ascending, with 1 among them, got {list(harmonics)}")

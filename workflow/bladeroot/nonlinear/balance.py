@@ -22,8 +22,9 @@ from bladeroot.nonlinear.response import (
 )
 from bladeroot.nonlinear.system import System
 
-TOLERANCE = 1e-9  # of the largest contact motion
-_ITERATIONS, _HALVINGS = 12, 6
+TOLERANCE = 1e-9  # of the largest contact motion: a smaller residual ends Newton's method
+_MOST_ITERATIONS = 12
+_MOST_HALVINGS = 6  # of a step that does not reduce the residual enough
 
 # Contact motion -> force, its derivative (contact, 3, coefficient, 3, coefficient), slip share.
 Evaluate = Callable[[ndarray], tuple[ndarray, ndarray, ndarray]]
@@ -85,7 +86,7 @@ def solve(
         return missing, tangent, slip, response, rest, np.abs(rest).max()
 
     missing, tangent, slip, response, rest, error = state(motion, amplitude)
-    for iteration in range(_ITERATIONS):
+    for iteration in range(_MOST_ITERATIONS):
         if not (np.isfinite(error) and response.value > 0.0):
             return None
         lost = _lost(tangent, stiffness)
@@ -109,7 +110,7 @@ def solve(
             longer = float(-off / ((across[0] * rise).sum() + across[1]))
             step = step + longer * rise
         part = 1.0
-        for _ in range(_HALVINGS):
+        for _ in range(_MOST_HALVINGS):
             trial = state(motion + part * step, amplitude + part * longer)
             if trial[5] < (1.0 - 0.1 * part) * error:
                 break

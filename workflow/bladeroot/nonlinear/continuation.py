@@ -15,12 +15,14 @@ from numpy import ndarray
 
 from bladeroot.nonlinear.balance import Solution
 
-SMALLEST = 0.01  # step in the logarithm of amplitude before arclength is tried
-_ALIKE = 0.9  # correlation of successive contact motions
-_JUMP = 0.1  # of ln omega^2 in a step
-_ARC = (1e-5, 2e-3, 0.1)  # smallest, first and largest step of arclength, relative
-_ARCS = 300  # steps of arclength around one turn
-_TRIES = 100  # steps towards one target
+# Steps along the branch.
+SMALLEST_STEP = 0.01  # of ln amplitude; where a shorter one would be needed, arclength is tried
+_MOST_STEPS = 100  # towards one target
+_ARC_STEPS = (1e-5, 2e-3, 0.1)  # smallest, first and largest, of motion and amplitude, relative
+_MOST_ARC_STEPS = 300  # around one turn
+# Two successive solutions are of the same branch if both hold.
+_LEAST_CORRELATION = 0.9  # of their contact motions
+_LARGEST_JUMP = 0.1  # of ln omega^2
 
 # Master amplitude, guess, and a direction to be met across (or None) -> motion.
 Solve = Callable[..., Solution | None]
@@ -61,7 +63,7 @@ def follow(
         while abs(measure(last) / target - 1.0) > close:
             tries += 1
             new = None
-            if tries < _TRIES:
+            if tries < _MOST_STEPS:
                 new = _rise(solve, last, last.amplitude * target / measure(last))
                 if new is None:
                     new, passed = _around(solve, last, float(target), measure)
@@ -80,7 +82,7 @@ def _rise(solve: Solve, last: Solution, amplitude: float) -> Solution | None:
         new = solve(amplitude, last.motion + step * last.rate.motion)
         if new is not None and _same_branch(last, new):
             return new
-        if abs(np.log(amplitude / last.amplitude)) < SMALLEST:
+        if abs(np.log(amplitude / last.amplitude)) < SMALLEST_STEP:
             return None
         amplitude = float(np.sqrt(last.amplitude * amplitude))
 
@@ -89,10 +91,10 @@ def _around(
     solve: Solve, last: Solution, target: float, measure: Callable[[Solution], float]
 ) -> tuple[Solution | None, list[float]]:
     """By arclength until the branch rises through the target, and where it turned."""
-    smallest, step, largest = _ARC
+    smallest, step, largest = _ARC_STEPS
     heading, turns = 1.0, []
     way = _direction(last, last)
-    for _ in range(_ARCS):
+    for _ in range(_MOST_ARC_STEPS):
         size = np.linalg.norm(last.motion)
         guess = last.motion + step * size * way[0]
         amplitude = last.amplitude * (1.0 + step * way[1])
@@ -127,4 +129,4 @@ def _direction(here: Solution, scale: Solution) -> tuple[ndarray, float]:
 def _same_branch(last: Solution, new: Solution) -> bool:
     a, b = last.motion, new.motion
     alike = abs((a * b).sum()) / np.sqrt((a**2).sum() * (b**2).sum())
-    return bool(alike > _ALIKE and abs(np.log(new.value / last.value)) < _JUMP)
+    return bool(alike > _LEAST_CORRELATION and abs(np.log(new.value / last.value)) < _LARGEST_JUMP)

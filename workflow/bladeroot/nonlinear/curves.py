@@ -23,8 +23,9 @@ from bladeroot.nonlinear.quasi_static import first_loading
 from bladeroot.nonlinear.system import System
 
 METHODS = ("harmonic-balance", "quasi-static", "fixed-shape")
-_DENSITY = 60  # states a decade of quasi-static loading
-_BELOW = 10.0  # times the smallest amplitude: where quasi-static loading begins
+# The ladder of amplitudes of quasi-static loading.
+_STATES_PER_DECADE = 60
+_BEGINNING = 10.0  # smallest amplitude asked for over the ladder's first
 
 
 @dataclass(frozen=True)
@@ -143,13 +144,13 @@ def _laser_values(solution: Solution, first: int) -> tuple[float, float, float, 
 
 
 def _by_loading(system, sliders, amplitudes) -> Curve:
-    low, high = amplitudes[0] / _BELOW, 1.1 * amplitudes[-1]
-    count = 2 + int(_DENSITY * np.log10(high / low))
+    low, high = amplitudes[0] / _BEGINNING, 1.1 * amplitudes[-1]
+    count = 2 + int(_STATES_PER_DECADE * np.log10(high / low))
     ladder = np.geomspace(low, high, count)
     corner = first_slip(system, sliders)  # where the curves have their sharpest bend
     if low < corner < high:
         ladder = np.sort(
-            np.append(ladder[np.abs(np.log(ladder / corner)) > 0.1 / _DENSITY], corner)
+            np.append(ladder[np.abs(np.log(ladder / corner)) > 0.1 / _STATES_PER_DECADE], corner)
         )
     branch = first_loading(system, sliders, ladder)
     found = branch.solutions

@@ -16,16 +16,17 @@ from bladeroot.nonlinear.masing import first_harmonic
 from bladeroot.nonlinear.monotone import interpolated
 from bladeroot.nonlinear.system import System
 
-_A_DECADE, _BELOW = 24, 8.0
-_TOLERANCE = 1e-6
-# To each side, of ln A, for slopes: across the slips of several friction points, not one's.
-_APART = 0.1
+# The ladder of amplitudes of the first loading.
+_STATES_PER_DECADE = 24
+_BEGINNING = 8.0  # smallest amplitude asked for over the ladder's first
+_TOLERANCE = 1e-6  # of the largest contact motion, to which a state settles
+_SLOPE_STEP = 0.1  # of ln A to each side, for slopes: across several friction points' slips
 
 
 def softening_curve(
     system: System, sliders: Sliders, amplitudes: Float[ndarray, " amplitude"]
 ) -> tuple[Float[ndarray, "2 amplitude"], Float[ndarray, "2 amplitude"]]:
-    """As `softening_curves`, of one set of sliders."""
+    """`softening_curves` of one set of sliders."""
     value, slope = softening_curves(system, [sliders], amplitudes)
     return value[0], slope[0]
 
@@ -41,8 +42,8 @@ def softening_curves(
     """
     if any(one.varies for one in many):
         raise ValueError("first loading with Masing's rules needs constant normal load")
-    low, high = amplitudes[0] / _BELOW, 1.3 * amplitudes[-1]
-    count = 2 + int(_A_DECADE * np.log10(high / low))
+    low, high = amplitudes[0] / _BEGINNING, 1.3 * amplitudes[-1]
+    count = 2 + int(_STATES_PER_DECADE * np.log10(high / low))
     master = np.geomspace(low, high, count) / abs(system.laser[0])
     loading = np.concatenate([states(system, one, master) for one in many], axis=1)
     slope = np.tile([system.values[0], system.laser[0]], len(many))
@@ -54,10 +55,10 @@ def softening_curves(
     seen, at = np.log(np.abs(laser)).T.copy(), np.log(amplitudes)
     if not np.all(np.diff(seen) > 0.0):
         raise RuntimeError(f"the motion at the laser does not rise with that of {system.mode}")
-    asked = np.concatenate([at, at + _APART, at - _APART])
+    asked = np.concatenate([at, at + _SLOPE_STEP, at - _SLOPE_STEP])
     made = [interpolated(*one, asked).T for one in zip(seen, rows, strict=True)]
     value, above, below = np.split(np.array(made), 3, axis=2)
-    return value, (above - below) / (2.0 * _APART)
+    return value, (above - below) / (2.0 * _SLOPE_STEP)
 
 
 def states(

@@ -25,7 +25,8 @@ from bladeroot.rom.joint import Joint, described, stable_factor, stiffness_at
 
 LAWS = ("linear", "jenkins", "coulomb", "iwan")
 PRELOADS = ("even", "elastic")
-_FRICTIONLESS = 1e-5  # tangential over normal stiffness; not zero, or the beam could drift off
+# Tangential over normal stiffness of flanks without friction; at zero the beam could drift off.
+_FRICTIONLESS = 1e-5
 
 
 @dataclass(frozen=True)

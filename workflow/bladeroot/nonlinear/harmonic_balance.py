@@ -8,18 +8,20 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.contact.laws.sliders import Sliders
-from bladeroot.nonlinear.aft import TIMES, contact_forces, cycle
+from bladeroot.nonlinear.aft import CYCLE_SAMPLES, contact_forces, cycle
 from bladeroot.nonlinear.balance import Solution, first_step, solve
 from bladeroot.nonlinear.continuation import Branch, follow
 from bladeroot.nonlinear.response import harmonic
 from bladeroot.nonlinear.system import System
 
-_FADES = 12  # rounds in which the decay and its own damping ratio come to agree
-_SAME_FADE = 1e-4  # moves the loss factor by 0.03 % of itself
-# What the harmonics that are left out may change of the frequency and of the loss factor.
-SUFFICES = (1e-4, 0.03)
-# A change of the loss factor that no record shows: the smallest standard deviation of the source's
-# Table 3.1. Where slip begins, friction's loss factor is nothing and a share of it is rounding.
+# In a free decay the contacts' motion fades at the damping ratio that it causes: both are iterated.
+_MOST_FADE_ROUNDS = 12
+_FADE_TOLERANCE = 1e-4  # of the damping ratio between rounds; moves the loss factor by 0.03 % of it
+# What the harmonics that are left out may change: relative, of the frequency and the loss factor.
+TRUNCATION_LIMITS = (1e-4, 0.03)
+# A smaller change of the loss factor is allowed in any case, as no record shows it: the smallest
+# standard deviation of the source's Table 3.1. Where slip begins, friction's loss factor is nearly
+# zero and a relative change of it is rounding.
 MEASURABLE_LOSS = 1e-5
 
 
@@ -28,15 +30,15 @@ def nonlinear_mode(
     sliders: Sliders,
     amplitudes: Float[ndarray, " amplitude"],
     harmonics: Sequence[int] = (0, 1, 2, 3),
-    times: int = TIMES,
+    times: int = CYCLE_SAMPLES,
     decaying: bool = True,
 ) -> Branch:
     """Motions at rising amplitudes (m) of the first harmonic at the laser.
 
     Under constant normal load even harmonics vanish and are left out. decaying: whether the
     contacts move as in the free decay that the mode is in, or as in steady vibration of constant
-    amplitude. Each solution's slip is the part of the cycle in which a slider slips. What the
-    harmonics that are not asked would change is `sufficient`'s.
+    amplitude. Each solution's slip is the part of the cycle in which a slider slips. Whether the
+    harmonics suffice is asked of `sufficient`.
     """
     harmonics = _own(sliders, harmonics)
     balance = harmonic(harmonics)
@@ -46,14 +48,14 @@ def nonlinear_mode(
     def at(amplitude: float, guess: ndarray, across=None) -> Solution | None:
         nonlocal last
         fade = last
-        for _ in range(_FADES):
+        for _ in range(_MOST_FADE_ROUNDS):
             samples = cycle(harmonics, times, fade)
             evaluate = partial(contact_forces, sliders, samples=samples)
             found = solve(system, balance, evaluate, amplitude, guess, across)
             if found is None or not decaying:
                 break
             ratio = 0.5 * found.decay / found.value
-            if abs(ratio - fade) < _SAME_FADE:
+            if abs(ratio - fade) < _FADE_TOLERANCE:
                 last = fade
                 break
             fade, guess, amplitude = ratio, found.motion, found.amplitude
@@ -77,18 +79,18 @@ def sufficient(
     harmonics: Sequence[int],
     decaying: bool = True,
 ) -> Branch:
-    """The branch as far as the next harmonics would change no more than `SUFFICES`, and why not.
+    """The branch up to where further harmonics would change more than `TRUNCATION_LIMITS`.
 
     The branch is as `nonlinear_mode` finds it with the same arguments.
     """
     harmonics = _own(sliders, harmonics)
     more = [h for h in (harmonics[-1] + 1, harmonics[-1] + 2) if sliders.varies or h % 2]
-    if 4 * more[-1] > TIMES:
+    if 4 * more[-1] > CYCLE_SAMPLES:
         return branch
     for place, solution in enumerate(branch.solutions):
         frequency, loss = _left_out(system, sliders, solution, harmonics, more, decaying)
-        most = max(SUFFICES[1] * solution.decay / solution.value, MEASURABLE_LOSS)
-        if not (abs(frequency) <= SUFFICES[0] and abs(loss) <= most):
+        most = max(TRUNCATION_LIMITS[1] * solution.decay / solution.value, MEASURABLE_LOSS)
+        if not (abs(frequency) <= TRUNCATION_LIMITS[0] and abs(loss) <= most):
             reason = (
                 f"harmonics to {harmonics[-1]} do not suffice: the next ones change the frequency "
                 f"by {1e6 * frequency:.0f} ppm, the loss factor by {loss:.2g} of "
@@ -99,7 +101,7 @@ def sufficient(
 
 
 def _own(sliders: Sliders, harmonics: Sequence[int]) -> list[int]:
-    """Those that a law has: reversed motion reverses the force under constant normal load."""
+    """The harmonics that a law makes: under constant normal load, only odd ones."""
     return [h for h in harmonics if sliders.varies or h % 2]
 
 
@@ -120,7 +122,7 @@ def _left_out(
     motion = np.zeros((*solution.motion.shape[:2], balance.size))
     motion[:, :, : solution.motion.shape[2]] = solution.motion
     fade = 0.5 * solution.decay / solution.value if decaying else 0.0
-    evaluate = partial(contact_forces, sliders, samples=cycle(wide, TIMES, fade))
+    evaluate = partial(contact_forces, sliders, samples=cycle(wide, CYCLE_SAMPLES, fade))
     value, decay = first_step(system, balance, evaluate, solution.amplitude, motion)
     ratio = solution.decay / solution.value
     return 0.5 * value / solution.value, (decay - ratio * value) / solution.value

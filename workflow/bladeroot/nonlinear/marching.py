@@ -11,8 +11,9 @@ import numpy as np
 
 from bladeroot.compiled import njit
 
-_SWEEPS, _NEWTON = 500, 40
-_STUCK = 1e-13  # of a contact's force: a correction as small is none
+_MOST_SWEEPS = 500  # over all contacts, for one state
+_MOST_ITERATIONS = 40  # of Newton's method, for one contact
+_STUCK_TOLERANCE = 1e-13  # of a contact's force: a smaller change of its correction is none
 
 
 @njit(cache=True, error_model="numpy")
@@ -53,7 +54,7 @@ def settled(kt, limit, stuck, give, tolerance, w, u, g):
     its square. Says whether it came to an end.
     """
     flat = u.reshape(-1)
-    for _ in range(_SWEEPS):
+    for _ in range(_MOST_SWEEPS):
         change = 0.0
         for c in range(stuck.size):
             k, x, y = stuck[c], u[c, 0], u[c, 1]
@@ -61,8 +62,8 @@ def settled(kt, limit, stuck, give, tolerance, w, u, g):
             more_x, more_y = k * x - fx - g[c, 0], k * y - fy - g[c, 1]
             if (
                 not slips
-                and abs(more_x) <= _STUCK * k * abs(x)
-                and abs(more_y) <= _STUCK * k * abs(y)
+                and abs(more_x) <= _STUCK_TOLERANCE * k * abs(x)
+                and abs(more_y) <= _STUCK_TOLERANCE * k * abs(y)
             ):
                 continue
             one, two = give[2 * c], give[2 * c + 1]
@@ -70,7 +71,7 @@ def settled(kt, limit, stuck, give, tolerance, w, u, g):
             free_x = x - a11 * g[c, 0] - a12 * g[c, 1]
             free_y = y - a21 * g[c, 0] - a22 * g[c, 1]
             size = np.inf
-            for _step in range(_NEWTON):
+            for _step in range(_MOST_ITERATIONS):
                 more_x, more_y = k * x - fx, k * y - fy
                 rest_x = free_x - x + a11 * more_x + a12 * more_y
                 rest_y = free_y - y + a21 * more_x + a22 * more_y

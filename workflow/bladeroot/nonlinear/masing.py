@@ -13,8 +13,8 @@ from numpy import ndarray
 
 from bladeroot.nonlinear.monotone import pieces
 
-_POINTS = 256  # of half a cycle
-_DIGITS = 12  # of ln amplitude by which ladders of amplitudes are the same
+_HALF_CYCLE_POINTS = 256  # of the integrals over half a cycle
+_LADDER_DIGITS = 12  # decimals of ln amplitude to which ladders must agree to share their weights
 
 
 def first_harmonic(
@@ -28,7 +28,7 @@ def first_harmonic(
     slope: their ratio to q while all sticks, which is taken to hold below the smallest amplitude.
     """
     short = slope - loading / amplitude[:, None]  # what is missing to linear, over q
-    ladder = np.round(np.log(amplitude / amplitude[0]), _DIGITS)
+    ladder = np.round(np.log(amplitude / amplitude[0]), _LADDER_DIGITS)
     cubics = pieces(ladder, short).reshape(-1, short.shape[1])
     mean_cosine, mean_sine = (weight @ cubics for weight in _weights(ladder.tobytes()))
     size = amplitude[:, None]
@@ -46,7 +46,7 @@ def _weights(ladder: bytes) -> tuple[ndarray, ndarray]:
     coefficients, by falling power, then the pieces. Curves on one ladder share them.
     """
     knots = np.frombuffer(ladder)
-    theta = np.pi * (np.arange(_POINTS) + 0.5) / _POINTS
+    theta = np.pi * (np.arange(_HALF_CYCLE_POINTS) + 0.5) / _HALF_CYCLE_POINTS
     part = np.sin(0.5 * theta) ** 2
     place = np.maximum(knots[:, None] + np.log(part), 0.0)
     piece = np.clip(np.searchsorted(knots, place, side="right") - 1, 0, knots.size - 2)
@@ -57,6 +57,8 @@ def _weights(ladder: bytes) -> tuple[ndarray, ndarray]:
     for turn in (np.cos(theta), np.sin(theta)):
         weight = np.zeros(shape)
         for k in range(4):
-            np.add.at(weight[:, k], (row, piece), power[k] * part * turn * np.pi / _POINTS)
+            np.add.at(
+                weight[:, k], (row, piece), power[k] * part * turn * np.pi / _HALF_CYCLE_POINTS
+            )
         found.append(weight.reshape(knots.size, -1))
     return found[0], found[1]

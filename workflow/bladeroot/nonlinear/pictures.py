@@ -14,7 +14,7 @@ from bladeroot.nonlinear.system import System
 from bladeroot.rom.joint import Joint
 from bladeroot.variables import dataset
 
-_STATES = 80
+_LOADING_STATES = 80  # of the first loading, from which a loop is made
 
 
 def pictures(
@@ -22,13 +22,13 @@ def pictures(
 ) -> xr.Dataset:
     """Hysteresis loops of a mode and slip of every pair at amplitudes (m) at the laser.
 
-    The loop's motion is that at the laser (m); its force is what the stuck mode's restoring force
-    would be more than it is, referred to the laser (N), so that a stuck cycle is a flat line.
+    The loop's motion is that at the laser (m); its force is the stuck mode's restoring force less
+    the actual one, referred to the laser (N), so that a stuck cycle is a flat line.
     """
     laser = abs(system.laser[0])
     motion, force = [], []
     for amplitude in amplitudes:
-        master = np.linspace(0.0, amplitude / laser, _STATES + 1)[1:]
+        master = np.linspace(0.0, amplitude / laser, _LOADING_STATES + 1)[1:]
         load = states(system, sliders, master)[:, 0]
         q, f = loop(master, load)
         motion.append(q * laser)

@@ -20,15 +20,19 @@ from bladeroot.nonlinear.system import system_of
 from bladeroot.rom.joint import Joint
 from bladeroot.variables import dataset
 
-FALL = 2e-4  # of the frequency: the source reads its onset off a curve
-EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
-SHARES = (0.95, 0.9, 0.8, 0.6)
-LOOSE = (0.05, 0.02, 0.01, 0.005)
-MODE, FRICTION = "1B", 0.42
-SEEN = 2e-6  # m, section 3.5
+# The onset of slip that the source sees, and how it is read off a simulated curve.
+SEEN_ONSET = 2e-6  # m at the laser, section 3.5
+ONSET_FALL = 2e-4  # relative fall of the frequency at the onset: the source reads it off a curve
+# The joint that is simulated.
+MODE = "1B"
+FRICTION = 0.42  # coefficient
 # ln kn, ln kt (N/m) and F (N); kn and kt as they fit measured frequencies near 4 kN.
 POINT = np.array([np.log(0.5e9), np.log(0.9e9), 4e3])
-_STRIPS = 12
+# The pressures over a flank's width that are tried.
+EXPONENTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)  # over the whole width; 0 uniform, 0.5 elliptic
+WIDTH_SHARES = (0.95, 0.9, 0.8, 0.6)  # of the width in the middle, where contact is partial
+LOOSE_SHARES = (0.05, 0.02, 0.01, 0.005)  # of the load that stays spread over the whole width then
+_STRIPS = 12  # of each pair across the width, each with its own pressure
 
 
 def onset_table(joint: Joint, point: Float[ndarray, "3"], laser_x: float = 0.0) -> xr.Dataset:
@@ -47,7 +51,7 @@ def onset_table(joint: Joint, point: Float[ndarray, "3"], laser_x: float = 0.0) 
         "force_N": float(point[2]),
         "kn": float(np.exp(point[0])),
         "kt": float(np.exp(point[1])),
-        "seen_m": SEEN,
+        "seen_m": SEEN_ONSET,
         "reason": "",
     }
     try:
@@ -68,12 +72,15 @@ def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Data
     def onsets(profile: Profile) -> tuple[float, float]:
         sliders = distributed(whole, place, profile, _STRIPS)
         fall = -softening_curve(system, sliders, ladder)[0][0]
-        return first_slip(system, sliders), crossing(ladder, fall, FALL)
+        return first_slip(system, sliders), crossing(ladder, fall, ONSET_FALL)
 
     full = np.array([onsets(power_profile(exponent)) for exponent in EXPONENTS])
     even = power_profile(0.0)
     partial = np.array(
-        [[onsets(partial_contact(even, share, loose)) for loose in LOOSE] for share in SHARES]
+        [
+            [onsets(partial_contact(even, share, loose)) for loose in LOOSE_SHARES]
+            for share in WIDTH_SHARES
+        ]
     )
     made = {
         "first_slip": full[:, 0],
@@ -82,7 +89,7 @@ def _onsets(joint: Joint, point: Float[ndarray, "3"], laser_x: float) -> xr.Data
         "partial_onset": partial[..., 1],
         "highest": ladder[-1],
     }
-    places = {"exponent": EXPONENTS, "share": SHARES, "loose": LOOSE}
+    places = {"exponent": EXPONENTS, "share": WIDTH_SHARES, "loose": LOOSE_SHARES}
     return dataset("nonlinear/shortfall", made | {k: list(v) for k, v in places.items()})
 
 

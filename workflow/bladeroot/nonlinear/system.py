@@ -1,9 +1,9 @@
 """One mode of the joint as a small system around its stuck state.
 
-While all contacts stick the joint is linear. What a slipping contact fails to carry acts on it as a
-load; the answer is a sum over the lowest modes, of the stuck joint and of the sliding one, with the
-static flexibility of all others added, so that local slip is as soft as in the whole joint. Mirror
-images of a contact move alike, so that one of each orbit is kept.
+While all contacts stick the joint is linear. The force that a slipping contact fails to carry acts
+on it as a load; the response is a sum over the lowest modes of the stuck and of the sliding joint,
+with the static flexibility of all others added, so that local slip is as soft as in the whole
+joint. Mirror images of a contact move alike, so that one of each set is kept.
 """
 
 from contextlib import suppress
@@ -17,10 +17,10 @@ from numpy import ndarray
 from bladeroot.rom.assembly import find_modes
 from bladeroot.rom.joint import Joint, Operator, described
 
-_SAME = 1e-5  # of the largest motion: how well a mirror image must agree
-_LOOSE = 1e3  # tangential stiffness over that of the sliding joint whose modes are kept, too
-_INDEPENDENT = 1e-8  # of the largest mass of a combination of shapes
-_NODE = 0.02  # of the mode's largest motion: as much as a misplacement of 1 mm makes at a node
+_SYMMETRY_TOLERANCE = 1e-5  # relative, of motions of mirror images and of a mode's omega^2
+_SLIDING_RATIO = 1e3  # tangential stiffness over that of the sliding joint, whose modes are kept
+_LEAST_MASS = 1e-8  # of a combination of shapes, over the largest: a smaller one depends on others
+_NODE_SHARE = 0.02  # of the mode's largest motion: 1 mm from a node the laser sees as much
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,11 @@ class System:
 
     @cached_property
     def tangential(self) -> tuple[ndarray, ndarray, ndarray]:
-        """For loads along the contacts alone, as slow as the mode itself is.
+        """Responses to tangential contact loads that vary with the mode's own frequency.
 
-        The contacts' motion by the mode's coordinate (kg^-1/2); row k of theirs by load k (m/N),
-        the mode's own left out; load on the mode (kg^-1/2) and motion of the laser (m/N) by each
-        load.
+        Motion of the contacts by the mode's coordinate (kg^-1/2). Their motion by each load (m/N,
+        row k by load k), without the mode's own. Load on the mode (kg^-1/2) and motion of the laser
+        (m/N) by each load.
         """
         size = 2 * self.count.size
         shape = self.shape[:, 1:].reshape(size, -1)
@@ -104,7 +104,7 @@ class Place:
     @cached_property
     def sliding(self) -> Operator:
         """The joint whose flanks slide."""
-        sliding = self.point - [0.0, np.log(_LOOSE), 0.0]
+        sliding = self.point - [0.0, np.log(_SLIDING_RATIO), 0.0]
         return Operator(self.joint, sliding, f"{described(self.point)} once its flanks slide")
 
     def system(
@@ -113,14 +113,14 @@ class Place:
         """The system of a named mode, as of `system_of`."""
         home = self._home(mode) if odd_force else None
         if home is not None:
-            with suppress(ValueError):  # what is wrong is told of the whole joint
+            with suppress(ValueError):  # it is then raised for the whole joint
                 made = _system(self, mode, laser_x, loss, odd_force, home)
                 if made:
                     return made
         return _system(self, mode, laser_x, loss, odd_force, None)
 
     def _home(self, mode: str) -> int | None:
-        """The sector that holds a mode, by the same name; of a joint it is the same everywhere."""
+        """The symmetry sector of a mode, the same at all points; None if it lies in no single one."""
         known = self.joint.homes
         if mode not in known:
             whole = self.stuck.modes([mode])
@@ -129,7 +129,7 @@ class Place:
                 own = self.stuck.within(home).modes([mode]).values
             except ValueError:
                 own = np.zeros(1)
-            if not np.allclose(own, whole.values, rtol=_SAME, atol=0.0):
+            if not np.allclose(own, whole.values, rtol=_SYMMETRY_TOLERANCE, atol=0.0):
                 known[mode] = None
         return known[mode]
 
@@ -178,16 +178,16 @@ def _system(
 def _kept(
     stuck: Operator, joined: ndarray, master: ndarray, shapes: ndarray
 ) -> tuple[Float[ndarray, " mode"], Float[ndarray, "dof mode"]]:
-    """omega^2 and shapes of the joint in the span of shapes, the master first.
+    """omega^2 and shapes of the joint in the span of given shapes, the master first.
 
-    Only shapes that loads on the joined contacts move. The master and every stuck mode among the
-    shapes come out as they are.
+    Shapes that the joined contacts take no part in are left out. The master and every stuck mode
+    among the shapes come out unchanged.
     """
     moved = joined @ shapes
     scale = np.abs(moved).max()
-    shapes = shapes[:, np.abs(moved).max(axis=0) > _SAME * scale]
+    shapes = shapes[:, np.abs(moved).max(axis=0) > _SYMMETRY_TOLERANCE * scale]
     weight, vectors = np.linalg.eigh(stuck.project(shapes)[0])
-    good = weight > _INDEPENDENT * weight[-1]
+    good = weight > _LEAST_MASS * weight[-1]
     shapes = shapes @ (vectors[:, good] / np.sqrt(weight[good]))
     values, vectors = np.linalg.eigh(stuck.project(shapes)[1])
     shapes = shapes @ vectors
@@ -205,7 +205,10 @@ def _images(joint: Joint, motion: ndarray, odd_force: bool) -> tuple[ndarray, nd
     for other, turned in joint.mirrors:
         for parity in (1.0, -1.0) if odd_force else (1.0,):
             against = parity * turned
-            if np.abs(motion[other] - against * motion).max() < _SAME * np.abs(motion).max():
+            if (
+                np.abs(motion[other] - against * motion).max()
+                < _SYMMETRY_TOLERANCE * np.abs(motion).max()
+            ):
                 first = np.minimum(image, image[other])
                 against = against[other]
                 sign = np.where((first != image)[:, None], against * sign[other], sign)
@@ -236,9 +239,9 @@ def _laser_row(
     part = (x - place[after - 1]) / (place[after] - place[after - 1])
     row = (1.0 - part) * rows[after - 1] + part * rows[after]
     share = abs(row @ shape) / np.abs(rows @ shape).max()
-    if not share >= _NODE:
+    if not share >= _NODE_SHARE:
         raise ValueError(
             f"the laser stands at a node of {mode}: at {x:g} m it sees {100 * share:.2g} % of the "
-            f"mode's largest motion along the beam, at least {100 * _NODE:g} % are needed"
+            f"mode's largest motion along the beam, at least {100 * _NODE_SHARE:g} % are needed"
         )
     return row

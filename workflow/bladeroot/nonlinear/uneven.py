@@ -1,8 +1,9 @@
 """Friction of flanks whose pressure falls towards all their edges and is uneven in between.
 
-A family that inference can move through: the edges' pressure over the middle's, how fast it falls
-to them, and how unevenly it is spread at random, as by waviness and roughness. Uniform pressure is
-its limit; the punch of section 6.2 lies near an exponent of one half with none at the edges.
+A family with continuous parameters, for inference: the edges' pressure over the middle's, how fast
+it falls to them, and how unevenly it is spread at random, as by waviness and roughness. Uniform
+pressure is its limit; the punch of section 6.2 lies near an exponent of one half without pressure
+at the edges.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,8 @@ from bladeroot.nonlinear.flanks import even_preload
 from bladeroot.nonlinear.system import System
 from bladeroot.rom.joint import Joint
 
-PARTS = 6  # of a contact, each with its own share of the unevenness
-_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+CONTACT_PARTS = 6  # equal parts of a contact, each with a pressure of its own
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)  # its multiples modulo one fill the unit interval evenly
 
 
 @dataclass(frozen=True)
@@ -47,12 +48,12 @@ def relative_pressure(joint: Joint, law: Uneven) -> Float[ndarray, " pair"]:
 def uneven_sliders(joint: Joint, system: System, force: float, law: Uneven) -> Sliders:
     """Sliders of a system's contacts under an axial force (N), of constant normal load.
 
-    The unevenness takes even quantiles of its distribution, dealt out over places in a fixed order.
+    The unevenness takes evenly spaced quantiles of its distribution, in a fixed order of places.
     """
     load = (even_preload(joint, force) * relative_pressure(joint, law))[system.pair]
     uneven = np.exp(law.spread * _dealt(load.size))
     uneven /= (system.count * load) @ uneven.mean(axis=1) / (system.count @ load)
-    one = np.full(uneven.shape, 1.0 / PARTS)
+    one = np.full(uneven.shape, 1.0 / CONTACT_PARTS)
     normal, tangential = system.stiffness.T[..., None] * one
     friction = np.full(uneven.shape, law.friction)
     return Sliders(normal, tangential, load[:, None] * one * uneven, friction, False)
@@ -60,6 +61,6 @@ def uneven_sliders(joint: Joint, system: System, force: float, law: Uneven) -> S
 
 @cache
 def _dealt(contacts: int) -> Float[ndarray, "contact part"]:
-    """Even quantiles of a standard normal distribution, one a part."""
-    places = (_GOLDEN * np.arange(1, contacts * PARTS + 1)) % 1.0
-    return ndtri(places).reshape(contacts, PARTS)
+    """Evenly spaced quantiles of a standard normal distribution, one for each part."""
+    places = (_GOLDEN * np.arange(1, contacts * CONTACT_PARTS + 1)) % 1.0
+    return ndtri(places).reshape(contacts, CONTACT_PARTS)
