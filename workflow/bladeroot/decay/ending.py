@@ -89,7 +89,7 @@ def find_end(
     ends = []
     over = trough + np.flatnonzero(broken[trough:] | (level[trough:] > level[trough] + RISE))
     if over.size:
-        # a slow rise begins at the trough, before it is seen; out of the noise it has no such start
+        # a slow rise is seen late: it begins at the trough, unless that lies in the noise
         creeps = not broken[over[0]] and level[trough] > level.min()
         at = trough if creeps else over[0]
         ends.append((seen.time[at] - 0.5 * seen.frame_s, "disturbed"))
@@ -141,7 +141,7 @@ def tip_return(seen: Envelope, noise: float, begin: int, last: int) -> float | N
             place = tested.place[near][np.argmax(tested.gain[near])]
             early = min(place, tested.place[real[0]] + reach)
             at = max(int(start + (early - 1) * size), 0)
-            # a finer scale sees the same kink more sharply
+            # a finer scale places the same kink better
             if found is None or at < found + TIP_REFINEMENT * size:
                 found = at
     return None if found is None else float(seen.time[found] - 0.5 * seen.frame_s)

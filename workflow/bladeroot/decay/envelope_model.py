@@ -50,7 +50,7 @@ class Envelopes:
 
     @property
     def turn(self) -> Complex[ndarray, "interval line"]:
-        """Each line's phase in the middle of each interval, as a factor."""
+        """exp(i phase) of each line's carrier in the middle of each interval."""
         return self.phase[: self.intervals]
 
     def waves(self, lines: list[int] | None = None, base: bool = True) -> Float[ndarray, " sample"]:
@@ -69,7 +69,7 @@ class Envelopes:
         return sum(share * z[a : a + self.intervals] for a, share in enumerate(_MIDDLE_VALUES))
 
     def variance(self, line: int) -> Float[ndarray, " interval"]:
-        """Variance of either part of `envelope` (the larger), for noise of unit variance."""
+        """Variance of the real or imaginary part of `envelope`, the larger, for unit noise."""
         inverse = inverse_band(self.factor)
         count, columns = self.intervals, self.coefficient.shape[1]
         knot = np.arange(count)
@@ -143,7 +143,7 @@ def demodulated(
 def _times(
     coefficient: Float[ndarray, "knot column"], factor: Complex[ndarray, "knot line"]
 ) -> Float[ndarray, "knot column"]:
-    """Coefficients whose lines are multiplied by complex numbers."""
+    """The coefficients, each line's multiplied by complex factors."""
     z = (coefficient[:, 1::2] + 1j * coefficient[:, 2::2]) * factor
     made = coefficient.copy()
     made[:, 1::2], made[:, 2::2] = z.real, z.imag
@@ -151,7 +151,7 @@ def _times(
 
 
 def _splines(count: int) -> Float[ndarray, "sample alive"]:
-    """The cubic B-splines alive in an interval, at its samples."""
+    """The cubic B-splines that are not zero in an interval, at its samples."""
     u = (np.arange(count) + 0.5) / count
     return np.stack(
         [(1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3], axis=1
@@ -161,7 +161,7 @@ def _splines(count: int) -> Float[ndarray, "sample alive"]:
 def _stiffness(
     lines_Hz: Float[ndarray, " line"], spacing: int, sampling_Hz: float, base_Hz: float
 ) -> Float[ndarray, " column"]:
-    """Penalty of each column's third differences, by how far the nearest other line lies."""
+    """Weight of each column's third differences, by the distance to the nearest other line."""
     every = np.concatenate([[0.0], lines_Hz])
     apart = np.abs(every[:, None] - every) + np.where(np.eye(every.size), np.inf, 0.0)
     nearest = apart.min(axis=1) if lines_Hz.size else np.array([sampling_Hz])
@@ -176,7 +176,7 @@ def _add(
     gram: Float[ndarray, "alive_column alive_column"],
     intervals: int = 1,
 ) -> None:
-    """Add the normal matrix of each of some intervals to the record's, from the first's on."""
+    """Add one interval's normal matrix to the record's for each of the first intervals."""
     columns = len(gram) // SPLINES_ALIVE
     for u in range(len(gram)):
         band[u : u + columns * intervals : columns, : len(gram) - u] += gram[u:, u]
@@ -187,7 +187,11 @@ def _penalise(
     ratio: Complex[ndarray, "column knot"],
     stiffness: Float[ndarray, " column"],
 ) -> None:
-    """Add the third differences of each column's coefficients times `ratio`, of unit size."""
+    """Add the penalty on third differences of the coefficients, each times its `ratio`.
+
+    A third difference is scaled by the ratio's size at its middle, so that the penalty does not
+    depend on how large the envelope is.
+    """
     columns, knots = ratio.shape
     ratio, count = ratio.T, knots - 3
     scale = stiffness / np.abs(ratio[1 : 1 + count] * ratio[2 : 2 + count])

@@ -54,7 +54,7 @@ def band_displacement(
     place = np.arange(1, size)
     kept[1:size] = spectrum[1:size] * _gain(place / centre) / (2j * np.pi * spacing * place)
     step = padded / rate / resampled
-    passed = np.sinc(centre / padded) / np.sinc(centre / padded / few)  # by a mean
+    passed = np.sinc(centre / padded) / np.sinc(centre / padded / few)  # averaging
     wave = fft.irfft(kept, resampled) * (resampled / padded / passed)
     start = 0.5 * (few - 1) / sampling_Hz
     return centre * spacing, start, step, wave[: int(means.size / rate / step)]

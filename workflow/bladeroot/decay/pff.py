@@ -132,7 +132,7 @@ def _curve(
     turn_std, rate_std = turn * period_std / period, fall_std / period
     # a peak lies where the phase is atan(rate / turn), which moves where damping changes
     turn = turn + np.gradient(rate / turn, clock)
-    # where the frequency moves, so does the filter's gain; what is left is of the next order
+    # where the frequency moves, so does the filter's gain; corrected to first order
     passed, ahead = uneven_gain(rate + 1j * turn, centre_Hz)
     faded, turned = np.gradient(passed, clock), np.gradient(ahead, clock)
     rate, rate_std = rate - faded, np.hypot(rate_std, faded)

@@ -117,7 +117,7 @@ def _last_kink(
     error = noise * np.exp(-seen.level[middle]) * np.sqrt(0.5 * FRAME_OVERLAP)
     coarsest = max(1, int(np.ceil(COARSEST_FALL * pace / KINK_REACH)))
     sizes = [coarsest >> k for k in range(coarsest.bit_length())]
-    # a scale is left out when the next finer one would see a release as well
+    # a scale is left out if the next finer one would see a release with enough gain
     fine = [
         size
         for size, finer in zip(sizes, [*sizes[1:], 0], strict=True)
@@ -180,7 +180,7 @@ def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, boo
     real = np.flatnonzero((tested.gain > KINK_GAIN) & (stepped | bent) & (tested.place <= last))
     if not real.size:
         return None
-    # a large kink is felt before a place reaches it: it lies where it explains most
+    # places near a large kink gain from it, too: it lies where it explains most
     near = np.arange(max(0, real[-1] - 2 * reach), real[-1] + 1)
     best = near[np.argmax(tested.gain[near])]
     shift = step[best] / max(np.abs(tested.bend[best]), 1e-300)
@@ -188,7 +188,7 @@ def _latest(tested: Kinks, reach: int, turn: float, last: int) -> tuple[int, boo
 
 
 def _bend(log: Complex[ndarray, " point"], std: Float[ndarray, " later"]) -> tuple[float, float]:
-    """Offset from the middle (in points) where two parabolas that meet fit best; its error."""
+    """Offset from the middle at which two parabolas that meet fit best, and its error; points."""
     reach = log.size // 2
     log = log - log[reach]
     x = np.arange(-reach, reach) + 0.5
@@ -210,7 +210,7 @@ def _excitation(quiet: int | None) -> str:
 
 
 def _quiet(seen: Envelope, at: int) -> int | None:
-    """The last quiet frame before frame `at`, if what led up to `at` was sudden; else None."""
+    """The last quiet frame before frame `at`, if the rise after it was sudden; else None."""
     after = seen.level[min(at + FRAME_STEPS, seen.log.size - 1)]
     quiet = np.flatnonzero(seen.level[: at + 1] < after - QUIET_BELOW)
     if not quiet.size:

@@ -44,7 +44,7 @@ def shaken(
     steps[0] = 0.5 * (time[-1] - time[0]) / max(level[0] - level[-1], 1.0)
 
     def likeliest(shares: tuple[float, ...], steps: ndarray) -> tuple[float, float, ndarray]:
-        # the second differences of a walk's means over its steps have a sixth of a step's variance
+        # in second differences of neighbours a walk has a sixth of its steps' variance
         steps = 6.0 * np.median(blocks.std[1:] ** 2 / steps[1:]) * steps
         tried = []
         for share in shares:

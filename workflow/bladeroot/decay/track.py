@@ -59,8 +59,7 @@ def follow(
             break
         before, blocks = fit, _gathered(frames, blocks, fit, taken)
         fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
-    # V = lambda Y: a kink in the displacement's decline is a step in the velocity's, so it is
-    # the displacement that is smoothed
+    # velocity V = lambda Y: a kink in ln of the displacement Y is a step in ln V, so Y is smoothed
     _, rate, change = _logs(fit, blocks.time)
     blocks = Phasors(blocks.time, blocks.log - np.log(rate - change / rate), blocks.std)
     fit = fine(blocks.time, parts(blocks.log), blocks.std, fit)
@@ -75,7 +74,7 @@ def follow(
 
 
 def parts(log: Complex[ndarray, " block"]) -> Float[ndarray, "2 block"]:
-    """Log-amplitude and phase, as the splines want them."""
+    """Log-amplitude and phase as rows, as splines take them."""
     return np.stack([log.real, log.imag])
 
 
@@ -269,7 +268,7 @@ def rough_phasors(
 
 
 def _turning(frames: Frames) -> Float[ndarray, " frame"]:
-    """The phase as the smoothed advance from frame to frame adds it up."""
+    """The phase, as the sum of the smoothed advances from frame to frame."""
     base = frames.phasor * np.exp(-1j * frames.omega * frames.time)
     step = np.diff(frames.time)
     advance = base[1:] * base[:-1].conj()

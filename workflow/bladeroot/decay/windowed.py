@@ -55,13 +55,13 @@ def windowed(
     lag, length = (max(int(part / turns), 1) for part in (STEP_TURNS, WINDOW_TURNS))
     size = np.maximum(np.abs(h), 1e-12)
     still = y * np.exp(-1j * np.angle(h))
-    for _ in range(PASSES):  # in a window it falls as the line's power does, to an exponent
+    for _ in range(PASSES):  # within a window the harmonic goes as size
         law = _law(still, size, lag, max(length, 12))
         if law is None:
             return None
         size = size ** (1.0 + law.slope)
     phasor = law.part * size * np.exp(1j * np.angle(h))
-    # further from the windows that see it, its law is less sure
+    # the law is less certain at sizes far from those of the windows that see the harmonic
     error = law.error * np.hypot(1.0, 0.5 * (np.log(size) - law.centre)) * np.abs(phasor)
     return Harmonic(phasor, error, law.clear)
 
@@ -84,7 +84,7 @@ class _Law:
 def _law(
     y: Complex[ndarray, " interval"], size: Float[ndarray, " interval"], lag: int, length: int
 ) -> _Law | None:
-    """What the windows say together; None where they see no harmonic clearly."""
+    """The law of all windows together; None where they see no harmonic clearly."""
     if y.size < length + lag:
         return None
     apart = max(length // 2, 1)
@@ -101,7 +101,7 @@ def _law(
     log = np.log(g / mean)
     if np.sqrt(np.average(log.imag**2, weights=weight)) > MOST_PHASE_SCATTER:
         return None
-    # where few windows see it, it goes with the line's power as it is
+    # the added 1 draws the slope to zero where few windows see the harmonic
     centre, middle = np.average(x, weights=weight), np.average(log.real, weights=weight)
     slope = np.sum(weight * (x - centre) * log.real) / (np.sum(weight * (x - centre) ** 2) + 1.0)
     slope = float(np.clip(slope, *EXPONENT_RANGE))

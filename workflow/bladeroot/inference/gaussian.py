@@ -100,7 +100,7 @@ class _Descent:
 
 @dataclass(frozen=True)
 class _Point:
-    """A candidate of the search: its objective, and Cholesky's factor of its covariance."""
+    """A point of the search: its cost, and the Cholesky factor of the covariance there."""
 
     problem: Problem
     parameters: ndarray
@@ -118,7 +118,7 @@ class _Point:
     @cached_property
     def inverse(self) -> ndarray:
         """The covariance's inverse."""
-        # nothing above the diagonal
+        # LAPACK fills the lower triangle alone
         half, _ = _of_blocks(lapack.dpotri, self.factor, self.problem.blocks)
         whole = half + half.T
         whole[np.diag_indices_from(whole)] *= 0.5
@@ -187,7 +187,7 @@ def _point(
         state = problem.predict(parameters) if state is None else state
         own, slopes = problem.covariance(state, scales)
         miss = problem.data - state.mean
-        # A sum is not finite where a number is not, and cheaper to ask.
+        # A sum is not finite if any number is not, and is quicker to test.
         whole = own.sum() + miss.sum()
     if not (state.inside and np.isfinite(whole)):
         return _Point(problem, parameters, scales, state, np.inf, own, slopes)
@@ -228,7 +228,7 @@ def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
 
 
 def _solved(curve: ndarray, pull: ndarray) -> ndarray:
-    """Solution with a positive definite matrix, however unlike its coordinates' units are."""
+    """Solution with a positive definite matrix, scaled for coordinates of unlike units."""
     unit = np.sqrt(np.diag(curve))
     even = curve / np.outer(unit, unit) + _CURVATURE_ROUNDING * np.eye(unit.size)
     return (np.linalg.solve(even, (pull.T / unit).T).T / unit).T
@@ -401,7 +401,7 @@ def _iterated(at: _Point, steps: int, free: bool = True, least: float = _LEAST_G
         before, at = at, _ahead(before, at, new) if free and before is not None else new
     if not free:
         return at
-    # The parameters' maximum is that at the scales as they are in the end.
+    # One more step of the parameters, to their maximum at the final scales.
     last = _point(problem, at.parameters + _step(at, np.inf)[0], at.scales)
     return min(at, last, key=lambda one: one.cost)
 

@@ -1,4 +1,4 @@
-"""What a fit says of data that it has not seen, and what further covariance its misses ask for."""
+"""How a fit predicts data that it has not seen, and whether its residuals ask for more freedom."""
 
 from dataclasses import dataclass
 
@@ -10,21 +10,23 @@ from bladeroot.inference.gaussian import Fit
 
 
 def asked_for(fitted: Fit, unit: Float[ndarray, "datum datum"]) -> float:
-    """How much a fit's misses ask for a further covariance: its score over the standard deviation.
+    """How much a fit's residuals ask for a further covariance: Rao's score test of a component.
 
-    Of the marginal likelihood by the covariance's size, at none (Rao's test of a component).
+    The slope of the marginal likelihood by the covariance's size, at size zero, over the slope's
+    standard deviation. unit: the covariance of size one.
     """
     pulled = fitted.precision @ fitted.residual
     seen = fitted.precision @ unit
     variance = 2.0 * float(np.sum(seen * seen.T))
-    if not variance > 0.0:  # what the parameters take up whole no miss asks for
+    if not variance > 0.0:  # the parameters take all of it up: no residual can ask for it
         return 0.0
     return float((pulled @ unit @ pulled - np.trace(seen)) / np.sqrt(variance))
 
 
 def asked_along(fitted: Fit, slope: Float[ndarray, "datum parameter"]) -> float:
-    """How much a fit's misses ask for further parameters of such slopes (Rao's score test): twice
-    the nats that they would gain.
+    """How much a fit's residuals ask for further parameters of such slopes (Rao's score test).
+
+    Twice the nats of likelihood that these parameters would gain.
     """
     seen = fitted.precision @ slope
     pull = seen.T @ fitted.residual
@@ -40,11 +42,12 @@ class HeldOut:
 
 
 def hold_out(fitted: Fit, part: Int[ndarray, " datum"], allowance: slice = slice(0)) -> HeldOut:
-    """Leave out each part in turn (parts are numbers from 0), scales kept, model made straight.
+    """Leave out each part of the data in turn, with the scales and the linear model of the fit.
 
-    With Q the precision, the error of part B is Q_BB^-1 (Q r)_B, its covariance Q_BB^-1.
-    allowance: parameters that the prediction goes without (left at their prior's mean): what they
-    took up in the rest of the data is an error then. The log score has them.
+    With Q the precision and r the residual, the error of part B is Q_BB^-1 (Q r)_B, its covariance
+    Q_BB^-1. part: number of each datum's part, from 0. allowance: parameters that are left at their
+    prior's mean for the error, which then includes what they took up in the rest of the data; the
+    log score is with these parameters.
     """
     pulled = fitted.precision @ fitted.residual
     error, scores = np.zeros(part.size), np.zeros(int(part.max()) + 1)

@@ -65,7 +65,7 @@ def sample(
     while len(log) < _MOST_DRAWN * draws:
         found.append(_proposed(fit, bent, proposals[-1], rng))
         points, parameters, target = (np.concatenate(part) for part in zip(*found, strict=True))
-        densities = [  # of the earlier proposals only those of the new points lack
+        densities = [  # earlier proposals lack only the new points'
             np.append(known, one.log_density(points[len(log) :]))
             for known, one in zip(densities, proposals[:-1], strict=True)
         ]
@@ -82,7 +82,7 @@ def sample(
 
 
 def _first(fits: Sequence[Fit], bent: ndarray) -> "_Mixture":
-    """Laplace's approximations of the bent parameters and the scales, widened, and their prior."""
+    """The first mixture: Laplace's approximations of the fits, widened, and the prior."""
     prior, scales = fits[0].problem.prior, fits[0].problem.scales
     means = [[*one.parameters[bent], *one.scales] for one in fits]
     spreads = [
@@ -127,7 +127,7 @@ def _proposed(
 
 
 def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tuple[ndarray, ndarray]:
-    """Parameters whose rest is drawn given the bent ones, and the posterior over its density."""
+    """All parameters, the rest drawn given the bent ones; ln of posterior over its density."""
     problem, prior = fit.problem, fit.problem.prior
     count = len(bent)
     rest = np.setdiff1d(np.arange(fit.parameters.size), bent)
@@ -163,7 +163,7 @@ def _completed(fit: Fit, bent: ndarray, points: ndarray, noise: ndarray) -> tupl
 
 @dataclass(frozen=True)
 class _Seen:
-    """A model at several points: misses as columns, root of the covariance."""
+    """A model at several points. miss: data less mean. root: Cholesky factor of the covariance."""
 
     states: Sequence[State]
     miss: Float[ndarray, "point datum 1"]
@@ -186,7 +186,7 @@ def _seen(problem: Problem, theta: ndarray, scales: ndarray) -> _Seen:
 
 
 def _roots(whole: Float[ndarray, "point datum datum"]) -> tuple[ndarray, ndarray]:
-    """Cholesky's factors, and which there are; where there is none, the identity."""
+    """Cholesky factors, the identity where there is none, and where there is one."""
     good = np.isfinite(whole).all(axis=(1, 2))
     whole[~good] = np.eye(whole.shape[1])
     try:
@@ -203,7 +203,7 @@ def _log_det(root: Float[ndarray, "point datum datum"]) -> Float[ndarray, " poin
 
 @dataclass(frozen=True)
 class _Mixture:
-    """Of multivariate t distributions."""
+    """A mixture of multivariate t distributions."""
 
     share: Float[ndarray, " part"]
     mean: Float[ndarray, "part coordinate"]
@@ -233,7 +233,7 @@ class _Mixture:
         return logsumexp(self.log_parts(points)[0], axis=0)
 
     def learnt(self, points: ndarray, weight: ndarray) -> "_Mixture":
-        """The mixture that the weighted draws ask for (expectation maximisation)."""
+        """The mixture fitted to weighted draws by expectation maximisation."""
         mixture = self
         if len(self.share) < _MIXTURE_PARTS:  # apart along the longest axis of what was seen
             mean = weight @ points

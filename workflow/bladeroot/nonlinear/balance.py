@@ -154,7 +154,7 @@ def linearised(
     response: Response,
     lost: Float[ndarray, "contact 3 coefficient 3 coefficient"],
 ) -> Callable[[ndarray], ndarray]:
-    """Solver of (1 - dresponse/dmissing lost) step = right, whose sides are like the motion."""
+    """Solver of (1 - dresponse/dmissing lost) step = right, both shaped like the motion."""
     contacts, size = len(system.count), balance.size
     used = lost.any(axis=(2, 3, 4)) | lost.any(axis=(1, 2, 4))
     if not used.any():

@@ -90,7 +90,7 @@ def _rise(solve: Solve, last: Solution, amplitude: float) -> Solution | None:
 def _around(
     solve: Solve, last: Solution, target: float, measure: Callable[[Solution], float]
 ) -> tuple[Solution | None, list[float]]:
-    """By arclength until the branch rises through the target, and where it turned."""
+    """The solution where the branch, by arclength, rises through the target; where it turned."""
     smallest, step, largest = _ARC_STEPS
     heading, turns = 1.0, []
     way = _direction(last, last)

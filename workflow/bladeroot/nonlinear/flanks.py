@@ -47,7 +47,7 @@ class FlankContact:
     punch: Punch | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is not known."""
+        """Refuse unknown laws, preloads and pressures."""
         if self.law not in LAWS:
             raise ValueError(f"the contact law must be one of {', '.join(LAWS)}, got {self.law!r}")
         if self.preload not in PRELOADS:

@@ -27,7 +27,7 @@ def first_harmonic(
     amplitude: rising, of the motion q = A cos(theta). loading: quantities on first loading to it;
     slope: their ratio to q while all sticks, which is taken to hold below the smallest amplitude.
     """
-    short = slope - loading / amplitude[:, None]  # what is missing to linear, over q
+    short = slope - loading / amplitude[:, None]  # what is missing to the linear quantity, over q
     ladder = np.round(np.log(amplitude / amplitude[0]), _LADDER_DIGITS)
     cubics = pieces(ladder, short).reshape(-1, short.shape[1])
     mean_cosine, mean_sine = (weight @ cubics for weight in _weights(ladder.tobytes()))

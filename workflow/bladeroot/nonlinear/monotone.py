@@ -39,7 +39,7 @@ def pieces(x, y):
 @njit(cache=True, error_model="numpy")
 @no_type_check
 def _end(step, next_step, rise, next_rise):
-    """Slope at an end: of a parabola, unless that would turn."""
+    """Slope at an end: a parabola's, limited so that the cubic stays monotone."""
     slope = ((2.0 * step + next_step) * rise - step * next_rise) / (step + next_step)
     if slope * rise <= 0.0:
         return 0.0

@@ -1,4 +1,4 @@
-"""What goes on in the flanks at some amplitudes: loops of the mode, and where slip is."""
+"""The flanks at some amplitudes: hysteresis loops of the mode, and where slip is."""
 
 from collections.abc import Sequence
 

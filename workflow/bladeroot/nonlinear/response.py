@@ -37,7 +37,7 @@ class Response:
 
 @dataclass(frozen=True)
 class Balance:
-    """Which coefficients a motion has; `dynamic` is False for quasi-static motion (one of them)."""
+    """Which coefficients a motion has; quasi-static motion (`dynamic` False) has one."""
 
     harmonics: tuple[int, ...]
     dynamic: bool

@@ -1,10 +1,10 @@
-"""What the settings of a simulated curve must be together; each by itself is the schema's."""
+"""Settings of a simulated curve that must fit together; the schema checks each by itself."""
 
 from collections.abc import Mapping
 
 
 def check_nonlinear(settings: Mapping) -> None:
-    """Raise ValueError, in one line, for settings of section `nonlinear` that go with no curve."""
+    """Raise ValueError, in one line, if settings of section `nonlinear` do not fit together."""
     harmonics, (low, high) = settings["harmonics"], settings["amplitude_um"]
     if list(harmonics) != sorted(harmonics):
         raise ValueError(f"nonlinear.harmonics must ascend, got {list(harmonics)}")

@@ -93,7 +93,7 @@ class Place:
     """
 
     def __init__(self, joint: Joint, point: Float[ndarray, "3"]) -> None:
-        """Nothing is worked out before it is asked for."""
+        """Nothing is computed before it is asked for."""
         self.joint, self.point = joint, point
 
     @cached_property
@@ -120,7 +120,7 @@ class Place:
         return _system(self, mode, laser_x, loss, odd_force, None)
 
     def _home(self, mode: str) -> int | None:
-        """The symmetry sector of a mode, the same at all points; None if it lies in no single one."""
+        """The symmetry sector of a mode, the same at all points; None if it is in no single one."""
         known = self.joint.homes
         if mode not in known:
             whole = self.stuck.modes([mode])

@@ -131,7 +131,7 @@ def friction_problem(
     measured: Float[ndarray, " number"],
     errors: Float[ndarray, "number number"],
 ) -> Problem:
-    """Falls and rises at given stiffness, by the logarithms of the friction's parameters."""
+    """Falls and rises at given stiffness, fitted by ln of the friction's parameters."""
     prior, none = FRICTION_PRIOR, np.full(measured.size, np.nan)
 
     def predict_curves(friction: ndarray) -> State:
@@ -149,7 +149,7 @@ def friction_problem(
 
 
 def _start(problem: Problem) -> Float[ndarray, " parameter"]:
-    """The friction coefficient to start from: where nothing slips no slope leads away."""
+    """Friction to start from, by a scan of its coefficient: without slip there is no slope."""
     trials = problem.prior.mean + np.outer(
         _FRICTION_STARTS, problem.prior.std * [1.0, 0.0, 0.0, 0.0]
     )

@@ -64,7 +64,7 @@ def expected_information(
 def covariance_of_k(
     model: LevelModel, theta: ndarray, scales: ndarray, force: float
 ) -> Float[ndarray, "2 2"]:
-    """Of (ln kn, ln kt) at an axial force (N), by the information expected at a point."""
+    """Covariance of (ln kn, ln kt) at an axial force (N), by expected information at a point."""
     rows = model.stiffness_rows(np.array([force]))[0]
     return rows @ np.linalg.solve(information(problem_of(model), theta, scales), rows.T)
 

@@ -153,7 +153,7 @@ def surfaces_of(
 
 
 def _variations(model: LevelModel, fit: Fit, stick: xr.Dataset) -> xr.Dataset:
-    """ln k at 12 kN and its std (Laplace) when what was assumed is changed."""
+    """k at 12 kN and the std of ln k (Laplace) when an assumption is changed."""
     biases = tuple(name for name in model.names if name.startswith(("bias_", "tilt_")))
     gauge = tuple(name for name in model.names if name.startswith("force_"))
     cases = {

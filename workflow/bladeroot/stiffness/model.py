@@ -115,7 +115,7 @@ def level_model(
     """
     biases = tuple(f"{part}_{mode}" for part in ("bias", "tilt") for mode in levels.modes)
     of_law = np.array([PRIORS[name][:2] for name in law.parameters])
-    known = np.maximum(gauge, (1e-3, 1e-9))  # a gauge without an offset still has a parameter
+    known = np.maximum(gauge, (1e-3, 1e-9))  # the parameters stay where a gauge has no error
     prior = Prior(
         np.concatenate([of_law[:, 0], offset, np.zeros(len(offset)), [0.0, 0.0]]),
         np.concatenate([of_law[:, 1], bias, BIAS_TILT * np.asarray(bias), known]),
@@ -275,6 +275,6 @@ def refit(model: LevelModel, start: Fit) -> Fit:
 
 
 def _whole(model: LevelModel, found: Fit) -> Fit:
-    """The fit whose evidence is that of the whole curves."""
+    """The fit with the evidence of the whole curves, not of the rows that were kept of them."""
     spare = 0.0 if model.curves is None else model.curves.constant
     return replace(found, log_evidence=found.log_evidence + spare)

@@ -51,7 +51,7 @@ class Law:
         return np.exp(self.ln_k(self.fit.parameters[None], at)[0, 0])
 
     def covariance(self, force: Float[ndarray, " force"]) -> Float[ndarray, "force 2 2"]:
-        """Of (ln kn, ln kt) by the curvature at the MAP estimate (Laplace)."""
+        """Covariance of (ln kn, ln kt) by the curvature at the MAP estimate (Laplace)."""
         std = self.fit.std
         steps = 1e-4 * np.diag(std)
         ends = self.ln_k(
@@ -194,7 +194,7 @@ def _curve(law: Law, draws: Draws, force: Float[ndarray, " force"]) -> xr.Datase
 
 
 def _levels(law: Law, draws: Draws, levels: Mapping[str, ndarray]) -> xr.Dataset:
-    """What the posterior predicts of every level, for a new clamping, beside what was measured."""
+    """The posterior's prediction of every level for a new clamping, beside what was measured."""
     problem, own = law.fit.problem, slice(0, len(levels["force"]))
     states = problem.states(_some(draws.parameters, _LEVEL_DRAWS))
     scales = _some(draws.scales, _LEVEL_DRAWS)
@@ -225,7 +225,7 @@ def share_within(
     share of the draws exceeds. The density is a kernel estimate, which smooths a thin valley to a
     wider one; the share is counted among the draws, and stays right.
     """
-    # Weighted draws come several times: a draw's density is that of all others, copies left out.
+    # Resampled draws have copies, which are left out: a draw's density is that of all other draws.
     draws, copies = np.unique(draws, axis=0, return_counts=True)
     weight = copies / copies.sum()
     # Scott's width; a density counts in units of a kernel's peak

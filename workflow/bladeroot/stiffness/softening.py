@@ -94,7 +94,10 @@ def covariance(
     levels: list[tuple[str, float]],
     discrepancy: float = DISCREPANCY,
 ) -> Float[ndarray, "number number"]:
-    """Of all falls, then all rises. discrepancy: standard deviation, of the largest effect."""
+    """Covariance of measured less simulated values, all falls, then all rises.
+
+    discrepancy: standard deviation of the model's error over the largest effect.
+    """
     mode = np.array([levels[k][0] for k in softening.level])
     force = np.array([levels[k][1] for k in softening.level])
     total = softening.noise.copy()
@@ -113,7 +116,7 @@ def covariance(
 
 
 def _slope(softening: Softening, value: Float[ndarray, " point"]) -> Float[ndarray, " point"]:
-    """By ln amplitude, within each level; of a lone point as of one that grows with its square."""
+    """Slope by ln amplitude within each level; a lone point is taken to grow with its square."""
     slope = 2.0 * value
     for one in np.unique(softening.level):
         own = softening.level == one

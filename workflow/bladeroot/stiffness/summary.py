@@ -100,7 +100,7 @@ def power_law(
 
 
 def _laws(line: xr.Dataset, fe_forces: xr.Dataset) -> xr.Dataset:
-    """The laws of one structure; NaN with fewer than three roots."""
+    """The laws of one structure; NaN with fewer than `FEWEST_DETERMINED` searches."""
     good = np.flatnonzero(np.isin(line["status"].values, DETERMINED))
     names = ("kn", "kt")
     law, std, scatter = np.full((2, 2), np.nan), np.full((2, 2), np.nan), np.full(2, np.nan)
