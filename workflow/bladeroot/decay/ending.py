@@ -15,11 +15,11 @@ STEPPED = "the digitiser's steps"  # why a decay ends
 RISE = float(np.log(1.5))
 # The decay ends in the noise where the mean square amplitude of some frames is no larger than the
 # noise's. They are half of those in which ln A falls by one.
-NOISE_ERRORS = 3.0  # standard errors above the noise's mean square, where the decay ends
+NOISE_ERRORS = 3.0  # standard errors that are allowed for
 MOST_NOISE_FRAMES = 4096  # over which the mean square is taken
 # A blow is seen in what a frame holds besides the mode.
-STRIKE_FRAMES = 16  # half cycles before it, whose largest it is compared with
-STRIKE_FACTOR = 5.0  # over that; noise in a frame of ten samples reaches it once in a million
+STRIKE_FRAMES = 16  # half cycles before it, with the largest of which it is compared
+STRIKE_FACTOR = 5.0  # ratio to that; noise in a frame of ten samples reaches it once in a million
 HARMFUL_PART = 0.005  # of the mode's amplitude; a smaller blow does no harm
 # The shaker's tip touches the beam again: a kink of the log-phasor (gains: `signal.turning.Kinks`).
 # It counts with TIP_GAIN and TIP_BARE_GAIN, or with TIP_ABRUPT_GAIN alone where it is abrupt.

@@ -17,7 +17,7 @@ from bladeroot.signal.runs import runs
 # The Butterworth band-pass around the mode, which looks forward in time.
 FILTER_ORDER = 4
 FILTER_QUALITY = 2.5  # centre frequency over the width between the -3 dB points
-FILTER_REACH = 6.0 * FILTER_QUALITY  # cycles ahead of a sample that still have a say in it
+FILTER_REACH = 6.0 * FILTER_QUALITY  # cycles after an instant on which its output depends
 _POLES = np.exp(
     1j * np.pi * (2 * np.arange(1, FILTER_ORDER + 1) + FILTER_ORDER - 1) / (2 * FILTER_ORDER)
 )

@@ -32,10 +32,10 @@ from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
 SEARCH_TOLERANCE = 0.3  # relative half-width of the band around the expected frequency
-PEAK_OVER_NOISE = 8.0  # height over the noise's rms in the band; a lower peak ends the curve
+PEAK_OVER_NOISE = 8.0  # ratio to the noise's rms in the band; a lower peak ends the curve
 # The segment that is fitted around each point of the curve.
 SEGMENT_FALL = 0.5  # fall of ln A over it
-FEWEST_PEAKS = 24  # in it, whatever ln A falls by
+FEWEST_PEAKS = 24  # in it, however much ln A falls
 MOST_PEAKS = 400
 POLYNOMIAL_DEGREE = 3  # of time and of ln A over the peak's number
 CURVE_POINTS = 300  # of a record at most, shared among its runs of peaks by their lengths

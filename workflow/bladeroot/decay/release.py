@@ -16,7 +16,7 @@ UPPER_PART = 0.3  # of the whole fall of ln A; the smaller of both counts
 KINK_REACH = 12  # points on either side of a tested place: enough for a cubic and its scatter
 LEAST_REACH = 7  # of a short record, in which a kink is still looked for
 COARSEST_FALL = 0.8  # of ln A over the coarsest scale's points: over more no decay is a plain curve
-FRAME_OVERLAP = 4.0  # neighbouring frames, which share samples, that tell as much as one alone
+FRAME_OVERLAP = 4.0  # frames share samples: as many neighbours tell as much as one independent
 LEAST_ERROR = 1e-5  # of a point's ln A and phase (rad): no digitiser is better
 # When a kink is real. A smaller one does no harm, and a curved backbone makes as much. The scatter
 # has 18 degrees of freedom, so that noise reaches a gain of 15 once in 100,000 places.
@@ -45,7 +45,7 @@ STRAIGHT_FRAMES = 16  # up to which ln A and phase are continued as a line, else
 MOST_RISE = 2.0  # of ln A backwards; the continuation is not believed beyond
 VARIANCE_GAIN = 30.0  # nats of a real change of variance: any two pieces of noise differ by less
 VARIANCE_SAMPLES = 4  # on either side of the change at least
-INSTANT_CYCLES = 0.1  # standard error of the instant; a change that early in the samples is none
+INSTANT_CYCLES = 0.1  # standard error of the instant; a change so soon after the first is none
 AT_ONCE = "at once"  # what a blow excites, or what is let go from rest
 
 

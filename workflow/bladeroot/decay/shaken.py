@@ -18,11 +18,11 @@ from bladeroot.signal.smooth import Spline, coarse, evidence
 # fewer, and more are a sign of noise that the curve follows.
 MOST_BENDS = 16
 BLOCKS_PER_BEND = 5  # of a short curve: one degree of freedom for this many of all its blocks
-# Noise of the surroundings is there all along, what is left of other modes decays: scatter in the
-# first third of the blocks over that in the last third, both times the mode's amplitude.
+# Noise of the surroundings is there all along, what is left of other modes decays: largest ratio of
+# the blocks' absolute scatter in the first third to that in the last third.
 MOST_DECLINE = 2.0
 # The random walk in the log-phasor, as which such noise is looked for.
-WALK_SHARES = (0.01, 0.1, 0.4, 0.9)  # tried: the walk's part of the neighbours' variance
+WALK_SHARES = (0.01, 0.1, 0.4, 0.9)  # of the variance between neighbours; all are tried
 WALK_GAIN = 3.0  # nats of log-likelihood that a walk must gain over none
 
 

@@ -18,7 +18,7 @@ from bladeroot.signal.lines import hann, lines_of
 # A quiet piece of the record is cut into parts, in which the line's phasors are compared.
 QUIET_PARTS = 8
 FEWEST_PART_CYCLES = (2.0, 6.0)  # of the mode in a part: before the blow, after a mode has died
-# A line is steady and known if, over its amplitude, these are small.
+# A line is steady and well known if both of these are small, relative to its amplitude.
 MOST_SCATTER = 0.1  # rms scatter of the parts' phasors about their mean; about 1 in noise alone
 MOST_ERROR = 1.0  # standard error of the line carried through the decay
 # It is not the mode itself, which may decay ever more slowly, if one of these is reached.

@@ -30,8 +30,8 @@ LEAST_ERROR = 1e-6  # rad, added in squares: no clock or digitiser is better
 # The mode is lost at the first block that is astray together with half of those ahead. Astray is a
 # weak block whose log-phasor lies far off what is known.
 LOST_BLOCKS = 8  # that are looked at, from the block itself on
-LOST_ERRORS = 5.0  # distance in standard errors, and
-LOST_RADIANS = 0.3  # in radians of phase or ln of amplitude: an astray block is farther off by both
+LOST_ERRORS = 5.0  # standard errors that it lies off at least, and
+LOST_RADIANS = 0.3  # rad of phase, or of ln A, that it lies off at least
 DOUBTED_ERROR = 0.03  # rad: a block with a smaller standard error is never astray
 # A knock lies far off the straight line through its neighbours (`without_knocks`).
 KNOCK_ERRORS = 6.0  # standard errors off

@@ -17,10 +17,10 @@ from bladeroot.decay.steady import STEADY_DECAY_RATIO, exponentials
 
 # The segments from the decay's start on to which both models are fitted.
 SEGMENT_INTERVALS = (12, 18, 27, 40)  # lengths, tried one after the other
-LEAST_REMAINDER = 0.02  # amplitude at a segment's end over the largest in it
+LEAST_REMAINDER = 0.02  # ratio of the amplitude at a segment's end to the largest in it
 # When there are two modes rather than one that bends.
-MISFIT_RATIO = 5.0  # rms misfit of the one that bends over that of two exponentials, at least
-LEAST_FACTOR = 0.5  # amplitude of either over that an interval before; less is a transient
+MISFIT_RATIO = 5.0  # least ratio of the misfit of one that bends to that of two exponentials
+LEAST_FACTOR = 0.5  # of either's amplitude from interval to interval; less is a transient
 LEAST_TURNS = 0.4  # of one's phase against the other's in the segment; less is the mode's own bend
 # A joint that slips while it is loud makes its mode lower and more damped then. A component is
 # taken for that, and for no other mode, if it decays much faster and lies a little lower.
@@ -28,7 +28,7 @@ SLIP_DECAY_RATIO = 6.0  # of the decay rates; of slip it is 7 to 26, of two mode
 SLIP_FREQUENCY_DROP = 0.02  # relative; what lies farther below is another mode
 # The mode that is meant has most energy, weighed by a normal density about the sheet's frequency.
 EXPECTED_STD = 0.02  # relative standard deviation of that density
-TAKEN_OFF_ERROR = 0.5  # standard error of what is taken off, over it: its own laws are not known
+TAKEN_OFF_ERROR = 0.5  # relative standard error of what is taken off: its laws are not known
 REMARK = (
     "two modes ring near {:.5g} and {:.5g} Hz until one is gone: the first is taken for the one "
     "that is asked for, the other, {:.2g} times as large at first, is taken off as a plain "

@@ -27,7 +27,7 @@ LAW_ERROR_RANGE = (0.002, 0.05)  # least and most of it; most is as on records o
 FEWEST_LOUD_WINDOWS = 3  # in which the mode is louder than the harmonic; with fewer, most is taken
 # When a harmonic counts as found.
 WINDOW_ERRORS = 3.0  # standard errors above which a window's harmonic is used
-HARMONIC_ERRORS = 8.0  # standard errors that all used windows together must make
+HARMONIC_ERRORS = 8.0  # standard errors of all used windows together, at least
 MOST_PHASE_SCATTER = 0.5  # rad, rms over the used windows
 # The harmonic over the line's power goes with that power to an exponent. Friction's harmonic is
 # there only while the joint slips, and does not.

@@ -21,16 +21,16 @@ from bladeroot.inference.problem import Problem, State
 DRAWS = 4000  # that are handed out, unless the caller says otherwise
 # Drawing ends at the first of these. Of 2,000 effective draws the quantiles of 68 % move by 0.03 of
 # a standard deviation from seed to seed.
-_WANTED_PART = 0.5  # effective draws over those that are handed out
-_MOST_DRAWN = 6  # weighted draws over those that are handed out
+_WANTED_PART = 0.5  # ratio of effective draws to those that are handed out
+_MOST_DRAWN = 6  # ratio of weighted draws to those that are handed out
 _ROUND_DRAWS = 500  # that are made at once, between two updates of the proposal; for memory, too
 # The proposal, a mixture of multivariate t distributions, which learns from the weighted draws.
-_WIDENING = 1.3  # standard deviations of the first proposal over those of Laplace's approximation
-_PRIOR_SHARE = 0.25  # of the first proposal: Laplace's knows one peak, the prior all that can be
+_WIDENING = 1.3  # of the standard deviations by Laplace's approximation, in the first proposal
+_PRIOR_SHARE = 0.25  # of the first proposal: Laplace's approximation knows one peak alone
 _MIXTURE_PARTS = 3  # once it has learnt
 _TAIL_FREEDOM = 5.0  # degrees of freedom: tails heavier than the posterior's
 _FEWEST_EFFECTIVE = 60  # draws to learn from; with fewer, weights are evened out for that
-_PLACE_WEIGHT = 1e-9  # of a part's own mean: a part to which no draw belongs keeps it
+_PLACE_WEIGHT = 1e-9  # of a part's former mean among the draws: without draws it stays there
 # The other parameters, given those along which the posterior bends.
 _NEWTON_STEPS = 2  # of Gauss-Newton, to their most probable values
 

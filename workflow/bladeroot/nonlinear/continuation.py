@@ -18,7 +18,7 @@ from bladeroot.nonlinear.balance import Solution
 # Steps along the branch.
 SMALLEST_STEP = 0.01  # of ln amplitude; where a shorter one would be needed, arclength is tried
 _MOST_STEPS = 100  # towards one target
-_ARC_STEPS = (1e-5, 2e-3, 0.1)  # smallest, first and largest, of motion and amplitude, relative
+_ARC_STEPS = (1e-5, 2e-3, 0.1)  # smallest, first, largest arclength, of relative changes
 _MOST_ARC_STEPS = 300  # around one turn
 # Two successive solutions are of the same branch if both hold.
 _LEAST_CORRELATION = 0.9  # of their contact motions

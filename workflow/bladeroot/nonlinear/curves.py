@@ -25,7 +25,7 @@ from bladeroot.nonlinear.system import System
 METHODS = ("harmonic-balance", "quasi-static", "fixed-shape")
 # The ladder of amplitudes of quasi-static loading.
 _STATES_PER_DECADE = 60
-_BEGINNING = 10.0  # smallest amplitude asked for over the ladder's first
+_BEGINNING = 10.0  # ratio of the smallest amplitude asked for to the ladder's first
 
 
 @dataclass(frozen=True)

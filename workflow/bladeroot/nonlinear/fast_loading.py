@@ -18,7 +18,7 @@ from bladeroot.nonlinear.system import System
 
 # The ladder of amplitudes of the first loading.
 _STATES_PER_DECADE = 24
-_BEGINNING = 8.0  # smallest amplitude asked for over the ladder's first
+_BEGINNING = 8.0  # ratio of the smallest amplitude asked for to the ladder's first
 _TOLERANCE = 1e-6  # of the largest contact motion, to which a state settles
 _SLOPE_STEP = 0.1  # of ln A to each side, for slopes: across several friction points' slips
 

@@ -18,9 +18,9 @@ from bladeroot.rom.assembly import find_modes
 from bladeroot.rom.joint import Joint, Operator, described
 
 _SYMMETRY_TOLERANCE = 1e-5  # relative, of motions of mirror images and of a mode's omega^2
-_SLIDING_RATIO = 1e3  # tangential stiffness over that of the sliding joint, whose modes are kept
-_LEAST_MASS = 1e-8  # of a combination of shapes, over the largest: a smaller one depends on others
-_NODE_SHARE = 0.02  # of the mode's largest motion: 1 mm from a node the laser sees as much
+_SLIDING_RATIO = 1e3  # of tangential stiffness, the stuck joint's to the sliding joint's
+_LEAST_MASS = 1e-8  # of a combination of shapes, relative; with less they are linearly dependent
+_NODE_SHARE = 0.02  # of the mode's largest motion; less is a node, 1 mm off it is as much
 
 
 @dataclass(frozen=True)

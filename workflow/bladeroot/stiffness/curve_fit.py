@@ -34,10 +34,10 @@ from bladeroot.stiffness.softening import Softening, covariance
 _MOST_ROUNDS = 8
 _CONVERGED_MOVE = 0.01  # of any level's ln kn, ln kt or ln F in the last round
 _LONGEST_MOVE = 0.4  # of the same in one round
-_MOST_MISFIT = 3.0  # rms of measured less simulated curves over std, up to which rounds converged
+_MOST_MISFIT = 3.0  # standard deviations, rms of measured less simulated: more is not converged
 # The fit of the friction in the first rounds.
-_FRICTION_ROUNDS = 2  # at the end of the last its posterior's mean takes the fit's place
-_FRICTION_STARTS = np.arange(-3.0, 4.0)  # prior's std from its mean, of ln friction coefficient
+_FRICTION_ROUNDS = 2  # with a fit; after the last one the posterior's mean is used instead
+_FRICTION_STARTS = np.arange(-3.0, 4.0)  # of ln of the coefficient, prior's std from its mean
 _FARTHEST_FRICTION = 8.0  # prior's std beyond which none is tried: powers overflow there
 _LEAST_GAIN = 1e-2  # nats: the fit ends with a step that gains less
 FRICTION_PRIOR = Prior(*np.array([entry[:2] for entry in FRICTION.values()]).T)

@@ -7,7 +7,7 @@ damping are in `diagnosis.damping_model`, those of simulations without kn and kt
 
 import numpy as np
 
-REFERENCE_FORCE = 12e3  # N, at which laws over the force have their ln kn and ln kt
+REFERENCE_FORCE = 12e3  # N, to which ln kn and ln kt of a law over the force belong
 
 # ln of kn and of kt (N/m) at that force. The range that the thesis searched, 33 nodes times 1e4 to
 # 1.5e5 N/mm (section 5.3), is mean plus and minus one standard deviation; its middle, 1.28 GN/m, is
@@ -24,8 +24,9 @@ BEND = (0.0, 0.25, "no law known to us bends; room for full contact reached only
 # ln of the standard deviation of ln kn and ln kt between clampings.
 SCATTER = (np.log(0.04), 0.6, "re-clamping changes k by 2 to 14 %")
 CORRELATION = (0.5, 0.7, "atanh of the correlation of kn and kt between clampings")
-# Change of the model's relative frequency error by a unit of ln F, over that error at 12 kN, one
-# standard deviation: 1 % of modulus moves 1B by 0.39 to 0.44 % between 1.8 and 24 kN.
+# How the model's relative frequency error changes with force: its slope by ln F, as a part of the
+# error at 12 kN, one standard deviation. 1 % of modulus moves 1B by 0.39 to 0.44 % between 1.8 and
+# 24 kN.
 BIAS_TILT = 0.05
 # ln of each parameter of friction (`nonlinear.uneven.Uneven`).
 FRICTION = {

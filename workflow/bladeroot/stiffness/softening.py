@@ -23,7 +23,7 @@ _LEAST_FALL = 2e-4  # of the stick frequency
 _FALL_ERRORS = 4.0  # standard errors of the fall
 CLAMPING_SCATTER = 0.06  # standard deviation of ln friction between clampings
 # The error of the simulated curves.
-DISCREPANCY = 0.05  # standard deviation of the largest effect, over it
+DISCREPANCY = 0.05  # relative standard deviation, of the largest effect
 _ERROR_LENGTH = 0.7  # of ln amplitude, over which its correlation falls to 1/e
 # Parts of its variance, which add up to one.
 _SHARED_PART = 0.4  # of a mode, shared by all forces at the same amplitude over force
