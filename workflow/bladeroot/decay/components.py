@@ -344,7 +344,8 @@ def _doubt(
     doubt = np.hypot(np.abs(found.envelope(0) - before), missed)
     doubt /= np.maximum(np.abs(found.envelope(0)), 1e-300)
     doubt = np.max(sliding_window_view(np.pad(doubt, ALIKE, mode="edge"), 2 * ALIKE + 1), axis=1)
-    return np.minimum(doubt, 1.0) * DOUBT * np.sqrt(found.lines_Hz[0] / (ENVELOPE_BANDWIDTH * nearest))
+    reach = np.sqrt(found.lines_Hz[0] / (ENVELOPE_BANDWIDTH * nearest))
+    return np.minimum(doubt, 1.0) * DOUBT * reach
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
