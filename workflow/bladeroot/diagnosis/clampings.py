@@ -6,10 +6,6 @@ from numpy import ndarray
 
 from bladeroot.diagnosis import guards
 
-# Records that are fitted at most: the cost grows with their cube. Clampings scatter much more than
-# the records of one, of which two of a mode say nearly as much as all.
-MOST_RECORDS = 300
-
 
 def hold_names(
     hold: ndarray, record: ndarray, force: ndarray, direction: ndarray, time: ndarray
@@ -85,7 +81,7 @@ def thinned(
     hold: ndarray,
     level: ndarray,
     time: ndarray,
-    most: int = MOST_RECORDS,
+    most: int,
 ) -> Int[ndarray, " kept"]:
     """Of more than `most` records, the first and the last of each mode in a clamping, and more
     between them as far as that allows.

@@ -39,6 +39,9 @@ LEAST_LIMIT = 5e-3  # of a frequency: a limit that is known worse says less than
 BEST = 1e-7  # of a frequency: no stick frequency is trusted further
 # Where so many of the records have a time, the others are left out rather than all laws of time.
 MOSTLY = 0.8
+# Records that are fitted at most: the cost grows with their cube. Clampings scatter much more than
+# the records of one, of which two of a mode say nearly as much as all.
+MOST_RECORDS = 300
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     holds = hold_names(hold, record, seen["force"].values, way, seen["time"].values)
     groups = seen["group"].values.astype(str) if "group" in seen else np.full(mode.size, "")
     levels = np.array([groups, way, seen["force"].values.astype(str)])
-    kept = thinned(timed, mode, holds, levels, seen["time"].values)
+    kept = thinned(timed, mode, holds, levels, seen["time"].values, MOST_RECORDS)
     untimed, row = row.size - timed.size, kept
     force, time = seen["force"].values[row].astype(float), seen["time"].values[row]
     called, hold = np.unique(holds[row], return_inverse=True)
