@@ -23,7 +23,7 @@ from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STEADY_DECAY_RATIO, steady_line
 from bladeroot.decay.twofold import twofold
-from bladeroot.signal.lines import CLOSE, loudest, mode_Hz
+from bladeroot.signal.lines import CLOSE_MODE_DISTANCE, loudest, mode_Hz
 
 # The search for lines in what the known ones leave over.
 MOST_LINES = 8  # besides the mode
@@ -161,7 +161,7 @@ def separated(
         one.frequency_Hz for one in near if one.wave.any()
     ]
     remarks += tuple((one.finding, one.remark) for one in near)
-    if search.close and abs(search.close[0] / own_Hz - 1.0) < CLOSE:
+    if search.close and abs(search.close[0] / own_Hz - 1.0) < CLOSE_MODE_DISTANCE:
         k = 1 + int(np.argmin(np.abs(lines[1:] - search.close[0])))
         remarks += (_beside_it(found, k),)
     return Separated(left, first, taken_Hz, time, widening, doubt, remarks)

@@ -13,7 +13,7 @@ from numpy import ndarray
 from bladeroot.decay.ending import RISE, find_end, running_power, strikes
 from bladeroot.decay.release import Release, find_release
 from bladeroot.signal.envelope import Envelope, envelope
-from bladeroot.signal.lines import FASTEST, quantum, white_noise
+from bladeroot.signal.lines import HIGHEST_OF_SAMPLING, quantum, white_noise
 from bladeroot.signal.turning import clean_falls
 from bladeroot.variables import dataset
 
@@ -92,10 +92,10 @@ def cut(
 
 def too_fast_or_short(samples: int, sampling_Hz: float, expected_Hz: float) -> str:
     """Why so many samples cannot hold a decay of a mode, or ""."""
-    if expected_Hz >= FASTEST * sampling_Hz:
+    if expected_Hz >= HIGHEST_OF_SAMPLING * sampling_Hz:
         return (
-            f"the mode's frequency {expected_Hz:.6g} Hz lies above {FASTEST} of the sampling "
-            f"frequency {sampling_Hz:.6g} Hz"
+            f"the mode's frequency {expected_Hz:.6g} Hz lies above {HIGHEST_OF_SAMPLING} of the "
+            f"sampling frequency {sampling_Hz:.6g} Hz"
         )
     duration = samples / sampling_Hz
     if duration * expected_Hz < 2 * FEWEST_CYCLES:

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.signal.phasors import WORST, Phasors
+from bladeroot.signal.phasors import WORST_STD, Phasors
 from bladeroot.signal.smooth import Spline, coarse, evidence
 
 # Effective degrees of freedom of the spline in the later half of the blocks: a mode's own laws take
@@ -61,7 +61,7 @@ def shaken(
     # steps that do not grow as the mode decays are no force on it, but of a sensor's gain, say
     if likelihood < likeliest(WALK_SHARES, steps)[0]:
         return None
-    left = slice(0, int(np.searchsorted(np.cumsum(walk), WORST**2)))
+    left = slice(0, int(np.searchsorted(np.cumsum(walk), WORST_STD**2)))
     return np.sqrt(white) * blocks.std[left], walk[left]
 
 

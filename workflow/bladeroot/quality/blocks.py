@@ -8,16 +8,16 @@ from bladeroot.quality.examined import Frames
 from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
-# Frames that a trend is taken off, at least; no frame is believed to be surer than that.
-FEWEST_WHOLE, LEAST_STD = 38, 3e-4
+FEWEST_WHOLE_FRAMES = 38  # frames without blind samples from which a trend is taken off
+LEAST_FRAME_STD = 3e-4  # of ln A + i phase: no frame is believed to be more certain, in weights
 
 
 def block_scale(
     size: Float[ndarray, " k"], block: int = 256, stride: int = 1
 ) -> Float[ndarray, " k"]:
-    """Median over blocks, the largest of each block and its neighbours, for every element.
+    """The largest median of an element's block of about `block` elements and of its neighbours.
 
-    With a `stride` only each so many-th element is looked at.
+    The medians are those of every `stride`-th element.
     """
     count = max(1, size.size // block)
     edges = np.linspace(0, size.size, count + 1).astype(int)
@@ -40,13 +40,13 @@ def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
 
 def frame_weights(frames: Frames, used: slice) -> Float[ndarray, " frame"]:
     """One over the standard error of some frames; zero where they are not whole."""
-    return frames.whole[used] / np.maximum(frames.std[used], LEAST_STD)
+    return frames.whole[used] / np.maximum(frames.std[used], LEAST_FRAME_STD)
 
 
 def without_trend(frames: Frames, used: slice, degree: int) -> Complex[ndarray, " frame"] | None:
     """Tapered `log` of some frames less a polynomial; None where too few are whole."""
     log, whole = frames.log[used], frames.whole[used]
-    if np.count_nonzero(whole) < FEWEST_WHOLE:
+    if np.count_nonzero(whole) < FEWEST_WHOLE_FRAMES:
         return None
     trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), degree)
     weight = frame_weights(frames, used)

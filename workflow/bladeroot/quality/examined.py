@@ -10,30 +10,39 @@ from scipy import fft
 
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
-from bladeroot.signal.recording import REACH, SHORT_GAP, Recording
+from bladeroot.signal.recording import DIFFERENCE_REACH, SHORT_GAP, Recording
 from bladeroot.signal.runs import runs
 
+# The frames in which the mode is fitted, a cycle apart.
 FRAME_CYCLES = 4
-# Noise around the mode counts as coloured from so many standard errors and twice the power on.
-COLOURED = 6.0
-# Lowest rate, over the mode's frequency and in Hz, at which hum and noise around it are looked for.
-BAND, BAND_HZ = 16.0, 4000.0
-# Samples of a frame at least, and those from which on it tells the mode from other lines: harmonics
-# below this part of the sampling rate, and modes in these bands of its frequency. Nearer ones are
-# not told apart in four cycles.
-LEAST_FRAME, TELLS, HIGHEST = 16, 24, 0.42
-OTHERS = ((0.3, 0.65), (1.35, 1.7))
-# Standard errors out of the noise from which on the mode is clear.
-CLEAR = 8.0
-# Blind spans are long from this part of a cycle on.
-LONG = 0.1
-# Bands of the mode's frequency in which noise around it is looked for, and lines in them at least;
-# beyond this part of the rate a filter takes noise away.
-AROUND, FEWEST_LINES, OPEN = ((0.3, 0.8), (1.3, 1.8)), 24, 0.9
-# Width in lines of white noise through the Blackman-Harris taper; standard error of ln of the
-# median of n lines' powers, times sqrt(n).
-WIDTH, OF_MEDIAN = 2.0044, 1.2
-# Finding on what other modes left in the curve: no fault of records is named for it.
+LEAST_FRAME_SAMPLES = 16  # a frame is longer than FRAME_CYCLES where these have fewer samples
+# Standard errors by which the mode stands out of the noise in a frame.
+MODE_OVER_ERROR = 8.0
+# A frame that overlaps a span of blind samples longer than this part of a cycle is not used.
+LONG_SPAN_CYCLES = 0.1
+# Frames of at least this many samples tell the mode from other lines, which are then fitted too.
+FIT_OTHERS_SAMPLES = 24
+HIGHEST_HARMONIC = 0.42  # its 2nd and 3rd harmonic, if below this part of the sampling frequency
+# Other modes in these bands of its frequency; nearer ones are not told apart in four cycles.
+OTHER_MODE_BANDS = ((0.3, 0.65), (1.35, 1.7))
+
+# The rate at which hum and noise around the mode are looked for, on means of samples: at least the
+# larger of these.
+MEANS_PER_CYCLE = 16.0
+MEANS_HZ = 4000.0
+
+# The noise around the mode, from the median power of the spectral lines near it.
+NOISE_BANDS = ((0.3, 0.8), (1.3, 1.8))  # where it is looked for, over the mode's frequency
+# Beyond this part of the spectrum's highest frequency a filter takes noise away.
+UNFILTERED_PART = 0.9
+FEWEST_NOISE_LINES = 24  # in the bands, at least
+# The noise is coloured where its power exceeds that of white noise by this many standard errors,
+# and by a factor of two.
+COLOURED_NOISE_ERRORS = 6.0
+TAPER_NOISE_BANDWIDTH = 2.0044  # of the Blackman-Harris taper, in lines
+MEDIAN_POWER_ERROR = 1.2  # standard error of ln of the median power of n lines, times sqrt(n)
+
+# Id of a finding on what other modes left in the curve: no fault of records is named for it.
 LEFTOVER = "leftover"
 
 
@@ -65,8 +74,8 @@ class Frames:
     """Log-phasor of the mode in frames of `FRAME_CYCLES` cycles, a cycle apart.
 
     `centre` is in samples; `log` is ln(velocity amplitude) + i (phase against `frequency_Hz`),
-    `std` its standard error from white noise. `row` makes a frame's
-    phasor from its samples; frames that reach into blind samples are not `whole`.
+    `std` its standard error from white noise. `row` makes a frame's phasor from its samples; a
+    frame that overlaps a long span of blind samples is not `whole`.
     """
 
     frequency_Hz: float
@@ -79,8 +88,8 @@ class Frames:
 
     @cached_property
     def clear(self) -> int:
-        """Number of frames before the mode first sinks to `CLEAR` times its standard error."""
-        lost = np.flatnonzero((self.std > 1.0 / CLEAR) & self.whole)
+        """Number of frames before the mode first sinks to `MODE_OVER_ERROR` standard errors."""
+        lost = np.flatnonzero((self.std > 1.0 / MODE_OVER_ERROR) & self.whole)
         return int(lost[0]) if lost.size else self.std.size
 
     @cached_property
@@ -93,12 +102,12 @@ class Frames:
 class Examined:
     """A cut decay and views of it, each made once when first asked for.
 
-    `velocity` is the cut decay, `whole` the raw record, `first` where
-    the cut begins in it, `noise` the rms of the sensor's
-    noise, `modes_Hz` expected frequencies of the structure's
-    other modes. `blind` marks samples that other findings have already set aside. `unit` is m/s
-    but where the sensor's own channel is looked at. `mixed` is the decay with all that rings, where
-    this one has been freed of the rest. `recording` has the sensor's own samples, where known.
+    `velocity` is the cut decay, `whole` the raw record, `first` the sample in it at which the cut
+    begins, `noise` the rms of the sensor's noise, `modes_Hz` the expected frequencies of the
+    structure's other modes. `blind` are spans of samples that other findings have set aside. `unit`
+    is m/s, except where the sensor's own channel is looked at. `mixed` is the decay with all that
+    rings, where other modes have been taken off this one. `recording` has the sensor's own samples,
+    where known.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -122,7 +131,7 @@ class Examined:
         at[self.recording.lost] = True
         spans = runs(at)
         if self.recording.quantity == "displacement":
-            spans += np.where(np.diff(spans) > SHORT_GAP, (-REACH, REACH), 0)
+            spans += np.where(np.diff(spans) > SHORT_GAP, (-DIFFERENCE_REACH, DIFFERENCE_REACH), 0)
         spans = np.clip(spans - self.first, 0, self.velocity.size)
         return tuple((int(a), int(b)) for a, b in spans if a < b)
 
@@ -146,12 +155,14 @@ class Examined:
         """The mode, frame by frame, fitted together with mean, trend and two harmonics."""
         x, rate, f = self.velocity, self.sampling_Hz, self.own_Hz
         hop = max(1, round(rate / f))
-        width = min(max(FRAME_CYCLES, -(-LEAST_FRAME // hop)), x.size // hop) * hop
-        # a louder mode leaks unless it is fitted too
-        lines = [order * f for order in (2, 3) if order * f < HIGHEST * rate]
+        width = min(max(FRAME_CYCLES, -(-LEAST_FRAME_SAMPLES // hop)), x.size // hop) * hop
+        # a louder mode leaks into the frames unless it is fitted too
+        lines = [order * f for order in (2, 3) if order * f < HIGHEST_HARMONIC * rate]
         ratio = [one / f for one in self.modes_Hz]
-        lines += [one * f for one in ratio if any(low < one < high for low, high in OTHERS)]
-        found = tapered(x, rate, f, hop, width, tuple(lines) if width >= TELLS else ())
+        lines += [
+            one * f for one in ratio if any(low < one < high for low, high in OTHER_MODE_BANDS)
+        ]
+        found = tapered(x, rate, f, hop, width, tuple(lines) if width >= FIT_OTHERS_SAMPLES else ())
         log, half = found.log, 0.5 * width
         return Frames(
             frequency_Hz=f,
@@ -167,7 +178,7 @@ class Examined:
         """Whether segments of samples are free of long blind spans."""
         clear = np.ones(first.size, bool)
         for start, stop in self.blind:
-            if stop - start > LONG * self.sampling_Hz / self.expected_Hz:
+            if stop - start > LONG_SPAN_CYCLES * self.sampling_Hz / self.expected_Hz:
                 clear &= (last <= start) | (first >= stop)
         return clear
 
@@ -178,8 +189,8 @@ class Examined:
 
     @cached_property
     def few(self) -> int:
-        """Samples whose mean is as good as each of them, for what is no faster than the mode."""
-        return max(1, int(self.sampling_Hz / max(BAND * self.own_Hz, BAND_HZ)))
+        """Samples in a mean that is as good as each of them up to the mode's frequency."""
+        return max(1, int(self.sampling_Hz / max(MEANS_PER_CYCLE * self.own_Hz, MEANS_HZ)))
 
     @cached_property
     def halves(self) -> tuple[Float[ndarray, " line"], Complex[ndarray, "2 line"], int]:
@@ -200,19 +211,21 @@ class Examined:
     def noise_around(self) -> float:
         """Rms of the white noise that has the power around the mode, where that is the larger.
 
-        The median `AROUND` the mode's frequency in the later half, where modes have died down most:
-        what remains of them cannot raise it.
+        From the median in `NOISE_BANDS` of the later half, where modes have died down most: what
+        remains of them cannot raise it.
         """
         frequency, spectra, count = self.halves
         relative = frequency / self.own_Hz
-        around = np.any([(relative > low) & (relative < high) for low, high in AROUND], axis=0)
-        around &= frequency < OPEN * frequency[-1]
-        if around.sum() < FEWEST_LINES:
+        around = np.any([(relative > low) & (relative < high) for low, high in NOISE_BANDS], axis=0)
+        around &= frequency < UNFILTERED_PART * frequency[-1]
+        if around.sum() < FEWEST_NOISE_LINES:
             return self.noise
         # of white noise, the median of chi2_2
-        white = 4.0 * np.log(2.0) * WIDTH * self.floor**2 / (count * self.few)
+        white = 4.0 * np.log(2.0) * TAPER_NOISE_BANDWIDTH * self.floor**2 / (count * self.few)
         excess = float(np.log(np.median(np.abs(spectra[1, around]) ** 2) / white))
-        sure = max(COLOURED * OF_MEDIAN / np.sqrt(around.sum() / 2.0), np.log(2.0))
+        sure = max(
+            COLOURED_NOISE_ERRORS * MEDIAN_POWER_ERROR / np.sqrt(around.sum() / 2.0), np.log(2.0)
+        )
         return float(self.floor * np.exp(0.5 * excess)) if excess > sure else self.noise
 
     def seconds(self, sample: float | np.number | int) -> float:

@@ -13,21 +13,25 @@ from numpy import ndarray
 
 from bladeroot.quality import findings
 from bladeroot.quality.examined import LEFTOVER, Examined, Finding
-from bladeroot.signal.lines import FASTEST
+from bladeroot.signal.lines import HIGHEST_OF_SAMPLING
 from bladeroot.signal.recording import SHORT_GAP, Recording
 from bladeroot.variables import dataset
 
-# A curve needs five cycles of a decay; in a record of fewer than so many nothing is bridged.
-FEWEST_CYCLES, SHORTEST = 5, 40
+FEWEST_CYCLES = 5  # of a decay that masks must leave for a curve
+FEWEST_BRIDGED_CYCLES = 40  # of a record: in a shorter one nothing is bridged
 
-# What these find in a mode's course may also be what others left there: beside others they warn.
-# Beyond so many times its threshold it is what it looks like: leftovers of 114 real curves of three
-# structures without a shaker reach 1.8 to 4.0 times it; touches of 10 % of the velocity beside
-# other modes, 3.2 to 3.6, are not told from them, those of 22 % reach 6.9.
-CLEARLY = 4.0
-OF_THE_COURSE = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
-HARD = ("mask", "drop")
-ZEROS, ENDS = "nothing but zeros from {:.4g} s to {:.4g} s", ("start_s", "end_s")
+# What other modes leave in the course of this one looks like these findings, which therefore only
+# warn where other modes were taken off.
+LIKE_LEFTOVERS = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
+REMOVING = ("mask", "drop")  # consequences that become a warning then
+# Above this many times its threshold such a finding keeps its name, below it is a leftover.
+# Leftovers of 114 real curves of three structures without a shaker reach 1.8 to 4.0 times the
+# threshold; touches of 10 % of the velocity beside other modes, 3.2 to 3.6 times, are not told from
+# them, those of 22 % reach 6.9 times.
+SURE_OVER_THRESHOLD = 4.0
+
+ALL_ZERO_TEXT = "nothing but zeros from {:.4g} s to {:.4g} s"
+CUT_ENDS = ("start_s", "end_s")  # attributes of a cut decay that the text is filled with
 
 
 @cache
@@ -70,7 +74,7 @@ def judge(
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
     if not decay.attrs["findings"] and not examined(decay, whole, expected_Hz).velocity.any():
-        decay = decay.assign_attrs(findings=ZEROS.format(*map(decay.attrs.get, ENDS)))
+        decay = decay.assign_attrs(findings=ALL_ZERO_TEXT.format(*map(decay.attrs.get, CUT_ENDS)))
     if decay.attrs["findings"]:
         kind = "cut" if whole.size else "unreadable"
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
@@ -88,13 +92,13 @@ def judge(
         for name, finding in candidates:
             if not finding.counts or name in told:
                 continue
-            if freed is not None and name in OF_THE_COURSE and finding.consequence in HARD:
-                # what separation leaves of other modes looks alike; the errors know of it
+            if freed is not None and name in LIKE_LEFTOVERS and finding.consequence in REMOVING:
+                # what other modes leave looks alike, and is in the curve's errors
                 what = finding.text.partition(";")[0]
                 text = f"{what}; or what other modes leave: nothing masked"
                 # a close mode that is struck or let go with this one makes a step in its course
                 stepped = name != "mode-beating" and any(one == "close-mode" for one, _ in remarks)
-                if stepped or finding.statistic <= CLEARLY * finding.threshold:
+                if stepped or finding.statistic <= SURE_OVER_THRESHOLD * finding.threshold:
                     name = LEFTOVER
                 finding = replace(finding, consequence="warn", text=text)
             found.append((name, finding))
@@ -145,7 +149,10 @@ def carried(recording: Recording, expected_Hz: float) -> Recording:
 
 def _too_short(count: int, sampling_Hz: float, expected_Hz: float) -> bool:
     """Whether a record is sampled too slowly, or too short, for anything to be bridged."""
-    return expected_Hz >= FASTEST * sampling_Hz or count * expected_Hz < SHORTEST * sampling_Hz
+    return (
+        expected_Hz >= HIGHEST_OF_SAMPLING * sampling_Hz
+        or count * expected_Hz < FEWEST_BRIDGED_CYCLES * sampling_Hz
+    )
 
 
 def examined(
@@ -188,7 +195,7 @@ def examine(seen: Examined, freed: Examined | None = None) -> list[tuple[str, Fi
         finding = module.find(seen if hasattr(module, "MIXED") else freed)
         if finding is not None:
             found.append((finding.name or name, finding))
-            if finding.counts and finding.excess is not None:  # what is taken off beats no more
+            if finding.counts and finding.excess is not None:  # later checks see it taken off
                 freed = replace(freed, velocity=freed.velocity - finding.excess)
     return found
 
@@ -211,7 +218,7 @@ def mended(seen: Examined, spans: tuple[tuple[int, int], ...]) -> Examined:
     if whole.all() or not whole.any():
         return made
     velocity = velocity.copy()
-    # through the frames of a gap the phase may have slipped by turns
+    # unwrapped without the frames of a gap, in which the phase may slip by whole turns
     course = np.unwrap(frames.log.imag[whole])
     for first, last in spans:
         if last - first > 0.1 * seen.sampling_Hz / seen.own_Hz:

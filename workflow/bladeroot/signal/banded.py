@@ -10,8 +10,8 @@ from numpy import ndarray
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 from scipy.linalg.lapack import dtrtri
 
-# Rows of a block at least: calls of small ones cost more than their arithmetic.
-LEAST = 16
+# Rows of a block at least: on smaller blocks calls cost more than their arithmetic.
+FEWEST_BLOCK_ROWS = 16
 
 
 def solution(
@@ -39,11 +39,11 @@ def solution(
 def inverse_band(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:
     """The inverse within the band, from the lower Cholesky factor in the same storage.
 
-    Blocks as long as the band is wide (or LEAST) see but the next one; from the last to the
-    first, a block of the inverse follows from the one behind it (Takahashi).
+    Blocks as long as the band is wide (or `FEWEST_BLOCK_ROWS`) are coupled to the next one only;
+    from the last to the first, a block of the inverse follows from the one behind it (Takahashi).
     """
     n, width = factor.shape
-    size = max(width, LEAST)
+    size = max(width, FEWEST_BLOCK_ROWS)
     blocks = -(-n // size)
     # beyond the end, an identity
     padded = np.zeros(((blocks + 1) * size, width))

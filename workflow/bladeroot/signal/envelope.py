@@ -8,10 +8,9 @@ from numpy import ndarray
 
 from bladeroot.signal.lines import hann
 
-# A frame is six half cycles: Hann-weighted, the second mode near twice the first stays out of it.
-# It is moved on by half a cycle, and holds at least ten samples for its six unknowns.
-FRAME_STEPS = 6
-FEWEST_SAMPLES = 10
+# A frame moves on by half a cycle of the mode.
+FRAME_STEPS = 6  # half cycles in it: Hann-weighted, the second mode near twice the first stays out
+FEWEST_FRAME_SAMPLES = 10  # it is longer where it would hold fewer, for its six unknowns
 
 
 @dataclass(frozen=True)
@@ -115,7 +114,7 @@ def envelope(
     full height there. Time and memory grow linearly with the record.
     """
     step = max(1, round(0.5 * sampling_Hz / frequency_Hz))
-    width = max(FRAME_STEPS, -(-FEWEST_SAMPLES // step)) * step
+    width = max(FRAME_STEPS, -(-FEWEST_FRAME_SAMPLES // step)) * step
     if velocity.size < width:
         raise ValueError(f"expected at least {width} samples, got {velocity.size}")
     found = tapered(velocity, sampling_Hz, frequency_Hz, step, width)

@@ -7,27 +7,35 @@ from scipy import fft
 
 from bladeroot.signal.runs import medians
 
-# Part of the sampling frequency below which a mode must lie: an anti-alias filter takes what is
-# beyond.
-FASTEST = 0.45
-# Cycles that are looked at: the loudest of a record, and the first of a decay.
-LOUD_CYCLES, FIRST_CYCLES = 80.0, 100.0
-# A mode further than this (relative) from its expected frequency is not looked for. One in the
-# nearer part goes before a louder one further off, from this part of its height on, where the level
-# between them sinks below this part of its own: a mode that softens by as much leaves no valley.
-TOLERANCE, NEAR, LEAST, VALLEY = 0.3, 0.17, 0.1, 0.5
-# Part of the mode's frequency within which another one is a close mode, as a beat of more than
-# eight cycles is; one farther away leaves something in the curve.
-CLOSE = 0.125
-# Turns that a line on one side makes at least, what it is over the line on the other side, and the
-# degree of the course that is taken off.
-FEWEST_TURNS, ONE_SIDED, COURSE = 3.0, 2.5, 3
+# A mode must lie below this part of the sampling frequency: an anti-alias filter takes the rest.
+HIGHEST_OF_SAMPLING = 0.45
+# A mode nearer to another than this part of its frequency is a close mode, as its beat takes more
+# than eight cycles; one further away leaves something in the curve.
+CLOSE_MODE_DISTANCE = 0.125
+
+# The piece of a record whose lines are looked at.
+LOUD_CYCLES = 80.0  # the loudest cycles of a record
+FIRST_CYCLES = 100.0  # the first cycles of a decay
+
+# Which line is the mode: the strongest within FREQUENCY_TOLERANCE of its expected frequency
+# (relative), but the strongest within NEAR_TOLERANCE if it is clear.
+FREQUENCY_TOLERANCE = 0.3
+NEAR_TOLERANCE = 0.17
+NEAR_HEIGHT = 0.1  # its height over that of the strongest within FREQUENCY_TOLERANCE, at least
+# Between the two the level sinks below this part of its height: a mode that softens by as much
+# leaves no such valley.
+VALLEY_HEIGHT = 0.5
+
+# A line on one side of zero in a log-envelope.
+FEWEST_TURNS = 3.0  # turns over all frames at least
+ONE_SIDED_RATIO = 2.5  # height over that of the line at the opposite frequency, at least
+COURSE_DEGREE = 3  # degree of the smooth course that is taken off first
 
 
 def magnitudes(
     velocity: Float[ndarray, " sample"], sampling_Hz: float
 ) -> tuple[Float[ndarray, " line"], Float[ndarray, " line"]]:
-    """Frequencies and magnitudes of a piece (Hann), without mean and slowest drift."""
+    """Frequencies and magnitudes of a piece (Hann), without mean and lines below three turns."""
     count = velocity.size
     padded = fft.next_fast_len(2 * count, real=True)
     level = np.abs(fft.rfft((velocity - velocity.mean()) * hann(count), padded))
@@ -85,16 +93,16 @@ def peak_Hz(frequency: Float[ndarray, " line"], level: Float[ndarray, " line"]) 
 def mode_Hz(
     frequency: Float[ndarray, " line"], level: Float[ndarray, " line"], expected_Hz: float
 ) -> float:
-    """Frequency of the mode that is meant by the expected one, which stands in for none.
+    """Frequency of the mode that is meant by the expected one, which is returned if there is none.
 
     The strongest line near it, or, without a clear one there, the strongest within the tolerance.
     """
     off = np.abs(frequency / expected_Hz - 1.0)
-    inside = np.where(off <= TOLERANCE, level, 0.0)
-    near = np.where(off <= NEAR, level, 0.0)
+    inside = np.where(off <= FREQUENCY_TOLERANCE, level, 0.0)
+    near = np.where(off <= NEAR_TOLERANCE, level, 0.0)
     k, strongest = int(np.argmax(near)), int(np.argmax(inside))
     between = level[min(k, strongest) : max(k, strongest) + 1]
-    if level[k] > LEAST * level[strongest] and between.min() < VALLEY * level[k]:
+    if level[k] > NEAR_HEIGHT * level[strongest] and between.min() < VALLEY_HEIGHT * level[k]:
         inside = near
     return peak_Hz(frequency, inside) if inside.any() else expected_Hz
 
@@ -110,11 +118,12 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
     """How clear a log-envelope's strongest line on one side of zero is, and its turns a frame.
 
     A second mode of relative amplitude r < 1 adds ln(1 + r exp(i d t)): lines on one side of zero
-    only, which no knock, bend or law of amplitude makes. A smooth course is taken off; the line
-    makes FEWEST_TURNS turns at least, makes the logarithm's change in a frame swing by `least`, and
-    is compared with the median one. (0, 0): there is none.
+    only, which no knock, bend or law of amplitude makes. A smooth course is taken off. The line
+    makes at least `FEWEST_TURNS` turns, and the change of the logarithm from frame to frame swings
+    by at least `least` with it. How clear it is: its height over the median line's. (0, 0) where
+    there is none.
     """
-    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE)
+    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), COURSE_DEGREE)
     taper = hann(log.size)
     rest = (log - trend @ np.linalg.lstsq(trend, log, rcond=None)[0]) * taper
     level = np.abs(np.fft.fft(rest, 4 * log.size)) / taper.sum()
@@ -122,7 +131,7 @@ def one_sided(log: Complex[ndarray, " frame"], least: float) -> tuple[float, flo
     apart = np.abs(turns) * log.size >= FEWEST_TURNS
     k = int(np.argmax(np.where(apart, level, 0.0)))
     change = 2.0 * np.pi * abs(turns[k]) * level[k]
-    if change < least or level[k] < ONE_SIDED * level[-k]:
+    if change < least or level[k] < ONE_SIDED_RATIO * level[-k]:
         return 0.0, 0.0
     middle = float(np.median(level[apart]))
     return float(level[k]) / max(middle, 1e-300), float(turns[k])
@@ -136,26 +145,32 @@ def hann(count: int) -> Float[ndarray, " sample"]:
     return np.sin(np.pi / count * (np.arange(count) + 0.5)) ** 2
 
 
-# Of the cosines of no, one, two and three turns in Blackman and Harris's taper (Harris 1978).
-TERMS = (0.35875, 0.48829, 0.14128, 0.01168)
+# Blackman and Harris's taper: weights of cosines of no, one, two and three turns (Harris 1978).
+BLACKMAN_HARRIS_TERMS = (0.35875, 0.48829, 0.14128, 0.01168)
 
 
 def blackman_harris(count: int) -> Float[ndarray, " sample"]:
     """The four-term taper whose side lobes lie 92 dB down."""
     once = np.cos(2.0 * np.pi / count * np.arange(count))
     # cosines of the double and triple angle, in powers of the single one's
-    even = TERMS[0] + TERMS[2] * (2.0 * once**2 - 1.0)
-    return even - once * (TERMS[1] + TERMS[3] * (4.0 * once**2 - 3.0))
+    even = BLACKMAN_HARRIS_TERMS[0] + BLACKMAN_HARRIS_TERMS[2] * (2.0 * once**2 - 1.0)
+    return even - once * (
+        BLACKMAN_HARRIS_TERMS[1] + BLACKMAN_HARRIS_TERMS[3] * (4.0 * once**2 - 3.0)
+    )
 
 
-# A digitiser that cuts towards zero has a zero twice as wide as its other steps: it counts where
-# that is likelier by so many nats, beside steps that differ by no more than a factor. Counted is
-# where a cycle reaches so many steps: what is not that high stays in the zero.
-SURELY, EVEN, CROSSING = 10.0, 1.5, 8.0
-# Samples of so many steps that lie between others of either sign, of which two pairs, this part of
-# a cycle and twice as far away, agree to a step, are then smaller than these say by this part of a
-# step at least: a frequency that is a part of the sampling's meets a rounded zero more often, too.
-LOW, AWAY, AGREE, SHRUNK = (1.0, 4.0), 24, 1.0, 0.25
+# Whether a digitiser cuts towards zero. Zero is then twice as wide as its other steps.
+CUT_EVIDENCE = 10.0  # ln of how much likelier a zero of double width is, at least
+EVEN_STEPS = 1.5  # the counts of the steps -2, -1, 1 and 2 lie within this factor of their mean
+# Only cycles that reach this many steps are counted: in smaller ones the samples stay in the zero.
+COUNTED_CYCLE_STEPS = 8.0
+
+# Small samples are then also smaller than their neighbours say. A frequency that is a simple part
+# of the sampling frequency meets a rounded zero more often, too, but does not shrink samples.
+SMALL_STEPS = (1.0, 4.0)  # steps of a small sample, which lies between samples of opposite sign
+LAGS_PER_CYCLE = 24  # its neighbours lie one and two of these lags away on either side
+PAIRS_AGREE_STEPS = 1.0  # the two pairs of neighbours agree on the sample within this many steps
+SHRUNK_STEPS = 0.25  # steps by which samples are smaller on average, at least
 
 
 def white_noise(velocity: Float[ndarray, " sample"]) -> float:
@@ -187,22 +202,22 @@ def quantum(samples: Float[ndarray, " sample"]) -> float:
 
 
 def not_cut(samples: Float[ndarray, " sample"], cycle: int) -> Float[ndarray, " sample"]:
-    """Samples with the half step put back that a conversion which cuts towards zero has taken.
+    """Samples with the half step added that a conversion which cuts towards zero has taken away.
 
-    Cut samples are smaller by half a step on either side, so that an amplitude of some steps falls
-    too fast. cycle: samples in a cycle.
+    Cut samples are nearer to zero by half a step on average, so that an amplitude of a few steps
+    falls too fast. Samples that were not cut are returned as they are. cycle: samples in a cycle.
     """
     step, cycle = quantum(samples), max(cycle, 8)
     whole = samples.size // cycle * cycle
     if step == 0.0 or not whole:
         return samples
     code = samples[:whole].reshape(-1, cycle) / step
-    code = code[np.abs(code).max(axis=1) > CROSSING]
+    code = code[np.abs(code).max(axis=1) > COUNTED_CYCLE_STEPS]
     counts = np.array([np.count_nonzero(np.abs(code - k) < 0.1) for k in (-2, -1, 0, 1, 2)])
     beside = counts[[0, 1, 3, 4]]
     usual = beside.mean()
-    even = beside.min() * EVEN > usual and beside.max() < EVEN * usual
-    if not even or counts[2] * np.log(2.0) - usual < SURELY or _shrunk(code) < SHRUNK:
+    even = beside.min() * EVEN_STEPS > usual and beside.max() < EVEN_STEPS * usual
+    if not even or counts[2] * np.log(2.0) - usual < CUT_EVIDENCE or _shrunk(code) < SHRUNK_STEPS:
         return samples
     return samples + 0.5 * step * np.sign(samples) * (np.abs(samples) > 0.5 * step)
 
@@ -210,15 +225,19 @@ def not_cut(samples: Float[ndarray, " sample"], cycle: int) -> Float[ndarray, " 
 def _shrunk(code: Float[ndarray, "turn sample"]) -> float:
     """Steps by which small samples are smaller than those on either side say; rows are cycles.
 
-    Of a sum of two samples of either sign a cut takes nothing.
+    The sum of two samples of opposite sign loses nothing by a cut.
     """
     cycle = code.shape[1]
-    lag = max(cycle // AWAY, 1)
+    lag = max(cycle // LAGS_PER_CYCLE, 1)
     turn, count = 2.0 * np.pi * lag / cycle, cycle - 4 * lag
     far, near, own, later, last = (code[:, k * lag : k * lag + count] for k in range(5))
     between = 0.5 * (near + later) / np.cos(turn)
     beyond = 0.5 * (far + last) / max(np.cos(2.0 * turn), 0.1)
-    small = (np.abs(beyond) >= LOW[0]) & (np.abs(beyond) <= LOW[1]) & (near * later < 0.0)
-    small &= np.abs(beyond - between) < AGREE
+    small = (
+        (np.abs(beyond) >= SMALL_STEPS[0])
+        & (np.abs(beyond) <= SMALL_STEPS[1])
+        & (near * later < 0.0)
+    )
+    small &= np.abs(beyond - between) < PAIRS_AGREE_STEPS
     less = ((between - own) * np.sign(beyond))[small]
     return float(less.mean()) if less.size else 0.0

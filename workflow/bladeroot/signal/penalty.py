@@ -35,13 +35,13 @@ def derivative_rows(
     return rows
 
 
-DEGREE = 5
-ORDER = 3
-# A region is made no stiffer once it has fewer degrees of freedom: the errors of a segment that
+SPLINE_DEGREE = 5
+PENALTY_ORDER = 3  # of the derivative whose roughness is penalised
+# The precision (one over the intensity) of the penalty in each region of the record.
+# With fewer degrees of freedom than this a region is made no stiffer: the errors of a segment that
 # looks exactly straight would come out too small.
 FEWEST_FREEDOM = 0.25
-# Furthest that the log-precision of a region is moved above its softest.
-STIFFEST = 50.0
+STIFFEST_RANGE = 50.0  # log-precision of a region over its softest, at most
 
 
 def normal_sums(
@@ -77,11 +77,11 @@ def penalty_rows(
 ) -> tuple[Float[ndarray, "row alive"], Float[ndarray, " row"]]:
     """The third derivative's coefficients, of unit variance where it is white; where they lie.
 
-    Row j weighs the spline's coefficients j ... j + ORDER.
+    Row j weighs the spline's coefficients j ... j + `PENALTY_ORDER`.
     """
-    rows = derivative_rows(knots, DEGREE, ORDER)
-    reach = DEGREE - ORDER + 1
-    inside = knots[ORDER : knots.size - ORDER]
+    rows = derivative_rows(knots, SPLINE_DEGREE, PENALTY_ORDER)
+    reach = SPLINE_DEGREE - PENALTY_ORDER + 1
+    inside = knots[PENALTY_ORDER : knots.size - PENALTY_ORDER]
     # a white derivative has coefficients of variance intensity over spacing
     spacing = (inside[reach:] - inside[:-reach]) / reach
     centre = sum(inside[k : k + rows.shape[0]] for k in range(reach + 1)) / (reach + 1)
@@ -119,10 +119,10 @@ def posterior(
         precision = at_rows(place, found)
         value, inverse = solve(precision)
         change, moving = _step(inverse, value, rows, place, precision, found.size)
-        found = np.clip(found + change, softest, softest + STIFFEST)
+        found = np.clip(found + change, softest, softest + STIFFEST_RANGE)
         if not moving:
             break
-    # where the curve bends is known no better than to a region
+    # where the curve bends is known to within a region only
     precision = at_rows(place, _spread(found))
     return found, *solve(precision)
 
@@ -162,7 +162,7 @@ def _step(
     own = np.log(freedom / np.maximum(roughness, 1e-30))
     # a segment that is straight already gains nothing by being stiffer
     own = np.where(freedom < FEWEST_FREEDOM, np.minimum(own, 0.0), own)
-    change = np.clip(2.0 * own, -4.0, 4.0)  # twice the step: it is known to creep
+    change = np.clip(2.0 * own, -4.0, 4.0)  # twice the step, as it converges slowly
     return change, bool((np.abs(change) * np.minimum(freedom, 1.0) > 0.2).any())
 
 

@@ -14,11 +14,12 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
 
-# Powers of time within a frame up to which growth and chirp of the mode are allowed for.
-TAYLOR = 4
-# Standard error of a block that is wanted, and the worst of one that is kept.
-TARGET, WORST = 0.1, 0.3
-_NO_PHASOR = -100.0  # ln of one that is exactly none: lost, and no overflow
+# Growth and chirp of the mode within a frame are allowed for up to this power of time.
+TAYLOR_ORDER = 4
+# Standard error of a block's ln A and phase.
+WANTED_STD = 0.1  # frames are joined into a block until about this is reached
+WORST_STD = 0.3  # the blocks end before the first one that is worse
+_NO_PHASOR = -100.0  # ln of a phasor of zero: small enough to count as lost, without overflow
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ class Segment:
 class Frames:
     """The mode's phasor in the middle of each frame.
 
-    `own` and `image` are what a term t^k/k! of the relative phasor (k = 1 ... TAYLOR, t from the
-    frame's middle in s) and its conjugate add to the fitted phasor.
+    `own` and `image` are what a term t^k/k! of the relative phasor and its conjugate add to the
+    fitted phasor (k = 1 ... `TAYLOR_ORDER`, t in s from the frame's middle).
     """
 
     time: Float[ndarray, " frame"]
@@ -70,7 +71,7 @@ def fit_frames(
     """
     total = sum(segment.frames for segment in segments)
     time, std, omega = np.empty((3, total))
-    phasor, (own, image) = np.empty(total, complex), np.empty((2, total, TAYLOR), complex)
+    phasor, (own, image) = np.empty(total, complex), np.empty((2, total, TAYLOR_ORDER), complex)
     at = 0
     for segment in segments:
         here = slice(at, at + segment.frames)
@@ -81,7 +82,7 @@ def fit_frames(
         moment, turn = local / sampling_Hz, segment.angle * local
         omega[here] = segment.angle * sampling_Hz
         columns = np.stack([np.cos(turn), -np.sin(turn), np.ones_like(turn)], axis=1)
-        powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR + 1), axis=1)
+        powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR_ORDER + 1), axis=1)
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
         solver = _solver(columns)
         z = pieces @ np.ascontiguousarray(solver[:2].T)
@@ -114,7 +115,7 @@ def _answers(fitted: Float[ndarray, "column wave"]) -> Complex[ndarray, "2 half"
 
 
 def _solver(columns: Float[ndarray, "sample column"]) -> Float[ndarray, "column sample"]:
-    """Least squares as a matrix: a whisper of damping for what too few samples cannot tell."""
+    """Least squares as a matrix, regularised a little for what too few samples cannot tell."""
     gram = columns.T @ columns
     gram[np.diag_indices(gram.shape[0])] *= 1.0 + 1e-12
     return np.linalg.solve(gram, columns.T)
@@ -181,8 +182,8 @@ def gather(
 
     guess: the log-phasor as far as it is known; its amplitude, not the noisy one, sets the
     errors. A block is one frame (or the frames over `most`), and grows where the mode is weak
-    until its standard error is about TARGET, but not beyond a drop of the envelope by 0.4. The
-    blocks end where the mode is lost: where that is not enough for WORST. Raises ValueError
+    until its standard error is about `WANTED_STD`, but not beyond a fall of ln A by 0.4. The blocks
+    end where the mode is lost: where a block is still worse than `WORST_STD`. Raises ValueError
     where it is lost from the start.
     """
     guess = np.maximum(guess.real, _NO_PHASOR) + 1j * guess.imag
@@ -201,7 +202,7 @@ def gather(
     centre = centre / total
     miss = np.log(np.maximum(np.abs(relative), 1e-300)) + 1j * np.unwrap(np.angle(relative))
     spread = total**-0.5
-    lost = np.flatnonzero(spread > WORST)
+    lost = np.flatnonzero(spread > WORST_STD)
     keep = slice(0, int(lost[0]) if lost.size else None)
     return Phasors(centre[keep], (known + miss)[keep], spread[keep]), miss[keep]
 
@@ -213,7 +214,7 @@ def _edges(
     own = np.arange(share.size)
     before, after = np.maximum(own - 1, 0), np.minimum(own + 1, share.size - 1)
     fall = (level[before] - level[after]) / np.maximum(after - before, 1)
-    length = np.minimum((share / TARGET) ** 2, 0.4 / np.maximum(fall, 1e-12))
+    length = np.minimum((share / WANTED_STD) ** 2, 0.4 / np.maximum(fall, 1e-12))
     asked = np.maximum(np.ceil(length), fewest).tolist()
     edges = [0]
     # nor where an error is no number

@@ -8,14 +8,14 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 SI = {"velocity": "m/s", "displacement": "m", "acceleration": "m/s^2"}
-# Most cycles of the mode over which acceleration's integral is averaged to find its drift: of
-# lengths from half of it on, the one in which they are nearest to whole.
+# The drift of acceleration's integral is its mean over this many cycles of the mode at most: of the
+# lengths from half of that on, the one nearest to whole cycles.
 DRIFT_CYCLES = 7
 # Weights of the samples 1 to 4 ahead in the eighth-order central difference.
 _CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-# Samples on either side from which a displacement's velocity is made; lost ones in a row that their
-# neighbours tell well.
-REACH, SHORT_GAP = _CENTRAL.size, 4
+# Samples on either side from which a displacement's velocity is made.
+DIFFERENCE_REACH = _CENTRAL.size
+SHORT_GAP = 4  # lost samples in a row, at most, that their neighbours tell well
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Recording:
 
 
 def uncut(record: Recording, expected_Hz: float) -> Recording:
-    """The recording; where its samples were cut towards zero, made good, with a note of it."""
+    """The recording; samples that were cut towards zero are corrected, with a note of it."""
     from bladeroot.signal.lines import not_cut  # late: the workflow reads units alone
 
     samples = not_cut(record.samples, round(record.sampling_Hz / expected_Hz))
@@ -53,8 +53,9 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
 
     Displacement is differentiated by eighth-order central differences. Acceleration is summed by
     the trapezoidal rule with its first Euler-Maclaurin correction, and its mean over whole cycles
-    of the mode, the integration's drift, is taken off. What either does to a wave, some
-    per cent with few samples a cycle, is made good for the mode's line in the loudest cycles.
+    of the mode, the integration's drift, is taken off. The error of either on a wave,
+    some per cent with few samples a cycle, is corrected at the mode's frequency in the loudest
+    cycles.
     """
     x, step = record.samples, 1.0 / record.sampling_Hz
     if record.undone:
@@ -65,7 +66,7 @@ def velocity(record: Recording, expected_Hz: float) -> Float[ndarray, " sample"]
 
     lines = loudest(x - x.mean(), record.sampling_Hz, expected_Hz)
     own_Hz = mode_Hz(*lines, expected_Hz)
-    # what lies above has no samples to be seen by, as the cut then says
+    # a mode above has too few samples a cycle, and the cut rejects it
     angle = min(2.0 * np.pi * own_Hz * step, 0.9 * np.pi)
     gain = float(2.0 * _CENTRAL @ np.sin(angle * np.arange(1, 5)) / angle)
     if record.quantity == "displacement":

@@ -7,7 +7,7 @@ restricted likelihood, found by the Fellner-Schall iteration (Wood & Fasiolo 201
 gives standard errors which include the smoothing bias on average over the curve (Nychka 1988).
 
 Two passes: one on few knots finds the intensities, a second puts the knots where the curve
-bends. The cost does not grow with the number of values but for the sums over them.
+bends. Only the sums over the values cost more with more of them.
 """
 
 from dataclasses import dataclass, field
@@ -21,8 +21,8 @@ from scipy.linalg import LinAlgError
 
 from bladeroot.signal.banded import solution
 from bladeroot.signal.penalty import (
-    DEGREE,
-    ORDER,
+    PENALTY_ORDER,
+    SPLINE_DEGREE,
     alive_splines,
     at_rows,
     derivative_rows,
@@ -33,16 +33,17 @@ from bladeroot.signal.penalty import (
 )
 from bladeroot.signal.walk import full_solution, root_of, spread_out, whitened
 
-# The posterior's errors are those of a curve as rough as the prior; most segments are smoother.
-# For the value and its derivatives, found by simulation over sharp and gradual onsets at 30 to
-# 80 dB (benchmarks/decays.py).
+# Factors on the standard errors of the value and of its first two derivatives. The posterior's
+# errors are those of a curve as rough as the prior; most segments are smoother. Found by simulation
+# over sharp and gradual onsets at 30 to 80 dB (benchmarks/decays.py).
 CALIBRATION = np.array([1.0, 0.88, 0.88])
-# The same with a walk in the values, whose size is known no better than its likelihood tells: by
-# simulation of modes of 2 Hz that shake by 0.001 to 0.03 of the start.
-WALKING = np.array([1.0, 1.2, 1.2])
-# Knots of the second pass, regions with an intensity of their own, and places at which the local
-# width is looked at.
-FINE_KNOTS, REGIONS, GRID = 90, 18, 200
+# The same with a random walk in the values, whose size is known only as well as its likelihood
+# tells. Found by simulation of modes of 2 Hz that shake by 0.001 to 0.03 of the start.
+WALK_CALIBRATION = np.array([1.0, 1.2, 1.2])
+# The spline.
+FINE_KNOTS = 90  # knots of the second pass at most
+REGIONS = 18  # regions of the record at most, each with a penalty of its own
+WIDTH_PLACES = 200  # places at which the local width of the spline is evaluated to set the knots
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,8 @@ class Prior:
 class Spline:
     """Posterior of the curves of all parts: coefficients and their covariance.
 
-    The covariance is kept of coefficients that share a piece only: row j holds those of the
-    coefficient j with j, j + 1, ... j + DEGREE.
+    The covariance is kept only of coefficients that share a piece: row j holds those of the
+    coefficient j with j, j + 1, ... j + `SPLINE_DEGREE`.
     """
 
     origin: float
@@ -83,17 +84,17 @@ class Spline:
 
     @cached_property
     def _polynomials(self) -> list[PPoly]:
-        return [PPoly.from_spline((self.knots, part, DEGREE)) for part in self.coefficient]
+        return [PPoly.from_spline((self.knots, part, SPLINE_DEGREE)) for part in self.coefficient]
 
     def std(
         self, time: Float[ndarray, " point"], orders: int = 3
     ) -> Float[ndarray, "orders part point"]:
-        """Standard errors of `value`, or of but its first orders."""
+        """Standard errors of `value`, or of its first `orders` rows only."""
         x = (time - self.origin) / self.scale
         error = np.zeros((orders, self.covariance.shape[0], time.size))
         for d in range(orders):
-            value, first = alive_splines(x, self.knots[d : self.knots.size - d], DEGREE - d)
-            rows = derivative_rows(self.knots, DEGREE, d) / self.scale**d
+            value, first = alive_splines(x, self.knots[d : self.knots.size - d], SPLINE_DEGREE - d)
+            rows = derivative_rows(self.knots, SPLINE_DEGREE, d) / self.scale**d
             error[d] = _errors(value, first, rows, self.covariance)
         return self.calibration[:orders, None, None] * error
 
@@ -104,7 +105,7 @@ def _errors(
     rows: Float[ndarray, "row wide"],
     covariance: Float[ndarray, "part coefficient width"],
 ) -> Float[ndarray, "part point"]:
-    """Standard errors of a derivative: splines alive, and what makes it of ours."""
+    """Standard errors of a derivative, from the splines alive and the rows that differentiate."""
     width = covariance.shape[-1]
     shape = np.zeros((first.size, width))
     for a in range(value.shape[1]):
@@ -131,7 +132,7 @@ def coarse(
     """Penalised splines on few knots through independent values that share their errors.
 
     prior: one to start from, as of an earlier call on the same record, `duration` s long.
-    walk: variances of the steps of a random walk that is in the values besides.
+    walk: variances of the steps of a random walk that the values also hold.
     """
     clock = sites(time, y[0], knots)
     prior = prior or _even(time, std, clock, duration, y.shape[0])
@@ -171,7 +172,7 @@ def evidence(
         whole = np.abs(root_of(root, rows, precision).diagonal())
         found += 0.5 * np.log(precision).sum() - np.log(whole[:-1]).sum()
         square += whole[-1] ** 2
-    free = len(y) * (time.size - ORDER)
+    free = len(y) * (time.size - PENALTY_ORDER)
     return float(found - 0.5 * free * np.log(square / free)), float(square / free)
 
 
@@ -179,8 +180,8 @@ def _roots(
     x: ndarray, y: ndarray, std: ndarray, walk: ndarray, knots: ndarray, trend: ndarray
 ) -> tuple[list[ndarray], float]:
     """Each part's root of whitened splines and values, and half the ln of their covariance."""
-    count = knots.size - DEGREE - 1
-    design = spread_out(*alive_splines(x, knots, DEGREE), count)
+    count = knots.size - SPLINE_DEGREE - 1
+    design = spread_out(*alive_splines(x, knots, SPLINE_DEGREE), count)
     about = y - trend[:, :1] * x - trend[:, 1:]
     white, size = whitened(np.column_stack([design, about.T]), std, walk)
     root = np.linalg.qr(white, "r")
@@ -223,9 +224,11 @@ def _fit(
     """The splines on given knots, after some steps of the intensities' iteration."""
     origin, scale = float(time[0]), duration
     x, inner = (time - origin) / scale, (where - origin) / scale
-    knots = np.concatenate([np.full(DEGREE, inner[0]), inner, np.full(DEGREE, inner[-1])])
-    count = knots.size - DEGREE - 1
-    shape, first = alive_splines(x, knots, DEGREE)
+    knots = np.concatenate(
+        [np.full(SPLINE_DEGREE, inner[0]), inner, np.full(SPLINE_DEGREE, inner[-1])]
+    )
+    count = knots.size - SPLINE_DEGREE - 1
+    shape, first = alive_splines(x, knots, SPLINE_DEGREE)
     gram, right, trend = normal_sums(x, y, std, shape, first, count)
     penalty, centre = penalty_rows(knots)
     place = np.interp(centre, prior.node, np.arange(float(prior.node.size)))
@@ -251,7 +254,7 @@ def _fit(
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,
         Prior(prior.node, log_precision, prior.softest),
-        CALIBRATION if walk is None else WALKING,
+        CALIBRATION if walk is None else WALK_CALIBRATION,
     )  # fmt: skip
 
 
@@ -260,14 +263,14 @@ def _in_band(gram: ndarray, right: ndarray, rows: ndarray, precision: ndarray) -
 
 
 def _in_full(root: ndarray, rows: ndarray, precision: ndarray) -> tuple:
-    return full_solution(root_of(root, rows, precision), DEGREE + 1)
+    return full_solution(root_of(root, rows, precision), SPLINE_DEGREE + 1)
 
 
 def _bending(
     time: ndarray, std: ndarray, clock: ndarray, fit: Spline, count: int
 ) -> Float[ndarray, " site"]:
     """Knots as dense as the spline's own local width, not denser than half the values."""
-    even = np.linspace(0.0, 1.0, GRID)
+    even = np.linspace(0.0, 1.0, WIDTH_PLACES)
     at = np.interp(even, np.linspace(0.0, 1.0, clock.size), clock)
     x = (at - fit.origin) / fit.scale
     reached = np.interp(at, time, np.arange(time.size))

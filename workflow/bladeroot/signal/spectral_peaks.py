@@ -7,12 +7,12 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import signal
 
-# A line is one where it stands so far (dB) above the valleys beside it and above the noise.
-PROMINENCE_DB, FLOOR_DB = 18.0, 20.0
-# Frequencies so much apart (relative) are one mode seen in several records.
-ALIKE = 0.03
-# Lines weaker than this beside the strongest (dB) are left for a person to find.
-RANGE_DB = 60.0
+# A line stands out of the spectrum where it is high enough in all three ways.
+PROMINENCE_DB = 18.0  # above the valleys beside it
+OVER_NOISE_DB = 20.0  # above the median of the spectrum, the noise
+RANGE_DB = 60.0  # below the strongest at most; weaker lines are left for a person to find
+# Lines of several records closer than this (relative) are one mode.
+SAME_MODE = 0.03
 
 
 def spectrum(
@@ -36,7 +36,7 @@ def peaks(
     """Frequency (Hz) and level (dB) of the lines that stand out, strongest first."""
     floor = float(np.median(level))
     found, _ = signal.find_peaks(
-        level, height=max(floor + FLOOR_DB, -RANGE_DB), prominence=PROMINENCE_DB
+        level, height=max(floor + OVER_NOISE_DB, -RANGE_DB), prominence=PROMINENCE_DB
     )
     order = found[np.argsort(-level[found])]
     return [(float(frequency[k]), float(level[k])) for k in order]
@@ -47,7 +47,7 @@ def common(lists: Sequence[Sequence[tuple[float, float]]]) -> list[float]:
     every = sorted((frequency, k) for k, lines in enumerate(lists) for frequency, _ in lines)
     groups: list[list[tuple[float, int]]] = []
     for line in every:
-        if groups and line[0] < groups[-1][0][0] * (1.0 + ALIKE):
+        if groups and line[0] < groups[-1][0][0] * (1.0 + SAME_MODE):
             groups[-1].append(line)
         else:
             groups.append([line])

@@ -7,7 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.quality.blocks import joined
-from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME, Examined, Finding
+from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME_SAMPLES, Examined, Finding
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import SI
@@ -16,42 +16,50 @@ from bladeroot.signal.runs import runs
 MIXED = True
 STATISTIC = "samples piled up at an extreme, over those that an unclipped cosine has there"
 THRESHOLD = 3.0
-# Where one extreme is clipped, the other is masked from this ratio on.
-OTHER = 1.5
-# A top is within so many of the digitiser's steps of the extreme, or so many times the noise; tops
-# to mask go so many times the noise below. Runs within this part of a cycle are one top.
-STEPS, NOISES, BELOW, ONE_TOP = 1.001, 3.0, 5.0, 0.1
-# A smooth top, a parabola, has so many times the samples in a band at its height as in the next.
-SMOOTH = 1.0 + np.sqrt(2.0)
-# So many cycles before the cut are looked at too, if there are so many at least and they are as
-# loud as this part of those after it: the loudest cycles may end with the release.
-LEAD, LEAST_LEAD, AS_LOUD = 30, 8.0, 0.9
-# A steadily driven wave with overtones piles up at its top too, by up to twice the threshold.
-DRIVEN = 3.0
-# A line this close to the mode is the mode's.
-OWN = 0.3
-# What is held before it is let go stands still, over a cycle to this part of how far it is out.
-STILL = 0.3
+# Which samples form a flat top, and what is masked with it.
+TOP_STEPS = 1.001  # a sample this many steps of the digitiser below the extreme is on its top
+TOP_NOISES = 3.0  # or this many times the noise's rms below it
+MASK_NOISES = 5.0  # what is masked goes this many times the noise's rms further down
+TOP_GAP_CYCLES = 0.1  # runs of samples closer than this part of a cycle are one top
+# Where one extreme is clipped, the other one is masked too from this ratio on (see STATISTIC).
+OTHER_EXTREME_RATIO = 1.5
+# A smooth top is a parabola: it has this many times as many samples from the extreme down to a
+# depth as from there to twice that depth. Only what is flatter is clipped.
+PARABOLA_RATIO = 1.0 + np.sqrt(2.0)
+
+# Cycles before the cut are looked at too: the loudest ones may end with the release.
+LEAD_CYCLES = 30  # cycles before the cut at most
+FEWEST_LEAD_CYCLES = 8.0  # with fewer of them nothing is looked at
+LEAD_LOUDNESS = 0.9  # their largest value, over that of as many cycles after the cut, at least
+# Divides the statistic of the cycles before the cut: a wave that is driven steadily and has
+# overtones piles up at its top too, by up to twice the threshold.
+DRIVEN_DIVISOR = 3.0
+# What is held before it is let go stands still: it swings over a cycle, from peak to peak, by less
+# than this part of its distance from zero.
+HELD_SWING = 0.3
+
+# The loudest line is the mode's where its frequency differs by less than this (relative).
+MODE_LINE = 0.3
 
 
 def find(seen: Examined) -> Finding:
-    """Flat tops of the decay, or else of the cycles before it, which tell of a range too small.
+    """Flat tops of the decay, or else of the cycles before it: the range was too small there.
 
-    Of the sensor's own samples: differentiated or integrated, flat tops are flat no more.
+    The sensor's own samples are looked at: differentiation or integration makes flat tops round.
     """
     seen = _own(seen)
     found = _flat(seen)
-    lead = min(int(LEAD * seen.sampling_Hz / seen.own_Hz), seen.first)
+    lead = min(int(LEAD_CYCLES * seen.sampling_Hz / seen.own_Hz), seen.first)
     first = seen.first - lead
     stop = seen.first + min(lead, seen.velocity.size)
     early, later = (np.abs(x).max(initial=0.0) for x in np.split(seen.whole[first:stop], [lead]))
-    least = LEAST_LEAD * seen.sampling_Hz / seen.own_Hz
-    if found.counts or lead < least or early < AS_LOUD * later:
+    least = FEWEST_LEAD_CYCLES * seen.sampling_Hz / seen.own_Hz
+    if found.counts or lead < least or early < LEAD_LOUDNESS * later:
         return found
     if _held(seen.whole[first : seen.first], round(seen.sampling_Hz / seen.own_Hz)):
         return found
     before = _flat(replace(seen, velocity=seen.whole[first:stop], first=first, blind=()))
-    before = replace(before, statistic=before.statistic / DRIVEN)
+    before = replace(before, statistic=before.statistic / DRIVEN_DIVISOR)
     if before.counts:
         text = f"clipped before the release, at {max(early, later):.4g} {seen.unit}"
         return replace(before, consequence="warn", text=text, spans=())
@@ -71,15 +79,15 @@ def _held(x: Float[ndarray, " sample"], cycle: int) -> bool:
     """Whether what goes before the decay stands still at its extreme for a cycle at least."""
     cycles = x[: x.size // cycle * cycle].reshape(-1, cycle)
     far = np.abs(cycles.mean(axis=1))
-    still = np.ptp(cycles, axis=1) < STILL * far
+    still = np.ptp(cycles, axis=1) < HELD_SWING * far
     return bool((still & (far > 0.5 * np.abs(x).max())).any())
 
 
 def _flat(seen: Examined) -> Finding:
     """Samples within a step, or some times the noise, of the largest or smallest value.
 
-    An unclipped decay is there on the tops of its first cycles only, for as long as the envelope
-    says. What goes before the last is masked, flanks too: a flat top's harmonics are no mode's.
+    The tops of an unclipped decay reach that near in the first cycles only, as the envelope tells.
+    All before the last flat top is masked, flanks included: its harmonics belong to no mode.
     """
     ratios = {sign: _piled(seen, sign) for sign in (1.0, -1.0)}
     statistic = max(ratios.values())
@@ -89,11 +97,11 @@ def _flat(seen: Examined) -> Finding:
     if statistic <= THRESHOLD:
         return Finding(statistic, THRESHOLD, "mask", "")
     x = seen.velocity
-    # noise parts a flat top into runs
-    near = max(2, int(ONE_TOP * seen.sampling_Hz / seen.own_Hz))
+    # noise breaks a flat top into several runs
+    near = max(2, int(TOP_GAP_CYCLES * seen.sampling_Hz / seen.own_Hz))
     flat = np.zeros(x.size, bool)
     for sign, ratio in ratios.items():
-        if ratio > OTHER:
+        if ratio > OTHER_EXTREME_RATIO:
             flat |= sign * x >= (sign * x).max() - _band(seen)
     tops = joined(runs(flat), near)
     last = int(tops[-1, 1])
@@ -105,23 +113,23 @@ def _flat(seen: Examined) -> Finding:
 
 
 def _reaches(seen: Examined) -> tuple[float, float]:
-    return STEPS * seen.quantum, NOISES * seen.floor
+    return TOP_STEPS * seen.quantum, TOP_NOISES * seen.floor
 
 
 def _band(seen: Examined) -> float:
     """Height below the extreme that holds a flat top with its noise."""
-    return max(_reaches(seen)) + BELOW * seen.floor
+    return max(_reaches(seen)) + MASK_NOISES * seen.floor
 
 
 def _flatter(seen: Examined, sign: float) -> float:
-    """How much flatter than a smooth top the tops at one extreme are, until the last's cycle."""
+    """How much flatter than a parabola the tops at one extreme are, up to the last one's cycle."""
     x, cycle, ratios = sign * seen.velocity, _loudest(seen)[0], []
     depth = x.max() - x
     for band in (max(_reaches(seen)), _band(seen)):  # without and with noise after the clipping
         until = depth[: np.flatnonzero(depth <= band)[-1] + cycle]
         flat = np.count_nonzero(until <= band)
         ratios.append(flat / (1.0 + np.count_nonzero(until <= 2.0 * band) - flat))
-    return max(ratios) / SMOOTH
+    return max(ratios) / PARABOLA_RATIO
 
 
 def _piled(seen: Examined, sign: float) -> float:
@@ -143,8 +151,11 @@ def _loudest(seen: Examined) -> tuple[int, Float[ndarray, " frame"]]:
     """Samples in a cycle of the loudest line, the mode's or another's; its amplitude, by cycles."""
     frequency, level = seen.early
     line = float(frequency[np.argmax(level)])
-    if abs(line / seen.own_Hz - 1.0) < OWN:
+    if abs(line / seen.own_Hz - 1.0) < MODE_LINE:
         return seen.frames.hop, seen.frames.amplitude
     cycle = min(max(round(seen.sampling_Hz / line), 1), seen.velocity.size)
-    width = min(max(FRAME_CYCLES, -(-LEAST_FRAME // cycle)), seen.velocity.size // cycle) * cycle
+    width = (
+        min(max(FRAME_CYCLES, -(-LEAST_FRAME_SAMPLES // cycle)), seen.velocity.size // cycle)
+        * cycle
+    )
     return cycle, np.exp(tapered(seen.velocity, seen.sampling_Hz, line, cycle, width).log.real)

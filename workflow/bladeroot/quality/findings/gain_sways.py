@@ -12,19 +12,22 @@ from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest line of ln A less its trend that the phase lacks, over the median line of both"
-# Beyond all of 2000 decays of every kind but this; a hundredth in gain reaches 7 to 500.
+# 2000 decays of every kind but this stay below it; a gain that sways by 1 % reaches 7 to 500.
 THRESHOLD = 6.0
-# The phase has less than this part of the line: a mode beside it, or noise, has as much.
-LACKS = 0.4
-# A line that changes the decay rate by less than this part of its mean does little harm.
-HARM = 0.1
-# Periods that must fit, and the farthest line over the mode's frequency.
-FEWEST, FARTHEST = 5.5, 0.16
-# Frames that are looked at at most, and lines within reach at least.
-FRAMES, LINES = 4096, 8
-# Parts that are looked at: the degree of the trend that is taken off, and the first frames alone,
-# where noise is least.
-DEGREE, EARLY_DEGREE, EARLY = 9, 3, (40, 80, 160, 320, 640)
+
+# Which lines of ln A count.
+# The phase has less than this part of the line; a mode beside it, or noise, moves it as much.
+PHASE_SHARE = 0.4
+LEAST_HARM = 0.1  # part of the mean decay rate by which the line changes it; less does little harm
+FEWEST_PERIODS = 5.5  # periods of the line in the frames at least
+FARTHEST_LINE = 0.16  # frequency of the line, over the mode's, at most
+FEWEST_LINES = 8  # spectral lines between these two limits at least
+
+# Which frames are looked at (a cycle apart), and the degree of the trend that is taken off them.
+MOST_FRAMES = 4096
+TREND_DEGREE = 9
+EARLY_FRAMES = (40, 80, 160, 320, 640)  # the first frames alone, where noise is least
+EARLY_TREND_DEGREE = 3
 
 
 def find(seen: Examined) -> Finding | None:
@@ -33,9 +36,11 @@ def find(seen: Examined) -> Finding | None:
     A gain 1 + r cos(2 pi g t) adds r cos(2 pi g t) to ln A and nothing to the phase, and so
     changes the decay rate by up to 2 pi g r.
     """
-    count = min(seen.frames.clear, FRAMES)
-    parts = [(slice(2, count), DEGREE), (slice(count // 2, count), DEGREE)]
-    parts += [(slice(2, 2 + some), EARLY_DEGREE) for some in EARLY if some < count // 2]
+    count = min(seen.frames.clear, MOST_FRAMES)
+    parts = [(slice(2, count), TREND_DEGREE), (slice(count // 2, count), TREND_DEGREE)]
+    parts += [
+        (slice(2, 2 + some), EARLY_TREND_DEGREE) for some in EARLY_FRAMES if some < count // 2
+    ]
     found = [_strongest(seen, *part) for part in parts]
     return max(filter(None, found), key=lambda one: one.statistic, default=None)
 
@@ -48,15 +53,15 @@ def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     lines = [np.abs(fft.rfft(part, 2 * rest.size)) for part in (rest.real, rest.imag)]
     turns = fft.rfftfreq(2 * rest.size)  # per hop
     cycle = seen.sampling_Hz / seen.own_Hz / frames.hop
-    inside = (turns * rest.size >= FEWEST) & (turns * cycle <= FARTHEST)
-    if inside.sum() < LINES:
+    inside = (turns * rest.size >= FEWEST_PERIODS) & (turns * cycle <= FARTHEST_LINE)
+    if inside.sum() < FEWEST_LINES:
         return None
     swing, turning = (2.0 * line / hann(rest.size).sum() for line in lines)
     usual = float(medians(np.concatenate([swing[inside], turning[inside]])))
     level = frames.log.real[used]
     decline = -float(np.polyfit(np.arange(level.size), level, 1)[0])
     harm = 2.0 * np.pi * turns * swing / max(decline, 1e-300)
-    inside &= (turning < LACKS * swing) & (harm > HARM)
+    inside &= (turning < PHASE_SHARE * swing) & (harm > LEAST_HARM)
     if not inside.any():
         return None
     k = int(np.argmax(np.where(inside, swing, 0.0)))

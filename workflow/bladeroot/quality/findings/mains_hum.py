@@ -7,35 +7,46 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.lines import TERMS
+from bladeroot.signal.lines import BLACKMAN_HARRIS_TERMS
 
 STATISTIC = (
     "largest steady line at a multiple of 50 or 60 Hz (to the 7th, or to twice the mode), in "
     "standard errors"
 )
 THRESHOLD = 8.0
+# Which lines are looked for.
 MAINS_HZ = (50.0, 60.0)
-# Orders that are looked for at least, and at most, where those to twice the mode are more.
-ORDERS = (7, 60)
-# The mains' frequency keeps within this (relative).
-WANDER = 0.0015
-# Lines on each side from which the background is taken.
-REACH = 6
-# Each half of the decay must hold so many periods of 50 Hz, or lines cannot be told apart.
-FEWEST = 6
-# Smooth backgrounds over these lines: constant, straight and bent.
-_AWAY = np.linalg.qr(np.vander(np.arange(-REACH, REACH + 1.0) / REACH, 3, increasing=True))[0]
-# The two halves show the same line if they differ by less than this part of it or so many errors.
-UNEVEN, UNEVEN_ERRORS = 0.12, 4.0
-# No line is told from the mode within so many lines and this part of its frequency.
-LINES_AWAY, PART_AWAY = 7.0, 0.01
-# Frequencies tried for a line: so many in a line's width, from the least to the most of them. One
-# that ends outside of the mains' wander by this part of a line is another's.
-A_LINE, LEAST, MOST, BESIDE = 8.0, 5, 81, 0.1
+# The highest multiple is the one at twice the mode's frequency, but within these orders.
+ORDER_LIMITS = (7, 60)
+MAINS_WANDER = 0.0015  # the mains' frequency keeps within this (relative)
+# Each half of the decay must hold this many periods of 50 Hz, or lines cannot be told apart.
+FEWEST_PERIODS = 6
+# A line nearer to the mode than the sum of both is not told from it.
+MODE_LINES_AWAY = 7.0  # spectral lines, each one over the duration of a half
+MODE_PART_AWAY = 0.01  # part of the mode's frequency
+
+# The fit of a steady line and a smooth background to the spectra of both halves.
+BACKGROUND_BINS = 6  # bins of the spectrum on either side of the line
+# Orthonormal basis of the backgrounds over these bins: constant, straight and bent.
+_BACKGROUND = np.linalg.qr(
+    np.vander(
+        np.arange(-BACKGROUND_BINS, BACKGROUND_BINS + 1.0) / BACKGROUND_BINS, 3, increasing=True
+    )
+)[0]
+# Frequencies that are tried over the search range.
+TRIALS_PER_LINE = 8.0  # for each spectral line that the range reaches to either side
+FEWEST_TRIALS = 5
+MOST_TRIALS = 81
+# A line that ends beyond the mains' wander by more than this part of a spectral line is another's.
+WANDER_MARGIN = 0.1
+
+# Both halves show the same line where they differ by less than the larger of these.
+HALVES_DIFFER = 0.12  # part of the line
+HALVES_DIFFER_ERRORS = 4.0  # standard errors
 
 
 def find(seen: Examined) -> Finding | None:
-    """Steady lines in the decay, or in what was taken off it with all else that rings."""
+    """Steady lines in the decay; else those in the record before other modes were taken off."""
     found = steady_lines(seen)
     if seen.mixed is None or (found is not None and found.counts):
         return found
@@ -49,16 +60,18 @@ def steady_lines(seen: Examined) -> Finding | None:
     Around each multiple a line and a smooth background are fitted to the spectra of both halves.
     A line that decays, or one of the mode's own, differs between the halves.
     """
-    if 0.5 * seen.velocity.size / seen.sampling_Hz * MAINS_HZ[0] < FEWEST:
+    if 0.5 * seen.velocity.size / seen.sampling_Hz * MAINS_HZ[0] < FEWEST_PERIODS:
         return None
     frequency, spectra, count = seen.halves
     rate = seen.sampling_Hz / seen.few
-    orders = [int(np.clip(2.0 * seen.own_Hz / mains, *ORDERS)) for mains in MAINS_HZ]
+    orders = [int(np.clip(2.0 * seen.own_Hz / mains, *ORDER_LIMITS)) for mains in MAINS_HZ]
     mains = np.repeat(MAINS_HZ, orders)
     nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
-    near = LINES_AWAY * rate / count + PART_AWAY * seen.own_Hz
+    near = MODE_LINES_AWAY * rate / count + MODE_PART_AWAY * seen.own_Hz
     clear = np.abs(nominal - seen.own_Hz) > near
-    clear &= (nominal / frequency[1] > REACH // 2) & (nominal < frequency[-REACH - 2])
+    clear &= (nominal / frequency[1] > BACKGROUND_BINS // 2) & (
+        nominal < frequency[-BACKGROUND_BINS - 2]
+    )
     if not clear.any():
         return None
     nominal, mains = nominal[clear], mains[clear]
@@ -68,7 +81,7 @@ def steady_lines(seen: Examined) -> Finding | None:
     found = np.flatnonzero((ratio > THRESHOLD) & (mains == mains[np.argmax(ratio)]))
     if not found.size:
         return Finding(strongest, THRESHOLD, "subtract", "")
-    # of the means over a few samples, back to the samples
+    # from the spectra of means over a few samples back to the samples
     phasor /= np.sinc(at / rate) / np.sinc(at / seen.sampling_Hz)
     time = (np.arange(float(seen.velocity.size)) - 0.5 * (seen.few - 1)) / seen.sampling_Hz
     excess = np.zeros(time.size)
@@ -87,17 +100,19 @@ def _steady(
 ) -> tuple[Float[ndarray, " line"], Complex[ndarray, " line"], Float[ndarray, " line"]]:
     """Frequency, phasor and size over standard error of a steady line near each frequency."""
     middle = np.round(nominal / bin_Hz).astype(int)
-    bins = middle[:, None] + np.arange(-REACH, REACH + 1)
+    bins = middle[:, None] + np.arange(-BACKGROUND_BINS, BACKGROUND_BINS + 1)
     bins = np.maximum(bins, 1)
     data = spectra[:, bins]  # half, line, bin
-    data = data - (data @ _AWAY) @ _AWAY.T
-    room = np.maximum(0.5 * rate / count, WANDER * nominal)
-    trials = int(np.clip(np.ceil(A_LINE * room.max() * count / rate), LEAST, MOST))
+    data = data - (data @ _BACKGROUND) @ _BACKGROUND.T
+    room = np.maximum(0.5 * rate / count, MAINS_WANDER * nominal)
+    trials = int(
+        np.clip(np.ceil(TRIALS_PER_LINE * room.max() * count / rate), FEWEST_TRIALS, MOST_TRIALS)
+    )
 
     def fit(at):
         """Phasors of a line at each frequency in both halves, and the shape's power."""
         shape = _taper_spectrum((bins[:, None, :] * bin_Hz - at[:, :, None]) * count / rate)
-        shape = shape - (shape @ _AWAY) @ _AWAY.T  # line, trial, bin
+        shape = shape - (shape @ _BACKGROUND) @ _BACKGROUND.T  # line, trial, bin
         power = (np.abs(shape) ** 2).sum(axis=-1)
         parts = np.einsum("hlb,ltb->hlt", data, shape.conj()) / power
         # the second half starts `count` samples later
@@ -115,21 +130,22 @@ def _steady(
     phasor = parts.mean(axis=0)
     total = (np.abs(data) ** 2).sum(axis=(0, 2))
     left = np.maximum(total - 2.0 * np.abs(phasor) ** 2 * power, 1e-12 * total)
-    error = np.sqrt(left / (2 * (len(_AWAY) - 4)) / (2.0 * power)) + 1e-300
+    error = np.sqrt(left / (2 * (len(_BACKGROUND) - 4)) / (2.0 * power)) + 1e-300
     ratio = np.abs(phasor) / error
-    allowed = np.maximum(UNEVEN * np.abs(phasor), UNEVEN_ERRORS * error)
+    allowed = np.maximum(HALVES_DIFFER * np.abs(phasor), HALVES_DIFFER_ERRORS * error)
     uneven = np.abs(parts[0] - parts[1]) > allowed
-    off = np.abs(at - nominal) > WANDER * nominal + BESIDE * rate / count
+    off = np.abs(at - nominal) > MAINS_WANDER * nominal + WANDER_MARGIN * rate / count
     ratio[uneven | off] = 0.0
     return at, phasor, ratio
 
 
 def _taper_spectrum(turns: Float[ndarray, "*any"]) -> Complex[ndarray, "*any"]:
     """Spectrum of the Blackman-Harris taper at a distance (in turns over it) from a unit line."""
-    turns = turns + 1e-9  # a pole of a term is a zero of the sine: not to hit it
+    turns = turns + 1e-9  # at whole turns a pole meets a zero of the sine
     square = turns**2
-    # a cosine's two sinc are one, times this; its sign and that of its shifted phase cancel
+    # the two shifted sinc of a cosine are the unshifted one times this factor; the sign of the
+    # shift and that of its phase cancel
     total = 1.0
-    for turn, term in enumerate(TERMS[1:], 1):
-        total = total + (-1) ** turn * term / TERMS[0] * square / (square - turn**2)
+    for turn, term in enumerate(BLACKMAN_HARRIS_TERMS[1:], 1):
+        total = total + (-1) ** turn * term / BLACKMAN_HARRIS_TERMS[0] * square / (square - turn**2)
     return total * np.sinc(turns) * np.exp(-1j * np.pi * turns)

@@ -9,32 +9,44 @@ from scipy import fft
 
 from bladeroot.quality.blocks import frame_weights, without_trend
 from bladeroot.quality.examined import LEFTOVER, Examined, Finding
-from bladeroot.signal.lines import CLOSE, hann
+from bladeroot.signal.lines import CLOSE_MODE_DISTANCE, hann
 from bladeroot.signal.runs import medians
 
 STATISTIC = "largest one-sided line in ln A + i phase less its trend, over the median line"
 THRESHOLD = 10.0
-# A modulation below this does no harm, one above SEVERE leaves no curve to use.
-LEAST, SEVERE = 0.01, 0.25
-# With fewer beats than this while ln A falls by one, two modes are not told apart; then this swing
-# is too much already.
-TOLD_APART, ALIKE = 3.0, 0.03
-# With fewer beats than SLOW while ln A falls by one, a line may be a bend of the laws, where slip
-# ends; a beat goes on: the later half must show it too, this many times over its median line.
-SLOW, AGAIN = 2.0, 3.0
-# The later half has fewer lines: their median, and what leaks from other modes, is less sure.
-SHORTER = 1.5
-# Periods that must fit into the decay, and the degree of the trend taken off.
-FEWEST, DEGREE = 4.0, 9
+# What a beat's swing (of ln A and of the phase) does to the record.
+LEAST_SWING = 0.01  # a smaller one does no harm, and does not reach the threshold
+DROP_SWING = 0.25  # a larger one leaves no curve to use: the record is dropped
+# With fewer beats than this while ln A falls by one, two modes are not told apart; then a swing of
+# CLOSE_DROP_SWING is too much already.
+BEATS_TOLD_APART = 3.0
+CLOSE_DROP_SWING = 0.03
+# With fewer beats than this while ln A falls by one, a line may be a bend of the laws, where slip
+# ends. A beat goes on: the line counts only where the later half and another part both show it.
+SLOW_BEATS = 2.0
+
+# Which lines count, and which are the same one in two parts of the decay.
+ONE_SIDED_RATIO = 2.5  # a line over the one at the opposite frequency, from which it is one-sided
+AGREEING_OVER_MEDIAN = 3.0  # statistic of the same line in both parts, at least
+SAME_LINE_TURNS = 1.5  # difference of the two lines' turns over the shorter part, at most
+FARTHEST_LINE = 0.16  # frequency of a line, over the mode's, at most
+# A frame's own taper weakens a line away from the mode; the swing is corrected for that, as if at
+# least this part of it were left.
+LEAST_FRAME_GAIN = 0.2
+
+# Which frames are looked at (a cycle apart), how many periods of a line must fit into them, and
+# the degree of the trend that is taken off.
+FRAME_LIMITS = (40, 4096)  # frames at least and at most
+FEWEST_PERIODS = 4.0
+TREND_DEGREE = 9
 # The first frames alone show a mode that dies sooner than this one; fewer periods and a plainer
 # trend do there.
-EARLY, EARLY_FEWEST, EARLY_DEGREE = (40, 80, 160, 320), 3.0, 3
-# Frames that are looked at, at least and at most; the farthest line over the mode's frequency.
-FRAMES, FARTHEST = (40, 4096), 0.16
-# A line is on one side where it is this many times that on the other; two parts show the same one
-# where it turns within so many turns alike over the shorter. A frame's taper weakens a line to this
-# part at most.
-ONE_SIDED, SAME, LEAST_GAIN = 2.5, 1.5, 0.2
+EARLY_FRAMES = (40, 80, 160, 320)
+EARLY_FEWEST_PERIODS = 3.0
+EARLY_TREND_DEGREE = 3
+# Divides the statistic of a part of the decay, which has fewer lines: their median, and what leaks
+# from other modes, is less sure.
+PART_DIVISOR = 1.5
 
 
 @dataclass(frozen=True)
@@ -49,27 +61,27 @@ class _Line:
     def agrees(self, other: "_Line") -> bool:
         """Whether another segment shows the same line."""
         shortest = min(self.count, other.count)
-        clear = min(self.finding.statistic, other.finding.statistic) > AGAIN
-        return clear and abs(self.turns - other.turns) * shortest < SAME
+        clear = min(self.finding.statistic, other.finding.statistic) > AGREEING_OVER_MEDIAN
+        return clear and abs(self.turns - other.turns) * shortest < SAME_LINE_TURNS
 
 
 def find(seen: Examined) -> Finding | None:
-    """The strongest line within a sixth of the mode's frequency, in all or in a part.
+    """The strongest line within `FARTHEST_LINE` of the mode, in all frames or in a part of them.
 
     Where the mode's frequency changes much with amplitude, only the later half shows a line.
 
     A second mode of relative amplitude r adds ln(1 + r exp(i d t)) to the log-phasor, which has
-    lines on one side of zero only; laws of frequency and damping change it smoothly, and bend it
-    but once.
+    lines on one side of zero only; laws of frequency and damping change it smoothly, with a single
+    bend.
     """
-    fewest, most = FRAMES
+    fewest, most = FRAME_LIMITS
     count = min(seen.frames.clear, most)
     if count < fewest:
         return None
-    later = _line(seen, slice(count // 2, count), SHORTER)
+    later = _line(seen, slice(count // 2, count), PART_DIVISOR)
     early = [
-        _line(seen, slice(2, 2 + length), SHORTER, EARLY_FEWEST, EARLY_DEGREE)
-        for length in EARLY
+        _line(seen, slice(2, 2 + length), PART_DIVISOR, EARLY_FEWEST_PERIODS, EARLY_TREND_DEGREE)
+        for length in EARLY_FRAMES
         if length < count // 2
     ]
     lines = [line for line in (_line(seen, slice(2, count)), later, *early) if line is not None]
@@ -86,8 +98,8 @@ def _line(
     seen: Examined,
     used: slice,
     shorter: float = 1.0,
-    fewest: float = FEWEST,
-    degree: int = DEGREE,
+    fewest: float = FEWEST_PERIODS,
+    degree: int = TREND_DEGREE,
 ) -> _Line | None:
     """The strongest line over some frames, its statistic divided by `shorter`."""
     frames = seen.frames
@@ -103,7 +115,7 @@ def _line(
     # the frames' own taper weakens a line at this distance from the mode
     local = np.arange(frames.row.size) - 0.5 * (frames.row.size - 1)
     span = np.abs(turns) * cycle
-    inside = (np.abs(turns) * log.size >= fewest) & (span <= FARTHEST)
+    inside = (np.abs(turns) * log.size >= fewest) & (span <= FARTHEST_LINE)
     level = np.where(inside, np.abs(line), 0.0)
     k = int(np.argmax(level))
     other = float(np.abs(line[-k]))
@@ -112,24 +124,26 @@ def _line(
         2.0 * np.pi / seen.sampling_Hz * (frames.frequency_Hz + turns[k] * cycle * seen.own_Hz)
     )
     gain = abs(np.sum(frames.row * np.exp(1j * carrier * local)))
-    size = float(level[k] / max(gain, LEAST_GAIN))
-    one_sided = level[k] > ONE_SIDED * other
-    statistic = level[k] / max(usual, LEAST * gain / THRESHOLD) / shorter if one_sided else 0.0
+    size = float(level[k] / max(gain, LEAST_FRAME_GAIN))
+    one_sided = level[k] > ONE_SIDED_RATIO * other
+    statistic = (
+        level[k] / max(usual, LEAST_SWING * gain / THRESHOLD) / shorter if one_sided else 0.0
+    )
     distance = turns[k] * seen.sampling_Hz / frames.hop
     text = (
         f"a mode {distance:+.4g} Hz beside it beats with this one: amplitude and phase swing by "
         f"{100 * size:.2g} %"
     )
     beats = abs(turns[k]) / max(_decline(log.real, weight), 1e-300)
-    alike = size > ALIKE and beats < TOLD_APART
+    alike = size > CLOSE_DROP_SWING and beats < BEATS_TOLD_APART
     if alike:
         text += "; they are too close to be told apart"
-    consequence = "drop" if alike or size > SEVERE else "warn"
-    name = "" if abs(distance) < CLOSE * seen.own_Hz else LEFTOVER
+    consequence = "drop" if alike or size > DROP_SWING else "warn"
+    name = "" if abs(distance) < CLOSE_MODE_DISTANCE * seen.own_Hz else LEFTOVER
     finding = Finding(float(statistic), THRESHOLD, consequence, text, name=name)
-    return _Line(float(turns[k]), log.size, bool(beats < SLOW), finding)
+    return _Line(float(turns[k]), log.size, bool(beats < SLOW_BEATS), finding)
 
 
 def _decline(level: Float[ndarray, " frame"], weight: Float[ndarray, " frame"]) -> float:
-    """What ln A falls by in a frame."""
+    """By how much ln A falls from frame to frame."""
     return float(-np.polyfit(np.arange(level.size), level, 1, w=weight)[0])

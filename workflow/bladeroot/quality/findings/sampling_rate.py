@@ -3,28 +3,33 @@
 import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.lines import TOLERANCE, magnitudes, peaks
+from bladeroot.signal.lines import FREQUENCY_TOLERANCE, magnitudes, peaks
 
 MIXED = True
 STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
 THRESHOLD = 1.0
+# Usual ratios of one sampling rate to another that is taken for it, and their inverses.
 RATIOS = tuple(
     ratio
     for factor in (1.28, 2.0, 2.5, 2.56, 4.0, 5.12, 10.0, 48.0 / 44.1, 51.2 / 50.0)
     for ratio in (factor, 1.0 / factor)
 )
-# A line is at a mode's place within this (relative), or so many times that where a sheet alone says
-# where the mode is.
-CLOSE, LOOSE = 0.01, 3.0
 # An axial force moves all bending modes by as much as this: a smaller ratio tells nothing.
-TELLING = 1.2
-# Lines that are looked at; each from this part of the strongest on, so many times the median one,
-# and that far (relative) from a stronger one.
-MOST, LEAST, CLEAR, APART = 12, 0.003, 8.0, 0.03
+LEAST_TELLING_RATIO = 1.2
+# A line is at a mode's place within this (relative), and within LOOSE_FACTOR times this at a ratio
+# of 1 or in a record without a decay: there a sheet alone says where the mode is.
+PLACE_TOLERANCE = 0.01
+LOOSE_FACTOR = 3.0
+
+# Which lines of the spectrum are looked at, strongest first.
+MOST_LINES = 12
+LEAST_OF_STRONGEST = 0.003  # height over that of the strongest line, at least
+LINE_OVER_MEDIAN = 8.0  # height over the spectrum's median, at least
+LINES_APART = 0.03  # distance from any stronger line, relative, at least
 
 
 def find(seen: Examined) -> Finding | None:
-    """The strongest lines of the record against the modes that the campaign knows.
+    """Compare the strongest lines of the record with the modes that the campaign knows.
 
     One mode alone cannot tell a wrong clock from a wrong expectation; two can.
     """
@@ -33,7 +38,7 @@ def find(seen: Examined) -> Finding | None:
         return None
     lines = _lines(seen)
     at_one = _matches(lines, modes, 1.0)
-    telling = [ratio for ratio in RATIOS if abs(np.log(ratio)) > np.log(TELLING)]
+    telling = [ratio for ratio in RATIOS if abs(np.log(ratio)) > np.log(LEAST_TELLING_RATIO)]
     scored = [(_matches(lines, modes, ratio), ratio) for ratio in telling]
     most, ratio = max(scored, key=lambda pair: (pair[0], -abs(np.log(pair[1]))))
     text = (
@@ -48,13 +53,16 @@ def without_decay(seen: Examined) -> str:
     frequency, level = magnitudes(seen.whole, seen.sampling_Hz)
     line = float(frequency[np.argmax(level)])
     expected, rate = seen.expected_Hz, seen.sampling_Hz
-    if abs(line / expected - 1.0) < TOLERANCE:
+    if abs(line / expected - 1.0) < FREQUENCY_TOLERANCE:
         return ""
     alias = abs(expected - rate * round(expected / rate))
-    if expected > 0.5 * rate and abs(line / max(alias, 1e-9) - 1.0) < LOOSE * CLOSE:
+    if (
+        expected > 0.5 * rate
+        and abs(line / max(alias, 1e-9) - 1.0) < LOOSE_FACTOR * PLACE_TOLERANCE
+    ):
         return f"the strongest line, {line:.5g} Hz, is where {expected:.5g} Hz is aliased to"
     ratio = min(RATIOS, key=lambda ratio: abs(np.log(line / (expected * ratio))))
-    if abs(line / (expected * ratio) - 1.0) < LOOSE * CLOSE:
+    if abs(line / (expected * ratio) - 1.0) < LOOSE_FACTOR * PLACE_TOLERANCE:
         return (
             f"the strongest line, {line:.5g} Hz, is near {ratio:.4g} times the expected "
             "frequency: is the sampling rate right?"
@@ -66,16 +74,18 @@ def _lines(seen: Examined) -> np.ndarray:
     """Frequencies of the strongest distinct lines of the decay's first part."""
     frequency, level = seen.early
     tops = np.flatnonzero(peaks(level))
-    tops = tops[level[tops] > max(LEAST * level.max(), CLEAR * np.median(level))]
+    tops = tops[
+        level[tops] > max(LEAST_OF_STRONGEST * level.max(), LINE_OVER_MEDIAN * np.median(level))
+    ]
     chosen: list[float] = []
     for k in tops[np.argsort(level[tops])[::-1]]:
-        if all(abs(frequency[k] - f) > APART * f for f in chosen):
+        if all(abs(frequency[k] - f) > LINES_APART * f for f in chosen):
             chosen.append(float(frequency[k]))
-        if len(chosen) == MOST:
+        if len(chosen) == MOST_LINES:
             break
     return np.array(chosen)
 
 
 def _matches(lines: np.ndarray, modes: np.ndarray, ratio: float) -> int:
     off = np.abs(lines[:, None] / (ratio * modes) - 1.0).min(axis=0, initial=np.inf)
-    return int((off < (CLOSE if ratio != 1.0 else LOOSE * CLOSE)).sum())
+    return int((off < (PLACE_TOLERANCE if ratio != 1.0 else LOOSE_FACTOR * PLACE_TOLERANCE)).sum())

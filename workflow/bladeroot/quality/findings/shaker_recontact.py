@@ -18,36 +18,44 @@ from bladeroot.signal.runs import runs
 
 STATISTIC = "largest step of ln A + i phase beyond its smooth course, in its usual size"
 THRESHOLD = 7.0
-# A step from LEAST on (3 % of the amplitude, or 0.03 rad) leaves one side of it to use, one from
-# SLIGHT on all but some cycles on either side: a curve's windows reach as far.
-LEAST, SLIGHT, BESIDE = 0.03, 0.005, 16
-# More steps than this of a like size are none.
-MOST = 4
-# A step in phase alone is larger than this only where samples are missing.
-TOUCH = 0.3
-# Steps and places of this part of the largest are like it: many of them are a beat, no touch.
-ALIKE = 0.35
-# Steps so many cycles apart, and places that look like the largest, are two.
-TWO, TWO_ALIKE = 10, 6
-# A step whose part in ln A is this of its phase's at most is in phase alone.
-PURE = 0.1
-# Longest gap, in samples, that is looked for. It makes a step that is so to this part, beyond twice
-# the step's usual error, in ln A and in phase: what slopes on both sides do not tell of the gap.
-LONGEST, LEVEL_FITS, PHASE_FITS = 4096, 0.06, 0.02
-# Cycles on either side of a cut in which a step is looked for, and cycles masked around any.
-CUT_REACH, MARGIN = 35, 3
-# Beside a cut both sides are a free decay: so many frames at least, a parabola but for this part of
-# the step, with rates that differ by these factors at most. A larger step (in ln A) is a release.
-FEWEST, UNEVEN, RATES, RELEASE = 8, 0.3, (0.4, 2.5), 0.5
-# Below so many standard errors of a frame its ln A tells nothing of how far the mode falls.
-CLEAR = 8.0
-# Part of a bend of ln A + i phase, over seven cycles, that may look like a step; and of what a
-# cubic beside the step makes of it: a hump of damping takes many cycles, a touch one or two.
-MISSED_BEND, MISSED_HUMP = 0.15, 0.2
-# Frames on either side of a step, of which the nearest are left out.
-JUMP_REACH, JUMP_APART = 7, 2
-# Frames over which steps are compared with what is usual, and the median of a Rayleigh variable.
-USUAL, RAYLEIGH = 96, 1.18
+# Size of a step of ln A + i phase: 0.01 is 1 % of the amplitude, or 0.01 rad.
+LARGE_STEP = 0.03  # from here on only one side of the step is used
+SLIGHT_STEP = 0.005  # from here on some cycles on either side are masked
+SLIGHT_MASK_CYCLES = 16  # that many, as a curve's windows reach as far
+MASK_MARGIN_CYCLES = 3  # cycles masked beside a large step, and at a cut
+LARGEST_TOUCH_PHASE = 0.3  # rad: a larger step in phase alone is made by missing samples only
+PHASE_ALONE = 0.1  # a step is in phase alone where its part in ln A is at most this of its phase's
+
+# Many steps like the largest are a beat, not a touch.
+ALIKE_PART = 0.35  # what has this part of the largest step, and of its statistic, is like it
+MOST_ALIKE = 4  # with more places like the largest there is no step
+ALIKE_APART_CYCLES = 6  # such places that far apart count as two
+STEPS_APART_CYCLES = 10  # significant steps that far apart count as two
+
+# Missing or repeated samples (a gap) make a step of known size in ln A and in phase. It fits within
+# twice the step's usual error and this part of the step, which slopes on both sides do not tell.
+LONGEST_GAP = 4096  # samples
+GAP_LEVEL_FIT = 0.06  # part of the step in ln A
+GAP_PHASE_FIT = 0.02  # part of the step in phase
+
+# A step for which the decay was cut has a free decay on both sides.
+CUT_REACH_CYCLES = 35  # cycles on either side of a cut in which it is looked for
+FEWEST_SIDE_FRAMES = 8  # on each side at least
+SIDE_MISFIT = 0.3  # part of the step: largest misfit of a parabola through a side
+RATE_RATIOS = (0.4, 2.5)  # decay rate before over that after, at least and at most
+RELEASE_STEP = 0.5  # in ln A: a larger step is the release
+# Below this many standard errors of a frame its ln A tells nothing of how far the mode falls.
+LEVEL_OVER_ERROR = 8.0
+
+# The fit of a step, with a quadratic on both sides of it, and the step's usual size.
+JUMP_REACH = 7  # farthest frame on either side
+JUMP_NEAREST = 2  # nearest one: those between straddle the step
+# Where laws bend sharply they look like a step. A hump of damping takes many cycles, a touch one or
+# two: a cubic beside the step explains the hump.
+MISSED_BEND = 0.15  # part of the quadratic's bend over seven cycles that adds to the usual size
+MISSED_HUMP = 0.2  # part of the step's change by the cubic that adds to it
+USUAL_FRAMES = 96  # frames in a block, with whose median step each step is compared
+RAYLEIGH_MEDIAN = 1.18  # median of a Rayleigh variable of unit parameter; divides that median
 
 
 @dataclass(frozen=True)
@@ -68,8 +76,8 @@ class Step:
     def gap(self) -> bool:
         """Whether the step is in phase alone, and as large as only missing samples make it."""
         size = abs(self.size.imag)
-        pure = abs(self.size.real) < PURE * size
-        return pure and (size > TOUCH or (size > LEAST and self.lost != 0))
+        pure = abs(self.size.real) < PHASE_ALONE * size
+        return pure and (size > LARGEST_TOUCH_PHASE or (size > LARGE_STEP and self.lost != 0))
 
     @property
     def words(self) -> str:
@@ -108,11 +116,11 @@ def _finding(step: Step, text: str, spans: tuple[tuple[int, int], ...]) -> Findi
 
 def _slight(seen: Examined) -> Finding:
     """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
-    step = largest(seen, SLIGHT)
+    step = largest(seen, SLIGHT_STEP)
     if step is None or step.statistic <= THRESHOLD:
         return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
-    frames, reach = seen.frames, BESIDE * seen.frames.hop
-    places = joined(runs(_ratio(seen, SLIGHT) > THRESHOLD), TWO)
+    frames, reach = seen.frames, SLIGHT_MASK_CYCLES * seen.frames.hop
+    places = joined(runs(_ratio(seen, SLIGHT_STEP) > THRESHOLD), STEPS_APART_CYCLES)
     spans = tuple(
         (
             max(int(frames.centre[first]) - reach, 0),
@@ -121,12 +129,12 @@ def _slight(seen: Examined) -> Finding:
         for first, last in places
     )
     moments = ", ".join(f"{seen.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
-    text = f"{step.words} at {moments} s; {BESIDE} cycles on either side are masked"
+    text = f"{step.words} at {moments} s; {SLIGHT_MASK_CYCLES} cycles on either side are masked"
     return _finding(step, text, spans)
 
 
-def _ratio(seen: Examined, least: float = LEAST) -> Float[ndarray, " frame"]:
-    """Steps in their usual size, or in what makes one of `least` significant."""
+def _ratio(seen: Examined, least: float = LARGE_STEP) -> Float[ndarray, " frame"]:
+    """Steps over their usual size; a step smaller than `least` stays below the threshold."""
     step, scale = jumps(seen)
     return np.abs(step) / np.maximum(scale, least / THRESHOLD)
 
@@ -136,8 +144,8 @@ def at_ends(seen: Examined) -> tuple[Step, float, tuple[int, int]] | None:
 
     Looked for at the end and at the start; the decay's own side goes no further than the cut.
     """
-    count, margin = seen.velocity.size, MARGIN * seen.frames.hop
-    reach = int(CUT_REACH * seen.sampling_Hz / seen.own_Hz)
+    count, margin = seen.velocity.size, MASK_MARGIN_CYCLES * seen.frames.hop
+    reach = int(CUT_REACH_CYCLES * seen.sampling_Hz / seen.own_Hz)
     start, stop = seen.first, seen.first + count
     ends = (
         (max(stop - reach, start), stop + reach, (count - margin, count)),
@@ -165,17 +173,17 @@ def _beside(seen: Examined, low: int, high: int) -> tuple[Step, float] | None:
     at = int(np.argmax(ratio))
     size = complex(step[at])
     sides = frames.log[: max(at - 2, 0)], frames.log[at + 3 :]
-    if abs(size.real) > RELEASE or min(side.size for side in sides) < FEWEST:
+    if abs(size.real) > RELEASE_STEP or min(side.size for side in sides) < FEWEST_SIDE_FRAMES:
         return None
     slopes = []
     for side in sides:
         x = np.arange(side.size)
         for part in (side.real, side.imag):
             fit = np.polyfit(x, part, 2)
-            if np.abs(part - np.polyval(fit, x)).max() > UNEVEN * abs(size):
+            if np.abs(part - np.polyval(fit, x)).max() > SIDE_MISFIT * abs(size):
                 return None
         slopes.append(float(side.real[-1] - side.real[0]) / side.size)
-    free = slopes[1] < 0.0 and RATES[0] < slopes[0] / slopes[1] < RATES[1]
+    free = slopes[1] < 0.0 and RATE_RATIOS[0] < slopes[0] / slopes[1] < RATE_RATIOS[1]
     if not free:
         return None
     moment = seen.seconds(low - seen.first + frames.centre[at])
@@ -183,34 +191,37 @@ def _beside(seen: Examined, low: int, high: int) -> tuple[Step, float] | None:
 
 
 def _lost(seen: Examined, at: int, size: complex) -> int:
-    """Fewest missing samples that make a step: the decay goes on as it would so much later."""
+    """Fewest missing samples that make a step: after them the decay goes on where it would be."""
     frames, log = seen.frames, seen.frames.log
-    before, after = log[at - JUMP_REACH : at - JUMP_APART + 1], log[at + JUMP_APART :][:JUMP_REACH]
+    before, after = (
+        log[at - JUMP_REACH : at - JUMP_NEAREST + 1],
+        log[at + JUMP_NEAREST :][:JUMP_REACH],
+    )
     slope = 0.5 * sum((side[-1] - side[0]) / (side.size - 1) for side in (before, after))
-    count = np.arange(-LONGEST, LONGEST + 1)
+    count = np.arange(-LONGEST_GAP, LONGEST_GAP + 1)
     made = count * (slope / frames.hop + 2j * np.pi * frames.frequency_Hz / seen.sampling_Hz)
     level = made.real - size.real
     phase = np.mod(made.imag - size.imag + np.pi, 2.0 * np.pi) - np.pi
     scale = jumps(seen)[1][at]
-    fits = np.abs(level) < 2.0 * scale + LEVEL_FITS * abs(size.real)
-    fits &= (np.abs(phase) < 2.0 * scale + PHASE_FITS * abs(size.imag)) & (count != 0)
+    fits = np.abs(level) < 2.0 * scale + GAP_LEVEL_FIT * abs(size.real)
+    fits &= (np.abs(phase) < 2.0 * scale + GAP_PHASE_FIT * abs(size.imag)) & (count != 0)
     found = count[fits]
     return int(found[np.argmin(np.abs(found))]) if found.size else 0
 
 
-def largest(seen: Examined, least: float = LEAST) -> Step | None:
+def largest(seen: Examined, least: float = LARGE_STEP) -> Step | None:
     """The largest step; one below `least` is not significant."""
     other = wrong_mode.find(seen)
     step, ratio = jumps(seen)[0], _ratio(seen, least)
     if not ratio.any() or (other is not None and other.counts):
         return None
     at = int(np.argmax(ratio))
-    # of neighbours with the same step, the one where the step is largest
+    # neighbouring frames see the same step: where it is largest
     near = slice(max(at - 2, 0), at + 3)
     at = near.start + int(np.argmax(np.abs(step[near])))
-    like = np.abs(step) > ALIKE * np.abs(step[at])
-    like = joined(runs(like & (ratio > ALIKE * ratio.max())), TWO_ALIKE)
-    if len(like) > MOST:
+    like = np.abs(step) > ALIKE_PART * np.abs(step[at])
+    like = joined(runs(like & (ratio > ALIKE_PART * ratio.max())), ALIKE_APART_CYCLES)
+    if len(like) > MOST_ALIKE:
         return None
     size = complex(step[at])
     return _step(seen, at, size, float(ratio.max()))
@@ -222,19 +233,19 @@ def _step(seen: Examined, at: int, size: complex, statistic: float) -> Step:
 
 
 def step_finding(seen: Examined, found: Step) -> Finding:
-    """A step: the lesser side of it is masked, with some cycles around it."""
+    """A step: all but the side on which the decay falls furthest is masked, with some cycles."""
     frames = seen.frames
     over = np.flatnonzero(_ratio(seen) > THRESHOLD)
     edges = [0]
     for k in over:
-        if k - edges[-1] > TWO:
+        if k - edges[-1] > STEPS_APART_CYCLES:
             edges.append(int(k))
     edges = edges[1:] or [found.at]
     bounds = [0, *edges, frames.clear - 1]
-    level = np.maximum(frames.log.real, np.log(frames.std * frames.amplitude * CLEAR))
+    level = np.maximum(frames.log.real, np.log(frames.std * frames.amplitude * LEVEL_OVER_ERROR))
     fall = [level[min(a + 3, b)] - level[max(b - 3, a)] for a, b in pairwise(bounds)]
     best = int(np.argmax(fall))
-    margin = MARGIN * frames.hop
+    margin = MASK_MARGIN_CYCLES * frames.hop
     first = 0 if best == 0 else int(frames.centre[bounds[best]]) + margin
     final = best == len(fall) - 1
     last = seen.velocity.size if final else int(frames.centre[bounds[best + 1]]) - margin
@@ -248,7 +259,7 @@ def step_finding(seen: Examined, found: Step) -> Finding:
 def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
     """Step of the log-phasor at each frame beyond a smooth course, and its usual size.
 
-    A quadratic and a step are fitted to six frames on each side, two left out between.
+    A quadratic and a step are fitted to six frames on each side; the three between are left out.
     Zero where there are too few frames, or the mode is near the noise.
     """
     frames, reach = seen.frames, JUMP_REACH
@@ -262,7 +273,7 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
     )
     step[inner], curve, sharp = np.nan_to_num(pieces @ kernels).T
     summed = np.zeros(frames.row.size + 2 * reach * frames.hop, complex)
-    for k, weight in enumerate(kernels[:, 0]):  # frames overlap: one row for the whole step
+    for k, weight in enumerate(kernels[:, 0]):  # frames share samples: one row for the step
         summed[k * frames.hop : k * frames.hop + frames.row.size] += weight * frames.row
     gain = np.linalg.norm(summed) / np.linalg.norm(frames.row.real)
     late = np.minimum(np.arange(frames.log.size) + reach, frames.log.size - 1)
@@ -271,16 +282,16 @@ def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " 
     bent[inner] = MISSED_BEND * np.abs(curve) + MISSED_HUMP * np.abs(step[inner] - sharp)
     scale = gain * frames.std[late] + bent
     # what is rough throughout hides a step
-    rough = block_scale(np.abs(step[inner]) / scale[inner], USUAL) / RAYLEIGH
+    rough = block_scale(np.abs(step[inner]) / scale[inner], USUAL_FRAMES) / RAYLEIGH_MEDIAN
     scale[inner] *= np.maximum(rough, 1.0)
     return step, scale
 
 
 @cache
 def _step_and_bend() -> Float[ndarray, "frame 3"]:
-    """Weights of frames: the step beyond a quadratic, the quadratic's bend, that beyond a cubic."""
+    """Weights of frames: step beyond a quadratic, the quadratic's bend, step beyond a cubic."""
     x = np.arange(-JUMP_REACH, JUMP_REACH + 1.0)
-    used = np.abs(x) >= JUMP_APART
+    used = np.abs(x) >= JUMP_NEAREST
     design = np.stack([0.5 * np.sign(x), np.ones(x.size), x, x * x, x**3], axis=1)[used]
     quadratic, cubic = np.linalg.pinv(design[:, :4]), np.linalg.pinv(design)
     weights = np.zeros((x.size, 3))

@@ -15,25 +15,29 @@ FIRST = True
 MIXED = True
 STATISTIC = "largest isolated miss of a sample by its 32 neighbours, in local rms of the miss"
 THRESHOLD = 8.0
-# More than this many within so many cycles are a rough waveform, not single samples.
-CROWD, PLACE = 6, 10.0
-MOST = 400
-# Wrong samples in a row at most. They are the cause where they explain all of the miss around but
-# for half the threshold or this part of its largest.
-IN_A_ROW, LEFT = 4, 0.02
-# Neighbours on either side that interpolate; places from which their weights are found, without
-# those that miss by so many times the median.
-NEIGHBOURS, PLACES, DEFECT = 16, 1500, 5.0
-# What is smaller than this part of the largest sample harms no curve.
-SMALL = 1e-5
+# Which places may hold single wrong samples. More than MOST_IN_CROWD of them, a place itself
+# counted, within CROWD_CYCLES cycles to either side are a rough waveform.
+MOST_IN_CROWD = 6
+CROWD_CYCLES = 10.0
+MOST_PLACES = 400  # places that are looked at, the first of the decay
+# Up to MOST_IN_A_ROW wrong samples are sought that explain all of the miss around a place, but for
+# half the threshold or, where it is more, this part of the largest miss there.
+MOST_IN_A_ROW = 4
+UNEXPLAINED_PART = 0.02
+
+# The interpolation of a sample by its neighbours, with one set of weights for the whole decay.
+NEIGHBOURS = 16  # samples on either side
+FIT_PLACES = 1500  # places, evenly spread, from which the weights are found
+DEFECT_OVER_MEDIAN = 5.0  # without those that miss by more than this many times the median miss
+SMALLEST_MISS = 1e-5  # part of the largest sample; a smaller miss harms no curve
 
 
 @dataclass(frozen=True)
 class Residual:
     """What a symmetric interpolation from 2 x 16 neighbours misses, and its local rms.
 
-    All steady or slowly changing oscillations are interpolated, at any frequency; noise is left
-    as it is, and a defect of single samples in full. `response` is what a unit defect leaves.
+    Steady or slowly changing oscillations of any frequency are interpolated and leave nothing;
+    noise and single wrong samples are left over. `response` is what a unit defect leaves.
     """
 
     miss: Float[ndarray, " sample"]
@@ -51,13 +55,13 @@ def find(seen: Examined) -> Finding | None:
     over = joined(runs(ratio > THRESHOLD), 2 * reach)
     cycle = seen.sampling_Hz / seen.own_Hz
     spans, largest = [], 0.0
-    for first, last in _lonely(over, PLACE * cycle)[:MOST]:
+    for first, last in _lonely(over, CROWD_CYCLES * cycle)[:MOST_PLACES]:
         at = _single(left.miss, left.scale, left.response, int(first), int(last))
         if at:
             largest = max(largest, max(float(ratio[k]) for k in at))
             spans += [(k, k + 1) for k in sorted(at)]
     if not spans:
-        # what the largest lonely miss is, below the threshold or of another kind
+        # the largest miss is below the threshold, or no single sample
         return Finding(min(float(ratio.max()), THRESHOLD), THRESHOLD, "mask", "")
     where = ", ".join(f"{seen.seconds(first):.6g}" for first, _ in spans[:3])
     text = (
@@ -68,10 +72,10 @@ def find(seen: Examined) -> Finding | None:
 
 
 def _lonely(spans: np.ndarray, reach: float) -> np.ndarray:
-    """Spans with fewer than CROWD others within a distance."""
+    """Spans with fewer than `MOST_IN_CROWD` others within a distance."""
     middle = spans.mean(axis=1)
     near = np.searchsorted(middle, middle + reach) - np.searchsorted(middle, middle - reach)
-    return spans[near <= CROWD]
+    return spans[near <= MOST_IN_CROWD]
 
 
 def _single(
@@ -82,9 +86,9 @@ def _single(
     low, high = max(first - reach, 0), min(last + reach, miss.size)
     rest = miss[low:high].copy()
     limit = 0.5 * THRESHOLD * scale[low:high]
-    allowed = np.maximum(limit, LEFT * np.abs(rest).max())
+    allowed = np.maximum(limit, UNEXPLAINED_PART * np.abs(rest).max())
     found: list[int] = []
-    for _ in range(IN_A_ROW):
+    for _ in range(MOST_IN_A_ROW):
         found.append(int(np.argmax(np.abs(rest / scale[low:high]))))
         columns = np.zeros((high - low, len(found)))
         for j, k in enumerate(found):
@@ -98,11 +102,11 @@ def _single(
 
 
 def residual(seen: Examined) -> Residual:
-    """The record less what its neighbours tell of each sample."""
+    """Each sample less its interpolation from its neighbours, and the local rms of that."""
     x = seen.velocity
     reach = min(NEIGHBOURS, (x.size - 1) // 6)
     view = sliding_window_view(x, 2 * reach + 1)
-    rows = view[np.linspace(0, len(view) - 1, PLACES).astype(int)]
+    rows = view[np.linspace(0, len(view) - 1, FIT_PLACES).astype(int)]
     pairs = rows[:, reach + 1 :] + rows[:, reach - 1 :: -1]
     middle = rows[:, reach]
     keep = np.ones(middle.size, bool)
@@ -112,10 +116,10 @@ def residual(seen: Examined) -> Residual:
         gram[np.diag_indices(reach)] += 1e-13 * np.trace(gram) + 1e-300
         weights = np.linalg.solve(gram, a.T @ middle[keep])
         left = np.abs(middle - pairs @ weights)
-        keep = left <= DEFECT * medians(left) + 1e-300
+        keep = left <= DEFECT_OVER_MEDIAN * medians(left) + 1e-300
     response = np.concatenate([-weights[::-1], [1.0], -weights])
-    miss = np.zeros(x.size)  # and where there are too few neighbours
+    miss = np.zeros(x.size)  # zero at the ends, where there are too few neighbours
     miss[reach : x.size - reach] = np.convolve(x, response, mode="valid")
-    least = max(0.5 * seen.quantum, SMALL * float(np.abs(x).max()))
+    least = max(0.5 * seen.quantum, SMALLEST_MISS * float(np.abs(x).max()))
     scale = np.maximum(block_scale(np.abs(miss), stride=3) / 0.6745, least)
     return Residual(miss, scale, response)
