@@ -32,7 +32,7 @@ from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.joint import parts
 from bladeroot.diagnosis.observations import Gauge, observations
 from bladeroot.inference.sampling import sample
-from bladeroot.plateau.plateau import RECORD
+from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.stick import stick_from_records
 from bladeroot.rom.joint import joint_of_reduced
 from bladeroot.stiffness.amplitude import level_names
@@ -109,7 +109,7 @@ def measured(
 def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Dataset, xr.Dataset]:
     known = np.isfinite(at["frequency"].values)
     data: dict[str, tuple] = {"amplitude": ("point", ladder[known])}
-    plateau = {name: ((), np.nan) for name in RECORD}
+    plateau = {name: ((), np.nan) for name in RECORD_VARIABLES}
     for name, stuck, size in (
         ("frequency", "stick_frequency", NOISE),
         ("loss_factor", "loss_factor", LOSS_NOISE),

@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 import xarray as xr
-from bladeroot.plateau.plateau import RECORD
+from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.curves import mean_curves
 from bladeroot.pooling.groups import group_differences
 from bladeroot.pooling.stick import stick_from_records
@@ -56,7 +56,7 @@ def decay(level: float, own: float, facts: dict) -> xr.Dataset:
 
 def plateau(level: float, own: float, facts: dict) -> xr.Dataset:
     """The same record's stick frequency."""
-    made = dict.fromkeys(RECORD, np.nan) | {"plateau_reached": 1, "verdict": "plateau"}
+    made = dict.fromkeys(RECORD_VARIABLES, np.nan) | {"plateau_reached": 1, "verdict": "plateau"}
     made |= {"stick_frequency": 100.0 * np.exp(level), "loss_factor": LOSS * np.exp(MORE * level)}
     made |= {"stick_frequency_std": 100.0 * own, "loss_factor_std": LOSS * MORE * own}
     return xr.Dataset(made, attrs=facts)

@@ -12,7 +12,7 @@ from bladeroot.diagnosis.observations import (
     reading_step,
 )
 from bladeroot.diagnosis.stick_model import stick_data
-from bladeroot.plateau.plateau import RECORD
+from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
 GAUGE = Gauge(1253.0, 0.01, 179.0)
@@ -36,7 +36,10 @@ def decay(record, top=1e-5, **facts):
 
 def plateau_of(decay):
     """What the plateau stage says of such a decay."""
-    values = dict.fromkeys(RECORD, 1e-3) | {"stick_frequency": 500.0, "plateau_reached": 1}
+    values = dict.fromkeys(RECORD_VARIABLES, 1e-3) | {
+        "stick_frequency": 500.0,
+        "plateau_reached": 1,
+    }
     made = {name: ((), value) for name, value in values.items()}
     return xr.Dataset(made | {"verdict": ((), "plateau")}, attrs=decay.attrs)
 

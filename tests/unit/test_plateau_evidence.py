@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 from bladeroot.plateau.evidence import fits, framed, sums
-from bladeroot.plateau.laws import DOUBT, HINGES, NODES, hats, hinge_laws, smooth_laws
+from bladeroot.plateau.laws import (
+    DOUBT_STDS,
+    FACTOR_NODES,
+    HINGE_SHAPES,
+    hats,
+    hinge_laws,
+    smooth_laws,
+)
 from bladeroot.plateau.segment import grouped
 from scipy.stats import multivariate_normal
 
@@ -33,12 +40,12 @@ def test_evidence_of_laws_is_that_of_the_model_written_out(noise, excess):
         cells = hats(middle, laws.first[law : law + 1])[0] * laws.shape[law]
         x = frame.seen(np.vstack([cells, laws.between[law]]))[0].T / np.sqrt(excess)
         y = frame.y[1] / np.sqrt(excess)
-        whole = x[:, :NODES].sum(axis=1)
+        whole = x[:, :FACTOR_NODES].sum(axis=1)
         square = (whole @ y / (whole @ whole)) ** 2
         wide = max(square, segment.time.size / (whole @ whole))
-        for k, doubt in enumerate(DOUBT):
-            prior = (square * doubt**2 + 1e-12 * wide) * np.eye(NODES + 1)
-            prior[:NODES, :NODES] += wide
+        for k, doubt in enumerate(DOUBT_STDS):
+            prior = (square * doubt**2 + 1e-12 * wide) * np.eye(FACTOR_NODES + 1)
+            prior[:FACTOR_NODES, :FACTOR_NODES] += wide
             model = multivariate_normal(cov=unit + x @ prior @ x.T)
             gain = model.logpdf(y) - multivariate_normal(cov=unit).logpdf(y)
             assert found.evidence[law, k] == pytest.approx(gain, rel=1e-6, abs=1e-6)
@@ -50,5 +57,5 @@ def test_the_true_shape_has_the_highest_evidence():
     frame = framed(segment)
     found = fits(frame, sums(frame, hinge_laws(segment, onsets)), 1, 1.0)
     best = int(np.argmax(found.evidence[:, 0]))  # by laws taken nearly at their word
-    assert onsets[best // HINGES] == -1.0
-    assert best % HINGES == 1  # straight in A above the onset
+    assert onsets[best // HINGE_SHAPES] == -1.0
+    assert best % HINGE_SHAPES == 1  # straight in A above the onset

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib
 from bladeroot.plateau.plateau import plateau, record_plateau
-from bladeroot.plateau.posterior import NORMAL, Mixture
+from bladeroot.plateau.posterior import CENTRAL_INTERVALS, Mixture
 from bladeroot.plateau.segment import grouped, integral, lines_below, over_cells
 from decay_bench import ring_down, ringing, separated_curves, slider
 from decay_laws import FREQUENCY_HZ, bending, blocks, power_law, slip, sticking
@@ -254,7 +254,7 @@ def test_intervals_of_a_mixture_hold_what_they_say():
     part = (rng.random(400_000) < 0.2).astype(int)
     drawn = mixture.mean[part] + np.sqrt(mixture.variance[part]) * rng.standard_normal(part.size)
     widths = []
-    for percent, share in NORMAL.items():
+    for percent, share in CENTRAL_INTERVALS.items():
         low, high = mixture.quantiles(share)
         assert np.mean((drawn > low) & (drawn < high)) == pytest.approx(0.01 * percent, abs=0.005)
         widths.append(high - low)

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.spectra import before_and_after, followed_mode
-from bladeroot.pooling.curves import PLATEAU, mean_curves
+from bladeroot.pooling.curves import PLATEAU_VARIABLES, mean_curves
 from decay_bench import ringing, separated_curves
 
 
@@ -20,7 +20,7 @@ def curve(force, offset=0.0, std=1e-3, low=1e-7, high=1e-5, mode="1B", hold=""):
 
 def mean_of(decays, rejected=()):
     verdicts = ["rejected: short" if k in rejected else "plateau" for k in range(len(decays))]
-    nothing = dict.fromkeys(PLATEAU, np.nan)
+    nothing = dict.fromkeys(PLATEAU_VARIABLES, np.nan)
     return mean_curves(decays, [xr.Dataset({**nothing, "verdict": one}) for one in verdicts])
 
 

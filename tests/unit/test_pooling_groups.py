@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.curves import PLATEAU, mean_curves
+from bladeroot.pooling.curves import PLATEAU_VARIABLES, mean_curves
 from bladeroot.pooling.groups import group_differences, group_sentences
 from bladeroot.pooling.stick import stick_from_records
 from pooling_bench import curve, drawn
@@ -46,7 +46,9 @@ def test_groups_without_a_common_amplitude_are_not_compared():
 
 def test_no_mean_is_taken_over_groups_or_sensors():
     decays = drawn([1.0, 1.4])
-    mean = mean_curves(decays, [GOOD.assign(dict.fromkeys(PLATEAU, np.nan))] * len(decays))
+    mean = mean_curves(
+        decays, [GOOD.assign(dict.fromkeys(PLATEAU_VARIABLES, np.nan))] * len(decays)
+    )
     assert mean.sizes["level"] == 4
     assert set(zip(mean["group"].values, mean["sensor"].values, strict=True)) == {
         ("floor 0", "a"), ("floor 0", "b"), ("floor 1", "a"), ("floor 1", "b"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.judgement import OPINION, judgement
+from bladeroot.pooling.judgement import SECOND_OPINION, judgement
 
 
 def record(name, findings=(), usable=(1, 1, 1, 1)):
@@ -24,7 +24,7 @@ def record(name, findings=(), usable=(1, 1, 1, 1)):
 
 
 def decay(difference, agrees, verdict="usable"):
-    values = {name: difference for name in OPINION[:4]}
+    values = {name: difference for name in SECOND_OPINION[:4]}
     values |= {"pff_agrees": np.int8(agrees), "pff_finding": "" if agrees else "they differ"}
     made = {"frequency": ("point", np.zeros(0))} | {k: ((), v) for k, v in values.items()}
     return xr.Dataset(made, attrs={"verdict": verdict})

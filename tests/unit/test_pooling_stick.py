@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.plateau.plateau import RECORD
+from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.components import pool
 from bladeroot.pooling.scatter_of_table import scatter_about_law
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
@@ -15,7 +15,7 @@ from bladeroot.pooling.stick import stick_from_records, stick_from_table
 def fitted(name, mode, force, hold, value, std, direction=""):
     """One record's plateau; not reached where the value is NaN."""
     reached = bool(np.isfinite(value))
-    numbers = dict.fromkeys(RECORD, np.nan) | {
+    numbers = dict.fromkeys(RECORD_VARIABLES, np.nan) | {
         "stick_frequency": value, "stick_frequency_std": std,
         "loss_factor": 0.01, "loss_factor_std": 0.001, "plateau_reached": int(reached),
     }  # fmt: skip

@@ -10,8 +10,17 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES, NODES, Laws, PerLaw, hats
-from bladeroot.plateau.segment import FEWEST_GROUPS, Segment, integral, line_of, lines_below
+from bladeroot.plateau.laws import (
+    BENDING_POWERS,
+    DOUBT_STDS,
+    FACTOR_NODES,
+    FLAT_POWERS,
+    HINGE_SHAPES,
+    Laws,
+    PerLaw,
+    hats,
+)
+from bladeroot.plateau.segment import LINE_FEWEST_GROUPS, Segment, integral, line_of, lines_below
 
 
 @dataclass(frozen=True)
@@ -82,20 +91,22 @@ class Fits:
 def sums(frame: Frame, laws: Laws) -> Sums:
     """Projections of each law's columns on one another and on the data."""
     segment = frame.segment
-    cells = np.empty((laws.first.size, NODES + 1, laws.shape.shape[1]))
-    np.multiply(laws.shape[:, None], hats(_middle(segment), laws.first), out=cells[:, :NODES])
-    cells[:, NODES] = laws.between
+    cells = np.empty((laws.first.size, FACTOR_NODES + 1, laws.shape.shape[1]))
+    np.multiply(
+        laws.shape[:, None], hats(_middle(segment), laws.first), out=cells[:, :FACTOR_NODES]
+    )
+    cells[:, FACTOR_NODES] = laws.between
     x, tilt = frame.seen(cells.reshape(-1, cells.shape[-1]))
     x, tilt = x.reshape(*cells.shape[:2], -1), tilt.reshape(cells.shape[:2])
     square, axis = np.linalg.eigh(x @ x.swapaxes(1, 2))
     smallest = segment.path[np.argmin(segment.path)]
     lowest = np.zeros_like(tilt)
-    lowest[:, :NODES] = laws.lowest[:, None] * hats(np.array([smallest]), laws.first)[..., 0]
+    lowest[:, :FACTOR_NODES] = laws.lowest[:, None] * hats(np.array([smallest]), laws.first)[..., 0]
     on_axes = (
         np.stack([*(x @ frame.y.T).transpose(2, 0, 1), tilt, tilt - lowest])[:, :, None] @ axis
     )
     right, tilt = np.split(on_axes[:, :, 0].swapaxes(0, 1), 2, axis=1)
-    alike = axis[:, :NODES].sum(axis=1)
+    alike = axis[:, :FACTOR_NODES].sum(axis=1)
     return Sums(axis, np.maximum(square, 0.0), alike, right, tilt)
 
 
@@ -111,7 +122,7 @@ def fits(frame: Frame, found: Sums, channel: int, excess: float) -> Fits:
     whole = (found.alike**2 * square).sum(axis=-1, keepdims=True) + 1e-300
     size = ((found.alike * right).sum(axis=-1, keepdims=True) / whole) ** 2
     wide = np.maximum(size, frame.segment.time.size / whole)
-    own = (size * np.array(DOUBT) ** 2 + 1e-12 * wide)[..., None]
+    own = (size * np.array(DOUBT_STDS) ** 2 + 1e-12 * wide)[..., None]
     square, right = square[:, None], right[:, None]
     narrowed = 1.0 / (1.0 + own * square)
     known = 1.0 + wide * (alike**2 * square * narrowed).sum(axis=-1)
@@ -137,14 +148,15 @@ def misfit(
     frame: Frame, laws: Laws, law: int, size: Float[ndarray, " part"], channel: int
 ) -> Float[ndarray, " group"]:
     """What one law leaves over of a channel, in stated standard errors."""
-    factor = size[:NODES] @ hats(_middle(frame.segment), laws.first[[law]])[0]
-    cells = factor * laws.shape[[law]] + size[NODES] * laws.between[[law]]
+    factor = size[:FACTOR_NODES] @ hats(_middle(frame.segment), laws.first[[law]])[0]
+    cells = factor * laws.shape[[law]] + size[FACTOR_NODES] * laws.between[[law]]
     return frame.y[channel] - frame.seen(cells)[0][0]
 
 
 def excess_variance(rest: Float[ndarray, " group"]) -> float:
-    """By how much a misfit exceeds the stated variances; what is alike in neighbouring groups
-    counts as the fewer independent ones that it is.
+    """By how much a misfit exceeds the stated variances.
+
+    Misfits that are alike in neighbouring groups count as fewer independent ones.
     """
     square = (rest**2).sum()
     alike = (rest[1:] * rest[:-1]).sum() / square - 2.0 / np.sqrt(rest.size)
@@ -157,7 +169,7 @@ def creep(segment: Segment) -> tuple[float, float]:
 
     A parabola of time in the phase; zero where the groups are too few to tell.
     """
-    if segment.time.size < FEWEST_GROUPS:
+    if segment.time.size < LINE_FEWEST_GROUPS:
         return 0.0, 0.0
     frame = framed(segment)
     about = segment.time - segment.time.mean()
@@ -174,20 +186,22 @@ def with_lines_below(
     """The same, but for laws that reach a constant: their rates by a straight line where they do.
 
     What happens above tells where the constant ends: at a hinge's onset, and where a flat law is
-    nearer to its limit than such a line tells. For the rate itself no law is exact enough,
-    as there it may stand out of the noise a million times.
+    nearer to its limit than such a line tells. For the rate itself no law is exact enough: above
+    the onset it may exceed the noise a million times.
     """
     slope, variance = lines_below(segment, onsets)
-    hinges = slice(found.evidence.shape[0] - HINGES * onsets.size, None)
-    best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGES]
+    hinges = slice(found.evidence.shape[0] - HINGE_SHAPES * onsets.size, None)
+    best = onsets[int(np.argmax(found.evidence[hinges].max(axis=1))) // HINGE_SHAPES]
     under = segment.below(best)
-    if under.time.size >= FEWEST_GROUPS:
+    if under.time.size >= LINE_FEWEST_GROUPS:
         variance = variance * excess_variance(framed(under).y[channel])
-    known = np.repeat(np.isfinite(variance), HINGES)[:, None]
+    known = np.repeat(np.isfinite(variance), HINGE_SHAPES)[:, None]
     rate, spread = found.rate.copy(), found.variance.copy()
     for values, line in ((rate, slope[channel]), (spread, variance)):
-        values[:, hinges] = np.where(known, np.repeat(line, HINGES)[:, None], values[:, hinges])
-    for law, power in enumerate(FLAT, len(BENDING)):
+        values[:, hinges] = np.where(
+            known, np.repeat(line, HINGE_SHAPES)[:, None], values[:, hinges]
+        )
+    for law, power in enumerate(FLAT_POWERS, len(BENDING_POWERS)):
         lost = found.size[law, :, 0] * np.exp(power * (onsets[:, None] - segment.path.max()))
         within = (lost**2 < variance[:, None]) & np.isfinite(variance)[:, None]
         end = np.where(within, np.arange(onsets.size)[:, None], -1).max(axis=0)

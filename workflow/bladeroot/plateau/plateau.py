@@ -18,20 +18,19 @@ import xarray as xr
 
 from bladeroot.plateau.capture import sudden_onset
 from bladeroot.plateau.evidence import creep
-from bladeroot.plateau.posterior import NORMAL, SHORTEST, Mixture, Weighed
+from bladeroot.plateau.posterior import CENTRAL_INTERVALS, SHORTEST_PLATEAU, Mixture, Weighed
 from bladeroot.plateau.segment import cubic, grouped
-from bladeroot.plateau.weigh import SHOWN, weigh
+from bladeroot.plateau.weigh import STATED_PLATEAU_WEIGHT, weigh
 from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
-RECORD = names("plateau/record")
-# Standard errors from which on a frequency that changes in time on the plateau counts.
-CREEPS = 5.0
-# Points, or blocks of cycles, from which on laws are weighed.
-FEWEST = 12
-# Radians: a block less sure than BLUNT is not used; one surer than SHARP is taken for itself, not
-# for the smoothed curve.
-BLUNT, SHARP = 0.15, 1e-3
+RECORD_VARIABLES = names("plateau/record")
+# Points of the curve, blocks of cycles and groups of blocks from which on laws are weighed.
+FEWEST_BLOCKS = 12
+# Standard error (ln A and rad) of a block.
+BLUNT_STD = 0.15  # one that is worse is not used
+SHARP_STD = 1e-3  # one that is better gives ln A for the laws itself, instead of the smoothed curve
+CREEP_ERRORS = 5.0  # standard errors from which on a change of frequency on the plateau counts
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -46,27 +45,27 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         bend at the smallest usable amplitude, stick_frequency is NaN, and frequency_bound is the
         frequency there; by a law that saturates the limit may lie outside limit_low to limit_high.
     """
-    result: dict[str, float | str] = dict.fromkeys(RECORD, np.nan)
+    result: dict[str, float | str] = dict.fromkeys(RECORD_VARIABLES, np.nan)
     result["plateau_reached"] = 0
     rejected = decay.attrs.get("verdict", "usable") == "rejected"
-    if rejected or decay.sizes["point"] < FEWEST:
+    if rejected or decay.sizes["point"] < FEWEST_BLOCKS:
         reason = decay.attrs.get("reason", "") if rejected else ""
         return result | {"verdict": f"rejected: {reason or 'too few points above the noise'}"}
     time, amplitude = decay["time"].values, decay["amplitude"].values
-    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < BLUNT)
-    if within.sum() < FEWEST:
+    within = (decay["block_time"].values <= time[-1]) & (decay["block_std"].values < BLUNT_STD)
+    if within.sum() < FEWEST_BLOCKS:
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     blocks = {name: decay[f"block_{name}"].values[within] for name in ("time", "std", "phase")}
     both = np.stack([decay["block_log_amplitude"].values[within], blocks["phase"]])
     smooth = cubic(blocks["time"], time, np.log(amplitude))
-    log = np.where(blocks["std"] < SHARP, both[0], smooth)
+    log = np.where(blocks["std"] < SHARP_STD, both[0], smooth)
     segment = grouped(blocks["time"], both, blocks["std"], log)
-    if segment.time.size < FEWEST:
+    if segment.time.size < FEWEST_BLOCKS:
         return result | {"verdict": "rejected: too few cycles of falling amplitude"}
     found = weigh(segment)
     sudden = sudden_onset(blocks["time"], both[0], blocks["std"], found.decline.mean()[0])
-    if sudden and segment.below(sudden[2]).time.size >= FEWEST:
-        # what follows a capture needs no law of the slip before it
+    if sudden and segment.below(sudden[2]).time.size >= FEWEST_BLOCKS:
+        # after the capture the joint sticks, whatever law it slipped by before
         after = weigh(segment.below(sudden[2]))
         onset = Mixture(*(np.array([one]) for one in (1.0, sudden[0], sudden[1] ** 2)))
         found = replace(after, onset=onset, departs=1.0)
@@ -76,13 +75,13 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     frequency, loss = _natural(omega, alpha, damping)
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
-    reached = found.phase.plateau >= SHOWN and constant >= SHORTEST
+    reached = found.phase.plateau >= STATED_PLATEAU_WEIGHT and constant >= SHORTEST_PLATEAU
     lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
     bound = _natural(lowest, alpha, damping)[0]
     if not _in_band(bound, decay):
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     result["plateau_weight"] = found.phase.plateau
-    if found.decline.plateau >= SHOWN:
+    if found.decline.plateau >= STATED_PLATEAU_WEIGHT:
         result |= {"loss_factor": loss, "loss_factor_std": 2.0 * alpha_std / omega}
     if not reached:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
@@ -98,7 +97,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     result |= ends
     verdict, high = "plateau", result["plateau_high_amplitude"]
     change, clear = creep(segment.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
-    if clear > CREEPS:
+    if clear > CREEP_ERRORS:
         omega_std = float(np.hypot(omega_std, change / np.sqrt(12.0)))
         result["creep"] = change / (2.0 * np.pi)
         verdict = "plateau, but the frequency creeps on it"
@@ -131,7 +130,7 @@ def _ends(found: Weighed, largest: float) -> dict[str, float]:
         ends = {"plateau_low_amplitude": lowest, "plateau_high_amplitude": largest}
         never = min(found.phase.constant, found.decline.constant) >= 0.5
         return ends | {"onset_bound": largest} if never else {}
-    median, *ends = found.onset.quantiles((0.5, *NORMAL[68], *NORMAL[95]))
+    median, *ends = found.onset.quantiles((0.5, *CENTRAL_INTERVALS[68], *CENTRAL_INTERVALS[95]))
     onset, low, high, lower, upper = np.exp([median, *ends])
     return {
         "onset_amplitude": float(onset),
@@ -143,7 +142,9 @@ def _ends(found: Weighed, largest: float) -> dict[str, float]:
     }
 
 
-OTHERS = "other modes ring in the record and add to the slip: a lower bound for this mode alone"
+OTHER_MODES_NOTE = (
+    "other modes ring in the record and add to the slip: a lower bound for this mode alone"
+)
 
 
 def record_plateau(decay: xr.Dataset) -> xr.Dataset:
@@ -152,10 +153,10 @@ def record_plateau(decay: xr.Dataset) -> xr.Dataset:
     Variables are the scalars of `bladeroot.plateau.plateau.plateau`; NaN where there is none.
     """
     found = plateau(decay)
-    made = dataset("plateau/record", {name: found[name] for name in RECORD})
+    made = dataset("plateau/record", {name: found[name] for name in RECORD_VARIABLES})
     if decay.attrs.get("damping") == "viscous":
         made["loss_factor"].attrs["long_name"] = "twice the damping ratio of the stick plateau"
     if np.size(decay.attrs.get("other_modes_Hz", ())):
-        made["onset_amplitude"].attrs["note"] = OTHERS
+        made["onset_amplitude"].attrs["note"] = OTHER_MODES_NOTE
     verdict = dataset("plateau/verdict", {"verdict": found["verdict"]})
     return made.assign(verdict).assign_attrs(decay.attrs)

@@ -14,11 +14,11 @@ from numpy import ndarray
 from scipy.special import ndtr
 
 from bladeroot.plateau.evidence import Fits
-from bladeroot.plateau.laws import BENDING, DOUBT, FLAT, HINGES
+from bladeroot.plateau.laws import BENDING_POWERS, DOUBT_STDS, FLAT_POWERS, HINGE_SHAPES
 
-NORMAL = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # ends of the central intervals, in %
-TWO_SIDED = 1.96  # standard deviations to the ends of the interval of 95 %
-UNHEARD = 1e-6  # of the weight: what less of it says is left out
+CENTRAL_INTERVALS = {68: (0.158655, 0.841345), 95: (0.025, 0.975)}  # their ends, by size in %
+STDS_OF_95 = 1.96  # half of a normal distribution's interval of 95 %, in standard deviations
+NEGLIGIBLE_WEIGHT = 1e-6  # parts of less weight, over the largest or over all, are left out
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Mixture:
     variance: Float[ndarray, " part"]
 
     def quantiles(self, share: tuple[float, ...]) -> Float[ndarray, " share"]:
-        """Where so much of the probability lies below."""
-        some = self.weight > UNHEARD * self.weight.max()
+        """Values below which these shares of the probability lie."""
+        some = self.weight > NEGLIGIBLE_WEIGHT * self.weight.max()
         weight, std = self.weight[some], np.sqrt(self.variance[some])
         mean, weight = self.mean[some], weight / weight.sum()
         low = np.full(len(share), (mean - 4.0 * std).min())
@@ -46,32 +46,34 @@ class Mixture:
     def middle(self) -> tuple[float, float]:
         """Median, and a standard error that serves for both of its intervals.
 
-        Between the one that holds 68 % and 1/1.96 of what holds 95 %. The variance would hang on
-        parts of hardly any weight that are far away.
+        The geometric mean of half the interval of 68 % and half that of 95 % over 1.96. A standard
+        deviation would depend on far parts of hardly any weight.
         """
-        q = self.quantiles((*NORMAL[95], *NORMAL[68], 0.5))
-        return float(q[4]), float(np.sqrt(0.5 * (q[3] - q[2]) * (q[1] - q[0]) / (2.0 * TWO_SIDED)))
+        q = self.quantiles((*CENTRAL_INTERVALS[95], *CENTRAL_INTERVALS[68], 0.5))
+        return float(q[4]), float(np.sqrt(0.5 * (q[3] - q[2]) * (q[1] - q[0]) / (2.0 * STDS_OF_95)))
 
 
-SHORTEST = np.log(2.0)  # a constant segment that is no shorter, in ln A, counts as shown
-EXACT = 1e-4  # error of ln A0 by the blocks and the integration over the cells, as in simulation
-NEGLIGIBLE = 8.0  # in ln of the evidence
-STEEPEST = 0.5  # least power of A that is believed down to A = 0
-SMOOTH = len(BENDING) + len(FLAT)
-DOUBTS = len(DOUBT)
+# A constant segment at least this long in ln A counts as a plateau that is shown.
+SHORTEST_PLATEAU = np.log(2.0)
+# Error of ln A0 by the blocks and the integration over the cells, found by simulation.
+ONSET_ERROR = 1e-4
+NEGLIGIBLE_EVIDENCE = 8.0  # ln of the evidence below the best, from which on a law does not matter
+LEAST_EXTRAPOLATED_POWER = 0.5  # of A: a law of a smaller power is not believed down to A = 0
+SMOOTH_COUNT = len(BENDING_POWERS) + len(FLAT_POWERS)
+DOUBT_COUNT = len(DOUBT_STDS)
 
 
 @dataclass(frozen=True)
 class Channel:
     """What one channel says, with what the other one knows of the onset.
 
-    `weight` sums to one over all laws: the constant, the smooth ones and the hinges, in all their
-    doubts, each kind as likely beforehand. `rate` and `variance` belong to them, at zero shape and
-    at the smallest amplitude. `tenable` marks those from sqrt(A) upwards that fit no worse than the
-    best of those that bend all the way down, as far as the misfit of that one excuses. `plateau` is
-    the weight of laws with a plateau long enough to be shown, `doubtful` that of the greatest
-    doubt. `bent`: by how much the misfit of the best of those that bend, taken at its word, exceeds
-    the variances.
+    `weight` sums to one over all laws: the constant, the smooth ones and the hinges, each with all
+    doubts; each kind has the same prior weight. `rate` and `variance` are theirs, at zero shape and
+    at the smallest amplitude. `tenable` marks the laws from sqrt(A) upwards that fit no worse than
+    the best of those that bend all the way down, with an allowance for the misfit of that one.
+    `plateau` is the weight of laws with a plateau long enough to be shown, `doubtful` that of the
+    greatest doubt. `bent`: by how much the misfit of the best law that bends all the way down,
+    without doubt about it, exceeds the variances.
     """
 
     weight: Float[ndarray, " law"]
@@ -92,7 +94,7 @@ class Channel:
         if not self.tenable.any():
             return np.nan, np.nan
         rate, std = self.rate[0, self.tenable], np.sqrt(self.bent * self.variance[0, self.tenable])
-        return float((rate - TWO_SIDED * std).min()), float((rate + TWO_SIDED * std).max())
+        return float((rate - STDS_OF_95 * std).min()), float((rate + STDS_OF_95 * std).max())
 
 
 @dataclass(frozen=True)
@@ -112,9 +114,9 @@ class Weighed:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """The laws that were fitted: `SMOOTH` ones, then `HINGES` at each onset (ln A0, rising).
+    """The laws that were fitted: `SMOOTH_COUNT` smooth ones, then `HINGE_SHAPES` at each onset.
 
-    low, high: ends of the segment in ln A.
+    onsets: ln A0, rising. low, high: ends of the segment in ln A.
     """
 
     onsets: Float[ndarray, " onset"]
@@ -139,8 +141,8 @@ def combined(
     """Posterior over the laws of both channels, their onsets tied in half of the prior.
 
     By channel, constant: its rate and variance; still: its prior weight over another kind's;
-    bent: misfit's variance of the law that bends all the way down best, taken at its word, over
-    that of the best of all.
+    bent: excess variance about the best law that bends all the way down, without doubt about it,
+    over that about the best law of all.
     """
     by_channel = [_weights(catalogue, *one) for one in zip(both, still, strict=True)]
     by_onset = [hinge.sum(axis=(1, 2)) for _, hinge in by_channel]
@@ -161,12 +163,12 @@ def _weights(
 ) -> tuple[Float[ndarray, " law"], Float[ndarray, "onset hinge doubt"]]:
     """Weights by one channel alone: the constant and the smooth laws, and the hinges."""
     peak = max(float(found.evidence.max()), 0.0)
-    likely = np.exp(found.evidence - peak) / DOUBTS
-    kinds = [len(BENDING), len(FLAT)]
-    smooth = likely[:SMOOTH] / np.repeat(kinds, kinds)[:, None]
+    likely = np.exp(found.evidence - peak) / DOUBT_COUNT
+    kinds = [len(BENDING_POWERS), len(FLAT_POWERS)]
+    smooth = likely[:SMOOTH_COUNT] / np.repeat(kinds, kinds)[:, None]
     smooth = np.concatenate([[still * np.exp(-peak)], smooth.ravel()])
-    hinge = likely[SMOOTH:].reshape(-1, HINGES, DOUBTS)
-    hinge = hinge * catalogue.prior[:, None, None] / HINGES
+    hinge = likely[SMOOTH_COUNT:].reshape(-1, HINGE_SHAPES, DOUBT_COUNT)
+    hinge = hinge * catalogue.prior[:, None, None] / HINGE_SHAPES
     whole = smooth.sum() + hinge.sum()
     return smooth / whole, hinge / whole
 
@@ -187,21 +189,25 @@ def _channel(
     )
     evidence = np.concatenate([[0.0], found.evidence.ravel()])
     tenable = np.ones(evidence.size, dtype=bool)
-    tenable[1 : 1 + DOUBTS * int(np.sum(np.array(BENDING) < STEEPEST))] = False
-    tenable[DOUBTS::DOUBTS] = False  # the greatest doubt extrapolates to anywhere
-    bending = np.arange(evidence.size) <= DOUBTS * len(BENDING)
-    tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE * bent
-    doubtful = float(weight[DOUBTS::DOUBTS].sum())
+    tenable[
+        1 : 1 + DOUBT_COUNT * int(np.sum(np.array(BENDING_POWERS) < LEAST_EXTRAPOLATED_POWER))
+    ] = False
+    tenable[DOUBT_COUNT::DOUBT_COUNT] = False  # the greatest doubt extrapolates to anywhere
+    bending = np.arange(evidence.size) <= DOUBT_COUNT * len(BENDING_POWERS)
+    tenable &= evidence > evidence[tenable & bending].max() - NEGLIGIBLE_EVIDENCE * bent
+    doubtful = float(weight[DOUBT_COUNT::DOUBT_COUNT].sum())
     even /= even.sum()
-    # a flat law is a plateau when its rest at the smallest amplitude is within the error
-    flat = slice(1 + DOUBTS * len(BENDING), 1 + DOUBTS * SMOOTH)
+    # a flat law is a plateau where what is left of it at the smallest amplitude is within the error
+    flat = slice(1 + DOUBT_COUNT * len(BENDING_POWERS), 1 + DOUBT_COUNT * SMOOTH_COUNT)
     shown = 0.0
-    if weight[flat].sum() > UNHEARD:
+    if weight[flat].sum() > NEGLIGIBLE_WEIGHT:
         error = Mixture(even, rate[0], variance[0]).middle()[1]
         shown = weight[flat] @ (np.abs(rate[1, flat] - rate[0, flat]) < error)
-    hinge = weight[1 + DOUBTS * SMOOTH :].reshape(-1, HINGES * DOUBTS).sum(axis=1)
-    shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST].sum()
-    if catalogue.high - catalogue.low >= SHORTEST:
+    hinge = (
+        weight[1 + DOUBT_COUNT * SMOOTH_COUNT :].reshape(-1, HINGE_SHAPES * DOUBT_COUNT).sum(axis=1)
+    )
+    shown += hinge[catalogue.onsets >= catalogue.low + SHORTEST_PLATEAU].sum()
+    if catalogue.high - catalogue.low >= SHORTEST_PLATEAU:
         shown += weight[0]
     return Channel(even, rate, variance, tenable, float(shown), float(weight[0]), doubtful, bent)
 
@@ -220,5 +226,5 @@ def _onset(
     if not whole > 1e-300:
         return None, 0.0
     width = catalogue.prior * (catalogue.high - catalogue.low)
-    onset = Mixture(weight, catalogue.onsets, width**2 / 12.0 + EXACT**2)
+    onset = Mixture(weight, catalogue.onsets, width**2 / 12.0 + ONSET_ERROR**2)
     return onset, float(whole / (whole + not_one * not_two))

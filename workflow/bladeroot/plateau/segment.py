@@ -7,10 +7,15 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from scipy.interpolate import CubicHermiteSpline
 
-CELLS = 4  # steps between neighbouring groups on which laws are integrated, an even number
-FEWEST_GROUPS = 8  # groups through which a straight line is laid
-# of the search for a departure: onsets per ln A, the narrowest window (ln A), and its fewest groups
-PER_FOLD, NARROWEST, FEWEST_IN = 8, 0.4, 10
+# Steps in a cell, the time from one group to the next, on which laws are integrated. An even number
+# for Simpson's rule.
+STEPS_PER_CELL = 4
+LINE_FEWEST_GROUPS = 8  # groups through which a straight line is laid, at least
+
+# The search for the amplitude up to which a record shows that it leaves a constant rate.
+ONSETS_PER_E = 8  # onsets that are tried while the amplitude falls by a factor of e
+NARROWEST_WINDOW = 0.4  # ln A from the smallest amplitude to a window's top, at least
+WINDOW_FEWEST_GROUPS = 10  # groups in a window, at least
 
 
 @dataclass(frozen=True)
@@ -18,7 +23,7 @@ class Segment:
     """Groups of blocks in time order; `y` holds log-amplitude and phase, `log` ln A for the laws.
 
     `width` is the variance of the times in a group, whose mean is not the value at its middle.
-    `path` is ln A at the groups and at `CELLS` - 1 even steps in time between each two.
+    `path` is ln A at the groups and at `STEPS_PER_CELL` - 1 even steps in time between each two.
     """
 
     time: Float[ndarray, " group"]
@@ -30,7 +35,7 @@ class Segment:
     @property
     def log(self) -> Float[ndarray, " group"]:
         """Ln A at the groups."""
-        return self.path[::CELLS]
+        return self.path[::STEPS_PER_CELL]
 
     def firsts_below(self, log: Float[ndarray, " value"]) -> Int[ndarray, " value"]:
         """The groups from which on amplitudes, given as ln A, are not exceeded any more."""
@@ -41,7 +46,7 @@ class Segment:
         first = int(self.firsts_below(np.array([log]))[0])
         return Segment(
             self.time[first:], self.y[:, first:], self.std[first:], self.width[first:],
-            self.path[CELLS * first :],
+            self.path[STEPS_PER_CELL * first :],
         )  # fmt: skip
 
 
@@ -64,7 +69,7 @@ def grouped(
 
     centre = mean(time)
     width = np.maximum(mean(time**2) - centre**2, 0.0)
-    number = np.arange(CELLS * (centre.size - 1) + 1) / CELLS
+    number = np.arange(STEPS_PER_CELL * (centre.size - 1) + 1) / STEPS_PER_CELL
     steps = np.interp(number, np.arange(centre.size), centre)
     return Segment(centre, mean(y), total**-0.5, width, cubic(steps, time, log))
 
@@ -72,17 +77,17 @@ def grouped(
 def cubic(
     at: Float[ndarray, " step"], time: Float[ndarray, " value"], y: Float[ndarray, " value"]
 ) -> Float[ndarray, " step"]:
-    """Hermite's interpolation, level beyond the ends; straight lines round off what bends."""
+    """Hermite's interpolation, which keeps bends that straight lines cut; level beyond the ends."""
     inside = np.clip(at, time[0], time[-1])
     return CubicHermiteSpline(time, y, np.gradient(y, time))(inside)
 
 
 def over_cells(segment: Segment, rate: Float[ndarray, "law step"]) -> Float[ndarray, "law cell"]:
     """Mean over time from each group to the next, by Simpson's rule."""
-    share = np.where(np.arange(CELLS) % 2, 4.0, 2.0) / (3.0 * CELLS)
-    inner = rate[:, :-1].reshape(-1, segment.time.size - 1, CELLS) @ share
-    rate = rate[:, ::CELLS]
-    return inner + (rate[:, 1:] - rate[:, :-1]) / (3.0 * CELLS)
+    share = np.where(np.arange(STEPS_PER_CELL) % 2, 4.0, 2.0) / (3.0 * STEPS_PER_CELL)
+    inner = rate[:, :-1].reshape(-1, segment.time.size - 1, STEPS_PER_CELL) @ share
+    rate = rate[:, ::STEPS_PER_CELL]
+    return inner + (rate[:, 1:] - rate[:, :-1]) / (3.0 * STEPS_PER_CELL)
 
 
 def integral(segment: Segment, cells: Float[ndarray, "law cell"]) -> Float[ndarray, "law group"]:
@@ -92,7 +97,7 @@ def integral(segment: Segment, cells: Float[ndarray, "law cell"]) -> Float[ndarr
     total = np.empty((cells.shape[0], segment.time.size))
     np.subtract(cells[:, 1:], cells[:, :-1], out=total[:, 1:-1])
     total[:, 0], total[:, -1] = total[:, 1], total[:, -2]
-    # what a step between cells adds to the mean over a group
+    # what a change of the rate from cell to cell adds to the mean over a group
     total *= 0.5 * segment.width / np.concatenate([gap[:1], gap, gap[-1:]])
     total[:, :-1] -= np.cumsum((cells * length)[:, ::-1], axis=1)[:, ::-1]
     return total
@@ -115,11 +120,11 @@ def lines_below(
 ) -> tuple[Float[ndarray, "2 onset"], Float[ndarray, " onset"]]:
     """Slopes of straight lines through the groups below each onset (ln A0), and their variance.
 
-    The variance is infinite where they are fewer than `FEWEST_GROUPS`.
+    The variance is infinite where they are fewer than `LINE_FEWEST_GROUPS`.
     """
-    # what lies below an onset begins after the last group above it, and one more, which may hold
+    # the groups below an onset begin two after the last one above it, as the one between may hold
     # blocks from above
-    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - FEWEST_GROUPS)
+    first = np.minimum(segment.firsts_below(onsets) + 1, segment.time.size - LINE_FEWEST_GROUPS)
     weight = segment.std**-2.0
     time = segment.time - segment.time[-1]
     y = segment.y - segment.y[:, -1:]
@@ -138,10 +143,10 @@ def first_departure(segment: Segment, detection: float) -> float | None:
     hinge anywhere in them, against a chi-square gain of `detection` in either channel.
     """
     low, high = segment.log.min(), segment.log.max()
-    onsets = np.linspace(low, high, max(PER_FOLD, int(PER_FOLD * (high - low)) + 1))
-    tops = onsets[3:][onsets[3:] >= low + NARROWEST]
+    onsets = np.linspace(low, high, max(ONSETS_PER_E, int(ONSETS_PER_E * (high - low)) + 1))
+    tops = onsets[3:][onsets[3:] >= low + NARROWEST_WINDOW]
     first = segment.firsts_below(tops)
-    enough = segment.time.size - first >= FEWEST_IN
+    enough = segment.time.size - first >= WINDOW_FEWEST_GROUPS
     tops, first = tops[enough], first[enough]
     hinges = np.maximum(0.0, np.exp(segment.path) * np.exp(-onsets)[:, None] - 1.0)
     x = integral(segment, over_cells(segment, hinges))

@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-GRID = 56
-QUANTILE_95 = 1.959964
+SCATTER_GRID = 56  # values of each scatter at which its posterior is evaluated
+STDS_OF_95 = 1.959964  # half of a normal distribution's interval of 95 %, in standard deviations
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def pool(
     scale = float(np.sqrt((rest**2).mean() + (std**2).mean()))
     # Errors far below the scatter decide nothing, and would cancel to rounding.
     std = np.maximum(std, 1e-4 * scale)
-    axis = np.geomspace(1e-3, 300.0, GRID) * scale
+    axis = np.geomspace(1e-3, 300.0, SCATTER_GRID) * scale
     of_record = axis if record_freedom else np.zeros(1)
     of_clamping = axis if clamping_freedom else np.zeros(1)
     weight, mean, variance = [], [], []
@@ -85,12 +85,12 @@ def pool(
     centre, half = _intervals(weight.ravel(), mean, variance)
     forces = int(force.max()) + 1
     return Pooled(
-        centre[:forces] + level, half[:forces] / QUANTILE_95,
+        centre[:forces] + level, half[:forces] / STDS_OF_95,
         _median(of_record, weight.sum(axis=1)) if record_freedom else np.nan,
         _median(of_clamping, weight.sum(axis=0)) if clamping_freedom else np.nan,
         record_freedom, clamping_freedom,
         float(centre[-1]) if directed else np.nan,
-        float(half[-1]) / QUANTILE_95 if directed else np.nan,
+        float(half[-1]) / STDS_OF_95 if directed else np.nan,
     )  # fmt: skip
 
 

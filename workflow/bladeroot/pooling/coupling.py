@@ -13,7 +13,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.pooling.level_curve import COUPLING, on_ladder
+from bladeroot.pooling.level_curve import COUPLING_VARIABLES, on_ladder
 
 
 def coupling(
@@ -28,7 +28,7 @@ def coupling(
         rows: `event`, `sensor` and `mode` of each record.
         ladder: amplitudes, m.
     """
-    made = {name: np.zeros((len(rows), ladder.size)) for name in COUPLING}
+    made = {name: np.zeros((len(rows), ladder.size)) for name in COUPLING_VARIABLES}
     place = [(row["event"], row["sensor"]) for row in rows]
     for i, own in enumerate(decays):
         others = [
@@ -38,7 +38,7 @@ def coupling(
         ]
         if own is None or not place[i][0] or not others:
             continue
-        for name, curve in zip(COUPLING, ("frequency", "loss_factor"), strict=True):
+        for name, curve in zip(COUPLING_VARIABLES, ("frequency", "loss_factor"), strict=True):
             error = sum(_by(other, own, curve) for other in others)
             at = on_ladder(own.assign({name: ("point", error)}), name, ladder)
             made[name][i] = np.nan_to_num(at)

@@ -18,12 +18,14 @@ from bladeroot.pooling.level_curve import (
 from bladeroot.variables import dataset
 
 CURVES = ("frequency", "loss_factor")
-# The mean, its standard error with and without that of the records' levels, the scatter of records.
-KINDS = ("", "_std", "_change_std", "_scatter")
-PLATEAU = ("stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std")
+# Endings of a curve's variables: the mean; its standard error with and without that of the records'
+# levels; the scatter of records.
+CURVE_PARTS = ("", "_std", "_change_std", "_scatter")
+# Variables of a record's plateau that its level is taken from.
+PLATEAU_VARIABLES = ("stick_frequency", "stick_frequency_std", "loss_factor", "loss_factor_std")
 
-# A change per decade is told from a curve that reaches over this part of one.
-SHORTEST = 0.3
+# Decades of amplitude that a curve reaches over, at least, to tell its change per decade.
+SHORTEST_SLOPE_DECADES = 0.3
 
 
 def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -57,7 +59,7 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
     rows = [np.flatnonzero([one == own for one in level_of]) for own in levels]
     found = [level_curve(seen.isel(record=own)) for own in rows]
     shape = (len(levels), ladder.size)
-    values = {f"{name}{part}": np.full(shape, np.nan) for name in CURVES for part in KINDS}
+    values = {f"{name}{part}": np.full(shape, np.nan) for name in CURVES for part in CURVE_PARTS}
     count, unknown = np.zeros(shape, dtype=int), []
     for kind in dict.fromkeys(_kind(own) for own in levels):
         here = [k for k, own in enumerate(levels) if _kind(own) == kind and found[k] is not None]
@@ -70,7 +72,7 @@ def mean_curves(decays: Sequence[xr.Dataset], plateaus: Sequence[xr.Dataset]) ->
             made, repeated = _absolute([found[k] for k in here], q, level, clamping)
             for k, own, parts in zip(here, at, made, strict=True):
                 count[k, own] = found[k].records
-                for part, value in zip(KINDS, parts, strict=True):
+                for part, value in zip(CURVE_PARTS, parts, strict=True):
                     values[f"{name}{part}"][k, own] = value
         unknown += [] if repeated else [kind[0]]
     for q, name in enumerate(CURVES):
@@ -113,7 +115,7 @@ def _strings(levels: Sequence[tuple], k: int) -> ndarray:
 
 def _slope(curve: LevelCurve | None, q: int) -> tuple[float, float]:
     """Mean change of a curve in a decade by a straight line, and its standard error."""
-    if curve is None or np.ptp(decades := np.log10(curve.amplitude)) < SHORTEST:
+    if curve is None or np.ptp(decades := np.log10(curve.amplitude)) < SHORTEST_SLOPE_DECADES:
         return np.nan, np.nan
     apart = decades - decades.mean()
     weight = apart / (apart @ apart)
@@ -142,7 +144,7 @@ def _on_ladder(pairs: Sequence[tuple[xr.Dataset, xr.Dataset]]) -> xr.Dataset:
         name if "stick" in name else f"stick_{name}": (
             "record", np.array([float(one[name]) for _, one in pairs])
         )
-        for name in PLATEAU
+        for name in PLATEAU_VARIABLES
     }  # fmt: skip
     seen = xr.Dataset({**curves, **plateau, "amplitude": ladder})
     return seen.assign(correlation_decades=("record", np.full(len(pairs), np.nan)))
@@ -154,7 +156,7 @@ def _absolute(
     level: Int[ndarray, " record"],
     clamping: Int[ndarray, " record"],
 ) -> tuple[list[tuple[ndarray, ...]], bool]:
-    """What `KINDS` names of each level's curve, and whether clampings repeat.
+    """What `CURVE_PARTS` names of each level's curve, and whether clampings repeat.
 
     level, clamping: numbers of all their records. q: 0 the frequency, 1 the loss factor.
     """

@@ -16,18 +16,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import chdtrc, fdtrc, stdtrit
 
 from bladeroot.loads import value_of
-from bladeroot.pooling.components import QUANTILE_95
+from bladeroot.pooling.components import STDS_OF_95
 from bladeroot.pooling.level_curve import ladder_of, on_ladder, record_levels
 from bladeroot.terms import length
 from bladeroot.variables import dataset
 
 QUANTITIES = ("frequency", "loss_factor")
-# Chance of as much without a difference, below which groups are said to differ.
-CHANCE = 0.01
-# Standard errors from which a difference at one amplitude is sure: the largest of some hundred.
-SURE = 5.0
-# Points of a curve count up to this standard error of ln f and of ln(loss factor).
-KNOWN = {"frequency": 1e-3, "loss_factor": 0.3}
+# Groups are said to differ where the chance of as large a difference between equal groups is less.
+DIFFER_CHANCE = 0.01
+# The largest difference over all amplitudes is the one with the largest excess over this many of
+# its standard errors, not the one that noise takes furthest: one of some hundred amplitudes.
+LARGEST_DIFFERENCE_ERRORS = 5.0
+# Points of a curve count where their standard error, relative, is below this.
+POINT_ERROR_LIMIT = {"frequency": 1e-3, "loss_factor": 0.3}
 
 
 @dataclass(frozen=True)
@@ -112,13 +113,13 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
     chance = fdtrc(between, freedom, excess / between) if freedom else chdtrc(between, excess)
     low, high = int(np.argmin(mean)), int(np.argmax(mean))
     ratio = float(np.exp(mean[high] - mean[low]))
-    wide = stdtrit(freedom, 0.975) / QUANTILE_95 if freedom else 1.0
+    wide = stdtrit(freedom, 0.975) / STDS_OF_95 if freedom else 1.0
     row = {
         "difference": ratio - 1.0,
         "difference_std": float(ratio * wide * np.hypot(error[low], error[high])),
         "low_group": names[low], "high_group": names[high], "chance": float(chance),
         "scatter": float(scatter) if freedom else np.nan, "freedom": freedom,
-        "told": int(chance < CHANCE), **_largest(here, quantity, float(scatter)),
+        "told": int(chance < DIFFER_CHANCE), **_largest(here, quantity, float(scatter)),
     }  # fmt: skip
     levels = [
         {"group": name, "level": m - mean.mean(), "level_std": e, "events": n}
@@ -153,8 +154,8 @@ def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
             std = np.hypot(here_std, stated) / np.sqrt([one.size for one in values])
             low, high = int(np.argmin(mean)), int(np.argmax(mean))
             apart, own = mean[high] - mean[low], float(np.hypot(std[low], std[high]))
-            if apart - SURE * own > best:  # not the point that noise takes furthest
-                best = float(apart - SURE * own)
+            if apart - LARGEST_DIFFERENCE_ERRORS * own > best:
+                best = float(apart - LARGEST_DIFFERENCE_ERRORS * own)
                 found = {
                     "largest": float(np.expm1(apart)), "largest_std": float(np.exp(apart) * own),
                     "largest_amplitude": float(ladder[k]), "largest_sensor": place[1],
@@ -169,7 +170,7 @@ def _curves(here: Sequence[_Motion], quantity: str) -> tuple[ndarray, ndarray, n
     value = np.array([on_ladder(one.decay, quantity, ladder) for one in here])
     std = np.array([on_ladder(one.decay, f"{quantity}_std", ladder) for one in here])
     with np.errstate(invalid="ignore", divide="ignore"):
-        known = (value > 0.0) & (std < KNOWN[quantity] * value)
+        known = (value > 0.0) & (std < POINT_ERROR_LIMIT[quantity] * value)
         return ladder, np.log(np.where(known, value, np.nan)), np.where(known, std / value, np.nan)
 
 

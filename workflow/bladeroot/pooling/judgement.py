@@ -7,15 +7,16 @@ import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 from bladeroot.pooling.repeats import unlike_repeats
-from bladeroot.pooling.sensors import ERRORS, unlike_sensors
+from bladeroot.pooling.sensors import UNLIKE_ERRORS, unlike_sensors
 from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.
-FINDING = {"id": str, "statistic": float, "threshold": float, "consequence": str, "text": str,
-           "from_s": float, "to_s": float}  # fmt: skip
-# How far sampling frequencies of one event may lie apart, relative: as those of file and sheet.
-TIME_BASE = 1e-4
-OPINION = (
+FINDING_COLUMNS = {"id": str, "statistic": float, "threshold": float, "consequence": str,
+                   "text": str, "from_s": float, "to_s": float}  # fmt: skip
+# Relative difference of sampling frequencies of one event, at most: as between file and sheet.
+TIME_BASE_TOLERANCE = 1e-4
+# What a second estimator (peak fitting) says of each record.
+SECOND_OPINION = (
     "pff_frequency_difference",
     "pff_frequency_difference_z",
     "pff_loss_factor_difference",
@@ -50,7 +51,7 @@ def judgement(
                 [finding[name] for _, finding in together],
             ]
         ).astype(kind)
-        for name, kind in FINDING.items()
+        for name, kind in FINDING_COLUMNS.items()
     }
     owners = np.repeat(names, [record.sizes["finding"] for record in records]).tolist()
     owners += [names[k] for k, _ in together]
@@ -59,7 +60,7 @@ def judgement(
         name: ("finding", values, first[name].attrs if name in first else {})
         for name, values in columns.items()
     }
-    for name in OPINION:
+    for name in SECOND_OPINION:
         attrs = decays[0][name].attrs
         made[name] = ("record", np.array([decay[name].item() for decay in decays]), attrs)
     load = load_facts_of(records)
@@ -91,7 +92,7 @@ def _of_repeats(
             "it out"
         )
         values = ("unlike-repeats", abs(apart), allowed, "warn", text, np.nan, np.nan)
-        found.append((k, dict(zip(FINDING, values, strict=True))))
+        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 
 
@@ -111,14 +112,14 @@ def _of_events(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float
             continue
         own = first.setdefault(event, k)
         apart = abs(rate / float(records[own].attrs["sampling_Hz"]) - 1.0)
-        if apart > TIME_BASE:
+        if apart > TIME_BASE_TOLERANCE:
             text = (
                 f"event {event} is one motion, but it is sampled at {rate:.9g} Hz here and at "
                 f"{float(records[own].attrs['sampling_Hz']):.9g} Hz in record "
                 f"{records[own].attrs['record']}: another event, or a wrong sampling_Hz?"
             )
-            values = ("event-time-base", apart, TIME_BASE, "warn", text, np.nan, np.nan)
-            found.append((k, dict(zip(FINDING, values, strict=True))))
+            values = ("event-time-base", apart, TIME_BASE_TOLERANCE, "warn", text, np.nan, np.nan)
+            found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 
 
@@ -136,8 +137,8 @@ def _of_sensors(
             f"({there:.5g} Hz), by {apart:.1f} stated errors for a quarter of the time: another "
             "mode near a node of this one, or files that do not begin together?"
         )
-        values = ("unlike-sensors", apart, ERRORS, "warn", text, np.nan, np.nan)
-        found.append((k, dict(zip(FINDING, values, strict=True))))
+        values = ("unlike-sensors", apart, UNLIKE_ERRORS, "warn", text, np.nan, np.nan)
+        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 
 

@@ -22,10 +22,12 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 POINTS_A_DECADE = 40  # of amplitude, on the ladder where records are compared
-LENGTH = 1.0  # in ln A, over which a curve's errors are one, where its record does not say
-_LEAST_LENGTH = 0.05
-# What the motion's other modes may change of the two, where the records say: alike in all of them.
-COUPLING = ("frequency_coupling", "loss_factor_coupling")
+# Distance in ln A over which the errors of a curve's points are alike: by exp(-distance over it).
+ERROR_LENGTH = 1.0  # where a record does not say its own
+_LEAST_ERROR_LENGTH = 0.05
+# Variables of a record: what the motion's other modes may change of frequency and loss factor, where
+# it says. The change is alike in all records.
+COUPLING_VARIABLES = ("frequency_coupling", "loss_factor_coupling")
 
 
 @dataclass(frozen=True)
@@ -69,14 +71,19 @@ def level_curve(seen: xr.Dataset, spacing: int = 1, reach: float = np.inf) -> Le
     chosen = reached[::-1][::spacing][::-1]
     stuck = seen["stick_frequency"].values, seen["stick_loss_factor"].values
     stuck_std = seen["stick_frequency_std"].values / stuck[0], seen["stick_loss_factor_std"].values
-    length = np.nan_to_num(seen["correlation_decades"].values, nan=LENGTH)
+    length = np.nan_to_num(seen["correlation_decades"].values, nan=ERROR_LENGTH)
     distance = np.abs(np.log(amplitude[chosen])[:, None] - np.log(amplitude[chosen]))
-    smooth = np.exp(-distance[None] / np.maximum(length, _LEAST_LENGTH)[:, None, None])
+    smooth = np.exp(-distance[None] / np.maximum(length, _LEAST_ERROR_LENGTH)[:, None, None])
     count = known[:, chosen].sum(axis=0)
     share, reaching = known[:, chosen] / count, known.any(axis=1)
     found = []
     for value, std, plateau, plateau_std, name in zip(
-        (np.log(f), loss), stds, (np.log(stuck[0]), stuck[1]), stuck_std, COUPLING, strict=True
+        (np.log(f), loss),
+        stds,
+        (np.log(stuck[0]), stuck[1]),
+        stuck_std,
+        COUPLING_VARIABLES,
+        strict=True,
     ):
         std = np.where(known, std, 0.0)
         held = np.isfinite(plateau)

@@ -2,8 +2,9 @@
 
 A record is compared with the others of its clamping, which repeat it closely, and a clamping with
 the others of its force, which scatter more. Either stands out where it lies further from the
-median than `TIMES` the usual distance at its force and two next to it, or at all forces, where that
-is more; and further than `PART`, which no clamping's scatter should reach.
+median than `USUAL_DISTANCES` times the usual distance at its force and two next to it, or at all
+forces, where that is more; and further than `LEAST_DISTANCE`, which no clamping's scatter should
+reach.
 """
 
 from collections.abc import Sequence
@@ -16,10 +17,12 @@ from numpy import ndarray
 from bladeroot.loads import value_of
 from bladeroot.pooling.level_curve import ladder_of, on_ladder
 
-# Set on drawn campaigns (benchmarks/repeats.py): the clampings of a force are few, so the usual
+# Distance from the median beyond which a record or a clamping stands out: the larger of these. Set
+# on drawn campaigns (benchmarks/repeats.py): the clampings of a force are few, so the usual
 # distance is known roughly, and clampings scatter more where the force is small.
-TIMES, PART = 10.0, 0.01
-_TO_STD = 1.4826  # of the median distance, for a normal distribution
+USUAL_DISTANCES = 10.0  # times the usual distance, as a standard deviation
+LEAST_DISTANCE = 0.01  # relative
+_TO_STD = 1.4826  # standard deviation of a normal distribution over its median distance
 
 Matrix = Float[ndarray, "record record"]
 
@@ -90,7 +93,7 @@ def _stand_out(
     middle = np.clip(np.arange(forces.size), 1, max(forces.size - 2, 1))
     usual = np.array([_median(np.abs(away[np.abs(place - k) <= 1])) for k in middle])
     usual = np.fmax(usual, _median(np.abs(away)))[place]
-    allowed = np.fmax(PART, TIMES * _TO_STD * usual)
+    allowed = np.fmax(LEAST_DISTANCE, USUAL_DISTANCES * _TO_STD * usual)
     return np.abs(away) > allowed, allowed
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-FEWEST = 6  # rows of a mode from which a scatter can be told
-POWERS = np.arange(0.0, 3.1, 0.75)  # by which it may fall with the force
+FEWEST_ROWS = 6  # rows of a mode from which a scatter can be told
+FALL_POWERS = np.arange(0.0, 3.1, 0.75)  # of the force, by which the scatter may fall with it
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Scatter:
 def scatter_about_law(
     force: Float[ndarray, " row"], value: Float[ndarray, " row"], stated: Float[ndarray, " row"]
 ) -> Scatter:
-    """Scatter of values about a smooth law of ln F; NaN for fewer than `FEWEST` rows."""
-    if force.size < FEWEST:
+    """Scatter of values about a smooth law of ln F; NaN for fewer than `FEWEST_ROWS` rows."""
+    if force.size < FEWEST_ROWS:
         none = np.full(force.size, np.nan)
         return Scatter(none, none, none, np.full(3, np.nan))
     log_force = np.log(force / force.min())
@@ -47,7 +47,7 @@ def scatter_about_law(
     y = value - value.mean()
     size = max(y.std(), 1e-3 * stated.min())  # rows may all read the same
     stds = np.geomspace(1e-3, 3.0, 28) * size
-    fall = np.exp(-POWERS[:, None] * (log_force - np.median(log_force)))
+    fall = np.exp(-FALL_POWERS[:, None] * (log_force - np.median(log_force)))
     rows = (stds[:, None, None] * fall).reshape(-1, x.size)
     scatter = rows[:, :, None] ** 2 * np.eye(x.size)
     bends = np.geomspace(1e-2, 1e3, 14) * size

@@ -11,9 +11,11 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-# Stated errors of both together by which frequency or damping differ for a part of the time. Right
-# curves of drawn events stay below 3.5 (benchmarks/real_like.py).
-ERRORS, PART = 4.0, 0.25
+# Two sensors differ where their frequency or damping is this many stated errors of both apart, or
+# more, for this part of the time. Right curves of drawn events stay below 3.5
+# (benchmarks/real_like.py).
+UNLIKE_ERRORS = 4.0
+UNLIKE_TIME_PART = 0.25
 
 
 def unlike_sensors(
@@ -34,9 +36,9 @@ def unlike_sensors(
     for numbers in events.values():
         curves = [_on_the_clock(records[k], decays[k]) for k in numbers]
         away = np.array([[_apart(one, other) for other in curves] for one in curves])
-        differs = (away > ERRORS).sum(axis=1)
+        differs = (away > UNLIKE_ERRORS).sum(axis=1)
         for own, k in enumerate(numbers):
-            if differs[own] and differs[own] >= differs[away[own] > ERRORS].max():
+            if differs[own] and differs[own] >= differs[away[own] > UNLIKE_ERRORS].max():
                 other = int(away[own].argmax())
                 found.append((k, numbers[other], float(away[own, other])))
     return sorted(found)
@@ -65,4 +67,4 @@ def _apart(one: Float[ndarray, "5 point"], other: Float[ndarray, "5 other"]) -> 
         np.array([np.interp(time, rows[0], row) for row in rows[1:]]) for rows in (one, other)
     )
     off = np.abs(first[:2] - second[:2]) / np.hypot(first[2:], second[2:])
-    return float(np.quantile(off, 1.0 - PART, axis=1).max())
+    return float(np.quantile(off, 1.0 - UNLIKE_TIME_PART, axis=1).max())

@@ -9,20 +9,22 @@ import xarray as xr
 from numpy import ndarray
 
 from bladeroot.loads import load_attrs, load_facts_of, value_of
-from bladeroot.plateau.plateau import RECORD
+from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.components import Pooled, pool
-from bladeroot.pooling.scatter_of_table import FEWEST, scatter_about_law
+from bladeroot.pooling.scatter_of_table import FEWEST_ROWS, scatter_about_law
 from bladeroot.variables import dataset, registered
 
-# What is said of a level beside its mode, force and group.
-LEVEL = (
+# Variables of a level beside its mode, force and group.
+LEVEL_VARIABLES = (
     "frequency", "frequency_std", "within_std", "between_std", "between_record_std",
     "between_hold_std", "record_freedom", "hold_freedom", "direction_difference",
     "mode_direction_difference", "mode_direction_difference_std", "loss_factor", "loss_factor_std",
     "onset_amplitude", "onset_amplitude_std", "records", "holds",
 )  # fmt: skip
+# Variables of a record that are averaged over the sensors of one event.
 _OF_EVENT = ("stick_frequency", "loss_factor")
-TEXTS = ("hold", "direction", "event", "group", "sensor")  # what a record says besides numbers
+RECORD_TEXTS = ("hold", "direction", "event", "group", "sensor")  # of a record, beside its numbers
+# Variables that are whole numbers.
 COUNTS = ("plateau_reached", "records", "holds", "record_freedom", "hold_freedom")
 TABLE_COLUMNS = (
     "mode", "force_N", "frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std",
@@ -40,8 +42,9 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     from all its forces. Where loading up and down both occur, the frequency is that between them
     and their difference is reported; it does not count as scatter. `frequency_std` makes a normal
     95 % interval right whatever the degrees of freedom. Where no force is clamped twice, what the
-    forces scatter about a smooth law stands for the clampings; of fewer than `FEWEST` forces that
-    is not known either, and the errors are lower bounds: attribute `lower_bound` names these modes.
+    forces scatter about a smooth law stands for the clampings; of fewer than `FEWEST_ROWS` forces
+    that is not known either, and the errors are lower bounds: attribute `lower_bound` names these
+    modes.
     Records whose plateau is not reached, and rejected ones, are listed and not pooled.
     """
     rows = []
@@ -52,19 +55,21 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
                 "record": str(attrs.get("record", len(rows) + 1)),
                 "mode": str(attrs["mode"]),
                 "force": value_of(attrs),
-                **{name: _text(attrs.get(name, "")) for name in TEXTS},
+                **{name: _text(attrs.get(name, "")) for name in RECORD_TEXTS},
                 "verdict": str(found["verdict"].item()),
-                **{name: float(found[name]) for name in RECORD},
+                **{name: float(found[name]) for name in RECORD_VARIABLES},
             }
         )
-    frame = pd.DataFrame(rows, columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
+    frame = pd.DataFrame(
+        rows, columns=["record", "mode", "force", *RECORD_TEXTS, "verdict", *RECORD_VARIABLES]
+    )
     used = frame[frame["plateau_reached"] == 1]
     kinds = used.groupby(["mode", "group"], sort=True)
     rows = [row for _, of_kind in kinds for row in _levels(by_event(of_kind))]
-    levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL])
+    levels = pd.DataFrame(rows, columns=["mode", "force", "group", *LEVEL_VARIABLES])
     result = _dataset(frame, levels, load_facts_of(plateaus))
     forces = levels[levels["hold_freedom"] == 0].groupby("mode").size()
-    unknown = ", ".join(forces.index[forces < FEWEST])
+    unknown = ", ".join(forces.index[forces < FEWEST_ROWS])
     for name in ("frequency_std", "loss_factor_std", "onset_amplitude_std") if unknown else ():
         text = f"; clamping scatter of {unknown} unknown: a lower bound"
         result[name].attrs["long_name"] += text
@@ -95,8 +100,10 @@ def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
             "records": 1, "holds": 1, "record_freedom": 0, "hold_freedom": 0,
         }
     )  # fmt: skip
-    empty = pd.DataFrame(columns=["record", "mode", "force", *TEXTS, "verdict", *RECORD])
-    levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL])
+    empty = pd.DataFrame(
+        columns=["record", "mode", "force", *RECORD_TEXTS, "verdict", *RECORD_VARIABLES]
+    )
+    levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL_VARIABLES])
     result = _dataset(empty, levels, {})
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
@@ -183,7 +190,7 @@ def _one_motion(seen: pd.DataFrame) -> pd.DataFrame:
         row[name], row[f"{name}_std"] = _weighted(
             seen[name].to_numpy(float), seen[f"{name}_std"].to_numpy(float)
         )
-    for name in RECORD:
+    for name in RECORD_VARIABLES:
         if name.startswith("onset"):
             row[name] = np.nan
     return row.assign(sensor="", seen_by=len(seen))
@@ -261,13 +268,13 @@ def _dataset(records: pd.DataFrame, levels: pd.DataFrame, load: Mapping[str, str
     for prefix, frame in (("record_", records), ("", levels)):
         made |= {f"{prefix}{name}": _strings(frame[name]) for name in ("group", "mode")}
         made[f"{prefix}force"] = frame["force"].to_numpy(float)
-    made |= {name: _numbers(levels[name]) for name in LEVEL}
+    made |= {name: _numbers(levels[name]) for name in LEVEL_VARIABLES}
     result = dataset("pooling/stick", made).assign_attrs(load)
     for name in ("record_force", "force"):
         result[name].attrs = load_attrs(load)
     known = registered("plateau/record")
-    for name in RECORD:
-        key = f"record_{name}" if name in LEVEL else name
+    for name in RECORD_VARIABLES:
+        key = f"record_{name}" if name in LEVEL_VARIABLES else name
         result[key] = ("record", _numbers(records[name]), known[name][1])
     return result
 
