@@ -25,8 +25,8 @@ POINTS_A_DECADE = 40  # of amplitude, on the ladder where records are compared
 # Distance in ln A over which the errors of a curve's points are alike: by exp(-distance over it).
 ERROR_LENGTH = 1.0  # where a record does not say its own
 _LEAST_ERROR_LENGTH = 0.05
-# Variables of a record: what the motion's other modes may change of frequency and loss factor, where
-# it says. The change is alike in all records.
+# Variables of a record, if it has them: what the motion's other modes may change of frequency and
+# loss factor, alike in all records.
 COUPLING_VARIABLES = ("frequency_coupling", "loss_factor_coupling")
 
 
