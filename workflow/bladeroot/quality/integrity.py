@@ -24,7 +24,7 @@ FEWEST_BRIDGED_CYCLES = 40  # of a record: in a shorter one nothing is bridged
 # warn where other modes were taken off.
 LIKE_LEFTOVERS = ("gap", "shaker-recontact", "driven-residue", "mode-beating")
 REMOVING = ("mask", "drop")  # consequences that become a warning then
-# Above this many times its threshold such a finding keeps its name, below it is a leftover.
+# Above this many times its threshold such a finding keeps its name, otherwise it is a leftover.
 # Leftovers of 114 real curves of three structures without a shaker reach 1.8 to 4.0 times the
 # threshold; touches of 10 % of the velocity beside other modes, 3.2 to 3.6 times, are not told from
 # them, those of 22 % reach 6.9 times.

@@ -157,10 +157,10 @@ def evidence(
     walk: Float[ndarray, " value"],
     fit: Spline,
 ) -> tuple[float, float]:
-    """Restricted log-likelihood of errors and a walk, and the factor of all variances that it asks.
+    """Restricted log-likelihood of errors and a walk, and the likeliest factor on all variances.
 
-    With the prior of a fit to them, whose variances share the factor, and up to a constant that the
-    times and the fit's knots set.
+    The prior is that of a fit to the same values, and its variances share the factor. The
+    likelihood holds up to a constant that depends on the times and the fit's knots.
     """
     x = (time - fit.origin) / fit.scale
     roots, size = _roots(x, y, std, walk, fit.knots, fit.trend)
@@ -179,7 +179,7 @@ def evidence(
 def _roots(
     x: ndarray, y: ndarray, std: ndarray, walk: ndarray, knots: ndarray, trend: ndarray
 ) -> tuple[list[ndarray], float]:
-    """Each part's root of whitened splines and values, and half the ln of their covariance."""
+    """Each part's root of whitened splines and values; half the ln of a covariance determinant."""
     count = knots.size - SPLINE_DEGREE - 1
     design = spread_out(*alive_splines(x, knots, SPLINE_DEGREE), count)
     about = y - trend[:, :1] * x - trend[:, 1:]
@@ -201,7 +201,7 @@ def sites(
 
 
 def _even(time: ndarray, std: ndarray, clock: ndarray, duration: float, parts: int) -> Prior:
-    """A prior that weighs about as much as the data on the spacing of the clock."""
+    """A prior that weighs about as much as the data over the distance from one site to the next."""
     regions = min(REGIONS, clock.size)
     node = np.interp(np.linspace(0.0, 1.0, regions), np.linspace(0.0, 1.0, clock.size), clock)
     width = np.gradient(clock / duration)

@@ -45,7 +45,7 @@ def _pieces(
     pieces = [(0, 0)]
     peak = trough = 0
     high = low = float(level[0])
-    # between the ends of its falls and rises a level decides nothing
+    # only the ends of the level's falls and rises matter, and what is broken
     turns = np.diff(np.sign(np.diff(level)), prepend=2.0, append=2.0) != 0.0
     turns |= broken
     turns[1:] |= broken[:-1]
@@ -149,9 +149,10 @@ def _unit_bend(reach: int) -> float:
 
 @cache
 def _weights(reach: int) -> tuple[ndarray, ndarray, ndarray]:
-    """Rows: what only a step and a bend explain; from that to their sizes; no parabola of a half.
+    """Weights of the points, and the sizes of a step and of a bend (a point) from weighted sums.
 
-    The sizes are of a step and of a bend a point.
+    First, orthonormal rows for what only a step and a bend explain; second, the matrix from these
+    sums to the sizes; third, orthonormal rows for what no parabola explains of one half.
     """
     x = (np.arange(-reach, reach) + 0.5) / reach
     late = np.maximum(x, 0.0)

@@ -1,7 +1,7 @@
-"""Least squares beside a random walk: values made independent, and equations that have no band.
+"""Least squares with a random walk in the values, where the normal matrix has no band.
 
-Roots of the normal matrix, not the matrix itself: a stiff penalty and what it leaves free differ by
-more than its digits.
+Roots of the normal matrix are used, not the matrix itself: a stiff penalty and what it leaves free
+differ by more than floating point resolves.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.linalg import cholesky_banded, solve_banded, solve_triangular
 def spread_out(
     shape: Float[ndarray, "row alive"], first: Int[ndarray, " row"], count: int
 ) -> Float[ndarray, "row n"]:
-    """Rows of which but some neighbouring elements are not zero, in full."""
+    """Rows written out in full, of which only some neighbouring elements are not zero."""
     whole = np.zeros((first.size, count))
     np.put_along_axis(whole, first[:, None] + np.arange(shape.shape[1]), shape, axis=1)
     return whole
@@ -24,7 +24,7 @@ def whitened(
     std: Float[ndarray, " value"],
     walk: Float[ndarray, " value"],
 ) -> tuple[Float[ndarray, "value column"], float]:
-    """Columns made independent and of unit variance, and half the ln of the covariance's size.
+    """Columns made independent, of unit variance; half the ln of their covariance's determinant.
 
     Errors are `std` and a random walk, of whose steps `walk` has the variances, the first that of
     its start. Each value has the walk's mean over a step about its place, whose variance is a sixth

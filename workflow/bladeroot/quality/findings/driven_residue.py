@@ -13,8 +13,8 @@ STATISTIC = (
 THRESHOLD = 3.0
 # Whether the decay still slows. While a joint sticks, ln A falls at one rate; that of a driven mode
 # falls ever more slowly.
-STILL_SLOWING = 0.6  # the rate in the last tenth, over that two tenths before it, is less than this
-STEADY_FACTOR = 0.3  # else it multiplies the statistic: only a ratio that no joint has then counts
+STILL_SLOWING = 0.6  # rate of the last tenth over that of the tenth two before it, at most
+STEADY_FACTOR = 0.3  # times the statistic if it does not: only a ratio that no joint has counts
 # What the last tenth is compared with.
 FEWEST_FRAMES = 80  # frames, a cycle apart, that the decay has at least
 USUAL_FALL = (0.5, 0.8)  # parts of the whole fall of ln A between which the usual rate is taken

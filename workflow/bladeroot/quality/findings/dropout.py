@@ -26,11 +26,11 @@ def find(seen: Examined) -> Finding | None:
     before = (held[:, 0] - frames.row.size) / frames.hop
     index = np.where(before >= 0, before, (held[:, 1] + frames.hop) / frames.hop)
     amplitude = frames.amplitude[np.clip(index.astype(int), 0, frames.log.size - 1)]
-    # two modes may make a saddle: v moves by half a step each way as A (w t)^3 / 6
+    # two modes may make a saddle point, v = A (w t)^3 / 6, which stays within half a step each way
     still = 2.0 * np.cbrt(3.0 * seen.quantum / amplitude) / (2.0 * np.pi * seen.own_Hz)
     longest = 2.0 * still * rate + 3.0
     length = held[:, 1] - held[:, 0]
-    # a motion of a few steps may stand still for as long as it likes
+    # a motion of a few steps of the digitiser may rest on one value for any time
     ratio = np.where(amplitude > 12.0 * seen.quantum, length / longest, 0.0)
     bad = held[ratio > THRESHOLD]
     if not len(bad):
