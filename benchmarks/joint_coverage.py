@@ -27,7 +27,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 import yaml
-from bladeroot.diagnosis.interfaces import stiffness_draws, stiffness_problem
+from bladeroot.diagnosis.interfaces import DRAWS, stiffness_problem
 from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.fem.geometry import structure_from_mapping
@@ -235,7 +235,9 @@ def coverage(title: str, true, ours, draws: int, seed: int) -> None:
         off, covariance = truth - found.parameters[:count], found.covariance[:count, :count]
         laplace = chi2.cdf(off @ np.linalg.solve(covariance, off), count)
         alone = stiffness_problem(data, ours, found, [], asked.prior.mean.size)
-        drawn = stiffness_draws(alone, [found, *others])
+        ends = [fit(alone, one.parameters[:count], one.scales) for one in (found, *others)]
+        best, *others = maxima_of(ends, count)
+        drawn = sample(best, range(count), DRAWS, others=others)
         shares.append([share_within(drawn.parameters, truth[None])[0], laplace])
         below.append((drawn.parameters < truth).mean(axis=0))
         stds.append(drawn.parameters.std(axis=0) / asked.prior.std[:count])

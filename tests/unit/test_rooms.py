@@ -1,6 +1,8 @@
 """Imports run one way, and the virtual bench shares no code with what infers."""
 
 import ast
+import importlib
+import importlib.util
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -160,3 +162,16 @@ def test_a_wheel_carries_every_file_of_the_library_that_is_no_code():
     carried = {path for pattern in packed for path in LIBRARY.glob(pattern)}
     files = {path for path in LIBRARY.rglob("*.*") if "__pycache__" not in path.parts}
     assert {path for path in files if path.suffix != ".py" and path.is_file()} <= carried
+
+
+def test_benchmarks_import_only_what_is_there():
+    lacking = []
+    for path in (LIBRARY.parents[1] / "benchmarks").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("bladeroot"):
+                room = importlib.import_module(node.module)
+                for one in node.names:
+                    module = f"{node.module}.{one.name}"
+                    if not hasattr(room, one.name) and not importlib.util.find_spec(module):
+                        lacking.append(f"{path.name}: {module}")
+    assert lacking == []
