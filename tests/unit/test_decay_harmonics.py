@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.decay.windowed import windowed
+from bladeroot.decay.locked_harmonic import locked_harmonic
 from bladeroot.io.recording import recording
 
 RATE, COUNT = 2000.0, 120
@@ -28,7 +28,7 @@ def test_a_harmonic_is_known_as_well_as_is_said(part, exponent, turns):
     off = []
     for seed in range(6):
         mode, wave, h, noise = frames(seed, part, turns, exponent)
-        law = windowed(mode + wave + noise, h, turns / COUNT)
+        law = locked_harmonic(mode + wave + noise, h, turns / COUNT)
         assert law is not None
         clear = np.abs(wave) < 0.3 * np.abs(mode)
         off.append(np.median(np.abs(law.phasor - wave)[clear] / law.error[clear]))
@@ -40,20 +40,20 @@ def test_nothing_is_found_where_nothing_is():
     found = 0
     for seed in range(20):
         mode, _, h, noise = frames(100 + seed, 0.0, 1.0 + seed / 4.0)
-        found += windowed(mode + noise, h, (1.0 + seed / 4.0) / COUNT) is not None
+        found += locked_harmonic(mode + noise, h, (1.0 + seed / 4.0) / COUNT) is not None
     assert not found
 
 
 def test_of_what_is_short_no_harmonic_is_told():
     mode, wave, h, _ = frames(0, 0.02, 8.0)
     for count in (0, 2, 5):
-        assert windowed((mode + wave)[:count], h[:count], 8.0 / COUNT) is None
+        assert locked_harmonic((mode + wave)[:count], h[:count], 8.0 / COUNT) is None
 
 
 def test_a_part_that_turns_as_the_line_falls_is_seen_in_windows():
     mode, _, h, noise = frames(1, 0.0, 6.0, bent=0.02)
     wave = 0.05 * h * np.exp(0.4j * np.log(np.abs(h)))  # as of modes in resonance
-    law = windowed(mode + wave + noise, h, 6.0 / COUNT)
+    law = locked_harmonic(mode + wave + noise, h, 6.0 / COUNT)
     share = np.abs(wave) / np.abs(mode)
     assert np.median(np.abs(law.phasor - wave)[share > 0.05] / np.abs(wave)[share > 0.05]) < 0.6
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from bladeroot.decay.track import noise_ratio, without_knocks
-from bladeroot.signal.phasors import Segment, corrected, fit_frames, gather
+from bladeroot.signal.phasors import FrameGrid, corrected, fit_frames, gather
 
 RATE = 25600.0
-SEGMENTS = [Segment(0, 104, 40, 2 * np.pi / 104.0), Segment(4160, 102, 60, 2 * np.pi / 102.0)]
+GRIDS = [FrameGrid(0, 104, 40, 2 * np.pi / 104.0), FrameGrid(4160, 102, 60, 2 * np.pi / 102.0)]
 COUNT = 104 * 40 + 102 * 60
 TIME = np.arange(COUNT) / RATE
 ALL = slice(0, 100)
@@ -22,7 +22,7 @@ def log_phasor(time):
 
 
 def test_growth_and_chirp_within_frames_are_allowed_for():
-    frames = fit_frames(np.exp(log_phasor(TIME)[0]).real, RATE, 1e-3, SEGMENTS)
+    frames = fit_frames(np.exp(log_phasor(TIME)[0]).real, RATE, 1e-3, GRIDS)
     log, rate, change = log_phasor(frames.time)
     raw = np.abs(frames.phasor * np.exp(-log) - 1.0).max()
     better = np.abs(corrected(frames, ALL, rate, change) * np.exp(-log) - 1.0).max()
@@ -31,7 +31,7 @@ def test_growth_and_chirp_within_frames_are_allowed_for():
 
 def test_standard_errors_of_frames():
     noise = np.random.default_rng(0).standard_normal(COUNT)
-    frames = fit_frames(noise, RATE, 1.0, SEGMENTS)
+    frames = fit_frames(noise, RATE, 1.0, GRIDS)
     z = frames.phasor / frames.std
     assert np.mean(np.abs(z) ** 2) == pytest.approx(2.0, rel=0.25)
 
@@ -41,7 +41,7 @@ def test_masked_samples_have_no_weight():
     wave = np.exp(log_phasor(TIME)[0]).real
     usable = rng.uniform(size=COUNT) > 0.2
     usable[3000:3200] = False
-    frames = fit_frames(np.where(usable, wave, 9.0), RATE, 1e-3, SEGMENTS, usable)
+    frames = fit_frames(np.where(usable, wave, 9.0), RATE, 1e-3, GRIDS, usable)
     log, rate, change = log_phasor(frames.time)
     every = slice(0, frames.time.size)
     assert frames.time.size in (98, 99)

@@ -6,7 +6,7 @@ from numpy import ndarray
 from scipy import fft
 
 from bladeroot.decay.envelope_model import Envelopes
-from bladeroot.signal.lines import lines_of, magnitudes, one_sided, peaks
+from bladeroot.signal.lines import lines_of, local_maxima, magnitudes, one_sided
 from bladeroot.signal.runs import medians
 
 # Which maxima of a spectrum of what is left over count as lines.
@@ -105,7 +105,7 @@ def _peaks(
     frequency, level = lines_of(rest, sampling_Hz)
     width = sampling_Hz / size
     floor = _floor(level, frequency, found, sampling_Hz)
-    peak = peaks(level)
+    peak = local_maxima(level)
     harm = level * np.minimum(1.0, own_Hz / frequency) / own
     peak &= (
         (harm > LEAST_LINE)
@@ -180,7 +180,7 @@ def lines_by_name(
     wanted = [expected_Hz, *close]
     inside = np.abs(frequency / expected_Hz - 1.0) < LOOK_AROUND * CLOSE
     heard = level > AUDIBLE * level.max(where=inside, initial=0.0)
-    seen = np.flatnonzero(peaks(level) & inside & heard)
+    seen = np.flatnonzero(local_maxima(level) & inside & heard)
     off = [(abs(np.log(frequency[k] / one)), n, k) for n, one in enumerate(wanted) for k in seen]
     found: dict[int, float] = {}
     used: set[int] = set()

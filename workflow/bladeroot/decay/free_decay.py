@@ -8,7 +8,7 @@ from numpy import ndarray
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
-from bladeroot.decay.overrides import windowed
+from bladeroot.decay.overrides import shortened
 from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.integrity import bridged, carried, examined, judge
@@ -35,7 +35,7 @@ def free_decay(
 ) -> xr.Dataset:
     """The free decay of one mode, cut, without what else rings, with its findings and its mask.
 
-    Arguments as of `decay.cut.cut`, `decay.overrides.windowed` and `quality.integrity.judge`.
+    Arguments as of `decay.cut.cut`, `decay.overrides.shortened` and `quality.integrity.judge`.
     """
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
@@ -45,7 +45,7 @@ def free_decay(
     seen = cut(clear, rate, expected_Hz, end, least=steps)
     remarks += tuple(("reader", note) for note in whole.notes)
     asked = expected_Hz, modes_Hz, recording
-    decay = windowed(seen, clear, start_s, end_s)
+    decay = shortened(seen, clear, start_s, end_s)
     ambient = decay.attrs["excitation"] == AMBIENT
     if ambient or too_fast_or_short(clear.size, rate, expected_Hz):
         return judge(decay, motion, *asked, remarks=remarks)
@@ -69,7 +69,7 @@ def free_decay(
         freed.attrs["end_reason"] = "the noise"
     if start_s is not None:
         start_s = max(start_s, unclipped / rate)
-    freed = windowed(freed, parts.velocity, start_s, end_s)
+    freed = shortened(freed, parts.velocity, start_s, end_s)
     count = seen.attrs["decays"]
     if count > 1 and "close-mode" in dict(parts.remarks):  # two modes that beat rise again, too
         count = cut(parts.velocity, rate, expected_Hz, end, least=steps).attrs["decays"]

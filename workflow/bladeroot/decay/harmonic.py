@@ -2,7 +2,7 @@
 
 A sensor or a joint that is not linear makes of a mode z a small g z^2 / |z0| and g z^3 / |z0|^2.
 Where such a line lies within some per cent of the mode asked for, no spectrum of a decay shows
-both, but its phase is known (`windowed`).
+both, but its phase is known (`locked_harmonic`).
 """
 
 import numpy as np
@@ -11,8 +11,8 @@ from numpy import ndarray
 
 from bladeroot.decay.beside import HIDDEN_ABOVE, Beside
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
-from bladeroot.decay.windowed import WINDOW_TURNS, windowed
-from bladeroot.signal.phasors import Segment, fit_frames
+from bladeroot.decay.locked_harmonic import WINDOW_TURNS, locked_harmonic
+from bladeroot.signal.phasors import FrameGrid, fit_frames
 
 HARMONIC_ORDERS = (2, 3)  # multiples of a line's frequency that are looked for
 # What a harmonic may do to the mode that is not found because the record is too short for it.
@@ -43,13 +43,13 @@ def clearest_harmonic(
         return None
     turn = 2.0 * np.pi * own_Hz / sampling_Hz
     alone = x - found.waves(list(range(1, found.lines_Hz.size)))
-    frames = Segment(0, found.spacing, found.samples // found.spacing, turn)
+    frames = FrameGrid(0, found.spacing, found.samples // found.spacing, turn)
     y = fit_frames(alone, sampling_Hz, 1.0, [frames]).phasor * found.turn[: frames.frames, 0].conj()
     made = []
     for line, order, at_Hz in near:
         turns = abs(at_Hz - own_Hz) * found.spacing / sampling_Hz
         h, _ = _unit(found, line, order)
-        law = windowed(y, h[: y.size], turns)
+        law = locked_harmonic(y, h[: y.size], turns)
         made += [(law, line, order, at_Hz)] if law is not None else []
     if not made:
         return None

@@ -15,7 +15,7 @@ from bladeroot.signal.lines import hann
 REACH = 2.0
 
 
-def windowed(
+def shortened(
     decay: xr.Dataset,
     whole: Float[ndarray, " whole"],
     start_s: float | None,

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from bladeroot.decay.shaken import shaken
 from bladeroot.signal.lines import strongest_line
-from bladeroot.signal.phasors import Frames, Phasors, Segment, corrected, fit_frames, gather
+from bladeroot.signal.phasors import FrameGrid, Frames, Phasors, corrected, fit_frames, gather
 from bladeroot.signal.smooth import Spline, coarse, fine
 
 # What was taken off before adds to a phasor's standard error: at times (s) a factor, then a term
@@ -93,7 +93,7 @@ def _roughly(
     return blocks, coarse(blocks.time, parts(blocks.log), std, duration, knots=32, iterations=2)
 
 
-def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[Segment]:
+def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) -> list[FrameGrid]:
     """The record cut into frames of a cycle, anew where the frequency has moved."""
     grid = np.linspace(blocks.time[0], blocks.time[-1], min(100, max(8, blocks.time.size)))
     omega = fit.value(grid)[1, 1]
@@ -101,7 +101,7 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
     omega = np.clip(omega, 0.5 * np.median(omega), 2.0 * np.median(omega))
     class_ = np.round(np.log(omega / np.median(omega)) / RECUT_CHANGE)
     change = np.flatnonzero(np.diff(class_)) + 1
-    found: list[Segment] = []
+    found: list[FrameGrid] = []
     first = 0
     starts = np.concatenate([[0], change])
     ends = np.concatenate([grid[change] * sampling_Hz, [samples]])
@@ -110,7 +110,7 @@ def _cut_frames(fit: Spline, blocks: Phasors, samples: int, sampling_Hz: float) 
         length = max(round(2.0 * np.pi / angle), 8)
         frames = int(min(end, samples) - first) // length
         if frames > 0:
-            found.append(Segment(first, length, frames, angle))
+            found.append(FrameGrid(first, length, frames, angle))
             first += frames * length
     return found
 
@@ -246,7 +246,7 @@ def rough_phasors(
             f"to follow the mode, got {velocity.size / cycle:.3g}"
         )
     angle = 2.0 * np.pi * line_Hz / sampling_Hz
-    frames = fit_frames(velocity, sampling_Hz, noise, [Segment(0, length, count, angle)], usable)
+    frames = fit_frames(velocity, sampling_Hz, noise, [FrameGrid(0, length, count, angle)], usable)
     if frames.time.size < FEWEST_BLOCKS:
         raise ValueError(
             f"expected at least {FEWEST_BLOCKS} usable cycles near {line_Hz:.4g} Hz, "

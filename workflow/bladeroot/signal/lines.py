@@ -107,7 +107,7 @@ def mode_Hz(
     return peak_Hz(frequency, inside) if inside.any() else expected_Hz
 
 
-def peaks(level: Float[ndarray, " line"]) -> Bool[ndarray, " line"]:
+def local_maxima(level: Float[ndarray, " line"]) -> Bool[ndarray, " line"]:
     """Where a level is higher than on either side."""
     found = np.zeros(level.size, bool)
     found[1:-1] = (level[1:-1] > level[:-2]) & (level[1:-1] >= level[2:])

@@ -32,7 +32,7 @@ class Phasors:
 
 
 @dataclass(frozen=True)
-class Segment:
+class FrameGrid:
     """Frames of one length and one angular frequency (rad per sample), from a first sample on."""
 
     first: int
@@ -61,7 +61,7 @@ def fit_frames(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
     noise: float,
-    segments: Sequence[Segment],
+    grids: Sequence[FrameGrid],
     usable: Bool[ndarray, " sample"] | None = None,
 ) -> Frames:
     """Least-squares phasors of the frames; those with few usable samples are left out.
@@ -69,36 +69,36 @@ def fit_frames(
     The model in a frame is v = Re[z exp(i omega t)] + constant. The standard error is that of
     white noise with rms `noise`.
     """
-    total = sum(segment.frames for segment in segments)
+    total = sum(grid.frames for grid in grids)
     time, std, omega = np.empty((3, total))
     phasor, (own, image) = np.empty(total, complex), np.empty((2, total, TAYLOR_ORDER), complex)
     at = 0
-    for segment in segments:
-        here = slice(at, at + segment.frames)
+    for grid in grids:
+        here = slice(at, at + grid.frames)
         at = here.stop
-        stop = segment.first + segment.frames * segment.length
-        pieces = velocity[segment.first : stop].reshape(segment.frames, segment.length)
-        local = np.arange(segment.length) - 0.5 * (segment.length - 1)
-        moment, turn = local / sampling_Hz, segment.angle * local
-        omega[here] = segment.angle * sampling_Hz
+        stop = grid.first + grid.frames * grid.length
+        pieces = velocity[grid.first : stop].reshape(grid.frames, grid.length)
+        local = np.arange(grid.length) - 0.5 * (grid.length - 1)
+        moment, turn = local / sampling_Hz, grid.angle * local
+        omega[here] = grid.angle * sampling_Hz
         columns = np.stack([np.cos(turn), -np.sin(turn), np.ones_like(turn)], axis=1)
         powers = np.cumprod(moment[:, None] / np.arange(1, TAYLOR_ORDER + 1), axis=1)
         waves = np.concatenate([powers * columns[:, :1], powers * columns[:, 1:2]], axis=1)
         solver = _solver(columns)
         z = pieces @ np.ascontiguousarray(solver[:2].T)
-        spread = np.full(segment.frames, 0.5 * (solver[:2] ** 2).sum())
+        spread = np.full(grid.frames, 0.5 * (solver[:2] ** 2).sum())
         own[here], image[here] = _answers(solver @ waves)
         if usable is not None:
-            good = usable[segment.first : stop].reshape(pieces.shape)
+            good = usable[grid.first : stop].reshape(pieces.shape)
             count = good.sum(axis=1)
-            spread[count < max(0.4 * segment.length, 2 * columns.shape[1])] = np.inf
-            for k in np.flatnonzero((count < segment.length) & np.isfinite(spread)):
+            spread[count < max(0.4 * grid.length, 2 * columns.shape[1])] = np.inf
+            for k in np.flatnonzero((count < grid.length) & np.isfinite(spread)):
                 solver = _solver(columns[good[k]])
                 z[k] = solver[:2] @ pieces[k, good[k]]
                 # amplitude and phase are known unequally: the worse counts
                 spread[k] = np.linalg.eigvalsh(solver[:2] @ solver[:2].T)[1]
                 own[here][k], image[here][k] = _answers(solver @ waves[good[k]])
-        middle = segment.first + np.arange(segment.frames) * segment.length + local[-1]
+        middle = grid.first + np.arange(grid.frames) * grid.length + local[-1]
         time[here], std[here] = middle / sampling_Hz, noise * np.sqrt(spread)
         phasor[here] = z[:, 0] + 1j * z[:, 1]
     seen = np.isfinite(std)

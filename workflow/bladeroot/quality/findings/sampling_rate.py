@@ -3,7 +3,7 @@
 import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
-from bladeroot.signal.lines import FREQUENCY_TOLERANCE, magnitudes, peaks
+from bladeroot.signal.lines import FREQUENCY_TOLERANCE, local_maxima, magnitudes
 
 MIXED = True
 STATISTIC = "modes of the structure found at one usual ratio of their frequencies, less those at 1"
@@ -73,7 +73,7 @@ def without_decay(seen: Examined) -> str:
 def _lines(seen: Examined) -> np.ndarray:
     """Frequencies of the strongest distinct lines of the decay's first part."""
     frequency, level = seen.early
-    tops = np.flatnonzero(peaks(level))
+    tops = np.flatnonzero(local_maxima(level))
     tops = tops[
         level[tops] > max(LEAST_OF_STRONGEST * level.max(), LINE_OVER_MEDIAN * np.median(level))
     ]

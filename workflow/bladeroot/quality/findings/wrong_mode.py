@@ -4,7 +4,7 @@ import numpy as np
 
 from bladeroot.quality.examined import Examined, Finding
 from bladeroot.quality.findings import sampling_rate
-from bladeroot.signal.lines import FREQUENCY_TOLERANCE, peak_Hz, peaks
+from bladeroot.signal.lines import FREQUENCY_TOLERANCE, local_maxima, peak_Hz
 
 STATISTIC = (
     "strongest line over the strongest in the band; or, within the band, second over first, or one "
@@ -41,7 +41,7 @@ def find(seen: Examined) -> Finding | None:
         LINES_APART,
         LINES_APART_BINS * seen.sampling_Hz / (seen.own_Hz * max(seen.velocity.size // 4, 1)),
     )
-    second = np.where(apart & peaks(level), within, 0.0)
+    second = np.where(apart & local_maxima(level), within, 0.0)
     rival = float(second.max()) / max(own, 1e-300)
     off = abs(seen.own_Hz - seen.expected_Hz)
     theirs = min((abs(seen.own_Hz - mode) for mode in seen.modes_Hz), default=np.inf)

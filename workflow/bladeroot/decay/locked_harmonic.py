@@ -44,7 +44,7 @@ class Harmonic:
     clear: float
 
 
-def windowed(
+def locked_harmonic(
     y: Complex[ndarray, " interval"], h: Complex[ndarray, " interval"], turns: float
 ) -> Harmonic | None:
     """A harmonic in the mode's phasor, None where none is clear.
