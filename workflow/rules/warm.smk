@@ -1,17 +1,17 @@
 # Stages run as forks of one process that has loaded the libraries (workflow/scripts/_warm.py), which takes longer
-# than most of them. Where there is no such process, as on a cluster's node, their commands start as they stand.
+# than most of them; it loads them while the run is planned. Where there is no such process, as on a cluster's node,
+# their commands start as they stand.
 import atexit
 import json
 import shlex
 import signal
 import socket
 import subprocess
-import threading
 from types import SimpleNamespace
 
 
 class Warm:
-    """The process, from a run's first job to the run's end."""
+    """The process, to the run's end."""
 
     def __init__(self):
         self.asked, its = socket.socketpair()
@@ -58,23 +58,17 @@ def stage_of(command):
     return {"command": [script, *arguments], "log": log}
 
 
-WARM, STARTING = [], threading.Lock()
-
-
 def started(command, **options):
     """A job's process: a fork, or where that cannot be its command."""
     try:
-        stage = stage_of(command)
-        with STARTING:
-            if not WARM:
-                WARM.append(Warm())
-        return WARM[0].fork({**stage, "environment": options["env"]})
+        return WARM.fork({**stage_of(command), "environment": options["env"]})
     except (ValueError, OSError):
         return subprocess.Popen(command, **options)
 
 
 # Not on macOS, whose libraries do not bear a fork.
 if workflow.is_main_process and sys.platform == "linux":
+    WARM = Warm()
     sys.modules["snakemake.shell"].sp = SimpleNamespace(
         **{**vars(subprocess), "Popen": started}
     )

@@ -1,43 +1,60 @@
 """A process that has the libraries loaded and forks once a job.
 
-A run of the workflow starts it with its first job (workflow/rules/warm.smk), and it ends with the
-run. Of each job it is sent a socket, on which it reads what is to run and answers with the process
-id and, in the end, the exit code. The project's own modules are loaded by each job for itself, as
-they are at that moment.
+A run of the workflow starts it (workflow/rules/warm.smk), and it ends with the run. Of each job
+it is sent a socket, on which it reads what is to run and answers with the process id and, in the
+end, the exit code. The project's own modules are loaded by each job for itself, as they are at
+that moment.
 """
 
 import gc
 import json
 import os
 import runpy
+import select
 import signal
 import socket
 import sys
 from contextlib import suppress
 from importlib import import_module
 
-# What takes longest to load, of all that stages import.
+# What takes longest to load, of all that stages import; what most of them need comes first.
 LIBRARIES = (
-    "importlib.metadata",
-    "jaxtyping",
-    "jinja2",
-    "jsonschema",
-    "matplotlib.backends.backend_svg",
     "netCDF4",
-    "numba",
     "pandas",
     "pint",  # which xarray asks for, too
+    "xarray",
+    "importlib.metadata",
+    "jaxtyping",
     "scipy.interpolate",
     "scipy.optimize",
     "scipy.sparse.linalg",
-    "xarray",
+    "numba",
     "yaml",
+    "jsonschema",
+    "matplotlib.backends.backend_svg",
+    "jinja2",
 )
 
 
+def load(library: str) -> None:
+    with suppress(ImportError):  # the stage that needs it says so
+        loaded = import_module(library)
+        if library == "numba":  # whose tables of types come with the first function
+            loaded.njit("void()")(lambda: None)
+
+
 def next_job(asked: socket.socket) -> dict:
-    """Fork for each job that is asked for, until the run ends; only a job's process returns."""
-    while sockets := socket.recv_fds(asked, 1, 1)[1]:
+    """Fork for each job that is asked for, until the run ends; only a job's process returns.
+
+    Libraries are loaded while no job waits: the first one loads what is not there for itself.
+    """
+    waiting = list(LIBRARIES)
+    while True:
+        while waiting and not select.select([asked], [], [], 0.0)[0]:
+            load(waiting.pop(0))
+        if not (sockets := socket.recv_fds(asked, 1, 1)[1]):
+            break
+        gc.freeze()  # a collection in a job would copy all of it
         with socket.socket(fileno=sockets[0]) as told:
             if os.fork() == 0:
                 return _kept(told)
@@ -76,10 +93,6 @@ def become(job: dict) -> None:
 if __name__ == "__main__":
     # Ctrl-C is for the jobs and the run, with which this ends.
     interrupted = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    for library in LIBRARIES:
-        with suppress(ImportError):  # the stage that needs it says so
-            import_module(library)
-    gc.freeze()  # a collection in a job would copy all of it
     with socket.socket(fileno=os.dup(0)) as run:
         wanted = next_job(run)
     signal.signal(signal.SIGINT, interrupted)
