@@ -4,6 +4,7 @@ import datetime
 import hashlib
 import json
 import shutil
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -58,7 +59,7 @@ def main(
             by_structure(f"{results}/diagnosis/{{}}.nc", known["judged"]),
             [artifacts.load_json(home / "diagnosis" / f"{one}.json") for one in known["judged"]],
             made,
-            **(_of_records(batches, home) if batches else {}),
+            of_records=partial(_of_records, batches, home) if batches else None,
             mesh=next(
                 iter(by_structure(f"{structures}/{{}}/mesh.nc", known["structures"][:1])), None
             ),

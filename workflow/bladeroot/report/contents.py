@@ -66,9 +66,10 @@ class Material:
     structure, fe_forces, stiffness, theory; for the thesis's tables, ledger and slider). By
     structure, the main one first: checks, accuracies, calibrations, joints, diagnoses with their
     verdicts, extended (joints with the causes of a model file), amplitudes, shortfalls,
-    thesis_searches, searches (and by force). shown, spectra: raw records as from
-    `bladeroot.figures.records.worth_showing`. modes: SVG text. published: Tables 5.1 and 5.2 as
-    shipped, for a campaign that states them. made: as `bladeroot.report.front.provenance_section`.
+    thesis_searches, searches (and by force). of_records: reads decays, and shown and spectra, raw
+    records as from `bladeroot.figures.records.worth_showing`; the process that draws them calls it.
+    modes: SVG text. published: Tables 5.1 and 5.2 as shipped, for a campaign that states them.
+    made: as `bladeroot.report.front.provenance_section`.
     """
 
     facts: Mapping
@@ -76,9 +77,7 @@ class Material:
     diagnoses: Sequence[xr.Dataset]
     verdicts: Sequence[Mapping]
     made: Mapping
-    decays: Sequence[xr.Dataset] = ()
-    shown: Sequence[xr.Dataset] = ()
-    spectra: Sequence[xr.Dataset] = ()
+    of_records: Callable[[], Mapping[str, Sequence[xr.Dataset]]] | None = None
     mesh: xr.Dataset | None = None
     modes: str = ""
     checks: Sequence[xr.Dataset] = ()
@@ -212,13 +211,14 @@ def _send(
 
 def _of_records(given: Material) -> dict[str, list[Picture]]:
     """Figures of the records by what they show, in reading order."""
-    if "curves" not in given.stages:
+    if given.of_records is None:
         return {}
+    read = given.of_records()
     return {
-        "records": pictures(curves.records(given.decays)),
+        "records": pictures(curves.records(read["decays"])),
         "means": pictures(curves.means(given.stages["curves"])),
-        "cuts": pictures(records.cuts(given.shown), CUTS),
-        "spectra": pictures(spectra.spectra(given.spectra), SPECTRA),
+        "cuts": pictures(records.cuts(read["shown"]), CUTS),
+        "spectra": pictures(spectra.spectra(read["spectra"]), SPECTRA),
     }
 
 
@@ -262,6 +262,8 @@ def _that_shows_it(given: Material, judged: Mapping[str, list[Picture]]) -> list
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
     if channels.get(named[0]) == "stick" if named else judged.get("stick"):
         # the front page is about the main structure alone
+        if len(given.diagnoses) == 1:
+            return judged["stick"]
         return pictures(diagnosis.frequencies(given.diagnoses[:1], given.simulated))
     return judged.get("curve", [])
 
