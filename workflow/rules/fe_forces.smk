@@ -24,6 +24,7 @@ rule fe_forces:
         "results/logs/fe_forces/{campaign}.log",
     benchmark:
         "results/benchmarks/fe_forces/{campaign}.tsv"
+    priority: PRIORITY["fe_forces"]
     threads: 1
     resources:
         **needs("fe_forces"),

@@ -55,7 +55,8 @@ NEEDS = {
 
 
 # Which of the jobs that could run goes first: what the longest chain waits for (structure, bench, records,
-# inference with curves, and the report), then the long ones, so that none is left alone at the end.
+# inference with curves, and the report), then short ones that wait for each other (fe_forces to theory)
+# and the long ones, so that none is left alone at the end.
 PRIORITY = {
     "reduced": 50,
     "parametric": 40,
@@ -65,8 +66,12 @@ PRIORITY = {
     "integrity": 30,
     "observations": 30,
     "amplitude": 30,
+    "diagnosis": 28,
+    "fe_forces": 25,
+    "search": 25,
+    "stiffness": 25,
+    "theory": 25,
     "joint": 20,
-    "diagnosis": 20,
     "accuracy": 10,
     "checks": 10,
     "slider": 10,

@@ -36,6 +36,7 @@ for campaign in filter(structures_of, CAMPAIGNS.values()):
             f"results/logs/search/{campaign.name}.log",
         benchmark:
             f"results/benchmarks/search/{campaign.name}.tsv"
+        priority: PRIORITY["search"]
         threads: 1
         resources:
             **needs("search"),
@@ -110,6 +111,7 @@ rule stiffness:
         "results/logs/stiffness/{campaign}.log",
     benchmark:
         "results/benchmarks/stiffness/{campaign}.tsv"
+    priority: PRIORITY["stiffness"]
     threads: 1
     resources:
         **needs("stiffness"),

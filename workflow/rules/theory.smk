@@ -12,6 +12,7 @@ rule theory:
         "results/logs/theory/{campaign}.log",
     benchmark:
         "results/benchmarks/theory/{campaign}.tsv"
+    priority: PRIORITY["theory"]
     threads: 1
     resources:
         **needs("theory"),
