@@ -11,11 +11,11 @@ from bladeroot.inference.sampling import sample
 from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.stiffness.information import expected_information
 from bladeroot.stiffness.joint import freest, joint, models_of, surfaces_of
-from bladeroot.stiffness.laws import LAWS, PRIORS, powers, slopes
+from bladeroot.stiffness.laws import LAWS, powers, slopes
 from bladeroot.stiffness.levels import LEAST_FREQUENCY_STD, levels_of
 from bladeroot.stiffness.model import map_estimate, predict, problem_of
 from bladeroot.stiffness.posterior import combinations, share_within
-from bladeroot.stiffness.priors import REFERENCE_FORCE
+from bladeroot.stiffness.priors import PRIORS, REFERENCE_FORCE
 from stiffness_bench import (
     BIAS,
     FORCE,

@@ -19,7 +19,7 @@ from bladeroot.diagnosis.stick_model import StickData, problem, stick_data
 from bladeroot.inference.gaussian import Fit, fit
 from bladeroot.mechanisms.mechanism import Mechanism
 from bladeroot.stiffness.posterior import Law, posterior
-from bladeroot.stiffness.priors import CORRELATION, LN_K, SCATTER, SMOOTH_EXPONENT
+from bladeroot.stiffness.priors import CORRELATION, PRIORS, SCATTER, SMOOTH_EXPONENT
 
 _SCALES = {(False, False): "", (True, False): "ln ", (False, True): "logit "}  # of a parameter
 DRAWS = 1000  # each asks for a covariance of all records
@@ -86,7 +86,12 @@ def _law(data: StickData, found: Fit, causes: Sequence[Mechanism]) -> Law:
     biases = [f"{part}_{mode}" for part in ("bias", "tilt") for mode in data.modes]
     biases.append("tension")
     names = ["ln_kn", "ln_kt", "exponent", *biases]
-    origins = [LN_K[2], LN_K[2], SMOOTH_EXPONENT[2], *["search.fe_bias_percent"] * len(biases)]
+    origins = [
+        PRIORS["ln_kn"][2],
+        PRIORS["ln_kt"][2],
+        SMOOTH_EXPONENT[2],
+        *["search.fe_bias_percent"] * len(biases),
+    ]
     first = len(names)
     for one in causes:
         names += [f"{one.id} {_SCALES[p.log, p.bounded]}{p.name}" for p in one.parameters]

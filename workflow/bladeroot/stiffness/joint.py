@@ -15,11 +15,11 @@ from bladeroot.rom.chebyshev import Surface, trimmed
 from bladeroot.rom.parametric import surface_of
 from bladeroot.stiffness.information import expected_information, scaled
 from bladeroot.stiffness.interpolation import ForceGauge
-from bladeroot.stiffness.laws import LAWS, PRIORS
+from bladeroot.stiffness.laws import LAWS
 from bladeroot.stiffness.levels import from_force, levels_of
 from bladeroot.stiffness.model import LevelModel, level_model, map_estimate
 from bladeroot.stiffness.posterior import STIFFNESS, Law, posterior
-from bladeroot.stiffness.priors import REFERENCE_FORCE, SCATTER
+from bladeroot.stiffness.priors import PRIORS, REFERENCE_FORCE, SCATTER
 from bladeroot.variables import dataset
 
 _DROPPED_ODDS = np.log(20.0)  # nats of evidence below the best law, at which a law is dropped

@@ -6,17 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.stiffness.priors import BEND, EXPONENT, LN_K, REFERENCE_FORCE
-
-PRIORS = {
-    "ln_kn": LN_K,
-    "ln_kt": LN_K,
-    "exponent": EXPONENT,
-    "exponent_kn": EXPONENT,
-    "exponent_kt": EXPONENT,
-    "bend_kn": BEND,
-    "bend_kt": BEND,
-}
+from bladeroot.stiffness.priors import REFERENCE_FORCE
 
 
 def powers(force: Float[ndarray, "*point"]) -> Float[ndarray, "*point 3"]:

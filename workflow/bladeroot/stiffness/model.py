@@ -22,9 +22,9 @@ from bladeroot.inference.gaussian import Fit, best_fit, fit
 from bladeroot.inference.problem import Prior, Problem, Repeats, State
 from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
-from bladeroot.stiffness.laws import PRIORS, Law, powers, slopes
+from bladeroot.stiffness.laws import Law, powers, slopes
 from bladeroot.stiffness.levels import Levels
-from bladeroot.stiffness.priors import BIAS_TILT, REFERENCE_FORCE, SCATTER
+from bladeroot.stiffness.priors import BIAS_TILT, PRIORS, REFERENCE_FORCE, SCATTER
 
 LEAST_FORCE = 100.0  # N, the smallest true force at which a law in ln F is evaluated
 _START_OFFSETS = (-0.7, 0.0, 0.7)  # of ln kn and ln kt from their priors' means, in std

@@ -21,6 +21,16 @@ EXPONENT = (0.5, 0.5, "smooth contact 0 (6.16), rough contact 1; Table 5.2 has 0
 SMOOTH_EXPONENT = (0.0, 0.005, "smooth contact stiffens with exponent 0 to 0.07 (6.16)")
 # Coefficient of x^2 in ln k, with x = ln(F / 12 kN).
 BEND = (0.0, 0.25, "no law known to us bends; room for full contact reached only at high force")
+# Of each parameter of a law (`laws`). A prior of kn or of kt alone is put in here.
+PRIORS = {
+    "ln_kn": LN_K,
+    "ln_kt": LN_K,
+    "exponent": EXPONENT,
+    "exponent_kn": EXPONENT,
+    "exponent_kt": EXPONENT,
+    "bend_kn": BEND,
+    "bend_kt": BEND,
+}
 # ln of the standard deviation of ln kn and ln kt between clampings.
 SCATTER = (np.log(0.04), 0.6, "re-clamping changes k by 2 to 14 %")
 CORRELATION = (0.5, 0.7, "atanh of the correlation of kn and kt between clampings")

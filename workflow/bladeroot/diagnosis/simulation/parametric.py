@@ -28,7 +28,7 @@ from bladeroot.rom.ritz import Ritz
 from bladeroot.stiffness.priors import (
     BIAS_TILT,
     CORRELATION,
-    LN_K,
+    PRIORS,
     REFERENCE_FORCE,
     SCATTER,
     SMOOTH_EXPONENT,
@@ -64,7 +64,7 @@ class Parametric:
     kind: str = "structure"
     knows_contact: bool = True
     parameters: tuple[str, ...] = ("kn", "kt")
-    prior: tuple[tuple[float, float], ...] = (LN_K[:2], LN_K[:2])
+    prior: tuple[tuple[float, float], ...] = (PRIORS["ln_kn"][:2], PRIORS["ln_kt"][:2])
     pivot: float | None = REFERENCE_FORCE
     per_load: float = 1.0
     shift: float = 0.0
