@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.io.channel import SHORTEST
+from bladeroot.io.channel import FEWEST_SAMPLES
 from bladeroot.io.recording import recording
 from bladeroot.io.response import undoing
 from bladeroot.signal.recording import velocity
@@ -38,7 +38,7 @@ def test_what_is_no_response_is_told(text):
 
 
 def test_a_recording_with_a_response_is_undone_before_it_becomes_velocity():
-    samples = np.random.default_rng(0).standard_normal(SHORTEST + 100)
+    samples = np.random.default_rng(0).standard_normal(FEWEST_SAMPLES + 100)
 
     record = recording(samples, "m/s", "a", sampling_Hz=RATE)
     undone = velocity(replace(record, undone=undoing("high-pass 4.5 Hz")), MODE)

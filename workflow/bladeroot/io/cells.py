@@ -7,8 +7,9 @@ from pathlib import Path
 from bladeroot.io.load import COLUMNS, Load, factor_of
 from bladeroot.io.names import short
 
-# A force this small on a gauge this large (N) is a slip of the unit.
-SMALL_FORCE, LARGE_GAUGE = 100.0, 10_000.0
+# A small force on a large gauge is a slip of the unit: kN given as N.
+SMALL_FORCE = 100.0  # N, below which a force is small
+LARGE_GAUGE = 10_000.0  # N, of full scale, above which a gauge is large
 _YES, _NO = ("1", "yes", "true"), ("", "0", "no", "false")
 
 

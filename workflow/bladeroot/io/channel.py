@@ -10,14 +10,15 @@ from numpy import ndarray
 from bladeroot.io.units import USUAL, normal_unit, quantity_of, seconds
 from bladeroot.signal.recording import SI
 
-SHORTEST = 64
-_LISTED = 12
-# A compressed file holds at most about a thousand times its size (deflate's limit).
-_DENSEST = 1100
-# Of more bytes than this, a hundred times the file are zeros that would fill the memory.
-_LARGE, _DENSE = 1 << 28, 100
+FEWEST_SAMPLES = 64  # of a record
+_MOST_LISTED = 12  # channels that a message names
+# A header that claims more bytes than these times the file's is refused. Deflate reaches about a
+# thousand; a large record that shrinks a hundred times is zeros that would fill the memory.
+_MOST_COMPRESSION = 1100
+_LARGE_BYTES = 1 << 28  # above which a claim is large
+_MOST_LARGE_COMPRESSION = 100
 # Names that are a time's where their unit is.
-_AXES = ("x", "x-axis", "x axis", "index")
+_TIME_AXES = ("x", "x-axis", "x axis", "index")
 # What a channel t is in where it is no time.
 _TEMPERATURE = ("°c", "degc", "celsius", "c", "k", "kelvin", "°f", "degf", "f")
 
@@ -115,8 +116,8 @@ def pick(entries: Sequence[Entry], channel: str | None, quantity: str | None, pa
     if not entries:
         raise ChannelError(f"expected {wanted}, got no vector of real numbers ({path})", entries)
     those = fits or entries
-    listed = ", ".join(map(str, those[:_LISTED]))
-    more = f" and {len(those) - _LISTED} more" if len(those) > _LISTED else ""
+    listed = ", ".join(map(str, those[:_MOST_LISTED]))
+    more = f" and {len(those) - _MOST_LISTED} more" if len(those) > _MOST_LISTED else ""
     raise ChannelError(
         f"expected {wanted}, got {'several' if fits else 'none'} of {listed}{more}; channel names "
         f"one, by its name or number ({path})",
@@ -150,7 +151,7 @@ def time_factor(name: str, unit: str | None, path: str) -> float | None:
         ValueError: a time in a unit that is not known.
     """
     base, own = split_name(name)
-    if base.strip().lower() in _AXES and seconds(unit or own or ""):
+    if base.strip().lower() in _TIME_AXES and seconds(unit or own or ""):
         return seconds(unit or own)
     unit = unit or own or "s"
     if not _is_time(base) or (base.strip().lower() == "t" and unit.strip().lower() in _TEMPERATURE):
@@ -175,7 +176,9 @@ def check_claim(count: int, width: int, path: str) -> None:
     """
     size = Path(path).stat().st_size
     claimed = count * width
-    if claimed > _DENSEST * size or claimed > max(_LARGE, _DENSE * size):
+    if claimed > _MOST_COMPRESSION * size or claimed > max(
+        _LARGE_BYTES, _MOST_LARGE_COMPRESSION * size
+    ):
         raise ValueError(
             f"the header claims {count} samples of {width} bytes, the file has {size} ({path})"
         )

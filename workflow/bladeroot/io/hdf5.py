@@ -9,15 +9,16 @@ from pathlib import Path
 
 from bladeroot.checksum import LENGTH, is_sealed
 
-# Seconds that reading may take, and bytes that it may take a second for.
-PATIENCE_S, SLOWEST = 30.0, 2e6
+# How long reading may take before a file is called damaged.
+PATIENCE_S = 30.0
+SLOWEST_BYTES_A_SECOND = 2e6  # and a second more for so many bytes of the file
 
 # Files that a child process has read to the end.
 _TRIED: set[str] = set()
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-# offset of the end-of-file address by the superblock's version
-_END = {0: 40, 1: 44, 2: 28, 3: 28}
+# Offset of the end-of-file address, by the superblock's version.
+_END_OFFSET = {0: 40, 1: 44, 2: 28, 3: 28}
 
 
 def length_notes(path: str) -> tuple[str, ...]:
@@ -26,7 +27,7 @@ def length_notes(path: str) -> tuple[str, ...]:
     Something put in moves all samples behind it. Nothing is said of other files.
     """
     head = _head(path)
-    at = _END.get(head[8]) if head else None
+    at = _END_OFFSET.get(head[8]) if head else None
     if at is None:
         return ()
     stated, size = struct.unpack_from("<Q", head, at)[0], Path(path).stat().st_size
@@ -89,7 +90,7 @@ def try_together(work: Callable[..., object], asked: Iterable[tuple]) -> None:
 
 
 def _patience(path: str) -> float:
-    return PATIENCE_S + Path(path).stat().st_size / SLOWEST
+    return PATIENCE_S + Path(path).stat().st_size / SLOWEST_BYTES_A_SECOND
 
 
 def _in_child(work: Callable[[], object], patience: float) -> int:

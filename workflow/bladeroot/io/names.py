@@ -7,8 +7,10 @@ from collections.abc import Callable
 # systems allow 255 bytes.
 LONGEST_NAME = 100
 ID_RULE = f"letters, digits, - and _, {LONGEST_NAME} at most"
-# In the path of an input braces are Snakemake's wildcards, and angle brackets a page's tags.
-SPECIAL, SPECIAL_TEXT = frozenset("{}<>"), "{ } < >"
+# Signs that the path of an input must not have: braces are Snakemake's wildcards, angle brackets a
+# page's tags.
+SPECIAL = frozenset("{}<>")
+SPECIAL_TEXT = "{ } < >"  # as messages say them
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 
 

@@ -4,11 +4,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-# A frequency stands alone this many times the usual distance from the neighbours' line, and this
-# part of itself, away from what its neighbours allow: a wrong digit, no law of the force.
-_TIMES, _PART = 20.0, 0.02
-# A law of the force and its scatter need so many points besides the outlier.
-_FEWEST = 5
+# A frequency stands alone where its distance from what its neighbours allow exceeds both: a wrong
+# digit, no law of the force.
+_USUAL_DISTANCES = 20.0  # times the others' median distance from their neighbours' line
+_LEAST_DISTANCE = 0.02  # of ln f
+_FEWEST_OTHERS = 5  # points besides the outlier, which tell a law of the force and its scatter
 
 
 def outliers(
@@ -20,7 +20,7 @@ def outliers(
     kept = np.argsort(force)
     x, y = np.log(force), np.log(frequency)
     found = []
-    while kept.size > _FEWEST:
+    while kept.size > _FEWEST_OTHERS:
         # The line of a point's neighbours is spoilt by an outlier, too: the outlier is that
         # without which the others agree best.
         rests = [np.delete(kept, k) for k in range(kept.size)]
@@ -29,7 +29,7 @@ def outliers(
         expected = _neighbours(x[rest], y[rest], x[row], y[row])
         distance = abs(y[row] - expected)
         usual = np.median(np.abs(_distances(x[rest], y[rest])))
-        if not (distance > _PART and distance > _TIMES * usual):
+        if not (distance > _LEAST_DISTANCE and distance > _USUAL_DISTANCES * usual):
             break
         found.append((int(row), float(np.exp(expected))))
         kept = rest

@@ -13,13 +13,13 @@ from bladeroot.io.channel import Channel, ChannelError, Entry, split_name
 from bladeroot.io.recording import recording
 from bladeroot.io.response import undoing
 from bladeroot.io.sampling import usual_rate
-from bladeroot.io.statements import FORCES_APART, NO_UNIT, RATES_APART, one_unit
+from bladeroot.io.statements import FORCE_TOLERANCE, NO_UNIT, RATE_TOLERANCE, one_unit
 from bladeroot.io.units import motion, normal_unit, quantity_of, same
 from bladeroot.signal.recording import SI, Recording
 
-# How far a file's sampling frequency may lie from the sheet's before it is another one, and
-# from where on the difference is told.
-CONTRADICTION, DIFFERENCE = RATES_APART, 1e-7
+# Relative difference of a file's sampling frequency from the sheet's from which on it is told; from
+# `RATE_TOLERANCE` on it is a contradiction.
+TOLD_RATE_DIFFERENCE = 1e-7
 
 
 @cache
@@ -83,7 +83,7 @@ def read(
     )
     rate = record.sampling_Hz
     error = found.sampling_error
-    if own is not None and not abs(own / rate - 1.0) <= CONTRADICTION + error:
+    if own is not None and not abs(own / rate - 1.0) <= RATE_TOLERANCE + error:
         raise ValueError(f"the file says {own:.9g} Hz, its times {rate:.9g} Hz ({where})")
     if own is not None or found.time is not None:
         # times tell the frequency better than a statement's few digits
@@ -213,7 +213,7 @@ def _sampling(
     error: what the file's digits leave open, relative, as of a rounded time step.
     """
     if sampling_Hz is None:
-        if error > CONTRADICTION:
+        if error > RATE_TOLERANCE:
             notes.append(
                 "the file's digits leave the sampling frequency open between "
                 f"{own / (1.0 + error):.6g} and {own / (1.0 - error):.6g} Hz, {own:.9g} Hz is "
@@ -226,11 +226,11 @@ def _sampling(
             )
         return own
     apart = abs(own / sampling_Hz - 1.0)
-    if not apart <= CONTRADICTION + error:
+    if not apart <= RATE_TOLERANCE + error:
         raise ValueError(
             f"sampling_Hz contradicts: {sampling_Hz:.9g} stated, {own:.9g} in the file ({where})"
         )
-    if apart > DIFFERENCE:
+    if apart > TOLD_RATE_DIFFERENCE:
         notes.append(f"sampling_Hz {sampling_Hz:.9g} as stated is taken, not {own:.9g} Hz")
     return sampling_Hz
 
@@ -254,7 +254,7 @@ def _agree(
     if (
         force is not None
         and force_N is not None
-        and not (abs(force - force_N) <= FORCES_APART * force_N)
+        and not (abs(force - force_N) <= FORCE_TOLERANCE * force_N)
     ):
         raise ValueError(
             f"force_N contradicts: {force_N:g} in records.csv, {force:g} in the file ({where})"

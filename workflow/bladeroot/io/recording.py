@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 from numpy import ndarray
 
-from bladeroot.io.channel import SHORTEST
+from bladeroot.io.channel import FEWEST_SAMPLES
 from bladeroot.io.sampling import uniform
 from bladeroot.io.units import motion
 from bladeroot.signal.recording import SHORT_GAP, SI, Recording
 
-# Peaks (SI) outside which a vibration is suspicious, and the factor beyond which it is none.
+# Peaks (SI) outside which a vibration is suspicious.
 USUAL_PEAKS = {"velocity": (1e-7, 10.0), "displacement": (1e-12, 0.1), "acceleration": (1e-5, 1e5)}
-ABSURD = 1e4
+ABSURD_FACTOR = 1e4  # over the largest usual peak, above which it is no vibration
 # Part of the samples that may be lost at most: up to it, lost at random, loss factors of a drawn
 # decay are within 3 %; at twice as much one is 14 % off.
-MOST_LOST = 0.1
+MOST_LOST_PART = 0.1
 
 
 def recording(
@@ -65,8 +65,8 @@ def recording(
     count = raw.size
     lost, ending = _lost(raw, where)
     raw = raw[: count - ending]
-    if raw.size < SHORTEST:
-        raise ValueError(f"expected at least {SHORTEST} samples, got {raw.size} ({where})")
+    if raw.size < FEWEST_SAMPLES:
+        raise ValueError(f"expected at least {FEWEST_SAMPLES} samples, got {raw.size} ({where})")
     over = lost[np.isinf(raw[lost])]
     known = np.delete(raw, lost) if lost.size else raw
     low, high = float(known.min()), float(known.max())
@@ -106,10 +106,10 @@ def part(record: Recording, from_s: float | None, to_s: float | None, where: str
     times = (from_s or 0.0, np.inf if to_s is None else to_s)
     first, stop = np.clip(np.ceil(np.array(times) * record.sampling_Hz), 0, record.samples.size)
     samples = record.samples[int(first) : int(stop)]
-    if samples.size < SHORTEST:
+    if samples.size < FEWEST_SAMPLES:
         raise ValueError(
-            f"expected at least {SHORTEST} samples between from_s and to_s, got {samples.size} of "
-            f"the file's {record.samples.size / record.sampling_Hz:g} s ({where})"
+            f"expected at least {FEWEST_SAMPLES} samples between from_s and to_s, got "
+            f"{samples.size} of the file's {record.samples.size / record.sampling_Hz:g} s ({where})"
         )
     start_s = record.start_s + first / record.sampling_Hz
     lost, over = (at[(at >= first) & (at < stop)] - int(first) for at in (record.lost, record.over))
@@ -126,11 +126,11 @@ def _lost(raw: ndarray, where: str) -> tuple[ndarray, int]:
     ending = int(np.argmax(good[::-1])) if good.any() else 0
     count = raw.size - ending
     lost = np.flatnonzero(~good[:count])
-    if lost.size > MOST_LOST * count:
+    if lost.size > MOST_LOST_PART * count:
         over = np.isinf(raw[lost]).sum()
         raise ValueError(
-            f"expected numbers for {1.0 - MOST_LOST:.0%} of the samples at least, got none for "
-            f"{lost.size} of {count} ({over} over the sensor's range), first for sample "
+            f"expected numbers for {1.0 - MOST_LOST_PART:.0%} of the samples at least, got none "
+            f"for {lost.size} of {count} ({over} over the sensor's range), first for sample "
             f"{lost[0] + 1} ({where})"
         )
     return lost, ending
@@ -159,7 +159,7 @@ def _suspicions(peak: float, quantity: str, where: str) -> tuple[str, ...]:
     low, high = USUAL_PEAKS[quantity]
     unit = SI[quantity]
     seen = f"the peak {quantity} is {peak:.3g} {unit}"
-    if not peak <= high * ABSURD:
+    if not peak <= high * ABSURD_FACTOR:
         raise ValueError(
             f"{seen}, no vibration: wrong unit, wrong byte order or spoilt samples? ({where})"
         )

@@ -23,11 +23,11 @@ RECORD_COLUMNS = (
 )  # fmt: skip
 # Signs of a channel's name in a record's: file systems allow 255 bytes.
 LONGEST_CHANNEL = 60
-# Loads so much apart (relative) are rather readings of one load than two of a test's.
-ALIKE = 0.01
+# Relative difference of loads below which they are rather readings of one than two of a test.
+SAME_LOAD = 0.01
 _FOREIGN = re.compile(r"[^A-Za-z0-9_]+")
-# What a file's own statements are checked against; rows of one event must agree in them.
-_MOTION = ("direction", "time_s", "group", "hold", "load", "temperature_C")
+# Columns in which the rows of one event must agree.
+_EVENT_COLUMNS = ("direction", "time_s", "group", "hold", "load", "temperature_C")
 
 
 @dataclass(frozen=True)
@@ -282,7 +282,7 @@ class RecordRows(Cells):
             if not line["event"]:
                 continue
             where, other = first.setdefault(line["event"], (row, line))
-            for name in _MOTION:
+            for name in _EVENT_COLUMNS:
                 if line[name] != other[name]:
                     self.fault(
                         f"event {line['event']!r} is one motion, but {name} is {line[name]!r} here "
@@ -308,7 +308,7 @@ class RecordRows(Cells):
                 if line["mode"] == mode and not line["exclude"]:
                     first.setdefault(line["load"], row)
             loads = sorted(first)
-            near = [a for a, b in pairwise(loads) if a > 0.0 and b - a < ALIKE * b]
+            near = [a for a, b in pairwise(loads) if a > 0.0 and b - a < SAME_LOAD * b]
             if near:
                 other = loads[loads.index(near[0]) + 1]
                 self.warn(

@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-# Distance from the nearest of a kind of frequencies, over that between them, that is no chance.
-CHANCE = 0.125
+# Tolerance over the spacing of a kind of frequencies (1000 Hz of its multiples) up to which one of
+# them is hardly near by chance.
+LARGEST_TOLERANCE = 0.125
 
 
 def uniform(
@@ -81,6 +82,6 @@ def usual_rate(rate: float, tolerance: float = 1e-9) -> float | None:
     micro = max(round(1e6 / rate), 1)
     known.append((1e6 / micro, rate / micro, tolerance))
     for near, grain, within in known:
-        if near and abs(rate - near) <= within * rate <= CHANCE * grain:
+        if near and abs(rate - near) <= within * rate <= LARGEST_TOLERANCE * grain:
             return float(near)
     return None

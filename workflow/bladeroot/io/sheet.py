@@ -5,9 +5,9 @@ from pathlib import Path
 
 from bladeroot.io.text import check_commas, decode, numeric, separator_of, unsure
 
-# Bytes of a sheet; one of ten thousand records has two million.
-LARGEST = 50_000_000
-# Columns beginning so are the owner's own.
+# Bytes of a sheet at most; one of ten thousand records has two million.
+LARGEST_BYTES = 50_000_000
+# Columns that begin with it are the owner's remarks, which nothing reads.
 REMARK = "note"
 
 
@@ -25,11 +25,11 @@ def read_sheet(
     """
     try:
         size = path.stat().st_size
-        content = path.read_bytes() if size <= LARGEST else b""
+        content = path.read_bytes() if size <= LARGEST_BYTES else b""
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror} ({path})") from error
-    if size > LARGEST:
-        raise ValueError(f"expected a sheet of {LARGEST} bytes at most, got {size} ({path})")
+    if size > LARGEST_BYTES:
+        raise ValueError(f"expected a sheet of {LARGEST_BYTES} bytes at most, got {size} ({path})")
     lines = decode(content, str(path)).splitlines()
     separator = separator_of(lines[0] if lines else "") or ","
     reader = csv.reader(lines, delimiter=separator)

@@ -13,8 +13,9 @@ from numpy import ndarray
 
 from bladeroot.io.units import same, seconds
 
-# How far two statements of a sampling frequency, or of a force, may lie apart.
-RATES_APART, FORCES_APART = 1e-4, 1e-2
+# Largest relative difference of two statements of the same thing.
+RATE_TOLERANCE = 1e-4  # of a sampling frequency
+FORCE_TOLERANCE = 1e-2
 # A sampling frequency below this that is no whole number needs its unit: 25.6 may be kHz.
 UNSURE_HZ = 1000.0
 _RATES = ("fs", "fsample", "sampling", "samplingrate", "samplerate", "samplingfrequency",
@@ -83,8 +84,8 @@ def statements(
             raise ValueError(f"expected a positive sampling frequency, got {stated} ({path})")
     # the one with the most digits is taken
     rates = dict(sorted(rates.items(), key=lambda one: errors[one[0]]))
-    sampling_Hz = _one(rates, RATES_APART, "sampling_Hz", path, errors)
-    force = _one(forces, FORCES_APART, "force_N", path)
+    sampling_Hz = _one(rates, RATE_TOLERANCE, "sampling_Hz", path, errors)
+    force = _one(forces, FORCE_TOLERANCE, "force_N", path)
     if force is not None:
         facts["force_N"] = force
     error = min(errors.values(), default=0.0)
@@ -113,7 +114,7 @@ def one_time(times: dict[str, ndarray], path: str) -> ndarray | None:
         ValueError: they take different spans.
     """
     spans = {name: float(time[-1]) - float(time[0]) for name, time in times.items()}
-    _one(spans, RATES_APART, "the span of the times (s)", path)
+    _one(spans, RATE_TOLERANCE, "the span of the times (s)", path)
     return next(iter(times.values()), None)
 
 

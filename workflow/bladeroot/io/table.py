@@ -19,8 +19,9 @@ AMPLITUDES = {"amplitude_m": 1.0, "amplitude_mm": 1e-3, "amplitude_um": 1e-6}
 _KNOWN = ("mode", *COLUMNS, "frequency_Hz", "loss_factor", *AMPLITUDES)
 BY = "by_"
 # A share k phi'Kc phi / omega^2 of a mode's stiffness moves ln f by half of itself (5.16, in log
-# k), and all shares make 1; differences between two simulations round.
-_MOST, _ROUNDING = 0.5, 5e-3
+# k), and all shares make 1.
+_LARGEST_DERIVATIVE = 0.5  # of ln f by ln k
+_DERIVATIVE_ROUNDING = 5e-3  # of a derivative that is a difference between two simulations
 
 
 def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame:
@@ -108,11 +109,12 @@ def _shares(cells: Cells, row: int, line: dict) -> None:
     """Contact carries no less than nothing of a mode's stiffness and no more than all."""
     given = {name: line[name] for name in CONTACT if line.get(name) is not None}
     least, whole = min(given.values(), default=0.0), sum(given.values())
-    if least < -_ROUNDING or whole > _MOST + _ROUNDING:
+    if least < -_DERIVATIVE_ROUNDING or whole > _LARGEST_DERIVATIVE + _DERIVATIVE_ROUNDING:
         said = " and ".join(f"{name} {value:g}" for name, value in given.items())
         cells.fault(
-            f"derivatives of ln f by ln kn and ln kt must lie between 0 and {_MOST:g}, as must "
-            f"their sum, got {said}: in Hz, per cent or by k itself?",
+            "derivatives of ln f by ln kn and ln kt must lie between 0 and "
+            f"{_LARGEST_DERIVATIVE:g}, as must their sum, got {said}: in Hz, per cent or by k "
+            "itself?",
             row,
         )
 

@@ -21,13 +21,12 @@ from bladeroot.io.text import (
 from bladeroot.io.units import normal_unit, quantity_of, seconds
 
 SUFFIXES = (".csv", ".txt", ".tsv", ".asc", ".lvm")
-# The header stands in the first lines; a comment starts with one of these.
-_HEAD = 1 << 16
-_BLOCK = 1 << 24
+_HEAD_BYTES = 1 << 16  # at the begin of a file, in which its header stands
+_BLOCK_BYTES = 1 << 24  # that are read at a time
 
 _COMMA = re.compile(r"[-+]?\d*,\d+(e[-+]?\d+)?", re.IGNORECASE)
 _QUOTED = re.compile(r'^"([^"]*)"$')
-_COMMENTS = ("#", "%", "//")
+_COMMENTS = ("#", "%", "//")  # what a line of comment begins with
 # A word and what it is: a text, or a number with commas and its unit in a field of its own.
 _WORD = re.compile(
     r"[#%/\s]*([\w .\[\]()]+?)\s*[:=;,\t]\s*"
@@ -35,12 +34,12 @@ _WORD = re.compile(
     re.IGNORECASE,
 )
 # LabVIEW says that there are no times, and leaves their column empty.
-_HOLLOW = re.compile(r"^X_Columns\tNo\b", re.MULTILINE | re.IGNORECASE)
+_NO_TIMES = re.compile(r"^X_Columns\tNo\b", re.MULTILINE | re.IGNORECASE)
 # Words that say the unit of the motion, without blanks and underscores.
 _UNIT_WORDS = ("unit", "units", "einheit", "yunit", "yunits", "yunitlabel")
 # Units that channels beside motion and time have in the line below the names.
-_OTHERS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "mbar",
-           "°C", "degC", "K", "%", "-")  # fmt: skip
+_OTHER_UNITS = ("V", "mV", "A", "mA", "N", "kN", "Nm", "Hz", "kHz", "Pa", "kPa", "MPa", "bar",
+                "mbar", "°C", "degC", "K", "%", "-")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -134,12 +133,12 @@ def _unnamed(k: int) -> str:
 
 def _form(path: str) -> _Form:
     with open(path, "rb") as file:
-        start = file.read(_HEAD)
+        start = file.read(_HEAD_BYTES)
     encoding = encoding_of(start, path)
     text = start.decode(encoding, errors="replace")
     # the last line is cut off, here or in the file, or is empty
     lines = re.split(r"\r\n|\n|\r", text)[:-1]
-    hollow = _HOLLOW.search(text) is not None
+    hollow = _NO_TIMES.search(text) is not None
     first = next((k for k, line in enumerate(lines) if _is_row(line, hollow)), None)
     rows = [
         [] if line.startswith(_COMMENTS) else _fields(line, separator_of(line)) for line in lines
@@ -246,7 +245,7 @@ def _is_row(line: str, hollow: bool) -> bool:
 
 
 def _unit(text: str) -> bool:
-    return bool(seconds(text) or normal_unit(text) in _OTHERS or quantity_of("", text))
+    return bool(seconds(text) or normal_unit(text) in _OTHER_UNITS or quantity_of("", text))
 
 
 def _words(lines: list[str]) -> dict[str, str]:
@@ -271,7 +270,7 @@ def _numbers(path: str, form: _Form, columns: list[int]) -> np.ndarray:
     with open(path, encoding=encoding, errors="replace") as file:
         for _ in range(form.first):
             file.readline()
-        while block := file.read(_BLOCK):
+        while block := file.read(_BLOCK_BYTES):
             block += file.readline()
             if not block.endswith("\n"):
                 block = block[: block.rfind("\n") + 1]

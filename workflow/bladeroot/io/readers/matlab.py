@@ -20,10 +20,11 @@ from bladeroot.io.statements import one_time, statements
 from bladeroot.io.units import seconds
 
 SUFFIXES = (".mat",)
-MOST_COLUMNS = 64
-# Variables nested deeper, or more of them, are no record.
-_DEEPEST, _MOST = 8, 20_000
-# What a variable of version 5 begins with where it is compressed.
+# What is larger or deeper than these is no record, and is passed over.
+MOST_COLUMNS = 64  # of a matrix whose columns (or rows) are a channel each
+_DEEPEST_NESTING = 8  # of structs and cells in each other
+_MOST_ENTRIES = 20_000  # cells, structs or characters of an array
+# The type with which a compressed variable of version 5 begins.
 _COMPRESSED = 15
 
 
@@ -184,7 +185,7 @@ def _walk(name: str, key: str, group: str, value: object, depth: int) -> Iterato
     """The leaves below a variable of a version 5 file."""
     from scipy.io.matlab import MatlabOpaque
 
-    if depth > _DEEPEST or not isinstance(value, np.ndarray):
+    if depth > _DEEPEST_NESTING or not isinstance(value, np.ndarray):
         return
     if isinstance(value, MatlabOpaque):  # has the variable's name inside
         yield _Leaf(value["s0"].flat[0].decode(), key, group, None)
@@ -218,7 +219,7 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
     """The leaves below a variable of a version 7.3 file: groups are structs, references cells."""
     import h5py
 
-    if depth > _DEEPEST:
+    if depth > _DEEPEST_NESTING:
         return
     if isinstance(item, h5py.Group):
         for field, part in item.items():
@@ -228,7 +229,7 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
     if not isinstance(item, h5py.Dataset) or item.shape is None:
         return
     if item.dtype.kind == "O":
-        if item.size > _MOST:
+        if item.size > _MOST_ENTRIES:
             return
         # the axes of a 7.3 file stand in the other order
         for place in np.ndindex(item.shape[::-1]):
@@ -245,7 +246,7 @@ def _walk_73(name, key, group, item, depth, file, path) -> Iterator[_Leaf]:
     check_claim(item.size, item.dtype.itemsize, path)
     value = np.asarray(item[()]).T
     if item.attrs.get("MATLAB_class") == b"char":
-        if value.size <= _MOST:
+        if value.size <= _MOST_ENTRIES:
             rows = np.atleast_2d(value)
             yield _Leaf(name, key, group, _rows("".join(map(chr, row)) for row in rows))
     else:
@@ -258,7 +259,7 @@ def _cells(name: str, part, file) -> Iterator[tuple[str, object]]:
     The field of such an array refers to its values, and unlike a cell array has no class.
     """
     refers = getattr(part, "dtype", None) is not None and part.dtype.kind == "O" and part.shape
-    if not refers or "MATLAB_class" in part.attrs or part.size > _MOST:
+    if not refers or "MATLAB_class" in part.attrs or part.size > _MOST_ENTRIES:
         yield name, part
         return
     for place in np.ndindex(part.shape[::-1]):

@@ -19,11 +19,14 @@ QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
 _RATE_OF = {8: "", 11: "/s", 12: "/s^2"}
 _LENGTHS = {1.0: "m", 100.0: "cm", 1000.0: "mm", 39.37008: "in", 3.28084: "ft"}
 _AXES = {0: "S", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
-_TIME, _TIME_RESPONSE = 17, 1
-_LINES = 20_000
-# An increment that its digits leave open by more is a round step, not a rounded one.
-_COARSEST = 0.02
-_GOOD = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.eE ", np.uint8))
+# A data set is a time response by the type of its abscissa or by the type of its function.
+_TIME_ABSCISSA = 17
+_TIME_RESPONSE = 1
+_BLOCK_LINES = 20_000  # lines of text that are read at a time
+# Relative error that an increment's digits leave open, above which it is a round step (0.01) rather
+# than a rounded one.
+_COARSEST_ROUNDING = 0.02
+_NUMBER_BYTES = np.isin(np.arange(256), np.frombuffer(b"0123456789+-.eE ", np.uint8))
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ def _rate(chosen: _Set, factor: float, path: str) -> tuple[float, float]:
         return np.nan, 0.0
     digits = chosen.increment.upper().replace("D", "E").split("E")[0].lstrip("+-0.")
     error = 0.6 / float(digits.replace(".", ""))
-    if error > _COARSEST:
+    if error > _COARSEST_ROUNDING:
         return 1.0 / step, 0.0
     return usual_rate(1.0 / step, error) or 1.0 / step, error
 
@@ -144,7 +147,7 @@ def _set(content: mmap.mmap, kind: str, at: int, path: str) -> tuple[_Set | None
     end = at + size if binary else marker[0]
     if binary and content[end : marker[0]].strip():
         raise ValueError(f"a data set 58 does not end after its {size} bytes ({path})")
-    time = _int(abscissa[:10], path) == _TIME or _int(dof[:5], path) == _TIME_RESPONSE
+    time = _int(abscissa[:10], path) == _TIME_ABSCISSA or _int(dof[:5], path) == _TIME_RESPONSE
     if data_type not in (2, 4) or not time:
         return None, end
     if spacing not in (0, 1) or (binary and kind[7:13].strip() not in ("1", "2")):
@@ -183,7 +186,7 @@ def _values(content: mmap.mmap, one: _Set, path: str) -> np.ndarray:
     parts, at = [np.zeros(0)], one.begin
     full = content.find(b"\n", at) + 1 - at
     while at < one.end:
-        stop = content.rfind(b"\n", at, min(at + _LINES * full, one.end)) + 1
+        stop = content.rfind(b"\n", at, min(at + _BLOCK_LINES * full, one.end)) + 1
         if stop <= at:
             raise ValueError(f"expected lines of {full} characters, got another ({path})")
         parts.append(_block(content[at:stop], full, widths, path))
@@ -204,7 +207,7 @@ def _block(text: bytes, full: int, widths: tuple[int, ...], path: str) -> np.nda
     edges = np.concatenate([[0], np.cumsum(widths)])
     use = min(edges[-1], full - len(ends))
     good = (table[:, full - len(ends) :] == np.frombuffer(ends, np.uint8)).all()
-    if not good or not _GOOD[table[:, : full - len(ends)]].all() or use not in edges:
+    if not good or not _NUMBER_BYTES[table[:, : full - len(ends)]].all() or use not in edges:
         raise ValueError(f"expected lines of {len(widths)} numbers of equal width ({path})")
     try:
         columns = [

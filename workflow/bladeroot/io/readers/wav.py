@@ -12,6 +12,7 @@ import numpy as np
 from bladeroot.io.channel import Channel, Entry, pick
 
 SUFFIXES = (".wav", ".wave")
+# Codes of the sample format: whole numbers, floats, and one that is told in an extension.
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 
 
