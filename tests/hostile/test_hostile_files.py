@@ -10,7 +10,7 @@ import netCDF4
 import numpy as np
 import pytest
 from answers import answer
-from bladeroot.hdf5_links import DEEPEST, MOST_OBJECTS
+from bladeroot.hdf5_links import DEEPEST_GROUP, MOST_OBJECTS
 from bladeroot.io.read import read
 from record_files import write_csv, write_matlab_73, write_netcdf
 
@@ -70,7 +70,7 @@ def many(file, folder):
 
 
 def deep(file, folder):
-    file["/".join("g" * (DEEPEST + 2))] = 1.0
+    file["/".join("g" * (DEEPEST_GROUP + 2))] = 1.0
 
 
 def fan(file, folder):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from answers import answer
 from bladeroot.rom.file import load_structure
-from bladeroot.schema import DEEPEST, read_yaml
+from bladeroot.schema import DEEPEST_NESTING, read_yaml
 
 NINE = ",".join(["*a{0}"] * 9)
 TEXTS = {
@@ -23,7 +23,7 @@ TEXTS = {
     "flow nested": ("a: " + "[" * 100_000, "nested"),
     "keys nested": ("{a: " * 5000 + "}" * 5000, "nested"),
     "block nested": ("".join(" " * k + "- \n" for k in range(500)), "nested"),
-    "just too deep": ("a: " + "[" * (DEEPEST + 1) + "]" * (DEEPEST + 1), "nested"),
+    "just too deep": ("a: " + "[" * (DEEPEST_NESTING + 1) + "]" * (DEEPEST_NESTING + 1), "nested"),
     "holds itself": ("a: &a [*a]", "stands within"),
     "key holds itself": ("&a {? *a : 1}", "stands within"),
     "deep loop": ("a: &a {b: {c: [1, *a]}}", "stands within"),

@@ -102,7 +102,7 @@ def test_only_the_last_used_folders_of_a_module_are_kept(tmp_path):
             os.utime(tmp_path / name, (k, k))
     compiled._prune(tmp_path, "room.caller")
     kept = sorted(path.name for path in tmp_path.glob("room.caller-[0-9]"))
-    assert kept == [f"room.caller-{k}" for k in range(7 - compiled._KEPT, 7)]
+    assert kept == [f"room.caller-{k}" for k in range(7 - compiled._KEPT_FOLDERS, 7)]
     assert len(list(tmp_path.glob("room.caller-more-*"))) == 7
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 _MARK = b"\nbladeroot sha256 "
 # Bytes at the end of a sealed file: the mark, the digest in hexadecimal and a line end.
 LENGTH = len(_MARK) + 64 + 1
-_BLOCK = 1 << 20
+_BLOCK_BYTES = 1 << 20  # that are read at a time
 
 
 def seal(path: str | Path) -> None:
@@ -52,7 +52,7 @@ def _digest(file, size: int) -> str:
     """Of the first `size` bytes of an open file."""
     digest, left = hashlib.sha256(), size
     file.seek(0)
-    while left and (block := file.read(min(left, _BLOCK))):
+    while left and (block := file.read(min(left, _BLOCK_BYTES))):
         digest.update(block)
         left -= len(block)
     return digest.hexdigest()

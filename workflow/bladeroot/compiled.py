@@ -25,9 +25,9 @@ from bladeroot.provenance import code_hash
 
 _LIBRARY = Path(__file__).parent
 # Folders of one module that are kept, the last used ones: branches that are worked on in turn.
-_KEPT = 4
+_KEPT_FOLDERS = 4
 # Seconds that a process waits for another that compiles the same function, which takes one or two.
-_PATIENCE = 120.0
+_PATIENCE_S = 120.0
 
 
 def njit(**options: object) -> Callable[[Callable], Callable]:
@@ -82,7 +82,7 @@ def _prune(place: Path, module: str) -> None:
     """Remove a module's folders but for the last used ones."""
     own = [one for one in place.glob(f"{module}-*") if one.name.rpartition("-")[0] == module]
     own.sort(key=lambda one: one.stat().st_mtime)
-    for old in own[:-_KEPT]:
+    for old in own[:-_KEPT_FOLDERS]:
         shutil.rmtree(old, ignore_errors=True)
 
 
@@ -126,7 +126,7 @@ class _Cache(FunctionCache):
 
     def _wait(self) -> bool:
         """Take the turn to compile; whether another had it before."""
-        last = time.monotonic() + _PATIENCE
+        last = time.monotonic() + _PATIENCE_S
         waited = False
         with suppress(OSError):  # a disk without locks: each compiles for itself
             self._turn = self._turn or open(self._sign, "a")  # noqa: SIM115

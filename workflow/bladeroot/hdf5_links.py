@@ -6,7 +6,8 @@ the memory from two kilobytes.
 """
 
 # A record or a set of matrices has a few dozen groups and variables, a few deep.
-MOST_OBJECTS, DEEPEST = 20_000, 16
+MOST_OBJECTS = 20_000  # groups and variables
+DEEPEST_GROUP = 16  # groups in each other
 
 
 def check_links(path: str) -> None:
@@ -25,8 +26,10 @@ def check_links(path: str) -> None:
         waiting = [(file["/"], "", 1)]
         while waiting:
             group, place, depth = waiting.pop()
-            if depth > DEEPEST:
-                raise ValueError(f"expected groups {DEEPEST} deep at most, got {place} ({path})")
+            if depth > DEEPEST_GROUP:
+                raise ValueError(
+                    f"expected groups {DEEPEST_GROUP} deep at most, got {place} ({path})"
+                )
             for name in group:
                 here = f"{place}/{name}"
                 count += 1

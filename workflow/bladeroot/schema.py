@@ -9,11 +9,11 @@ from typing import Any
 import yaml
 
 _SCHEMAS = Path(__file__).resolve().parent / "schemas"
-# What a document of this project never reaches: its largest file has 50 kB, its deepest node lies
-# nine deep. References (*name) count with all that they stand for, which can double at each line.
-LARGEST_BYTES, DEEPEST, MOST_NODES = 2_000_000, 40, 200_000
-# Whole numbers beyond are no longer told apart as floats.
-_LARGEST_WHOLE = 2**53
+# What a document of this project never reaches, and beyond which it is refused.
+LARGEST_BYTES = 2_000_000  # the largest has 50 kB
+DEEPEST_NESTING = 40  # of lists and keys in each other; the deepest node lies nine deep
+MOST_NODES = 200_000  # with all that references (*name) stand for, which can double at each line
+_LARGEST_WHOLE = 2**53  # up to which floats tell whole numbers apart
 _EXPONENT = re.compile(r"[-+]?[\d.]+[eE][-+]?\d+")  # a number in YAML only with point and sign
 
 
@@ -92,8 +92,10 @@ def _check_size(text: str) -> None:
                 sizes[name] = count - before
         elif isinstance(event, yaml.ScalarEvent):
             count += 1
-        if len(open_names) > DEEPEST:
-            raise ValueError(f"expected lists and keys nested {DEEPEST} deep at most, got more")
+        if len(open_names) > DEEPEST_NESTING:
+            raise ValueError(
+                f"expected lists and keys nested {DEEPEST_NESTING} deep at most, got more"
+            )
         if count > MOST_NODES:
             raise ValueError(
                 f"expected {MOST_NODES} values at most, references (*name) with all that they "

@@ -20,17 +20,18 @@ from bladeroot.provenance import canonical_json, environment
 from bladeroot.schema import parse_yaml
 
 FOLDER = "provenance"
-# Folders of results/ whose files no job takes as an input, and endings of what jobs make.
-_BESIDE = (FOLDER, "logs", "benchmarks")
-_MADE = {".nc", ".svg", ".html", ".json", ".vtu"}
-# Seconds; of nothing Snakemake takes as no time at all.
-_LONG_AGO = 1.0
+# Folders of results/ whose files no job takes as an input.
+_FOLDERS_BESIDE = (FOLDER, "logs", "benchmarks")
+# Endings of what jobs make.
+_MADE_SUFFIXES = {".nc", ".svg", ".html", ".json", ".vtu"}
+# The time (s) that an outdated file is given; 0 is none at all to Snakemake.
+_LONG_AGO_S = 1.0
 # Stands for the content of a file that changed while a job read it.
 UNSURE = "changed while it was read"
 # Seconds within which some disks give two changes of a file the same time.
-_TICK = 2.0
-# Bytes of the longest note that is read: what 100,000 records need.
-_LONGEST = 1 << 28
+_DISK_TICK_S = 2.0
+# The longest note that is read: what 100,000 records need.
+_LONGEST_NOTE_BYTES = 1 << 28
 
 
 class Contents:
@@ -65,7 +66,7 @@ class Contents:
             return known[1]
         begun, what = time.time(), _hash(path)
         # one that has just been written may be changed again without another time
-        if max(who[2:]) / 1e9 < begun - _TICK:
+        if max(who[2:]) / 1e9 < begun - _DISK_TICK_S:
             self._known[str(path)] = who, what
             self._read += 1
         return what
@@ -94,7 +95,7 @@ class Contents:
 
 def _read_json(path: Path) -> object:
     # a pipe has no end
-    if not (path.is_file() and path.stat().st_size < _LONGEST):
+    if not (path.is_file() and path.stat().st_size < _LONGEST_NOTE_BYTES):
         raise ValueError(f"{path} is not a note")
     return json.loads(path.read_text(encoding="utf-8"))
 
@@ -265,11 +266,13 @@ def unstated(results: Path, known: Iterable[str]) -> list[str]:
     named, found = set(known), []
     for folder, inside, files in os.walk(results):
         if Path(folder) == results:
-            inside[:] = [name for name in inside if name not in _BESIDE]
+            inside[:] = [name for name in inside if name not in _FOLDERS_BESIDE]
         if folder in named:  # an output that is a folder
             inside.clear()
             continue
-        paths = (os.path.join(folder, name) for name in files if Path(name).suffix in _MADE)
+        paths = (
+            os.path.join(folder, name) for name in files if Path(name).suffix in _MADE_SUFFIXES
+        )
         found += [path for path in paths if path not in named and not _hidden(path)]
     return found
 
@@ -294,10 +297,10 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
             os.unlink(path)  # jobs make no links; what it leads to is another's
             late[path] = "it is a link to another file"
     newest = max((_time(path) for one in stated for path in one["inputs"]), default=0.0)
-    newest, now = max(newest, 2 * _LONG_AGO), time.time()
+    newest, now = max(newest, 2 * _LONG_AGO_S), time.time()
     for path in _inputs_of(late, stated) - late.keys():
         # as some archives leave it, or of a clock that is ahead, which Snakemake refuses
-        if not _LONG_AGO < _time(path) <= now:
+        if not _LONG_AGO_S < _time(path) <= now:
             contents.set_time(path, min(newest, now))
     if any(_older_than_inputs(one, why) for one in stated):
         newest = max(now, newest)
@@ -309,7 +312,7 @@ def settle(results: Path, contents: Contents) -> dict[str, str]:
         if _time(path) < newest:
             contents.set_time(path, newest)
     for path in late:  # last: a current output may be another name of the same file
-        contents.set_time(path, _LONG_AGO)
+        contents.set_time(path, _LONG_AGO_S)
     contents.keep()
     return late
 

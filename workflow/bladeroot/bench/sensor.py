@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-_STEPS = 2**15 - 1
+_STEPS = 2**15 - 1  # of the converter's sixteen bits, to either side
 
 
 def read_velocity(

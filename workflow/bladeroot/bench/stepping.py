@@ -16,8 +16,8 @@ from bladeroot.bench.forces import ModalForces, no_forces, nonlinear_force
 from bladeroot.bench.sweep import copied, largest, own_give, settle_leading
 from bladeroot.compiled import njit
 
-_SWEEPS = 400
-_TOLERANCE = 1e-8
+_MOST_SWEEPS = 400  # over the sliders in a step
+_SLIP_TOLERANCE = 1e-8  # largest move that counts as none, over the limit
 
 
 @dataclass(frozen=True)
@@ -161,8 +161,8 @@ def run(
     )
     w = np.empty_like(slip)
     w[order] = slip
-    if sweeps >= _SWEEPS:
-        raise RuntimeError(f"the slip of a step did not settle in {_SWEEPS} sweeps")
+    if sweeps >= _MOST_SWEEPS:
+        raise RuntimeError(f"the slip of a step did not settle in {_MOST_SWEEPS} sweeps")
     start = 0.0 if state is None else 0.5 * float(np.sum((omega * state) ** 2))
     return Motion(
         velocity=velocity,
@@ -300,7 +300,10 @@ def _march(
                     slipped[j] = slip[j]
                     slip[j] = more
                 most = max(
-                    most, settle_leading(force, slip, guess, give, rho, limit, _TOLERANCE, _SWEEPS)
+                    most,
+                    settle_leading(
+                        force, slip, guess, give, rho, limit, _SLIP_TOLERANCE, _MOST_SWEEPS
+                    ),
                 )
                 sliding = True
                 for j in range(sliders):

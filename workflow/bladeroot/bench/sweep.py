@@ -6,7 +6,9 @@ import numpy as np
 
 from bladeroot.compiled import njit
 
-_NEAR = 0.8  # of its limit: what a step's slip of others may add is less as a rule
+# Part of its limit from which on a pair is near it: what the slip of others may add in a step is
+# less as a rule.
+_NEAR_LIMIT = 0.8
 
 
 @njit(cache=True)
@@ -80,7 +82,7 @@ def settle_leading(force, slip, before, give, rho, limit, tolerance, sweeps):
     for i in range(limit.size):
         p, q = 2 * i, 2 * i + 1
         reach = force[p] * force[p] + force[q] * force[q]
-        if slip[p] != 0.0 or slip[q] != 0.0 or reach > (_NEAR * limit[i]) ** 2:
+        if slip[p] != 0.0 or slip[q] != 0.0 or reach > (_NEAR_LIMIT * limit[i]) ** 2:
             pairs = i + 1
     lead = 2 * pairs
     copied(slip[:lead], before[:lead])

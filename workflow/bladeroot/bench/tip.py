@@ -6,11 +6,10 @@ import numpy as np
 
 from bladeroot.bench.stepping import Drive
 
-# Rise of the push as the tip comes back, its blow, and rise of the sine.
-_RETURN_S = 0.02
-_KNOCK_S = 0.001
-_SINE_RAMP_S = 0.02
-_TOUCH_S = 0.0001
+_RETURN_S = 0.02  # rise of the push as the tip comes back
+_KNOCK_S = 0.001  # its blow
+_SINE_RAMP_S = 0.02  # rise of the sine
+_TOUCH_S = 0.0001  # a touch during the decay
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from bladeroot.io.units import RAW, normal_unit
 from bladeroot.signal.recording import Recording
 from bladeroot.signal.spectral_peaks import peaks, spectrum
 
-SHOWN_LINES = 8
+SHOWN_LINES = 8  # spectral lines that are listed, the strongest
 
 
 @click.command()

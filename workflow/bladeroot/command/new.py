@@ -18,16 +18,19 @@ from bladeroot.io.units import RAW, normal_unit, quantity_of
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 
 FILL = "FILL_IN"
-# Lines that are so nearly such a multiple of another (relative) are its harmonics, or look alike.
-MULTIPLES, AT_A_MULTIPLE = (2, 3, 4, 5), 0.002
-# Where the mains hum, and how near a line is theirs.
-MAINS_HZ, AT_THE_MAINS = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0), 0.001
-# What of the time between two decays goes to the second: it must begin at rest.
-BEFORE = 0.02
+# A line is a harmonic of another, or looks like one, where it is nearly a multiple of it.
+HARMONIC_ORDERS = (2, 3, 4, 5)
+HARMONIC_TOLERANCE = 0.002  # relative distance from the multiple
+# A line is the mains' where it is nearly at one of these.
+MAINS_HZ = (50.0, 60.0, 100.0, 120.0, 150.0, 180.0)
+MAINS_TOLERANCE = 0.001  # relative distance
+# Part of the time between the begins of two decays that goes to the second: it must begin at rest.
+REST_BEFORE = 0.02
 # The name of a MATLAB cell up to its row: rows are measured in turn, columns at once.
 _CELL = re.compile(r".*\{\d+")
-# Numbers are checked, and their lines found, whatever the sheet has to give.
-_ANY_UNIT, _ANY_RATE = "m/s", 1.0
+# Stand in for what a file does not say and the sheet has to, so that its numbers are checked.
+_ANY_UNIT = "m/s"
+_ANY_SAMPLING_HZ = 1.0
 # What a row may lack, by the column that gives it.
 LACKING = {
     "unit": "unit of the numbers",
@@ -109,7 +112,7 @@ def looked_at(path: Path) -> Found:
             _ANY_UNIT if signal or unit is None else unit,
             where,
             found.time,
-            found.sampling_Hz if timed else _ANY_RATE,
+            found.sampling_Hz if timed else _ANY_SAMPLING_HZ,
             start_s=found.start_s,
             scale=found.scale,
         )
@@ -123,7 +126,7 @@ def looked_at(path: Path) -> Found:
 def description(title: str, modes: Sequence[float]) -> str:
     """The text of campaign.yaml."""
     overtones = harmonics(modes)
-    mains = [f for f in modes if any(abs(f / one - 1.0) < AT_THE_MAINS for one in MAINS_HZ)]
+    mains = [f for f in modes if any(abs(f / one - 1.0) < MAINS_TOLERANCE for one in MAINS_HZ)]
     overtones = {f: of for f, of in overtones.items() if f not in mains}
     named = [f for f in modes if f not in overtones and f not in mains]
     lines = [f"  m{k}: {{expected_Hz: {f:.4g}}}" for k, f in enumerate(named, 1)]
@@ -149,8 +152,8 @@ def harmonics(modes: Sequence[float]) -> dict[float, tuple[int, float]]:
         f: (n, base)
         for f in modes
         for base in modes
-        for n in MULTIPLES
-        if abs(f / (n * base) - 1.0) < AT_A_MULTIPLE
+        for n in HARMONIC_ORDERS
+        if abs(f / (n * base) - 1.0) < HARMONIC_TOLERANCE
     }
 
 
@@ -181,7 +184,7 @@ def sheet(found: Sequence[Found]) -> str:
 
 def parts(starts: Sequence[float]) -> list[tuple[str, str]]:
     """Columns `from_s` and `to_s` that give each decay a record, a little before it begins."""
-    edges = [f"{b - BEFORE * (b - a):.6g}" for a, b in pairwise(starts)]
+    edges = [f"{b - REST_BEFORE * (b - a):.6g}" for a, b in pairwise(starts)]
     return list(pairwise(["", *edges, ""]))
 
 

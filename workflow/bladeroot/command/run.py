@@ -18,8 +18,8 @@ _DONE = re.compile(r"^(\d+) of (\d+) steps")
 _STAGE = re.compile(r"^(?:Job \d+|localrule|rule): (.+)")
 _COUNT = re.compile(r"^(\S+) {2,}(\d+)$")
 _ENDED = re.compile(r"^Finished jobid: \d+ \(Rule: (\S+)\)")
-# How many short jobs one of a rule lasts as long as: measured (results/timings.csv).
-_LONG = {
+# By rule, how long a job lasts over a short one: measured (results/timings.csv).
+_DURATIONS = {
     "accuracy": 6, "amplitude": 8, "assembly_reduced": 7, "bench": 10, "calibrate": 60, "checks": 7,
     "diagnosis": 3, "frequency_maps": 3, "joint": 4, "matrices_reduced": 7, "nonlinear": 4,
     "parametric": 6, "reduced": 7, "ringdown": 10, "shortfall": 2, "slider": 2,
@@ -89,4 +89,4 @@ def followed(lines: Iterable[str], show, clock=time.monotonic) -> list[str]:
 
 
 def _long(rule: str) -> int:
-    return _LONG.get(rule.partition(".")[0], 1)
+    return _DURATIONS.get(rule.partition(".")[0], 1)

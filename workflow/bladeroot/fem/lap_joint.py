@@ -21,7 +21,7 @@ from bladeroot.fem.mesh import Mesh, block, extrude, mirrored
 from bladeroot.fem.outline import MM, Edge
 from bladeroot.fem.prestress import solve_free
 
-_SAME = 1e-8  # m
+_SAME_PLACE = 1e-8  # m, within which coordinates are the same
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def patch(
     nodes = mesh.nodes
     across = 2 * joint.elements[2]
     size = np.array([2.0 * joint.overlap / (2 * joint.elements[1]), joint.width / across])
-    inside = (abs(nodes[:, 2] - z) < _SAME) & (abs(nodes[:, 0]) < joint.overlap + _SAME)
+    inside = (abs(nodes[:, 2] - z) < _SAME_PLACE) & (abs(nodes[:, 0]) < joint.overlap + _SAME_PLACE)
     off = nodes[:, :2] - [x, 0.0]
     # a head smaller than the mesh still presses the nodes around its axis
     reach = max(radius, 1.01 * float(np.linalg.norm(size)))
@@ -135,8 +135,8 @@ def patch(
 def line_nodes(joint: LapJoint, mesh: Mesh, which: int) -> Int[ndarray, " node"]:
     """Nodes of the upper face's middle line in order of x, each point once over both half beams."""
     x, y, z = mesh.nodes.T
-    mine = x > joint.overlap + _SAME if which else x < joint.overlap + _SAME
-    found = np.flatnonzero(mine & (abs(y) < _SAME) & (abs(z - joint.height) < _SAME))
+    mine = x > joint.overlap + _SAME_PLACE if which else x < joint.overlap + _SAME_PLACE
+    found = np.flatnonzero(mine & (abs(y) < _SAME_PLACE) & (abs(z - joint.height) < _SAME_PLACE))
     return found[np.argsort(x[found])]
 
 

@@ -10,14 +10,15 @@ from jaxtyping import Float
 from numpy import ndarray
 
 # SuperLU solves a block of columns faster than one by one, but its work space grows with them.
-_COLUMNS = 128
-_SMALL = 8  # dofs for each mode up to which a dense solution is faster
-_BLOCK = 10  # columns of a Lanczos block
-_MOST = 12  # vectors for each mode before giving up
-_SINGULAR = 1e12  # growth of a random vector by the inverse, the diagonal scaled to 1
-_CONVERGED = 1e-9  # residual of a shape; its eigenvalue errs by the square
+_SOLVED_COLUMNS = 128
+_SINGULAR_GROWTH = 1e12  # of a random vector by a singular inverse, the diagonal scaled to 1
+# Block Lanczos for the lowest modes.
+_DENSE_DOFS = 8  # for each mode, up to which a dense solution is faster
+_BLOCK_COLUMNS = 10
+_MOST_VECTORS = 12  # for each mode, before giving up
+_CONVERGED = 1e-9  # relative residual of a shape; its eigenvalue errs by the square
 _PASSES = 3  # of orthogonalisation, which serve columns of any condition
-_LOST = 1e-13  # of the largest inner product: rounding
+_PRODUCT_ROUNDING = 1e-13  # of the largest inner product
 _INDEFINITE = (
     "expected a positive definite stiffness of {} dofs, got one that moves against a load: a sign, "
     "or mass and stiffness exchanged"
@@ -42,7 +43,7 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
     scale = np.sqrt(np.abs(matrix.diagonal()))  # so that units and stiff springs do not count
     probe = np.random.default_rng(0).standard_normal(matrix.shape[0])
     answer = scale * lu.solve(scale * probe)
-    if not np.linalg.norm(answer) < _SINGULAR * np.linalg.norm(probe):
+    if not np.linalg.norm(answer) < _SINGULAR_GROWTH * np.linalg.norm(probe):
         raise ValueError(_singular(matrix))
     if not probe @ answer > 0.0:
         raise ValueError(_INDEFINITE.format(matrix.shape[0]))
@@ -50,9 +51,9 @@ def factor(matrix: sp.csr_array) -> Callable[[ndarray], ndarray]:
     def solve(right: ndarray) -> ndarray:
         if right.ndim == 1:
             return lu.solve(right)
-        blocks = range(0, right.shape[1], _COLUMNS)
+        blocks = range(0, right.shape[1], _SOLVED_COLUMNS)
         return np.hstack(
-            [lu.solve(np.ascontiguousarray(right[:, k : k + _COLUMNS])) for k in blocks]
+            [lu.solve(np.ascontiguousarray(right[:, k : k + _SOLVED_COLUMNS])) for k in blocks]
         )
 
     return solve
@@ -82,7 +83,7 @@ def lowest_eigenpairs(
     vectors, so that the same input gives the same shapes. ValueError if it does not converge.
     """
     size = stiffness.shape[0]
-    if size <= _SMALL * count:
+    if size <= _DENSE_DOFS * count:
         weight, dense = (p.toarray() if sp.issparse(p) else p for p in (mass, stiffness))
         # of the inverse, too: the largest stiffness would set the rounding of the lowest modes
         try:
@@ -92,11 +93,11 @@ def lowest_eigenpairs(
         inverse, shapes = inverse[::-1][:count], shapes[:, ::-1][:, :count]
         return shift + 1.0 / inverse, _signed(shapes / np.sqrt(inverse))
     solve = factor(sp.csr_array(stiffness - shift * mass)) if solve is None else solve
-    block = np.random.default_rng(0).standard_normal((size, min(count, _BLOCK)))
+    block = np.random.default_rng(0).standard_normal((size, min(count, _BLOCK_COLUMNS)))
     block = solve(mass @ block)  # dofs without mass follow the others
     basis, weighted = np.empty((size, 0)), np.empty((size, 0))
     projected = np.empty((0, 0))
-    while basis.shape[1] <= min(_MOST * count + 4 * _BLOCK, size) - block.shape[1]:
+    while basis.shape[1] <= min(_MOST_VECTORS * count + 4 * _BLOCK_COLUMNS, size) - block.shape[1]:
         for _ in range(_PASSES):
             block -= basis @ (weighted.T @ block)  # rounding lets known directions in again
             weight = mass @ block
@@ -130,7 +131,7 @@ def _inverse_root(product: Float[ndarray, "k k"]) -> Float[ndarray, "k k"]:
     by a bounded factor, and the next pass sees it (shifted Cholesky QR, Fukaya et al. 2020).
     """
     values, vectors = np.linalg.eigh(product)
-    return vectors / np.sqrt(np.maximum(values, _LOST * values[-1]))
+    return vectors / np.sqrt(np.maximum(values, _PRODUCT_ROUNDING * values[-1]))
 
 
 def _signed(shapes: Float[ndarray, "dof mode"]) -> Float[ndarray, "dof mode"]:

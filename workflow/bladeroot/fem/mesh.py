@@ -20,9 +20,9 @@ FLANKS = ("Xn-bottom", "Xn-top", "Xp-bottom", "Xp-top")
 SLOTS = ("Xn", "Xp")
 # Sign of x and of z on each flank, in the order of FLANKS.
 _FLANK_SIGNS = ((-1, -1), (-1, 1), (1, -1), (1, 1))
-# Nodes closer than this are one node; an irrational step, so that round numbers such as mid-points
-# of tabulated coordinates never fall on a rounding boundary.
-_MERGE = np.pi * 1.0e-8
+# Nodes closer than this (m) are one node; an irrational step, so that round numbers such as
+# mid-points of tabulated coordinates never fall on a rounding boundary.
+_MERGE_DISTANCE = np.pi * 1.0e-8
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,10 @@ def extrude(blocks: list[Block], width: float, elements: int) -> Mesh:
     """Join blocks at coincident nodes and extrude them from -width/2 to width/2 along Y."""
     points = np.concatenate([grid.reshape(-1, 2) for grid, _ in blocks])
     _, first, merged = np.unique(
-        np.round(points / _MERGE).astype(np.int64), axis=0, return_index=True, return_inverse=True
+        np.round(points / _MERGE_DISTANCE).astype(np.int64),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
     )
     section = points[first]
     quads, parts, start = [], [], 0
@@ -194,7 +197,7 @@ def flank_nodes(structure: Structure, mesh: Mesh, flank: int) -> Int[ndarray, " 
     dx, dz = mesh.nodes[:, 0] - x0, mesh.nodes[:, 2] - z0
     along, off = dx * tx + dz * tz, dx * tz - dz * tx
     found = np.flatnonzero((abs(off) < 1e-8) & (along > -1e-8) & (along < length + 1e-8))
-    order = np.lexsort((mesh.nodes[found, 1], np.round(along[found] / _MERGE)))
+    order = np.lexsort((mesh.nodes[found, 1], np.round(along[found] / _MERGE_DISTANCE)))
     expected = 3 * (2 * structure.density.width + 1)
     if len(found) != expected:
         raise ValueError(f"flank {FLANKS[flank]}: expected {expected} nodes, found {len(found)}")

@@ -9,8 +9,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 MM = 1.0e-3
-_NEAR = 1e-6  # m; cuts nearer to an edge's end than this are none
-_STRAIGHT = 1e-3  # rad
+_LEAST_CUT = 1e-6  # m; cuts nearer to an edge's end are none
+_LEAST_HALF_TURN = 1e-3  # rad; a point of less is on a straight line and bears no fillet
 
 Point = tuple[float, float]
 
@@ -69,7 +69,7 @@ def outline(profile: Sequence[Point], fillets: Mapping[int, float]) -> list[Edge
                 f"{np.hypot(*np.subtract(other, one)) / MM:.2f} mm apart: {radii} "
                 f"need {needed / MM:.2f} mm"
             )
-        if end[0] - start[0] > _NEAR:
+        if end[0] - start[0] > _LEAST_CUT:
             edges.append(Edge(start, end))
         if k + 1 in arcs:
             edges.append(arcs[k + 1])
@@ -87,7 +87,7 @@ def _arc(profile: Sequence[Point], point: int, radius: float) -> Edge:
     back, forth = (np.array(profile[point + step]) - corner for step in (-1, 1))
     back, forth = back / np.hypot(*back), forth / np.hypot(*forth)
     half = 0.5 * np.arccos(np.clip(back @ forth, -1.0, 1.0))
-    if np.pi / 2 - half < _STRAIGHT:
+    if np.pi / 2 - half < _LEAST_HALF_TURN:
         raise ValueError(f"a fillet must be at a corner, got point {point} on a straight line")
     reach, middle = radius / np.tan(half), (back + forth) / np.hypot(*(back + forth))
     start, end, centre = (
@@ -108,9 +108,9 @@ def cut(edges: Sequence[Edge], x: float) -> tuple[list[Edge], list[Edge]]:
     """Edges before and after a position along X; the edge that lies across it in two."""
     before, after = [], []
     for edge in edges:
-        if edge.end[0] <= x + _NEAR:
+        if edge.end[0] <= x + _LEAST_CUT:
             before.append(edge)
-        elif edge.start[0] >= x - _NEAR:
+        elif edge.start[0] >= x - _LEAST_CUT:
             after.append(edge)
         else:
             at = (x, _height(edge, x))

@@ -10,7 +10,8 @@ from bladeroot.fem.modes import name_modes
 from bladeroot.fem.prestress import materials_of
 from bladeroot.fem.symmetry import reflections, symmetric_eigenpairs
 
-_MODES = 12
+_MODES = 12  # the free beam's six rigid motions among them
+# Below every eigenvalue of the free beam.
 _SHIFT = -((2 * np.pi * 1000.0) ** 2)
 
 

@@ -19,7 +19,7 @@ from bladeroot.fem.modes import mirror_nodes
 
 Matrix = sp.csr_array | Float[ndarray, "_ _"]  # sectors differ in size
 
-_MARGIN = 2  # modes of a sector beyond its even share that are sought at first
+_EXTRA_MODES = 2  # modes of a sector beyond its even share that are sought at first
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def sector_eigenpairs(
 
     within: stiffness and mass of each sector; solves: by its factor of stiffness - shift * mass.
     """
-    asked = [min(count // len(within) + _MARGIN, count, k.shape[0]) for k, _ in within]
+    asked = [min(count // len(within) + _EXTRA_MODES, count, k.shape[0]) for k, _ in within]
     done: list[tuple[ndarray, ndarray]] = [(np.empty(0), np.empty((0, 0)))] * len(within)
     waiting = [place for place, most in enumerate(asked) if most]
     while waiting:

@@ -13,22 +13,24 @@ from numpy import ndarray
 from bladeroot.fem.linear import lowest_eigenpairs
 from bladeroot.io.names import is_id
 from bladeroot.rom.assembly import frames
-from bladeroot.rom.bodies import LEAST_MAC, SEARCHED
+from bladeroot.rom.bodies import EXTRA_MODES, LEAST_MAC
 from bladeroot.rom.full import gaps_along
 from bladeroot.shipped_files import structure_file
 
-# Of the largest entry, by which a matrix may differ from its transpose.
-_SYMMETRIC = 1e-6
+# Largest difference of a matrix from its transpose, over its largest entry.
+_ASYMMETRY = 1e-6
 # Shift below the spectrum, over the lowest Rayleigh quotient of a single dof: keeps the factor away
 # from the rigid motions of free bodies.
 _SHIFT = 1e-3
-# Where the dovetail's modes are named by parity: N/m a flank, as the source finds, and N.
-_MIDDLE_STIFFNESS, _MIDDLE_FORCE = 2e9, 12e3
-# omega^2 below this part of the highest of so many modes without load is a rigid motion.
-_RIGID, _LOOKED_AT = 1e-7, 12
+# Contact and load at which the dovetail's modes are named by parity.
+_NAMING_STIFFNESS = 2e9  # N/m a flank, as the source finds
+_NAMING_FORCE = 12e3  # N
+# Rigid motions are sought among the lowest modes without load.
+_RIGID_SEARCHED = 12  # modes
+_RIGID_PART = 1e-7  # omega^2 over the highest of theirs, below which a mode is a rigid motion
 # omega^2 (rad^2/s^2) that some dof alone has in any structure that rings: exchanged matrices show
 # its inverse.
-_SLOWEST = 1.0
+_LEAST_OMEGA2 = 1.0
 
 
 @dataclass(frozen=True)
@@ -156,7 +158,7 @@ class Joint:
         load = load_number(load)
         names = tuple(names) or tuple(self.modes)
         orders = [self.modes[n] for n in names if not isinstance(self.modes[n], ndarray)]
-        count = max([len(self.modes), *orders]) + SEARCHED
+        count = max([len(self.modes), *orders]) + EXTRA_MODES
         values, shapes = self._elastic(np.asarray(ln_k, float), load, count)
         chosen = [self._column(name, shapes, values.size) for name in names]
         return NamedModes(np.sqrt(values[chosen]) / (2.0 * np.pi), shapes[:, chosen])
@@ -181,8 +183,8 @@ class Joint:
         """
         contact = sp.csr_array(sum(row.T @ row for row in self._rows))
         k = abs(self.stiffness).max() / abs(contact).max()
-        values, shapes = self._lowest(self.stiffness + (k or 1.0) * contact, _LOOKED_AT)
-        return shapes[:, values < _RIGID * values[-1]]
+        values, shapes = self._lowest(self.stiffness + (k or 1.0) * contact, _RIGID_SEARCHED)
+        return shapes[:, values < _RIGID_PART * values[-1]]
 
     @property
     def _rows(self) -> list[sp.csr_array]:
@@ -245,7 +247,7 @@ def _square(name: str, matrix) -> sp.csr_array:
     if not np.isfinite(made.data).all():
         raise ValueError(f"{name} must hold finite numbers")
     off = abs(made - made.T).max()
-    if off > _SYMMETRIC * abs(made).max():
+    if off > _ASYMMETRY * abs(made).max():
         raise ValueError(f"{name} must be symmetric, got differences up to {off:.3g}")
     return sp.csr_array(0.5 * (made + made.T))
 
@@ -267,7 +269,7 @@ def _refuse_exchanged(stiffness: sp.csr_array, mass: sp.csr_array) -> None:
     if (weight < 0.0).any() or not moving.any():
         raise ValueError(f"M must have masses on its diagonal, got from {weight.min():.3g} kg")
     highest = float(np.max(held[moving] / weight[moving]))
-    if 0.0 < highest < _SLOWEST:
+    if 0.0 < highest < _LEAST_OMEGA2:
         raise ValueError(
             f"expected K in N/m and M in kg, got no dof faster than {highest:.2g} rad^2/s^2 by "
             "itself: mass and stiffness exchanged, or units"
@@ -329,7 +331,7 @@ def _of_operator(operator, names: Sequence[str]) -> Joint:
     """A Joint of a reduced dovetail, whose modes are known by their shapes at one point."""
     from bladeroot.rom.joint import exact_modes
 
-    middle = np.array([*np.log([_MIDDLE_STIFFNESS] * 2), _MIDDLE_FORCE])
+    middle = np.array([*np.log([_NAMING_STIFFNESS] * 2), _NAMING_FORCE])
     shapes = exact_modes(operator, middle, names).shapes
     return Joint(
         sp.csr_array(operator.mass),

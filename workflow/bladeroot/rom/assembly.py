@@ -12,7 +12,7 @@ from numpy import ndarray
 from bladeroot.variables import dataset
 
 # Mass-weighted MAC above which a mode is the known one: no second one can have more.
-MATCHED = 0.5
+KNOWN_MODE_MAC = 0.5
 
 
 def assemble(reduced: xr.Dataset, force: float) -> xr.Dataset:
@@ -143,10 +143,10 @@ def _matched(
         if name not in known:
             raise ValueError(f"the structure knows modes {', '.join(known)}, not {name}")
         mac = (known[name] @ assembly["mass"].values @ shapes) ** 2
-        if not mac.max() > MATCHED:
+        if not mac.max() > KNOWN_MODE_MAC:
             raise ValueError(
                 f"no mode agrees with the shape of mode {name}: largest MAC {mac.max():.2f}, "
-                f"expected {MATCHED:g}"
+                f"expected {KNOWN_MODE_MAC:g}"
             )
         found[name] = int(np.argmax(mac))
     return found

@@ -15,7 +15,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
-from bladeroot.rom.assembly import MATCHED, frames, gap_rows, of_parity
+from bladeroot.rom.assembly import KNOWN_MODE_MAC, frames, gap_rows, of_parity
 from bladeroot.rom.joint import Joint, Operator
 from bladeroot.rom.reduction import craig_bampton, project, project_stiffness
 
@@ -23,16 +23,16 @@ from bladeroot.rom.reduction import craig_bampton, project, project_stiffness
 # mode agree to 0.9 and better; two modes on few points rarely to more than 0.5.
 LEAST_MAC = 0.7
 # Elastic modes that are searched for the named ones, beyond the highest order asked for.
-SEARCHED = 8
-# A second mode that agrees with a given shape and is nearer to the first one's MAC than this leaves
-# open which is meant: on few points two modes look alike.
-APART = 0.1
-# A mode that moves less than this part of its largest motion where and in the directions in which a
-# shape is given is none of which one would measure it: of a symmetric structure that is rounding.
-SEEN = 0.05
+EXTRA_MODES = 8
+# Where two modes agree with a given shape and their MACs differ by less, it is open which is meant:
+# on few points two modes look alike.
+MAC_DIFFERENCE = 0.1
+# A mode that moves less than this part of its largest motion, at the points and in the directions
+# of a given shape, is not the one that was measured: in a symmetric structure that is rounding.
+LEAST_MOTION = 0.05
 # omega^2 below this part of the shift is a rigid motion: rounding leaves less, and an elastic mode
 # lies far above, as the shift is a thousandth of what a single dof would have.
-RIGID = 1e-5
+RIGID_PART = 1e-5
 # What holds a free assembly while it is factored, over the least Rayleigh quotient of one dof.
 _SHIFT = 1e-3
 
@@ -211,9 +211,9 @@ def _named(reduced: xr.Dataset, modes: Mapping[str, Mapping]) -> Float[ndarray, 
     joint, where = joint_of_bodies(reduced), reduced.attrs["structure"]
     middle = np.append(np.log(box_of(reduced)).mean(axis=1), 0.0)
     orders = [one.get("order", one.get("number", 1)) for one in modes.values()]
-    count = min(2 * max([*orders, len(modes)]) + SEARCHED + 6, len(joint.mass))
+    count = min(2 * max([*orders, len(modes)]) + EXTRA_MODES + 6, len(joint.mass))
     values, shapes = Operator(joint, middle).lowest(count)
-    shapes = shapes[:, values > RIGID * joint.shift]
+    shapes = shapes[:, values > RIGID_PART * joint.shift]
     shown = np.einsum("daq,qm->dam", reduced["display_shape"].values, shapes)
     found = {name: _place(name, one, reduced, shown, where) for name, one in modes.items()}
     for name, place in found.items():
@@ -242,14 +242,14 @@ def _place(name: str, one: Mapping, reduced: xr.Dataset, shown: ndarray, where: 
     known = np.isfinite(given)
     seen = shown[known]
     mac = (given[known] @ seen) ** 2 / (given[known] @ given[known]) / (seen**2).sum(axis=0)
-    mac *= np.abs(seen).max(axis=0) >= SEEN * np.abs(shown).max(axis=(0, 1))
+    mac *= np.abs(seen).max(axis=0) >= LEAST_MOTION * np.abs(shown).max(axis=(0, 1))
     if not mac.max() >= LEAST_MAC:
         raise ValueError(
             f"no mode of the model agrees with the shape of mode {name}: largest MAC "
             f"{mac.max():.2f}, expected {LEAST_MAC:g} ({where})"
         )
     second, first = np.argsort(mac)[-2:] if count > 1 else (0, 0)
-    if count > 1 and mac[second] >= max(LEAST_MAC, mac[first] - APART):
+    if count > 1 and mac[second] >= max(LEAST_MAC, mac[first] - MAC_DIFFERENCE):
         raise ValueError(
             f"the shape of mode {name} is that of two modes of the model, numbers {first + 1} and "
             f"{second + 1} (MAC {mac[first]:.2f} and {mac[second]:.2f}): more points, or an order, "
@@ -294,5 +294,5 @@ def _dataset(
             ),
         },
         coords={"interface": [one.name for one in interfaces], "axis": list("XYZ")},
-        attrs={"structure": name, "kind": "assembly", "matched_from_MAC": MATCHED},
+        attrs={"structure": name, "kind": "assembly", "matched_from_MAC": KNOWN_MODE_MAC},
     )

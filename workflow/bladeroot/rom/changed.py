@@ -11,8 +11,8 @@ from bladeroot.rom import chebyshev
 from bladeroot.rom.parametric import frequencies, ritz_of, surface_of
 from bladeroot.rom.sensitivity import Change, changed_frequencies
 
-_POINTS = 200  # of the check
-_TOLERANCE = 1e-7  # of ln f
+_CHECK_POINTS = 200  # random ones, at which the sums are compared with solutions
+_TOLERANCE = 1e-7  # of ln f, of the sums
 
 
 def changed_model(model: xr.Dataset, changes: Mapping[str, Change]) -> xr.Dataset:
@@ -35,7 +35,7 @@ def changed_model(model: xr.Dataset, changes: Mapping[str, Change]) -> xr.Datase
         ])  # fmt: skip
 
     surface = chebyshev.fit(ln_frequency, low, high, _TOLERANCE)
-    unseen = np.random.default_rng(5).uniform(low, high, (_POINTS, 3))
+    unseen = np.random.default_rng(5).uniform(low, high, (_CHECK_POINTS, 3))
     error = np.abs(np.log(frequencies(surface, unseen)).T - ln_frequency(unseen)).max(axis=1)
     kept = model[["box", "error_bound"]].copy()
     attrs = model["ln_frequency"].attrs

@@ -13,8 +13,8 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 from numpy.polynomial import chebyshev
 
-_CHUNK = 8192  # points at a time: bounds the memory
-_MOST = 64  # coefficients along one coordinate
+_CHUNK_POINTS = 8192  # that are evaluated at a time: bounds the memory
+_MOST_COEFFICIENTS = 64  # along one coordinate
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _order(function, low: ndarray, high: ndarray, axis: int, tolerance: float) -
         return 1
     others = np.stack(np.meshgrid([-1.0, 1.0], [-1.0, 1.0]), axis=-1).reshape(-1, 2)
     others = np.vstack([others, 0.5 * others, np.zeros((1, 2))])
-    for count in (16, 32, _MOST):
+    for count in (16, 32, _MOST_COEFFICIENTS):
         line = np.empty((len(others), count, 3))
         line[:, :, axis] = _nodes(count)
         line[:, :, [k for k in range(3) if k != axis]] = others[:, None]
@@ -64,8 +64,8 @@ def _order(function, low: ndarray, high: ndarray, axis: int, tolerance: float) -
         if len(enough) and enough[0] <= count - 2:
             return max(int(enough[0]), 2)
     raise ValueError(
-        f"the frequencies are not smooth over the box: {_MOST} Chebyshev coefficients along "
-        f"{('ln kn', 'ln kt', 'the force')[axis]} leave {left[-2]:.1e} of ln f where "
+        f"the frequencies are not smooth over the box: {_MOST_COEFFICIENTS} Chebyshev coefficients "
+        f"along {('ln kn', 'ln kt', 'the force')[axis]} leave {left[-2]:.1e} of ln f where "
         f"{tolerance:.1e} is asked; narrow the box"
     )
 
@@ -114,7 +114,7 @@ def evaluate(
     Raises ValueError for a point outside the box.
     """
     x = _inside(surface, points)
-    chunks = [slice(k, k + _CHUNK) for k in range(0, max(len(x), 1), _CHUNK)]
+    chunks = [slice(k, k + _CHUNK_POINTS) for k in range(0, max(len(x), 1), _CHUNK_POINTS)]
     parts = [
         _evaluate(surface, x[one], order, None if function is None else function[one])
         for one in chunks

@@ -31,9 +31,10 @@ from bladeroot.fem.symmetry import (
 from bladeroot.rom.assembly import axis_of, find_modes
 from bladeroot.rom.reduction import beam_model, contact_dofs, force_stiffness
 
-_MODES = 12
-_CONVERGED = 1e-10  # of omega^2
-_STEPS = 30
+_SEARCHED_MODES = 12  # the lowest, among which the named ones are found
+# Each mode is followed from point to point of the box by steps of inverse iteration.
+_CONVERGED = 1e-10  # of omega^2, what a further step would change
+_MOST_STEPS = 30
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ def full_modes(
     middle = (*np.sqrt(low[:2] * high[:2]), 0.5 * (low[2] + high[2]))
     problems = [(_stiffness(one, *middle), one.mass) for one in within]
     solves = [factor(stiffness) for stiffness, _ in problems]
-    _, found = sector_eigenpairs(problems, solves, _MODES)
+    _, found = sector_eigenpairs(problems, solves, _SEARCHED_MODES)
     column = find_modes(full.seen, whole_shapes(parts, found)[full.view], names)
     values, shapes = (
         np.empty((len(points), len(names))),
@@ -242,7 +243,7 @@ def _followed(
     basis, wanted = shapes, shapes[:, chosen]
     image, heavy = stiffness @ basis, one.mass @ basis
     projected = basis.T @ image
-    for _ in range(_STEPS):
+    for _ in range(_MOST_STEPS):
         values, combination = np.linalg.eigh(0.5 * (projected + projected.T))
         places = np.abs(combination.T @ (heavy.T @ wanted)).argmax(axis=0)
         turn, values = combination[:, places], values[places]
@@ -258,4 +259,4 @@ def _followed(
         image = np.hstack([image, stiffness @ step])
         heavy = np.hstack([heavy, one.mass @ step])
         projected = basis.T @ image
-    raise ValueError(f"modes of the full model did not converge in {_STEPS} steps")
+    raise ValueError(f"modes of the full model did not converge in {_MOST_STEPS} steps")

@@ -26,11 +26,14 @@ from bladeroot.rom.joint import (
 )
 from bladeroot.rom.ritz import Ritz, contact_factor, residual_bound, solve
 
-_TRAINING = 250
-_TRAINED = 0.5  # of the tolerance, left at training points: the bound is larger between them
-_MOST = 60  # exact solutions
+# The basis of a mode grows by the exact solution at the training point of the largest error bound.
+_TRAINING_POINTS = 250  # random ones inside the box
+_TRAINING_PART = 0.5  # of the tolerance, which bounds must meet there: they are larger in between
+_MOST_SOLUTIONS = 60  # exact ones of a model, after which the box is refused
+# Whether it is one mode throughout.
 _SAME_MODE = 1e-5  # of omega^2: a basis that gives another value than its sample has swapped modes
 _COUPLED = 1e-6  # modal product of a sample and a neighbour, above which the two modes may mix
+# Vectors for perturbations of stiffness and mass.
 _LARGEST_CHANGE = 0.1  # of omega^2: the shape follows perturbations up to this one's size
 _LEFT_OUT = 1e-7  # of omega^2 that the answer to such a perturbation may lack
 
@@ -78,7 +81,7 @@ def find_bases(
     missed = [np.arange(len(training))] * len(names)
     wanted = corners
     while len(wanted):
-        if len(samples) + len(wanted) > _MOST:
+        if len(samples) + len(wanted) > _MOST_SOLUTIONS:
             raise ValueError(
                 f"the frequencies of {', '.join(names)} miss the tolerance {tolerance:g} after "
                 f"{len(samples)} exact solutions; narrow the box of stiffness or force"
@@ -125,7 +128,7 @@ def _worst(
     for places in (missed, np.arange(len(training))):
         points = training[places]
         bound = mode.amplification * residual_bound(mode.residual, solve(mode, points), points)
-        above = places[~(bound <= _TRAINED * tolerance)]
+        above = places[~(bound <= _TRAINING_PART * tolerance)]
         if len(above):
             return {int(places[bound.argmax()])}, above
     return set(), places
@@ -170,7 +173,7 @@ def _training(low: ndarray, high: ndarray) -> Float[ndarray, "point coordinate"]
     of_k = 5 if size <= 3 else 3  # more stiffnesses: the net would be all that is computed
     points = (*[of_k] * (size - 1), 3)
     net = [np.linspace(bottom, top, n) for bottom, top, n in zip(low, high, points, strict=True)]
-    inside = np.random.default_rng(3).uniform(low, high, (_TRAINING, size))
+    inside = np.random.default_rng(3).uniform(low, high, (_TRAINING_POINTS, size))
     return np.vstack([np.stack(np.meshgrid(*net), axis=-1).reshape(-1, size), inside])
 
 

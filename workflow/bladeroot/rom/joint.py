@@ -22,8 +22,8 @@ from bladeroot.fem.symmetry import sector_eigenpairs, whole_shapes
 from bladeroot.rom.assembly import assemble, find_modes, gap_rows
 from bladeroot.rom.joint_symmetry import JointSector, joint_sectors
 
-_MIRRORED = 1e-7  # m, of a pair's image from a pair
-_WITHIN = 1e-9  # of a shape's size that may lie outside its sector
+_MIRROR_DISTANCE = 1e-7  # m, within which a contact pair's mirror image is another pair
+_OUTSIDE_SECTOR = 1e-9  # of a shape's size that may lie outside its sector of symmetry
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Joint:
             distance = np.abs(place[:, None] * flip - place[None]).max(axis=2)
             image = distance.argmin(axis=1)
             turn = np.einsum("pla,a,pma->plm", frame[image], flip, frame)
-            kept = distance.min(axis=1).max() <= _MIRRORED
+            kept = distance.min(axis=1).max() <= _MIRROR_DISTANCE
             if kept and np.allclose(np.abs(turn), np.eye(3), atol=1e-9):
                 found.append((image, np.einsum("pll->pl", turn)))
         return found
@@ -280,7 +280,7 @@ class Operator:
         """The sector in which a shape lies; None if it has parts in several."""
         sizes = [np.linalg.norm(part.columns.T @ shape) for part in self._parts]
         found = int(np.argmax(sizes))
-        return found if sizes[found] > (1.0 - _WITHIN) * np.linalg.norm(shape) else None
+        return found if sizes[found] > (1.0 - _OUTSIDE_SECTOR) * np.linalg.norm(shape) else None
 
     def within(self, sector: int | None) -> "Operator":
         """The same for loads and motions of one sector alone, at a fraction of the cost."""
@@ -295,7 +295,7 @@ class Operator:
     def holds(self, loads: Float[ndarray, "dof column"]) -> bool:
         """Whether loads lie in the sectors of this operator alone."""
         left = loads - sum(part.columns @ (part.columns.T @ loads) for part in self._parts)
-        return bool(np.abs(left).max() <= _WITHIN * np.abs(loads).max())
+        return bool(np.abs(left).max() <= _OUTSIDE_SECTOR * np.abs(loads).max())
 
 
 def _solved(factor: ndarray, right: ndarray) -> ndarray:

@@ -14,7 +14,7 @@ from numpy import ndarray
 from bladeroot.fem.modes import mirror_nodes
 from bladeroot.fem.symmetry import Reflection, Sector, keeps, sectors
 
-_ALIKE = 1.0 - 1e-6  # correlation of a mode's inertia with its image's
+_IMAGE_CORRELATION = 1.0 - 1e-6  # least, of a mode's inertia with its mirror image's
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _reflection(
     if len(modes):
         other = np.abs(alike).argmax(axis=1)
         likeness = alike[np.arange(len(modes)), other]
-        if np.abs(likeness).min() < _ALIKE or len(np.unique(other)) < len(modes):
+        if np.abs(likeness).min() < _IMAGE_CORRELATION or len(np.unique(other)) < len(modes):
             return None
         image[modes], sign[modes] = modes[other], np.sign(likeness)
     return Reflection(image, sign)

@@ -18,7 +18,9 @@ MODES = ("1B", "2B")
 STIFFNESS = (1e8, 1e12)  # N/m, flank totals; the thesis searched 3.3e8 to 5e9
 FORCE = (0.0, 30e3)  # N
 TOLERANCE = 1e-7  # of the frequency, against the whole joint
-_BOUNDS, _EXACT = 500, 6  # points of the final check, and how many of them are solved exactly
+# The final check, at random points of the box.
+_CHECK_POINTS = 500  # at which the bound is evaluated
+_EXACT_POINTS = 6  # of these that are solved exactly
 
 
 def parametric_model(
@@ -64,19 +66,19 @@ def parametric_model(
 def _checks(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surface) -> dict:
     """Bound and errors at random points; the first of them are corners of the stiffness."""
     low, high = surface.low, surface.high
-    unseen = np.random.default_rng(4).uniform(low, high, (_BOUNDS, len(low)))
+    unseen = np.random.default_rng(4).uniform(low, high, (_CHECK_POINTS, len(low)))
     unseen[:4, :2] = [(a, b) for a in (low[0], high[0]) for b in (low[1], high[1])]
     projected = np.stack([frequency(solve(one, unseen).value) for one in ritzes])
     fast = frequencies(surface, unseen).T if surface.coefficients.size else projected
     bound = np.stack([error_bound(one, unseen) for one in ritzes])
-    exact = [frequency(exact_modes(joint, point, modes).values) for point in unseen[:_EXACT]]
+    exact = [frequency(exact_modes(joint, point, modes).values) for point in unseen[:_EXACT_POINTS]]
     exact = np.stack(exact, axis=1)
     return {
         "error_bound": (bound + np.abs(fast / projected - 1.0)).max(axis=1),
         "basis_bound": bound.max(axis=1),
-        "check_point": unseen[:_EXACT],
+        "check_point": unseen[:_EXACT_POINTS],
         "check_frequency": exact,
-        "check_error": fast[:, :_EXACT] / exact - 1.0,
+        "check_error": fast[:, :_EXACT_POINTS] / exact - 1.0,
     }
 
 
@@ -117,7 +119,7 @@ def _dataset(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surfac
             "mode",
             checks["error_bound"],
             "1",
-            f"largest bound of the relative error of frequency at {_BOUNDS} random points",
+            f"largest bound of the relative error of frequency at {_CHECK_POINTS} random points",
         ),
         "basis_bound": var("mode", checks["basis_bound"], "1", "the same of the basis alone"),
         "check_point": var(("check", "coordinate"), checks["check_point"], mixed, "checked points"),

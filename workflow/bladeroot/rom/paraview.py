@@ -22,7 +22,8 @@ VTK_NODES = np.array(
 )
 # Below every eigenvalue of the loaded free beam up to 30 kN.
 _SHIFT = -((2 * np.pi * 1000.0) ** 2)
-_BEAM, _JOINT = 12, 8
+_BEAM_MODES = 12  # six rigid motions among them
+_JOINT_MODES = 8
 
 
 def points_and_cells(
@@ -55,11 +56,11 @@ def mode_shapes(
     beam = np.unique(full.number[: 3 * nodes])
     beam = beam[beam >= 0]
     parts = [sp.csr_array(matrix[beam][:, beam]) for matrix in (loaded, full.mass)]
-    alone, shapes = lowest_eigenpairs(*parts, _BEAM, _SHIFT)
-    spread = np.zeros((full.mass.shape[0], _BEAM))
+    alone, shapes = lowest_eigenpairs(*parts, _BEAM_MODES, _SHIFT)
+    spread = np.zeros((full.mass.shape[0], _BEAM_MODES))
     spread[beam] = shapes
     springs = sp.csr_array(loaded + kn * full.normal + kt * full.tangential)
-    joined, joint = lowest_eigenpairs(springs, full.mass, _JOINT)
+    joined, joint = lowest_eigenpairs(springs, full.mass, _JOINT_MODES)
     return {
         **_named(f"beam at {force:g} N", alone, spread, full.number),
         **_named(f"joint at {force:g} N", joined, joint, full.number),

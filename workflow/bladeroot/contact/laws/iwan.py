@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from bladeroot.contact.laws.sliders import Sliders
 
-_DECADES = 5.0  # of stretch below phi_max that are resolved; the rest is one slider
+_RESOLVED_DECADES = 5.0  # of stretch below phi_max that are resolved; the rest is one slider
 
 
 def iwan(
@@ -35,7 +35,7 @@ def iwan(
             f"got {chi}, {beta}, {sliders}"
         )
     # In units of phi_max; R phi_max^(chi + 1) / (chi + 1) is the stiffness of all but the peak.
-    edge = np.append(0.0, np.geomspace(10.0**-_DECADES, 1.0, sliders - 1))
+    edge = np.append(0.0, np.geomspace(10.0**-_RESOLVED_DECADES, 1.0, sliders - 1))
     stiffness = np.append(np.diff(edge ** (chi + 1.0)), beta) / (1.0 + beta)
     force = np.append(np.diff(edge ** (chi + 2.0)) * (chi + 1.0) / (chi + 2.0), beta)
     share = force / force.sum()

@@ -12,10 +12,10 @@ from bladeroot.fem.elasticity import rigid_modes
 from bladeroot.rom.external.description import BODIES, Description, matrices_of
 from bladeroot.rom.external.matrix_file import read_matrix
 
-# Largest part of the change of stiffness with force that may not be linear in it.
-_LINEAR = 0.05
-# Energy of a rigid motion, relative to that of the diagonal alone, below which a body is free.
-_FREE = 1.0e-7
+# Largest deviation of the stiffness from a straight line over the force, over its whole change.
+_NONLINEARITY = 0.05
+# Energy of a rigid motion, over that of the diagonal alone, below which a body is free.
+_FREE_ENERGY = 1.0e-7
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def _line(
     )
     change = np.ptp(forces) * abs(slope).max()
     off = max(abs(m - zero - f * slope).max() for m, f in zip(matrices, forces, strict=True))
-    if not off <= _LINEAR * change:
+    if not off <= _NONLINEARITY * change:
         raise ValueError(
             "expected a stiffness that changes linearly with force, got a deviation of "
             f"{100 * off / max(change, 1e-300):.3g} % of its change ({where})"
@@ -195,7 +195,7 @@ def _check_held(body: Body) -> None:
     motions = motions / np.linalg.norm(motions, axis=0)
     energy = motions.T @ (body.stiffness @ motions)
     diagonal = motions.T @ (body.stiffness.diagonal()[:, None] * motions)
-    if not np.linalg.eigvalsh(energy)[0] >= _FREE * np.trace(diagonal) / 6:
+    if not np.linalg.eigvalsh(energy)[0] >= _FREE_ENERGY * np.trace(diagonal) / 6:
         raise ValueError(
             f"expected a slot that is held, got one that moves freely: fixed nodes are missing, or "
             f"positions and matrices do not belong together ({body.where})"

@@ -9,8 +9,10 @@ from bladeroot.rom.external.description import BODIES, Description
 from bladeroot.rom.external.nodes import BodyNodes
 from bladeroot.rom.external.tables import Table, floats, read_table, whole_numbers
 
-# Largest distance from symmetry about mid-span, and spread of a flank's normals.
-SYMMETRY, _NORMAL = 1.0e-3, 1.0e-3
+# Largest distance from symmetry about mid-span, over the distance of the two ends.
+MIDSPAN_TOLERANCE = 1.0e-3
+# Largest distance of a flank's unit normals from their mean.
+_NORMAL_TOLERANCE = 1.0e-3
 
 
 def contact_pairs(
@@ -92,7 +94,9 @@ def _check_pairs(
             f"({table.path})"
         )
     ends = [position[flank // 2 == end, 0, 0].mean() for end in (0, 1)]
-    if not ends[0] < 0 < ends[1] or abs(ends[0] + ends[1]) > SYMMETRY * (ends[1] - ends[0]):
+    if not ends[0] < 0 < ends[1] or abs(ends[0] + ends[1]) > MIDSPAN_TOLERANCE * (
+        ends[1] - ends[0]
+    ):
         raise ValueError(
             "expected the beam along X with its origin at mid-span, got flanks Xn around "
             f"x = {1e3 * ends[0]:.4g} mm and Xp around {1e3 * ends[1]:.4g} mm ({table.path})"
@@ -106,7 +110,7 @@ def _frame(table: Table, k: int, flank: ndarray, normals: ndarray) -> Float[ndar
     normal = unit.mean(axis=0)
     normal /= max(np.linalg.norm(normal), 1e-300)
     far = np.linalg.norm(unit - normal, axis=1)
-    if not far.max() <= _NORMAL:
+    if not far.max() <= _NORMAL_TOLERANCE:
         worst = int(mine[np.argmax(far)])
         raise ValueError(
             f"expected one normal for flank {FLANKS[k]}, got {normals[worst]} beside {normal} "

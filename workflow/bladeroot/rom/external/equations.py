@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from bladeroot.rom.external.labelled import abaqus_entries, labels_of, punch_entries
 from bladeroot.rom.external.reading import check_path
-from bladeroot.rom.external.tables import DIGITS, Table, whole_numbers
+from bladeroot.rom.external.tables import MOST_DIGITS, Table, whole_numbers
 
 # Displacements along X, Y, Z, then rotations about them, as ANSYS writes them.
 LABELS = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
@@ -100,14 +100,16 @@ def _from_labels(path: Path, place: dict[int, int], table: Path) -> Equations:
 
 
 def _hbmat_row(text: str, _: int) -> tuple[int, int, int] | None:
-    match = re.fullmatch(rf"\s*(\d{{1,{DIGITS}}})\s+(\d{{1,{DIGITS}}})\s+([A-Z]+)\s*", text)
+    match = re.fullmatch(
+        rf"\s*(\d{{1,{MOST_DIGITS}}})\s+(\d{{1,{MOST_DIGITS}}})\s+([A-Z]+)\s*", text
+    )
     if match is None or match[3] not in LABELS:
         return None
     return int(match[1]), int(match[2]), LABELS.index(match[3])
 
 
 def _calculix_row(text: str, number: int) -> tuple[int, int, int] | None:
-    match = re.fullmatch(rf"\s*(\d{{1,{DIGITS}}})\.([1-6])\s*", text)
+    match = re.fullmatch(rf"\s*(\d{{1,{MOST_DIGITS}}})\.([1-6])\s*", text)
     return None if match is None else (number, int(match[1]), int(match[2]) - 1)
 
 

@@ -12,8 +12,8 @@ import scipy.sparse as sp
 from bladeroot.rom.external import readers
 from bladeroot.rom.external.reading import check_order, check_path
 
-# Largest difference of the triangles, relative to the largest entry.
-SYMMETRY = 1.0e-9
+# Largest difference of a matrix from its transpose, over its largest entry.
+ASYMMETRY = 1.0e-9
 
 
 @cache
@@ -86,7 +86,7 @@ def _checked(found: sp.coo_array, where: str) -> sp.csr_array:
     matrix.sum_duplicates()
     matrix.eliminate_zeros()
     off = sp.coo_array(matrix - matrix.T)
-    if off.nnz and not np.abs(off.data).max() <= SYMMETRY * np.abs(matrix.data).max():
+    if off.nnz and not np.abs(off.data).max() <= ASYMMETRY * np.abs(matrix.data).max():
         row, column = (part[np.argmax(np.abs(off.data))] for part in off.coords)
         raise ValueError(
             f"expected a symmetric matrix, got {matrix[row, column]:.6g} in row {row + 1}, column "

@@ -6,7 +6,7 @@ from jaxtyping import Int
 from numpy import ndarray
 
 from bladeroot.fem.mesh import mesh_dataset
-from bladeroot.rom.external.contact import SYMMETRY, contact_pairs
+from bladeroot.rom.external.contact import MIDSPAN_TOLERANCE, contact_pairs
 from bladeroot.rom.external.description import Description
 from bladeroot.rom.external.nodes import BodyNodes, body_nodes
 
@@ -52,7 +52,7 @@ def _display(description: Description, beam: BodyNodes) -> Int[ndarray, " displa
     shown = np.array(found)
     shown = shown[np.argsort(beam.position[shown, 0])]
     x = beam.position[shown, 0]
-    if abs(x + x[::-1]).max() > SYMMETRY * (x[-1] - x[0]):
+    if abs(x + x[::-1]).max() > MIDSPAN_TOLERANCE * (x[-1] - x[0]):
         worst = int(np.argmax(abs(x + x[::-1])))
         raise ValueError(
             "expected nodes symmetric about mid-span, by which modes are named even or odd, got "

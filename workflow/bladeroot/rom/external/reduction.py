@@ -19,7 +19,7 @@ from bladeroot.rom.reduction import (
     reduced_dataset,
 )
 
-_CONTACT = 1.0e9  # stiffness of a flank (N/m) at which the two modes are looked for
+_NAMING_STIFFNESS = 1.0e9  # stiffness of a flank (N/m) at which the two modes are looked for
 
 
 def reduce_matrices(description: Description, mesh: xr.Dataset) -> xr.Dataset:
@@ -90,7 +90,7 @@ def _check_positive(matrix: sp.csr_array, where: str) -> None:
 
 def _check_modes(reduced: xr.Dataset, where: str) -> None:
     """The two modes of the measurement must be found among the joint's lowest."""
-    point = np.array([np.log(_CONTACT), np.log(_CONTACT), 0.0])
+    point = np.array([np.log(_NAMING_STIFFNESS), np.log(_NAMING_STIFFNESS), 0.0])
     try:
         exact_modes(joint_of_reduced(reduced), point, MODES)
     except ValueError as error:

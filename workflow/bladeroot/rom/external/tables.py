@@ -11,7 +11,7 @@ from numpy import ndarray
 
 from bladeroot.rom.external.reading import check_path
 
-DIGITS = 18  # of a whole number, so that it fits 64 bits
+MOST_DIGITS = 18  # of a whole number, so that it fits 64 bits
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,11 @@ def whole_numbers(table: Table, name: str, empty: int | None = None) -> Int[ndar
     for k, cell in enumerate(cells):
         if not cell and empty is not None:
             result[k] = empty
-        elif cell.isascii() and cell.isdigit() and len(cell) <= DIGITS and int(cell) > 0:
+        elif cell.isascii() and cell.isdigit() and len(cell) <= MOST_DIGITS and int(cell) > 0:
             result[k] = int(cell)
         else:
             raise ValueError(
-                f"{name} must be a whole number from 1, of {DIGITS} digits at most, got "
+                f"{name} must be a whole number from 1, of {MOST_DIGITS} digits at most, got "
                 f"{cell[:60]!r} ({table.where(k)})"
             )
     return result

@@ -13,7 +13,7 @@ from bladeroot.rom.external.reading import both_triangles, check_order, choose
 SUFFIXES = (".op4",)
 _SYMMETRIC = 6  # form: only a triangle need be stored
 _NUMBERS = re.compile(r"[\s\dEeDd+-]*\.[\s\dEeDd.+-]*")  # of a column; headers have no point
-_STRING = 65536  # a string's header packs its length and its first row
+_STRING_PACKING = 65536  # a string's header packs its length and its first row
 
 
 def read(path: str, variable: str | None = None) -> sp.coo_array:
@@ -49,7 +49,7 @@ def _matrix(lines: list[str], k: int, path: str) -> tuple[str, sp.coo_array, int
                 if len(lines[k].split()) > 2:
                     break
                 told = [int(word) for word in lines[k].split()]
-                at = told[1] if large else told[0] % _STRING
+                at = told[1] if large else told[0] % _STRING_PACKING
                 k += 1
             else:
                 at = row
