@@ -100,8 +100,8 @@ def test_of_too_many_backbones_an_even_part_is_drawn_and_said():
     many = [decay(f"r{k:03d}", force=1000.0 * (1 + k % 8)) for k in range(250)]
     chart = curve_figures.records(many)
     lines = [one for one in chart.traces if one.panel == 0]
-    assert len(lines) == curve_figures.MOST
-    assert chart.panels[0].title == f"mode 1B, {curve_figures.MOST} of 250 records"
+    assert len(lines) == curve_figures.MOST_RECORDS
+    assert chart.panels[0].title == f"mode 1B, {curve_figures.MOST_RECORDS} of 250 records"
     loads = [one.switches["axial force"] for one in lines]
     counts = [loads.count(one) for one in set(loads)]
     assert len(counts) == 8

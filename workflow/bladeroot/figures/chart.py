@@ -8,9 +8,9 @@ import xarray as xr
 from numpy import ndarray
 
 # Points of curves are drawn up to these relative standard errors; the artifacts hold them all.
-DRAWN = {"frequency": 1e-3, "loss_factor": 0.2}
+LARGEST_ERRORS = {"frequency": 1e-3, "loss_factor": 0.2}
 AMPLITUDE = "amplitude at the sensor / µm"
-_POINTS = 100  # of a curve: more are closer together than a pixel, and make the page larger
+_MOST_POINTS = 100  # of a curve: more are closer together than a pixel, and make the page larger
 
 
 @dataclass(frozen=True)
@@ -98,11 +98,11 @@ def runs(known: ndarray) -> list[slice]:
 
 def thinned(count: int) -> ndarray:
     """Indices of at most as many points as can be seen apart, evenly, with both ends."""
-    return np.unique(np.linspace(0, count - 1, min(count, _POINTS)).round().astype(int))
+    return np.unique(np.linspace(0, count - 1, min(count, _MOST_POINTS)).round().astype(int))
 
 
 def sure(curves: xr.Dataset, name: str) -> ndarray:
     """Values of a curve, NaN where their relative standard error exceeds what is drawn."""
     value = curves[name].values
-    known = curves[f"{name}_std"].values < DRAWN[name] * np.abs(value)
+    known = curves[f"{name}_std"].values < LARGEST_ERRORS[name] * np.abs(value)
     return np.where(known, value, np.nan)

@@ -13,7 +13,7 @@ from bladeroot.figures.style import force_colours
 from bladeroot.loads import shown, value_of
 
 # Records of a mode that are drawn: more hide each other, and each makes the page some 10 kB larger.
-MOST = 100
+MOST_RECORDS = 100
 MODES = 4  # that stand side by side
 _QUANTITIES = (
     ("frequency", "natural frequency / Hz", 1.0),
@@ -52,7 +52,7 @@ def means(curves: xr.Dataset) -> Chart | None:
 
 
 def records(decays: Sequence[xr.Dataset]) -> Chart | None:
-    """A curve a usable record; of more than `MOST` of a mode so many, evenly over their loads."""
+    """A curve a usable record; at most `MOST_RECORDS` of a mode, evenly over their loads."""
     decays = [decay for decay in decays if decay.sizes["point"]]
     if not decays:
         return None
@@ -168,11 +168,11 @@ def _label(load: float, factor: float, unit: str) -> str:
 
 
 def _spread(decays: Sequence[xr.Dataset]) -> list[xr.Dataset]:
-    """At most `MOST` of them, evenly over their loads."""
-    if len(decays) <= MOST:
+    """At most `MOST_RECORDS` of them, evenly over their loads."""
+    if len(decays) <= MOST_RECORDS:
         return list(decays)
     order = np.argsort([value_of(decay.attrs) for decay in decays], kind="stable")
-    kept = order[np.arange(MOST) * (len(decays) - 1) // (MOST - 1)]
+    kept = order[np.arange(MOST_RECORDS) * (len(decays) - 1) // (MOST_RECORDS - 1)]
     return [decays[k] for k in sorted(kept)]
 
 

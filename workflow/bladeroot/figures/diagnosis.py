@@ -10,7 +10,9 @@ from bladeroot.figures.chart import AMPLITUDE, Chart, Panel, Trace
 from bladeroot.figures.style import MEASURED, force_colours
 from bladeroot.loads import shown
 
-BEFORE, AFTER = "#b5462f", "#2a7f62"
+# Colours of the simulation before and after it is extended.
+BEFORE = "#b5462f"
+AFTER = "#2a7f62"
 
 
 def frequencies(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:

@@ -11,7 +11,7 @@ from bladeroot.figures.chart import Chart, Panel, Trace
 from bladeroot.figures.style import PUBLISHED, STRUCTURE_COLOURS
 
 _NAMES = {"kn": "kn of a flank / GN/m", "kt": "kt of a flank / GN/m"}
-_DRAWS = 700  # dots: more only blacken the cloud
+_MOST_DRAWS = 700  # dots: more only blacken the cloud
 
 
 def joint(
@@ -82,7 +82,7 @@ def _over_force(
 
 def _plane(panel: int, one: xr.Dataset, stiffness: xr.Dataset, colour: str) -> list[Trace]:
     draws = 1e-9 * one["reference_draw"].values
-    draws = draws[:: -(-len(draws) // _DRAWS)]
+    draws = draws[:: -(-len(draws) // _MOST_DRAWS)]
     posterior = {"shown": "joint posterior"}
     traces = [Trace(panel, draws[:, 0], draws[:, 1], "draw", colour, marker="o", size=1.5,
                     opacity=0.35, switches=posterior)]  # fmt: skip

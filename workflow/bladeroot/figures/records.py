@@ -15,7 +15,7 @@ from bladeroot.figures.style import (
 )
 from bladeroot.loads import value_of
 
-FEW = 2  # kinds of rejected records, and most masked ones, that are shown
+MOST_BAD = 2  # kinds of rejected records, and records with much masked, that are shown
 
 
 def cuts(records: Sequence[xr.Dataset]) -> Figure | None:
@@ -71,8 +71,8 @@ def worth_showing(
     masked = [r for r in usable if _masked(r) > 0.0 and r.attrs["record"] not in names]
     masked.sort(key=_masked, reverse=True)
     one_each = {r.attrs["fault"]: r for r in rejected if r.sizes["bin"]}
-    faulty = list(one_each.values())[:FEW]
-    return [*shown, *faulty, *masked[:FEW]]
+    faulty = list(one_each.values())[:MOST_BAD]
+    return [*shown, *faulty, *masked[:MOST_BAD]]
 
 
 def _representative(usable: Sequence[xr.Dataset]) -> list[xr.Dataset]:

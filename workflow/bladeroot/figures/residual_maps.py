@@ -11,8 +11,8 @@ from bladeroot.loads import shown
 
 _MODES = ("#1b3a5c", "#d08a1d", "#6a51a3", "#4c4c4c")
 _DIRECTIONS = {1.0: ("^", "loading"), -1.0: ("v", "unloading"), 0.0: ("o", "direction not known")}
-_LEFT = "measured less simulated, standard deviations"
-_LIMIT = 6.0  # standard deviations at the ends of the colours
+_COLOUR_LABEL = "measured less simulated, standard deviations"
+_COLOUR_LIMIT = 6.0  # standard deviations at the ends of the colours
 
 
 def records(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
@@ -104,5 +104,5 @@ def curves(found: Sequence[xr.Dataset], simulated: bool) -> Chart | None:
     return Chart(
         f"What is left of the curves over amplitude and {load}: blue where the measurement lies "
         "below what it is compared with, red above.",
-        panels, traces, scale=(_LEFT, _LIMIT), simulated=simulated,
+        panels, traces, scale=(_COLOUR_LABEL, _COLOUR_LIMIT), simulated=simulated,
     )  # fmt: skip

@@ -6,13 +6,13 @@ import xarray as xr
 from bladeroot.figures.chart import Chart, Panel, Trace
 from bladeroot.figures.style import MEASURED, PUBLISHED
 
-_SHOWN = 0.08  # s of the decay: to the last slip and somewhat further
-_OVER = "amplitude over the critical one"
+_SHOWN_S = 0.08  # of the decay: to the last slip and somewhat further
+_LABEL = "amplitude over the critical one"
 
 
 def slider(curves: xr.Dataset) -> Chart:
     """`curves` is `bladeroot.reproduction.slider_curves.slider_curves`."""
-    here = curves.isel(sample=slice(0, int(_SHOWN * curves.attrs["sampling_Hz"])))
+    here = curves.isel(sample=slice(0, int(_SHOWN_S * curves.attrs["sampling_Hz"])))
     time = 1e3 * np.arange(here.sizes["sample"]) / curves.attrs["sampling_Hz"]
     critical = curves.attrs["critical_amplitude_m"]
     read, balanced = (curves[n].values / critical for n in ("amplitude", "balanced_amplitude"))
@@ -20,10 +20,10 @@ def slider(curves: xr.Dataset) -> Chart:
     panels = [
         Panel("direct integration (fig. 3.7)", "time / ms", "velocity / m/s"),
         Panel("contact force; slip at the dotted lines", "time / ms", "contact force / N"),
-        Panel("FREEVIB on the decay (fig. 3.8)", _OVER, "frequency / Hz", x_log=True),
-        Panel("FREEVIB on the decay (fig. 3.8)", _OVER, "loss factor", x_log=True),
-        Panel("first harmonic of the contact (fig. 3.9)", _OVER, "stiffness over kt", x_log=True),
-        Panel("first harmonic of the contact (fig. 3.9)", _OVER, "damping over kt", x_log=True),
+        Panel("FREEVIB on the decay (fig. 3.8)", _LABEL, "frequency / Hz", x_log=True),
+        Panel("FREEVIB on the decay (fig. 3.8)", _LABEL, "loss factor", x_log=True),
+        Panel("first harmonic of the contact (fig. 3.9)", _LABEL, "stiffness over kt", x_log=True),
+        Panel("first harmonic of the contact (fig. 3.9)", _LABEL, "damping over kt", x_log=True),
     ]
     traces = [
         Trace(k, time, here[name].values, name, line="-", width=0.7)

@@ -17,7 +17,7 @@ from bladeroot.figures.style import (
     plain_log_scale,
 )
 
-_NAMED = 16  # options of a switch that a legend bears
+_MOST_OPTIONS = 16  # of a switch that a legend bears
 _WIDTH, _HEIGHT = 4.6, 2.7  # of a panel, inches
 
 
@@ -105,5 +105,7 @@ def _legend(chart: Chart) -> list[Line2D]:
         for kind, trace in first.items()
     ]  # fmt: skip
     names = [(option, traces[0].colour) for option, traces in coloured.items()]
-    shown = np.unique(np.linspace(0, len(names) - 1, min(len(names), _NAMED)).round().astype(int))
+    shown = np.unique(
+        np.linspace(0, len(names) - 1, min(len(names), _MOST_OPTIONS)).round().astype(int)
+    )
     return handles + [Line2D([], [], color=names[k][1], label=names[k][0]) for k in shown]

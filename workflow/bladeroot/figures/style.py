@@ -27,7 +27,7 @@ COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 STRUCTURE_COLOURS = ("#2a7f62", "#d08a1d", "#6a51a3", "#4c4c4c")
 MODE_COLOURS = {"1B": "#1b3a5c", "2B": "#8a4fa3"}
 _TICKS = 7  # at most, on a logarithmic axis
-_WIDE = 2.4  # decades: more have no room for the numbers between two powers of ten
+_WIDE_DECADES = 2.4  # more have no room for the numbers between two powers of ten
 SIMULATED_NOTE = "simulated records (virtual test bench)"
 
 mpl.rcParams |= {
@@ -125,7 +125,7 @@ def plain_log_scale(axis, name: str = "y") -> None:
     """A logarithmic axis (`x` or `y`) with plain numbers, as many as the range can bear."""
     axis.set(**{f"{name}scale": "log"})
     line = getattr(axis, f"{name}axis")
-    wide = np.ptp(np.log10(getattr(axis, f"get_{name}lim")())) > _WIDE
+    wide = np.ptp(np.log10(getattr(axis, f"get_{name}lim")())) > _WIDE_DECADES
     line.set_major_locator(LogLocator(subs=(1.0,) if wide else (1.0, 2.0, 5.0), numticks=_TICKS))
     line.set_minor_locator(NullLocator())
     line.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

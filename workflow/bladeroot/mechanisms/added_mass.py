@@ -6,14 +6,14 @@ from bladeroot.mechanisms.mechanism import Mechanism, Parameter
 from bladeroot.rom.ritz import Ritz
 from bladeroot.rom.sensitivity import Change, motion
 
-_STEP = 1e-3  # m
+_PLACE_STEP = 1e-3  # m, over which the derivative by the place is a difference
 
 
 def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
     """Mass (kg) at a place on the display line (m from its middle), moving with it."""
     mass, x = values
     first, last = float(ritz.display_x.min()), float(ritz.display_x.max())
-    reach = 0.5 * (last - first) - 1.01 * _STEP
+    reach = 0.5 * (last - first) - 1.01 * _PLACE_STEP
     x = 0.5 * (first + last) + float(np.clip(x, -reach, reach))
     none = np.zeros_like(ritz.beam)
 
@@ -21,7 +21,7 @@ def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
         rows = motion(ritz, place)
         return rows.T @ rows
 
-    along = (unit(x + _STEP) - unit(x - _STEP)) / (2.0 * _STEP)
+    along = (unit(x + _PLACE_STEP) - unit(x - _PLACE_STEP)) / (2.0 * _PLACE_STEP)
     here = unit(x)
     return Change(none, mass * here), [Change(none, here), Change(none, mass * along)]
 

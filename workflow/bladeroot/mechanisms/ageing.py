@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bladeroot.mechanisms.drift import MOMENT, MOMENTS, columns, share, step
+from bladeroot.mechanisms.drift import MOMENT, STEP_STARTS, columns, share, step
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-_EARLY = 10.0  # how much faster than in proportion bedding-in begins
+_EARLY_RATE = 10.0  # of a change that is fast at first, ln(1 + 10 u) with u from 0 to 1
 _BOTH = ("ln_kn", "ln_kt")
 
 
@@ -26,7 +26,7 @@ def _linear(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _fast_at_first(records: Records, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    course = np.log1p(_EARLY * records.clamping) / np.log1p(_EARLY)
+    course = np.log1p(_EARLY_RATE * records.clamping) / np.log1p(_EARLY_RATE)
     return course - 0.5, np.zeros((course.size, 1))
 
 
@@ -72,5 +72,5 @@ MECHANISM = MECHANISM.also(
     "kn and kt, at once",
     MOMENT,
     stick=law(step, _BOTH),
-    starts=tuple((0.1, at) for _, at in MOMENTS),
+    starts=tuple((0.1, at) for _, at in STEP_STARTS),
 )

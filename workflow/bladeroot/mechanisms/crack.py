@@ -6,7 +6,7 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-_FASTER = 3.0  # ln of how much faster it grows at the end than at first
+_LN_ACCELERATION = 3.0  # ln of the crack's growth at the end over that at first
 
 
 def law(course: Callable[[np.ndarray], np.ndarray]):
@@ -28,7 +28,7 @@ def _steady(u: np.ndarray) -> np.ndarray:
 
 
 def _faster(u: np.ndarray) -> np.ndarray:
-    return np.expm1(_FASTER * u) / np.expm1(_FASTER)
+    return np.expm1(_LN_ACCELERATION * u) / np.expm1(_LN_ACCELERATION)
 
 
 MECHANISM = Mechanism(

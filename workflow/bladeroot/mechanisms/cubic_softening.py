@@ -5,7 +5,7 @@ import numpy as np
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
 from bladeroot.mechanisms.over_amplitude import OWN_LOSS, of_spring
 
-REFERENCE_AMPLITUDE = 1e-5  # m
+REFERENCE_AMPLITUDE = 1e-5  # m, at which `fall` is stated
 
 
 def power(points: Points, values: np.ndarray) -> CurveEffect:

@@ -4,7 +4,7 @@ from functools import partial
 
 from bladeroot.mechanisms.drift import (
     MOMENT,
-    MOMENTS,
+    STEP_STARTS,
     TIME_CONSTANT,
     columns,
     linear,
@@ -28,5 +28,5 @@ MECHANISM = Mechanism(
     over=("time",),
     form="linear",
 ).also("saturating", TIME_CONSTANT, damping=partial(columns, saturating)).also(
-    "step", MOMENT, damping=partial(columns, step), starts=MOMENTS
+    "step", MOMENT, damping=partial(columns, step), starts=STEP_STARTS
 )  # fmt: skip

@@ -6,11 +6,11 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-# Change and moment, every twentieth of the clampings: a step shows no slope to records that are
-# away from it.
-MOMENTS = tuple((1e-3, float(np.log(k / (20 - k)))) for k in range(1, 20))
-WAVES = (1, 2, 3, 4)  # halves a campaign
-_EDGE = 0.015  # of the clampings, over which a step is smeared, so that a fit finds its place
+# Where a fit of a step begins: change, and coordinate of the moment, every twentieth of the
+# clampings; a step shows no slope to records that are away from it.
+STEP_STARTS = tuple((1e-3, float(np.log(k / (20 - k)))) for k in range(1, 20))
+HALF_WAVES = (1, 2, 3, 4)  # in a campaign, of any slow course
+_STEP_WIDTH = 0.015  # of the clampings, over which a step is smeared, so that a fit finds its place
 
 
 def columns(course: Callable, records: Records, values: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -49,8 +49,8 @@ def saturating(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.nda
 
 def step(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At once, after a part of the campaign's clampings: a pause has none."""
-    course = 0.5 * np.tanh((records.clamping - values[1]) / _EDGE)
-    slope = -(0.5 - 2.0 * course**2) / _EDGE
+    course = 0.5 * np.tanh((records.clamping - values[1]) / _STEP_WIDTH)
+    slope = -(0.5 - 2.0 * course**2) / _STEP_WIDTH
     return course, np.stack([np.zeros(course.size), slope], axis=1)
 
 
@@ -65,7 +65,7 @@ def periodic(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarr
 def wandering(records: Records, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Any slow course, as the weather's: a line and waves of one half to two a campaign."""
     t = share(records)
-    basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in WAVES)])
+    basis = np.column_stack([t - 0.5, *(np.cos(np.pi * k * t) for k in HALF_WAVES)])
     return basis @ values[1:], np.column_stack([np.zeros(t.size), basis])
 
 
@@ -97,7 +97,7 @@ MECHANISM = Mechanism(
     form="linear",
 ).also(
     "saturating", TIME_CONSTANT, stick=law(saturating), starts=((1e-3, float(np.log(0.1))),)
-).also("step", MOMENT, stick=law(step), over=("clamping",), starts=MOMENTS).also(
+).also("step", MOMENT, stick=law(step), over=("clamping",), starts=STEP_STARTS).also(
     "wandering",
     Parameter("change", "1", 2e-3, 1.0, 1e-7, 0.03, "of frequencies, as a size", log=True),
     *(
@@ -105,7 +105,7 @@ MECHANISM = Mechanism(
             f"part_{k}", "1", 0.0, 1.0 if k == 0 else 0.7 / k, -10.0, 10.0,
             "of a line, then of waves: slow ones are the larger",
         )
-        for k in (0, *WAVES)
+        for k in (0, *HALF_WAVES)
     ),
     keep=0,
     stick=law(wandering),

@@ -10,7 +10,7 @@ from bladeroot.mechanisms.mechanism import (
     StickEffect,
 )
 
-_EDGE = 0.05  # of ln F, over which a gauge changes its range
+_SWITCH_WIDTH = 0.05  # of ln F, over which a gauge changes its range
 
 
 def constant(records: Records, values: np.ndarray) -> StickEffect:
@@ -31,8 +31,8 @@ def two_ranges(records: Records, values: np.ndarray) -> StickEffect:
     """Another gain below the force at which the gauge changes its range; as stated at 12 kN."""
     gain, low, switch = values
     forces = np.append(records.force, REFERENCE_FORCE)
-    above = 0.5 * (1.0 + np.tanh(np.log(forces / switch) / _EDGE))
-    course, steep = low + (1.0 - low) * above, -2.0 * above * (1.0 - above) / _EDGE / switch
+    above = 0.5 * (1.0 + np.tanh(np.log(forces / switch) / _SWITCH_WIDTH))
+    course, steep = low + (1.0 - low) * above, -2.0 * above * (1.0 - above) / _SWITCH_WIDTH / switch
     slopes = np.stack([np.zeros(forces.size), 1.0 - above, (1.0 - low) * steep], axis=1)
     here, stated = course[:-1], course[-1]
     columns = gain * (slopes[:-1] - np.outer(here / stated, slopes[-1])) / stated

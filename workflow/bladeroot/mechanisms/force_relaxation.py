@@ -6,10 +6,11 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-# The loss is stated a decade of the time since the clamping, at ten minutes, in each form. Nobody
-# states that time: in one form it is a parameter, the other logarithmic and the power law have it
-# at the first record as their time constant, the stretched one has its usual value. s.
-_STATED, _FIRST = 600.0, 120.0
+# `loss` is in each form the loss in a decade of the time since the clamping, at ten minutes.
+_STATED_S = 600.0
+# Nobody states how long after the clamping the first record is: in one form it is a parameter, in
+# the other logarithmic one and the power law it is the time constant, in the stretched one this.
+_FIRST_RECORD_S = 120.0
 
 
 def logarithmic(records: Records, values: np.ndarray) -> StickEffect:
@@ -23,19 +24,19 @@ def logarithmic(records: Records, values: np.ndarray) -> StickEffect:
 def from_setting(records: Records, values: np.ndarray) -> StickEffect:
     """The same from the moment of setting, at which the force is read: some minutes before."""
     loss, tau, before = values
-    since, scale = records.since + before, 1.0 + tau / _STATED
+    since, scale = records.since + before, 1.0 + tau / _STATED_S
     decades = np.log10(1.0 + since / tau)
     by_before = loss * scale / ((tau + since) * np.log(10.0))
-    by_tau = loss * decades / _STATED - by_before * since / tau
+    by_tau = loss * decades / _STATED_S - by_before * since / tau
     return _effect(records, scale * decades, loss, by_tau, by_before)
 
 
 def stretched(records: Records, values: np.ndarray) -> StickEffect:
     """F (1 - c (exp(-(t0/tau)^beta) - exp(-((t0 + t)/tau)^beta))), t0 being two minutes."""
     loss, tau, beta = values
-    ends = np.array([np.zeros(records.since.size), records.since]) + _FIRST
+    ends = np.array([np.zeros(records.since.size), records.since]) + _FIRST_RECORD_S
     power = (ends / tau) ** beta
-    left, stated = np.exp(-power), (_STATED / tau) ** beta
+    left, stated = np.exp(-power), (_STATED_S / tau) ** beta
     scale = np.exp(stated) / (beta * stated * np.log(10.0))
     first, last = power * left
     by_beta = np.diff(power * left * np.log(ends / tau), axis=0)[0]
@@ -43,14 +44,14 @@ def stretched(records: Records, values: np.ndarray) -> StickEffect:
     return _effect(
         records, scale * gone, loss,
         loss * scale * beta / tau * (first - last + (1.0 - stated) * gone),
-        loss * scale * (by_beta + ((stated - 1.0) * np.log(_STATED / tau) - 1.0 / beta) * gone),
+        loss * scale * (by_beta + ((stated - 1.0) * np.log(_STATED_S / tau) - 1.0 / beta) * gone),
     )  # fmt: skip
 
 
 def power(records: Records, values: np.ndarray) -> StickEffect:
     """F (1 - c (1 - (1 + t/tau)^-p)): a fall that slows down over the decades."""
     loss, tau, order = values
-    ln, late = np.log1p(records.since / tau), np.log(_STATED / tau)
+    ln, late = np.log1p(records.since / tau), np.log(_STATED_S / tau)
     left = np.exp(-order * ln)
     scale = np.exp(order * late) / (order * np.log(10.0))
     course = scale * (1.0 - left)

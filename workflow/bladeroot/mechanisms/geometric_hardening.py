@@ -5,9 +5,11 @@ import numpy as np
 from bladeroot.mechanisms.mechanism import CurveEffect, Mechanism, Parameter, Points
 from bladeroot.mechanisms.over_amplitude import OWN_LOSS, of_spring
 
-_TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)  # part of a stop's stiffness at A = 2 gap
-_SPREAD = 0.25 * np.linspace(-2.5, 2.5, 21)  # of ln gap
-_WEIGHTS = np.exp(-0.5 * (_SPREAD / 0.25) ** 2) / np.exp(-0.5 * (_SPREAD / 0.25) ** 2).sum()
+# Part of a stop's stiffness that is felt at an amplitude of twice its gap.
+_PART_AT_TWICE = 2.0 / 3.0 - np.sqrt(3.0) / (2.0 * np.pi)
+# Normal distribution of ln gap about the law's, of a standard deviation of 0.25.
+_LN_GAP = 0.25 * np.linspace(-2.5, 2.5, 21)
+_GAP_WEIGHTS = np.exp(-0.5 * (_LN_GAP / 0.25) ** 2) / np.exp(-0.5 * (_LN_GAP / 0.25) ** 2).sum()
 
 
 def cubic(points: Points, values: np.ndarray) -> CurveEffect:
@@ -33,10 +35,10 @@ def stop(points: Points, values: np.ndarray) -> CurveEffect:
     """
     other = points.mode > 0
     gap = values[3] * np.where(other, values[4], 1.0)
-    s = np.minimum(gap[:, None] * np.exp(_SPREAD) / points.amplitude[:, None], 1.0)
-    touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _WEIGHTS
-    by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _WEIGHTS
-    scale = 1.5 * values[3] ** 2 / _TWICE
+    s = np.minimum(gap[:, None] * np.exp(_LN_GAP) / points.amplitude[:, None], 1.0)
+    touching = (1.0 - 2.0 / np.pi * (np.arcsin(s) + s * np.sqrt(1.0 - s**2))) @ _GAP_WEIGHTS
+    by_ln = (-4.0 / np.pi * s * np.sqrt(1.0 - s**2)) @ _GAP_WEIGHTS
+    scale = 1.5 * values[3] ** 2 / _PART_AT_TWICE
     return of_spring(
         points, values[:3], scale * touching,
         scale * (2.0 * touching + by_ln) / values[3],

@@ -4,8 +4,8 @@ import numpy as np
 
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
-FULL = 1.0 - np.exp(-1.0)  # part of a flank that touches at the seating force, in all forms
-_CORNER = 6.0  # how sharply growth ends at a threshold
+SEATED_PART = 1.0 - np.exp(-1.0)  # part of a flank that touches at the seating force, in all forms
+_CORNER_SHARPNESS = 6.0  # how sharply growth ends at a threshold
 
 
 def exponential(records: Records, values: np.ndarray) -> StickEffect:
@@ -23,7 +23,7 @@ def logistic(records: Records, values: np.ndarray) -> StickEffect:
     """The share 1 / (1 + (F/F')^-q), a logistic function of ln F."""
     seating, sharpness = values
     ln_ratio = np.log(records.force / seating)
-    away = np.exp(np.clip(-sharpness * ln_ratio, -30.0, 30.0)) * (1.0 - FULL) / FULL
+    away = np.exp(np.clip(-sharpness * ln_ratio, -30.0, 30.0)) * (1.0 - SEATED_PART) / SEATED_PART
     left = away / (1.0 + away)
     return _effect(-np.log1p(away), -left * sharpness / seating, left * ln_ratio)
 
@@ -31,12 +31,12 @@ def logistic(records: Records, values: np.ndarray) -> StickEffect:
 def threshold(records: Records, values: np.ndarray) -> StickEffect:
     """The share (F/F')^q up to the force F' and 1 above, with a short bend between."""
     seating, growth = values
-    steep = _CORNER * growth
-    ln_ratio = np.log(records.force / seating) + np.log(FULL) / growth
+    steep = _CORNER_SHARPNESS * growth
+    ln_ratio = np.log(records.force / seating) + np.log(SEATED_PART) / growth
     away = np.exp(np.clip(-steep * ln_ratio, -60.0, 60.0))
     left = away / (1.0 + away)
-    by_growth = left * (ln_ratio - np.log(FULL) / growth)
-    return _effect(-np.log1p(away) / _CORNER, -left * growth / seating, by_growth)
+    by_growth = left * (ln_ratio - np.log(SEATED_PART) / growth)
+    return _effect(-np.log1p(away) / _CORNER_SHARPNESS, -left * growth / seating, by_growth)
 
 
 def _effect(share: np.ndarray, by_seating: np.ndarray, by_shape: np.ndarray) -> StickEffect:

@@ -10,7 +10,7 @@ from bladeroot.mechanisms.mechanism import (
     StickEffect,
 )
 
-_LEAST = 0.05  # compliance over that at 12 kN
+_LEAST_COMPLIANCE = 0.05  # over that at 12 kN
 _DIFFERENCE = Parameter(
     "exponent_difference", "1", 0.0, 0.1, -0.6, 0.6, "kt less kn; Table 5.2 has -0.18, theory 0"
 )
@@ -33,8 +33,8 @@ def series(records: Records, values: np.ndarray) -> StickEffect:
     ratio = np.exp(-power * x)
     part = exponent / power
     plain = 1.0 + part * (ratio - 1.0)
-    soft = np.maximum(plain, _LEAST)
-    free = np.where(plain > _LEAST, 1.0 / soft, 0.0)
+    soft = np.maximum(plain, _LEAST_COMPLIANCE)
+    free = np.where(plain > _LEAST_COMPLIANCE, 1.0 / soft, 0.0)
     by_power = free * part * ((ratio - 1.0) / power + ratio * x)
     return _effect(x, -np.log(soft), -free * (ratio - 1.0) / power, difference, by_power)
 

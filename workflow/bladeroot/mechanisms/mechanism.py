@@ -24,10 +24,11 @@ REFERENCE_FORCE = 12e3  # N, where laws of the axial force are stated
 COORDINATES = ("ln_kn", "ln_kt", "force", "ln_f")  # what a `stick` law may change
 # What a law on records may be one of.
 VARIABLES = ("force", "time", "clamping", "since", "sign", "temperature")
-# Times the simulation's own part of the energy, and twice its error, that a share may be: the
-# flanks' ends, which move most, give way beyond their part.
-MARGIN = 1.5
-_FAR = 40.0  # of a bounded coordinate, where its parameter has met its limit
+# The most that a parameter with a `tie` may be, over the part of a mode's energy that the
+# simulation has in those springs, and twice its error: the flanks' ends, which move most, give way
+# beyond their part.
+SHARE_MARGIN = 1.5
+_AT_LIMIT = 40.0  # of a bounded coordinate, where its parameter has met its limit
 ENERGIES = ("tangential", "normal")  # contact springs whose part of a mode's energy bounds a share
 
 
@@ -95,7 +96,7 @@ class Parameter:
     def value(self, coordinate: float) -> float:
         """The parameter itself at a coordinate of the fit."""
         if self.bounded:
-            share = 1.0 / (1.0 + np.exp(-np.clip(coordinate, -_FAR, _FAR)))
+            share = 1.0 / (1.0 + np.exp(-np.clip(coordinate, -_AT_LIMIT, _AT_LIMIT)))
             return float(self.low + (self.high - self.low) * share)
         return float(np.exp(coordinate)) if self.log else float(coordinate)
 
@@ -319,8 +320,8 @@ def _tied(parameter: Parameter, energy: Sequence[float], doubt: float) -> Parame
         return replace(parameter, mean=float(np.clip(mean, parameter.low, parameter.high)))
     span = parameter.high - parameter.low
     part = min(float(energy[0]), span)
-    high = min(MARGIN * part * float(np.exp(2.0 * doubt)), span)
-    median = (parameter.mean - parameter.low) / span * min(MARGIN * part, high)
+    high = min(SHARE_MARGIN * part * float(np.exp(2.0 * doubt)), span)
+    median = (parameter.mean - parameter.low) / span * min(SHARE_MARGIN * part, high)
     return replace(
         parameter, mean=parameter.low + median, high=parameter.low + high,
         std=float(np.hypot(parameter.std, doubt)),

@@ -26,11 +26,10 @@ _POINTS = Points(
     amplitude=np.array([1e-7, 1e-5, 1e-7, 1e-5]),
     loss=np.full(4, 4e-3),
 )
-# Differences are taken over this part of the prior's standard deviation. A derivative may be off by
-# this part of the largest that the differences show: a wrong sign or factor is more.
-_STEP, _TOLERANCE = 1e-5, 0.1
-# Rounding of an effect, relative.
-_ROUNDING = 1e-11
+# Derivatives are compared with differences.
+_STEP = 1e-5  # of the prior's standard deviation, over which differences are taken
+_TOLERANCE = 0.1  # of the largest derivative: a wrong sign or factor is off by more
+_ROUNDING = 1e-11  # of an effect, relative
 
 # An effect with its derivatives, whose last axis is of the parameters.
 Effects = dict[str, tuple[ndarray, ndarray]]

@@ -17,23 +17,24 @@ from bladeroot.mechanisms.mechanism import REFERENCE_FORCE, CurveEffect, Paramet
 
 # Normal distribution of ln threshold, in standard deviations. Sliders begin to slip one by one, and
 # the loss has a kink where each does: with a coarser rule a fit finds a false maximum at each.
-_NODES = np.linspace(-4.5, 4.5, 121)
-_WEIGHTS = np.exp(-0.5 * _NODES**2) / np.exp(-0.5 * _NODES**2).sum()
+_NORMAL = np.linspace(-4.5, 4.5, 121)
+_NORMAL_WEIGHTS = np.exp(-0.5 * _NORMAL**2) / np.exp(-0.5 * _NORMAL**2).sum()
 # For distributions with a strongest slider: ln of thresholds over its own, or of the part of all
 # that is weaker; what lies further down slides whole in any record.
-_BELOW = np.linspace(-14.0, 0.0, 225)
-_EDGES = np.append(0.5 * (_BELOW[1:] + _BELOW[:-1]), 0.0)
-_PART = np.exp(_BELOW) * np.where(_BELOW < 0.0, 1.0, 0.5)  # trapezoidal rule
-_PART = _PART / _PART.sum()
-# Free distribution: places of ln threshold about the law's, each smeared by so much.
+_LN_WEAKER = np.linspace(-14.0, 0.0, 225)
+_CELL_ENDS = np.append(0.5 * (_LN_WEAKER[1:] + _LN_WEAKER[:-1]), 0.0)
+_EVEN_WEIGHTS = np.exp(_LN_WEAKER) * np.where(_LN_WEAKER < 0.0, 1.0, 0.5)  # trapezoidal rule
+_EVEN_WEIGHTS = _EVEN_WEIGHTS / _EVEN_WEIGHTS.sum()
+# A narrow normal distribution of ln threshold, in standard deviations.
+_NARROW = np.linspace(-2.0, 2.0, 17)
+_NARROW_WEIGHTS = np.exp(-0.5 * _NARROW**2) / np.exp(-0.5 * _NARROW**2).sum()
+# Free distribution: places of ln threshold about the law's, each a narrow distribution.
 PLACES = np.linspace(-3.2, 3.2, 9)
-_SMEAR = np.linspace(-2.0, 2.0, 17)
-_SMEARED = np.exp(-0.5 * _SMEAR**2) / np.exp(-0.5 * _SMEAR**2).sum()
-_WIDTH = 0.35
-# Of ln threshold, of sliders that give way together: a level's curve is a mean over clampings,
-# whose friction differs.
-_AGAIN = 0.15
-_LEAST = 0.02  # part of a mode's stiffness that is left at any amplitude
+_PLACE_STD = 0.35
+# Standard deviation of ln threshold of sliders that give way together: a level's curve is a mean
+# over clampings, whose friction differs.
+_TOGETHER_STD = 0.15
+_LEAST_STIFFNESS = 0.02  # part of a mode's stiffness that is left at any amplitude
 
 Array = Float[ndarray, "..."]
 Lost = Callable[[Array], tuple[Array, Array, Array, Array]]
@@ -90,7 +91,7 @@ def lift_off(z: Array) -> tuple[Array, Array, Array, Array]:
 
 def lognormal(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
     """Standard deviation of ln threshold: pressure that varies over the flank."""
-    return shape[0] * _NODES, _WEIGHTS, _NODES[:, None], np.zeros((_NODES.size, 1))
+    return shape[0] * _NORMAL, _NORMAL_WEIGHTS, _NORMAL[:, None], np.zeros((_NORMAL.size, 1))
 
 
 def power(shape: Float[ndarray, " 2"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
@@ -98,13 +99,14 @@ def power(shape: Float[ndarray, " 2"]) -> tuple[ndarray, ndarray, ndarray, ndarr
     the strongest, about which a part `shape[1]` of all sliders stands.
     """
     steep, at_once = shape
-    weaker = np.exp((1.0 + steep) * _EDGES)
-    part, by_steep = np.diff(weaker, prepend=0.0), np.diff(_EDGES * weaker, prepend=0.0)
-    by_weights = np.zeros((part.size + _SMEAR.size, 2))
+    weaker = np.exp((1.0 + steep) * _CELL_ENDS)
+    part, by_steep = np.diff(weaker, prepend=0.0), np.diff(_CELL_ENDS * weaker, prepend=0.0)
+    by_weights = np.zeros((part.size + _NARROW.size, 2))
     by_weights[: part.size] = np.column_stack([(1.0 - at_once) * by_steep, -part])
-    by_weights[part.size :, 1] = _SMEARED
+    by_weights[part.size :, 1] = _NARROW_WEIGHTS
     return (
-        np.append(_BELOW, _AGAIN * _SMEAR), np.append((1.0 - at_once) * part, at_once * _SMEARED),
+        np.append(_LN_WEAKER, _TOGETHER_STD * _NARROW),
+        np.append((1.0 - at_once) * part, at_once * _NARROW_WEIGHTS),
         np.zeros(by_weights.shape), by_weights,
     )  # fmt: skip
 
@@ -113,11 +115,11 @@ def rounded(shape: Float[ndarray, " 1"]) -> tuple[ndarray, ndarray, ndarray, nda
     """Cattaneo's and Mindlin's contact: stiffness falls by (1 - x/x_slip)^shape, one half for a
     sphere; slip begins at once, at the contact's edge.
     """
-    left = np.maximum(-np.expm1(_BELOW), 1e-6)
+    left = np.maximum(-np.expm1(_LN_WEAKER), 1e-6)
     root = left ** (1.0 / shape[0])
     nodes = np.log(np.maximum(1.0 - root, 1e-9))
     slope = np.where(1.0 - root > 1e-9, root * np.log(left) / (shape[0] ** 2 * (1.0 - root)), 0.0)
-    return nodes, _PART, slope[:, None], np.zeros((nodes.size, 1))
+    return nodes, _EVEN_WEIGHTS, slope[:, None], np.zeros((nodes.size, 1))
 
 
 def free(shape: Float[ndarray, " place"]) -> tuple[ndarray, ndarray, ndarray, ndarray]:
@@ -125,9 +127,9 @@ def free(shape: Float[ndarray, " place"]) -> tuple[ndarray, ndarray, ndarray, nd
     part = np.exp(shape - shape.max())
     part = part / part.sum()
     by_part = np.diag(part) - np.outer(part, part)
-    nodes = (PLACES[:, None] + _WIDTH * _SMEAR).ravel()
-    weights = (part[:, None] * _SMEARED).ravel()
-    by_weights = (by_part[:, None, :] * _SMEARED[:, None]).reshape(nodes.size, shape.size)
+    nodes = (PLACES[:, None] + _PLACE_STD * _NARROW).ravel()
+    weights = (part[:, None] * _NARROW_WEIGHTS).ravel()
+    by_weights = (by_part[:, None, :] * _NARROW_WEIGHTS[:, None]).reshape(nodes.size, shape.size)
     return nodes, weights, np.zeros((nodes.size, shape.size)), by_weights
 
 
@@ -167,7 +169,7 @@ def curve(points: Points, values: ndarray, element: Lost, spread: Spread) -> Cur
     loss_slope = dissipation * loss_slope
     loss_slope[:, 5] = loss
     # Frequency and loss factor go by the stiffness that is left.
-    left = np.maximum(1.0 - lost, _LEAST)
+    left = np.maximum(1.0 - lost, _LEAST_STIFFNESS)
     whole = (dissipation * loss + points.loss) / left
     return CurveEffect(
         0.5 * np.log(left), whole - points.loss, -0.5 * lost_slope / left[:, None],

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 _PREFIX = "rejected: "
-SHOWN = 10  # lines of a kind where a run ends
-MORE = (
+MOST_LINES = 10  # of a kind where a run ends
+WHERE_MORE = (
     "    more on them: in the report's chapters Measurement and Quality; "
     "what a finding means: docs/findings.md"
 )
@@ -33,7 +33,7 @@ def bad_lines(stick: xr.Dataset, judged: xr.Dataset) -> list[str]:
     """A line for each of a campaign's first bad records, how many more, and where to read more."""
     campaign, lines = stick.attrs["campaign"], []
     for word, bad in (("rejected", rejected(stick)), ("look at", unlike_repeats(judged))):
-        lines += [f"{word}: {name} of {campaign}: {why}" for name, why in bad[:SHOWN]]
-        if len(bad) > SHOWN:
-            lines.append(f"{word}: {len(bad) - SHOWN} more of {campaign}")
-    return [*lines, MORE] if lines else []
+        lines += [f"{word}: {name} of {campaign}: {why}" for name, why in bad[:MOST_LINES]]
+        if len(bad) > MOST_LINES:
+            lines.append(f"{word}: {len(bad) - MOST_LINES} more of {campaign}")
+    return [*lines, WHERE_MORE] if lines else []

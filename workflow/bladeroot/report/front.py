@@ -24,10 +24,10 @@ from bladeroot.report.verdict import (
 )
 from bladeroot.report.words import Words, judge_of, words_of
 
-_REFERENCE = 12e3  # N
-_FEW = 5  # records that are told by name; the chapters have them all
-_CARDS = 5  # modes that have a card of their own
-FOREIGN = 0.05  # relative move of a mode that no error of a model of the specimen explains
+_REFERENCE_FORCE = 12e3  # N, nearest to which kn and kt are shown
+_MOST_TOLD = 5  # bad records that are told by name; the chapters have them all
+_MOST_CARDS = 5  # modes that have a card of their own
+FOREIGN_CHANGE = 0.05  # of a frequency, relative, that no error of a model of the specimen explains
 
 
 def front_sections(
@@ -88,7 +88,7 @@ def _mode_cards(
     modes = list(facts["description"].get("modes", {})) or list(
         dict.fromkeys(stick["mode"].values.astype(str))
     )
-    for mode in modes[:_CARDS]:
+    for mode in modes[:_MOST_CARDS]:
         here = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
         if not here.sizes["level"]:
             frequency, loss = over.get(mode, (NONE, NONE))
@@ -110,8 +110,8 @@ def _mode_cards(
                 count = f"{records} of {every} records: the others have no plateau"
         lines = [f"loss factor {loss} %", ", ".join(filter(None, [where, count]))]
         cards.append((f"mode {mode}", f"{_hertz(here)} Hz", [line for line in lines if line]))
-    if len(modes) > _CARDS:
-        cards.append(("more modes", str(len(modes) - _CARDS), ["in the table below"]))
+    if len(modes) > _MOST_CARDS:
+        cards.append(("more modes", str(len(modes) - _MOST_CARDS), ["in the table below"]))
     return cards
 
 
@@ -243,7 +243,7 @@ def _of_stiffness(
         rows.append((alone, f"{found} of {tried} forces have a pair" if tried
                      else "no pair of frequencies to invert", _doubt(line)))  # fmt: skip
         for one, data, chapter in _together(structure, joints, amplitudes):
-            here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE).argmin()))
+            here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE_FORCE).argmin()))
             k = here["k_quantile"]
             found = {name: interval(k.sel(stiffness=name), 0.025, 3) for name in ("kn", "kt")}
             middle, ends = (listed([f"{n} {of[i]}" for n, of in found.items()]) for i in (0, 1))
@@ -284,7 +284,7 @@ def _doubt(line: xr.Dataset) -> str:
         return NONE
     needed = np.abs(line["needed_bias"].isel(force=np.flatnonzero(missed)))
     text = f"the model must move by {percent(float(needed.max('mode').min()), 2)} or more"
-    if float(needed.min("force").max()) > FOREIGN:
+    if float(needed.min("force").max()) > FOREIGN_CHANGE:
         text += ": this structure is not the specimen, or a mode is taken for another"
     return text
 
@@ -296,8 +296,8 @@ def _bad(stages: Mapping[str, xr.Dataset]) -> list:
         bad += unlike_repeats(stages["integrity"])
     if not bad:
         return ["No record is rejected or unlike its repeats."] if "integrity" in stages else []
-    more = [f"{len(bad) - _FEW} more stand in the chapters."] if len(bad) > _FEW else []
-    return [Box("Records to look at", [*(f"{n}: {why}." for n, why in bad[:_FEW]), *more])]
+    more = [f"{len(bad) - _MOST_TOLD} more stand in the chapters."] if len(bad) > _MOST_TOLD else []
+    return [Box("Records to look at", [*(f"{n}: {why}." for n, why in bad[:_MOST_TOLD]), *more])]
 
 
 def undecided(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[str]:

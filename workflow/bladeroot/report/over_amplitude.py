@@ -9,7 +9,7 @@ from bladeroot.report.words import Words, words_of
 from bladeroot.terms import length
 
 # Amplitudes that are shown: these in each decade of the quantity that was measured.
-ROUND = (1.0, 3.0)
+ROUND_AMPLITUDES = (1.0, 3.0)
 SLOPES = ("frequency_per_decade", "frequency_per_decade_std", "loss_factor_per_decade",
           "loss_factor_per_decade_std")  # fmt: skip
 # Unit of an amplitude in a table, how many are one in SI, and its power of the angular frequency.
@@ -82,7 +82,7 @@ def _values(level: xr.Dataset, words: Words) -> list[tuple[str, ...]]:
     metres = level["amplitude"].values[known]
     unit, amplitude = _measured(level, known)
     powers = np.arange(np.floor(np.log10(amplitude[0])), np.ceil(np.log10(amplitude[-1])) + 1)
-    asked = [one * 10.0**power for power in powers for one in ROUND]
+    asked = [one * 10.0**power for power in powers for one in ROUND_AMPLITUDES]
     asked = [one for one in asked if amplitude[0] <= one <= amplitude[-1]]
     rows = []
     for one in asked or [float(np.sqrt(amplitude[0] * amplitude[-1]))]:

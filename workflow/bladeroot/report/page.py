@@ -14,8 +14,8 @@ from bladeroot.figures.still import still
 from bladeroot.figures.style import svg
 from bladeroot.report.numbers import NONE
 
-_NAME = 16  # characters
-SHORT = 12  # rows of a table that stand there at once; the others are asked for
+_LONGEST_NAME = 16  # characters of a cell that does not break at its hyphens
+SHOWN_ROWS = 12  # of a long table that stand there at once; the others are asked for
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Table:
     @property
     def is_long(self) -> bool:
         """Whether only its first rows are shown; a few more are no reason to hide them."""
-        return not self.folded and len(self.rows) > 1.5 * SHORT
+        return not self.folded and len(self.rows) > 1.5 * SHOWN_ROWS
 
     def is_text(self, column: int) -> bool:
         """Whether a column holds words, which stand to the left; numbers stand to the right."""
@@ -47,7 +47,7 @@ class Table:
 
     def is_short(self, column: int) -> bool:
         """Whether no cell of a column is longer than a name, which must not break at its hyphen."""
-        return all(len(row[column]) <= _NAME for row in self.rows)
+        return all(len(row[column]) <= _LONGEST_NAME for row in self.rows)
 
 
 class Link(str):
@@ -133,7 +133,7 @@ def render(
         subtitle=subtitle,
         simulated=simulated,
         sections=sections,
-        short=SHORT,
+        short=SHOWN_ROWS,
         footer=footer,
         place=place or Place(),
         has_live=any(isinstance(p, Picture) and p.live for s in sections for p in s.parts),

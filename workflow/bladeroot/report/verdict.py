@@ -22,10 +22,11 @@ ANSWERS = {
 REFUSED = "not this specimen"
 QUIET = "nothing shows to be missing, some causes would not show"
 # Of a credible set, what is no mechanism.
-INSTEAD = {"none": "nothing at all", "none-of-these": "a cause outside the catalogue"}
-_SURE = 0.9  # probability above which a cause acts, whatever acts beside it
-NEAR = 3.0  # of log evidence, 20 to 1: below that one explains about as well as the other
-_SHOWN = 0.02  # least probability of a set that is told
+NO_MECHANISM = {"none": "nothing at all", "none-of-these": "a cause outside the catalogue"}
+_SURE_PROBABILITY = 0.9  # above which a cause acts, whatever acts beside it
+# Difference of log evidence, 20 to 1, below which one explains about as well as the other.
+NEAR_EVIDENCE = 3.0
+_TOLD_PROBABILITY = 0.02  # least one of a set of causes that is told
 CLASSES = {
     "amplitude": "an effect of the amplitude",
     "force-law": "a law of the load",
@@ -45,7 +46,7 @@ _UNITS = {
 
 def plain(name: str) -> str:
     """A mechanism's id, or what stands in its place, as words."""
-    return INSTEAD.get(name) or spelled(name)
+    return NO_MECHANISM.get(name) or spelled(name)
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ def supposed(cause: Mapping) -> str:
     """A cause's names with its probability, and those that may act in its place, or beside it."""
     text = f"{plain(cause['mechanism'])} ({chance(cause['probability'])})"
     others = [plain(n) for n in cause["credible_set"] if n != cause["mechanism"]]
-    beside = ", perhaps beside " if cause["probability"] > _SURE else " or "
+    beside = ", perhaps beside " if cause["probability"] > _SURE_PROBABILITY else " or "
     return text + beside * bool(others) + listed(others, "or")
 
 
@@ -179,7 +180,7 @@ def chance(probability: float) -> str:
 
 def odds(said: Mapping) -> list[str]:
     """The most probable sets of causes in a line."""
-    sets = [(name, p) for name, p in said["probabilities"].items() if p >= _SHOWN][:4]
+    sets = [(name, p) for name, p in said["probabilities"].items() if p >= _TOLD_PROBABILITY][:4]
     if not sets:
         return []
     every = [name.split("+") for name, _ in sets]
@@ -189,7 +190,7 @@ def odds(said: Mapping) -> list[str]:
         alone = larger * (" alone" if len(names) == 1 else " only")
         texts.append(f"{listed(list(map(plain, names)))}{alone} {chance(p)}")
     rest = sum(said["probabilities"].values()) - sum(p for _, p in sets)
-    texts += [f"all other sets together {chance(rest)}"] if rest > _SHOWN else []
+    texts += [f"all other sets together {chance(rest)}"] if rest > _TOLD_PROBABILITY else []
     return [f"Probabilities: {'; '.join(texts)}."]
 
 
@@ -302,7 +303,7 @@ def _open(said: Mapping) -> list[str]:
     """What is not excluded, for the records would hardly show it."""
     lines = []
     for cause in said.get("open", []):
-        names = [plain(name) for name in cause["credible_set"] if name not in INSTEAD]
+        names = [plain(name) for name in cause["credible_set"] if name not in NO_MECHANISM]
         lines.append(
             f"Not excluded, for these records would hardly show it: {listed(names, 'or')}. To "
             f"decide on the first: {cause['splitter']}."
@@ -360,7 +361,7 @@ def _barred_rivals(one: xr.Dataset, cause: Mapping) -> list[tuple[str, float, st
         and channel in own
         and kind != "smooth"
         and why
-        and evidence > cause["log_evidence"] - NEAR
+        and evidence > cause["log_evidence"] - NEAR_EVIDENCE
     ]
 
 
