@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bladeroot.io.campaign import CampaignError, load_campaign, stick_table
+from bladeroot.io.campaign import CampaignError, load_campaign
 from bladeroot.io.facts import diagnosis_facts, record_facts
 from bladeroot.io.load import force_scale
 from bladeroot.io.outliers import outliers
 from bladeroot.io.read import read
+from bladeroot.io.stick_rows import stick_table
 from bladeroot.pooling.stick import stick_from_table
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.io.campaign import stick_table
+from bladeroot.io.stick_rows import stick_table
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
 

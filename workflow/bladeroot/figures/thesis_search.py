@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from bladeroot.figures.style import PUBLISHED, panels
 
-NODES = 33
+NODES = 33  # of a flank in the thesis's model (6.16)
 _TO_NODAL = 1e-6 / NODES  # N/m of a flank to kN/mm of a node
 _CHOSEN = "#e0b000"
 _MODES = {"1B": "#1b3a5c", "2B": "#2a7f62"}

@@ -15,7 +15,6 @@ from bladeroot.io.rows import RECORD_COLUMNS, RecordRows
 from bladeroot.io.sheet import read_sheet
 from bladeroot.io.simulation import STRUCTURE, simulation_of
 from bladeroot.io.stick_rows import STICK_COLUMNS, VALUES, StickRows
-from bladeroot.io.stick_rows import stick_table as stick_table
 from bladeroot.schema import read_yaml
 
 NUMBERS = (

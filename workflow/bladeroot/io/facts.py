@@ -15,9 +15,14 @@ def record_facts(campaign: Campaign, row: Mapping) -> dict:
     modes, load = campaign.description["modes"], campaign.load
     expected = {name: expected_at(one, load, row["load"]) for name, one in modes.items()}
     own_Hz = expected.pop(row["mode"])
-    facts = {"expected_Hz": own_Hz, "other_modes_Hz": [*expected.values()]}
-    facts["simulated"] = campaign.simulated
-    return {**row, **modes[row["mode"]], **facts, **load_facts(load)}
+    return {
+        **row,
+        **modes[row["mode"]],
+        "expected_Hz": own_Hz,
+        "other_modes_Hz": [*expected.values()],
+        "simulated": campaign.simulated,
+        **load_facts(load),
+    }
 
 
 def observation_facts(campaign: Campaign) -> dict:

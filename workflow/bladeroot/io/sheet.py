@@ -7,7 +7,7 @@ from bladeroot.io.text import check_commas, decode, numeric, separator_of, unsur
 
 # Bytes of a sheet at most; one of ten thousand records has two million.
 LARGEST_BYTES = 50_000_000
-# Columns that begin with it are the owner's remarks, which nothing reads.
+# Columns that begin with it are a person's remarks, which justify what a row overrules.
 REMARK = "note"
 
 

@@ -7,6 +7,7 @@ from bladeroot.io.load import Load
 from bladeroot.schema import parse_yaml
 from bladeroot.shipped_files import structure_file
 
+# What a campaign's `simulation` may be besides a table's file name.
 NONE, STRUCTURE, ASSEMBLY = "none", "structure", "assembly"
 # Kinds of structure files that bring their own modes and bear any load; the others are dovetails.
 OF_ASSEMBLIES = ("assembly", "lap-joint")

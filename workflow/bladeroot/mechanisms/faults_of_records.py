@@ -20,7 +20,7 @@ def _fault(
 MECHANISMS = (
     _fault(
         "clipping", "the sensor or digitiser cuts off the peaks",
-        "a record at a wider range, or a smaller drive", "false alarms 0.3 %",
+        "a record at a wider range, or a smaller drive", "0.3 %",
     ),
     _fault(
         "mains-hum", "the mains hums in the signal", "a record without excitation; another ground",

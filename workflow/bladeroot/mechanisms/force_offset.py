@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bladeroot.mechanisms.drift import share
 from bladeroot.mechanisms.mechanism import Mechanism, Parameter, Records, StickEffect
 
 
@@ -14,7 +15,7 @@ def stick(records: Records, values: np.ndarray) -> StickEffect:
 def creeping(records: Records, values: np.ndarray) -> StickEffect:
     """An offset that was another at first: the zero creeps, fast and then ever slower."""
     offset, first, time = values
-    begun = records.time / records.span if records.span > 0.0 else 0.0 * records.time
+    begun = share(records)
     late = time / (time + begun)
     slopes = [1.0 + first * late, offset * late, offset * first * begun / (time + begun) ** 2]
     return StickEffect({"force": offset * slopes[0]}, {"force": np.column_stack(slopes)})

@@ -33,7 +33,10 @@ SPREAD = Parameter(
 
 
 def law(spread: Spread):
-    """The hook of Coulomb sliders with a distribution of thresholds."""
+    """The hook of Coulomb sliders with a distribution of thresholds.
+
+    Their loss is what they dissipate: the sixth value of `curve` is 1, and no parameter.
+    """
 
     def slip(points: Points, values: np.ndarray) -> CurveEffect:
         effect = curve(points, np.insert(values, 5, 1.0), element, spread)

@@ -36,12 +36,11 @@ ENERGIES = ("tangential", "normal")  # contact springs whose part of a mode's en
 class Parameter:
     """A parameter with its Gaussian prior; `low` and `high` are what is physically possible.
 
-    With `log` the prior is of the parameter's logarithm, with `bounded` of
-    ln((p - low)/(high - p)):
-    `mean` is then its median (in the parameter's own unit) and `std` that of this coordinate.
-    ratio: whether it is another mode's value over the first mode's; each mode from the second on
-    has its own (`per_mode`), of the mode of that number. tie: one of `ENERGIES` where it is a part
-    of a mode's stiffness, or such parts' ratio: the simulation's own part then bounds it.
+    The prior is of the parameter's logarithm with `log`, of ln((p - low)/(high - p)) with
+    `bounded`; `mean` is then its median (in the parameter's own unit) and `std` that of this
+    coordinate. ratio: whether it is another mode's value over the first mode's; each mode from the
+    second on has its own (`per_mode`), of the mode of that number. tie: one of `ENERGIES` where it
+    is a part of a mode's stiffness, or such parts' ratio: the simulation's own part then bounds it.
     """
 
     name: str

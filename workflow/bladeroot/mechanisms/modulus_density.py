@@ -10,11 +10,9 @@ from bladeroot.rom.sensitivity import Change, scaled
 def structure(ritz: Ritz, values: np.ndarray) -> tuple[Change, list[Change]]:
     """Modulus and density of beam and slots, relative to the model's."""
     modulus, density = values
-    none, stiff, mass = np.zeros_like(ritz.beam), np.zeros_like(ritz.beam), np.zeros_like(ritz.beam)
-    for part in ("beam_stiffness", "slot_stiffness"):
-        stiff = stiff + scaled(ritz, part).stiffness
-    for part in ("beam_mass", "slot_mass"):
-        mass = mass + scaled(ritz, part).mass
+    none = np.zeros_like(ritz.beam)
+    stiff = scaled(ritz, "beam_stiffness").stiffness + scaled(ritz, "slot_stiffness").stiffness
+    mass = scaled(ritz, "beam_mass").mass + scaled(ritz, "slot_mass").mass
     whole = Change(modulus * stiff, density * mass)
     return whole, [Change(stiff, none), Change(none, mass)]
 

@@ -1,4 +1,4 @@
-"""The files of a user's folder of mechanisms; what can be told of them without running them."""
+"""The files of a user's folder of mechanisms, and how one is run without harm to what reads it."""
 
 import os
 import signal

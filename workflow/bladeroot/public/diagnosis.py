@@ -10,8 +10,9 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from bladeroot.io.campaign import Campaign, load_campaign, stick_table
+from bladeroot.io.campaign import Campaign, load_campaign
 from bladeroot.io.facts import diagnosis_facts, observation_facts, record_facts
+from bladeroot.io.stick_rows import stick_table
 from bladeroot.schema import check, read_yaml
 from bladeroot.shipped_files import shipped, structure_file
 

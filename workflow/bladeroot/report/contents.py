@@ -42,7 +42,8 @@ from bladeroot.report.theory import COMPARED, TRACTIONS, theory_section
 from bladeroot.report.thesis_search import SETS, thesis_search_parts
 from bladeroot.report.words import CUTS, SPECTRA
 
-FRONT, INDEX = "report.html", "index.html"
+FRONT = "report.html"  # the first page, beside the chapters' folder
+INDEX = "index.html"  # the same inside it
 LIBRARY = "plotly.min.js"
 _TITLES = {
     "measurement": "Measurement",
@@ -112,7 +113,6 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
     judged, of_stick, of_records, *of_structures = _side_by_side(
         [_judged, _over_load, _of_records, *with_structure.values()], given, processes
     )
-    every = of_records.get("means", [])
     chapters = {
         "measurement": _measurement(given, of_records),
         "quality": [integrity_section(given.stages["integrity"])]
@@ -137,7 +137,7 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
             given.amplitudes,
             given.diagnoses,
             given.verdicts,
-            every or of_stick,
+            of_records.get("means") or of_stick,
             shows_it,
             where,
         )
@@ -260,12 +260,13 @@ def _that_shows_it(given: Material, judged: Mapping[str, list[Picture]]) -> list
     """The one figure of the verdict: that of the data in which the first cause is seen."""
     one, named = given.diagnoses[0], [c["mechanism"] for c in given.verdicts[0]["causes"]]
     channels = dict(zip(one["candidate"].values, one["channel"].values, strict=True))
-    if channels.get(named[0]) == "stick" if named else judged.get("stick"):
-        # the front page is about the main structure alone
-        if len(given.diagnoses) == 1:
-            return judged["stick"]
-        return pictures(diagnosis.frequencies(given.diagnoses[:1], given.simulated))
-    return judged.get("curve", [])
+    in_stick = channels.get(named[0]) == "stick" if named else bool(judged.get("stick"))
+    if not in_stick:
+        return judged.get("curve", [])
+    if len(given.diagnoses) == 1:
+        return judged["stick"]
+    # the front page is about the main structure alone
+    return pictures(diagnosis.frequencies(given.diagnoses[:1], given.simulated))
 
 
 def _diagnosis(given: Material, judged: Mapping[str, list[Picture]]) -> Section:

@@ -25,14 +25,6 @@ from bladeroot.report.verdict import (
 from bladeroot.report.words import judge_of, words_of
 
 
-def diagnosis_title(one: xr.Dataset) -> str:
-    """What the chapter is about."""
-    alone = judge_of(one).plural
-    return (
-        f"What {'linear modes do not explain' if alone else 'the simulation gets wrong'}, and why"
-    )
-
-
 def diagnosis_section(
     found: Sequence[xr.Dataset],
     verdicts: Sequence[Mapping],
@@ -45,7 +37,10 @@ def diagnosis_section(
     found, verdicts: of each structure, the main one first. remarks: what the verdict means for this
     campaign in particular.
     """
-    title = diagnosis_title(found[0])
+    alone = judge_of(found[0]).plural
+    title = (
+        f"What {'linear modes do not explain' if alone else 'the simulation gets wrong'}, and why"
+    )
     if found[0].attrs.get("refused"):
         head = f"{against(found[0], verdicts[0])}: {REFUSED}, nothing is inferred with it"
         return Section(title, [Box(head, [f"{said['reason']}." for said in verdicts])])

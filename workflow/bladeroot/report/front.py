@@ -60,7 +60,7 @@ def front_sections(
         Section("What was measured", [*measured]),
         Section(
             "The answer of each stage",
-            [_stages(facts, stages, joints, amplitudes, named, over, where)],
+            [_stages(facts, stages, joints, amplitudes, named[0], over, where)],
         ),
         Section("Verdict", [*told, *judged, *next_of(main, named[0])]),
         Section(
@@ -133,7 +133,7 @@ def _stages(
     stages: Mapping[str, xr.Dataset],
     joints: Sequence[xr.Dataset],
     amplitudes: Sequence[xr.Dataset],
-    verdicts: Sequence[Mapping],
+    said: Mapping,
     over: Mapping[str, tuple[str, str]],
     where: str,
 ) -> Table:
@@ -157,14 +157,13 @@ def _stages(
                   for k in ("kn", "kt")]  # fmt: skip
         rows.append((Link("contact theory", "theory"), f"{listed(theory)} GN/m",
                      "smooth, elastic; hardly grows with the force"))  # fmt: skip
-    for said in verdicts[:1]:
-        causes = listed([plain(cause["mechanism"]) for cause in causes_of(said)])
-        odds = list(said["probabilities"].items())[:1]
-        texts = [f"{plain(name).replace('+', ' and ')} ({chance(p)})" for name, p in odds]
-        sure = "; ".join(map(supposed, said["causes"])) or listed(texts) or NONE
-        name = f"diagnosis{', ' + said['structure'] if said['structure'] else ''}"
-        answer = answer_of(said) + (f": {causes}" if causes else "")
-        rows.append((Link(name, "diagnosis"), answer, sure))
+    causes = listed([plain(cause["mechanism"]) for cause in causes_of(said)])
+    odds = list(said["probabilities"].items())[:1]
+    texts = [f"{plain(name).replace('+', ' and ')} ({chance(p)})" for name, p in odds]
+    doubt = "; ".join(map(supposed, said["causes"])) or listed(texts) or NONE
+    name = f"diagnosis{', ' + said['structure'] if said['structure'] else ''}"
+    answer = answer_of(said) + (f": {causes}" if causes else "")
+    rows.append((Link(name, "diagnosis"), answer, doubt))
     if "ledger" in stages:
         verdict = stages["ledger"]["verdict"].values
         rows.append((Link("the source, number by number", "comparison"),
@@ -245,8 +244,8 @@ def _of_stiffness(
         for one, data, chapter in _together(structure, joints, amplitudes):
             here = one.isel(force=int(np.abs(one["force"].values - _REFERENCE_FORCE).argmin()))
             k = here["k_quantile"]
-            found = {name: interval(k.sel(stiffness=name), 0.025, 3) for name in ("kn", "kt")}
-            middle, ends = (listed([f"{n} {of[i]}" for n, of in found.items()]) for i in (0, 1))
+            known = {name: interval(k.sel(stiffness=name), 0.025, 3) for name in ("kn", "kt")}
+            middle, ends = (listed([f"{n} {of[i]}" for n, of in known.items()]) for i in (0, 1))
             rows.append(
                 (Link(f"kn, kt together, {structure}", chapter),
                  f"{middle} GN/m at {float(here['force']) / 1e3:.1f} kN, from {data}",

@@ -24,7 +24,7 @@ def joint_parts(found: Sequence[xr.Dataset], drawn: Sequence[Picture]) -> list:
         ]
     first = full[0]
     least = first.attrs["least_force_N"]
-    parts: list = [
+    return [
         "All forces at once. Every measured stick frequency"
         + (f" from {least / 1e3:g} kN up" if least else "")
         + " is explained together: kn and kt follow a law over the force, the model has one bias "
@@ -47,7 +47,6 @@ def joint_parts(found: Sequence[xr.Dataset], drawn: Sequence[Picture]) -> list:
         _laws(full),
         _variations(full),
     ]
-    return parts
 
 
 def _said(one: xr.Dataset) -> str:
@@ -77,14 +76,14 @@ def _said(one: xr.Dataset) -> str:
         f"{significant(abs(float(z[worst])), 2)} of its standard deviations. The draws "
         f"count as {one.attrs['independent_draws']:.0f} independent ones."
     )
-    prior = [
+    biased = [
         abs(float(one.sel(parameter=n)["posterior_mean"] / one.sel(parameter=n)["prior_std"]))
         for n in one["parameter"].values
         if str(n).startswith("bias_")
     ]
-    if max(prior) > 2.0:
+    if max(biased) > 2.0:
         text += (
-            f" The model's bias comes out at {significant(max(prior), 2)} of its own standard "
+            f" The model's bias comes out at {significant(max(biased), 2)} of its own standard "
             "deviations: this structure agrees with the measurement only if it is more wrong than "
             "was assumed."
         )

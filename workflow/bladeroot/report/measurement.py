@@ -32,7 +32,7 @@ def measurement_section(
 ) -> Section:
     """The specimen's campaign: gauge, modes, records, what was left out and why."""
     description = facts["description"]
-    parts: list = [part for part in (description.get("notes", ""),) if part]
+    parts: list = [description["notes"]] if description.get("notes") else []
     parts += gauge_sentence(description)
     if facts["entry"] == "stick frequencies":
         parts.append(

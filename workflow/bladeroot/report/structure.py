@@ -9,6 +9,7 @@ from bladeroot.report.calibration import calibration_parts
 from bladeroot.report.numbers import NONE, percent
 from bladeroot.report.page import Picture, Section, Table
 
+_HEADER = ("comparison", "quantity", "count", "largest residual", "limit", "within")
 SIDE = (
     "Structure {} seen from the side: 27-node hexahedra, or the nodes of matrices from another "
     "program. Above the beam and both slots, below one joint."
@@ -64,9 +65,6 @@ def _accuracy_rows(accuracy: xr.Dataset) -> list[tuple[str, ...]]:
         )
         for force in accuracy["force"].values
     ]
-
-
-_HEADER = ("comparison", "quantity", "count", "largest residual", "limit", "within")
 
 
 def _rows(check: xr.Dataset) -> list[tuple[str, ...]]:

@@ -7,7 +7,7 @@ import xarray as xr
 from bladeroot.report.numbers import fixed, listed, percent
 from bladeroot.report.page import Picture, Table
 
-NODES = 33
+NODES = 33  # of a flank in the thesis's model (6.16)
 SETS = (
     "Solution sets with {} (figs 5.11 to 5.13): lines of constant frequency, accepted points and "
     "the point of minimum error."

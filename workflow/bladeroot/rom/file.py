@@ -8,6 +8,7 @@ from bladeroot.fem.geometry import Structure, structure_from_mapping
 from bladeroot.schema import parse_yaml, read_yaml
 from bladeroot.shipped_files import structure_file
 
+# Kinds of structure files.
 ASSEMBLY, LAP_JOINT = "assembly", "lap-joint"
 
 
