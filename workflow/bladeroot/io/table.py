@@ -16,7 +16,7 @@ from bladeroot.io.sheet import read_sheet
 from bladeroot.terms import CONTACT
 
 AMPLITUDES = {"amplitude_m": 1.0, "amplitude_mm": 1e-3, "amplitude_um": 1e-6}
-_KNOWN = ("mode", *COLUMNS, "frequency_Hz", "loss_factor", *AMPLITUDES)
+_KNOWN_COLUMNS = ("mode", *COLUMNS, "frequency_Hz", "loss_factor", *AMPLITUDES)
 BY = "by_"
 # A share k phi'Kc phi / omega^2 of a mode's stiffness moves ln f by half of itself (5.16, in log
 # k), and all shares make 1.
@@ -34,7 +34,7 @@ def read_table(path: Path, description: dict, load: Load | None) -> pd.DataFrame
     """
     header = _header(path)
     own = tuple(name for name in header if name.startswith(BY) and len(name) > len(BY))
-    rows, faults = read_sheet(path, (*_KNOWN, *own), (*_KNOWN[1:], *own))
+    rows, faults = read_sheet(path, (*_KNOWN_COLUMNS, *own), (*_KNOWN_COLUMNS[1:], *own))
     cells = Cells(path.parent, path, description, load, faults, [])
     if not cells.required(rows, ("mode", "frequency_Hz")):
         raise ValueError("\n".join(faults))

@@ -23,7 +23,7 @@ USUAL = {
 }
 # What a digitiser says instead of motion; a sensitivity makes motion of it.
 RAW = ("V", "mV", "FS", "count")
-_TIMES = {
+_TIME_UNITS = {
     1.0: ("s", "sec", "secs", "second", "seconds"),
     1e-3: ("ms", "msec", "millisecond", "milliseconds"),
     1e-6: ("us", "usec", "microsecond", "microseconds"),
@@ -151,7 +151,7 @@ def quantity_of(name: str, unit: str | None) -> str | None:
 def seconds(unit: str) -> float | None:
     """Factor of a unit of time to seconds, None if it is no such unit."""
     text = unit.strip().strip("[]()").strip().translate(_SPELLINGS).lower()
-    return next((factor for factor, names in _TIMES.items() if text in names), None)
+    return next((factor for factor, names in _TIME_UNITS.items() if text in names), None)
 
 
 @cache

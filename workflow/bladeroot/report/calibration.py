@@ -6,7 +6,7 @@ from bladeroot.report.numbers import fixed, significant
 from bladeroot.report.page import Table
 
 # SI unit -> the unit shown, its size in SI, decimals.
-_SHOWN = {"m": ("mm", 1e-3, 2), "Pa": ("GPa", 1e9, 1), "kg/m3": ("kg/m³", 1.0, 0)}
+_SHOWN_UNITS = {"m": ("mm", 1e-3, 2), "Pa": ("GPa", 1e9, 1), "kg/m3": ("kg/m³", 1.0, 0)}
 
 
 def calibration_parts(one: xr.Dataset) -> list:
@@ -32,7 +32,7 @@ def calibration_parts(one: xr.Dataset) -> list:
 
 
 def _parameter(one: xr.Dataset) -> tuple[str, ...]:
-    unit, size, digits = _SHOWN[str(one["unit"].item())]
+    unit, size, digits = _SHOWN_UNITS[str(one["unit"].item())]
     keys = ("most_probable", "std", "prior_mean", "prior_std", "shipped")
     value, std, mean, wide, shipped = (fixed(one[key].item() / size, digits) for key in keys)
     return str(one["parameter"].item()), unit, value, std, f"{mean} ± {wide}", shipped
