@@ -75,23 +75,6 @@ def test_curve_like_that_of_a_bolted_beam():
         assert np.isnan(found["onset_amplitude"])
 
 
-@pytest.mark.parametrize("creep_Hz", [0.0, -0.1])
-def test_a_frequency_that_creeps_in_time_is_told_and_in_the_error(creep_Hz):
-    decay, _, _ = sticking(2)
-    time = decay["block_time"].values
-    turn = np.pi * creep_Hz / time[-1] * time**2
-    decay["block_phase"] = ("block", decay["block_phase"].values + turn)
-    found = plateau(decay)
-    if not creep_Hz:
-        assert found["verdict"] == "plateau"
-        assert np.isnan(found["creep"])
-        return
-    assert found["verdict"] == "plateau, but the frequency creeps on it"
-    on_it = time[decay["block_log_amplitude"].values < np.log(found["plateau_high_amplitude"])]
-    assert found["creep"] == pytest.approx(creep_Hz * np.ptp(on_it) / time[-1], rel=0.4)
-    assert found["stick_frequency_std"] > 0.25 * abs(found["creep"])
-
-
 def test_square_law_is_a_plateau_when_its_rest_is_below_the_error():
     found = plateau(blocks(0, power_law(2.0)))
     assert found["verdict"] == "plateau"

@@ -59,7 +59,7 @@ def test_no_mean_is_taken_over_groups_or_sensors():
 def plateau(group, event, sensor, value, std=1e-3):
     names = ("stick_frequency", "loss_factor", "onset_amplitude")
     numbers = {name: value for name in names} | {f"{name}_std": std for name in names}
-    numbers |= {name: np.nan for name in ("onset_low", "onset_high", "onset_time", "creep",
+    numbers |= {name: np.nan for name in ("onset_low", "onset_high", "onset_time",
                 "plateau_low_amplitude", "plateau_high_amplitude", "plateau_weight", "onset_bound",
                 "frequency_bound", "frequency_bound_std", "limit_low", "limit_high")}  # fmt: skip
     facts = {"mode": "m1", "group": group, "event": event, "sensor": sensor, "load": 0.0,

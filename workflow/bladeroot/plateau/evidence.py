@@ -164,22 +164,6 @@ def excess_variance(rest: Float[ndarray, " group"]) -> float:
     return max(1.0, float(square) / max(rest.size - 4, 1)) * (1.0 + alike) / (1.0 - alike)
 
 
-def creep(segment: Segment) -> tuple[float, float]:
-    """By how much the rate of phase (rad/s) changes along a segment, and that over its error.
-
-    A parabola of time in the phase; zero where the groups are too few to tell.
-    """
-    if segment.time.size < LINE_FEWEST_GROUPS:
-        return 0.0, 0.0
-    frame = framed(segment)
-    about = segment.time - segment.time.mean()
-    bow = about**2 / segment.std
-    bow = bow - (bow @ frame.line) @ frame.line.T
-    size = bow @ frame.y[1] / (bow @ bow)
-    error = np.sqrt(excess_variance(frame.y[1] - size * bow) / (bow @ bow))
-    return float(2.0 * size * np.ptp(about)), float(abs(size) / error)
-
-
 def with_lines_below(
     found: Fits, segment: Segment, onsets: Float[ndarray, " onset"], channel: int
 ) -> Fits:

@@ -17,7 +17,6 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.plateau.capture import sudden_onset
-from bladeroot.plateau.evidence import creep
 from bladeroot.plateau.posterior import CENTRAL_INTERVALS, SHORTEST_PLATEAU, Mixture, Weighed
 from bladeroot.plateau.segment import cubic, grouped
 from bladeroot.plateau.weigh import STATED_PLATEAU_WEIGHT, weigh
@@ -30,7 +29,6 @@ FEWEST_BLOCKS = 12
 # Standard error (ln A and rad) of a block.
 BLUNT_STD = 0.15  # one that is worse is not used
 SHARP_STD = 1e-3  # one that is better gives ln A for the laws itself, instead of the smoothed curve
-CREEP_ERRORS = 5.0  # standard errors from which on a change of frequency on the plateau counts
 
 
 def plateau(decay: xr.Dataset) -> dict[str, float | str]:
@@ -41,9 +39,9 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
 
     Returns:
         Table `record` of variables.csv, and `verdict`; NaN where there is none. The spread over
-        the laws is in the standard errors, and so is a creep that shows. When the curve may still
-        bend at the smallest usable amplitude, stick_frequency is NaN, and frequency_bound is the
-        frequency there; by a law that saturates the limit may lie outside limit_low to limit_high.
+        the laws is in the standard errors. When the curve may still bend at the smallest usable
+        amplitude, stick_frequency is NaN, and frequency_bound is the frequency there; by a law
+        that saturates the limit may lie outside limit_low to limit_high.
     """
     result: dict[str, float | str] = dict.fromkeys(RECORD_VARIABLES, np.nan)
     result["plateau_reached"] = 0
@@ -95,19 +93,13 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
             "verdict": "plateau not reached",
         }
     result |= ends
-    verdict, high = "plateau", result["plateau_high_amplitude"]
-    change, clear = creep(segment.below(np.log(high))) if np.isfinite(high) else (0.0, 0.0)
-    if clear > CREEP_ERRORS:
-        omega_std = float(np.hypot(omega_std, change / np.sqrt(12.0)))
-        result["creep"] = change / (2.0 * np.pi)
-        verdict = "plateau, but the frequency creeps on it"
     fallen = np.minimum.accumulate(np.log(amplitude))
     return result | {
         "stick_frequency": frequency,
         "stick_frequency_std": omega_std / (2.0 * np.pi),
         "onset_time": float(np.interp(-np.log(result["onset_amplitude"]), -fallen, time)),
         "plateau_reached": 1,
-        "verdict": verdict,
+        "verdict": "plateau",
     }
 
 

@@ -17,8 +17,6 @@ from bladeroot.report.words import gauge_sentence, words_of
 FEW_CYCLES = "too few cycles are sharp enough"  # a verdict of `bladeroot.plateau.plateau`
 VERDICTS = {
     "plateau": "with a stick plateau (constant frequency at small amplitude)",
-    "plateau, but the frequency creeps on it": "with a stick plateau on which the frequency creeps "
-    "in time (its standard error counts that)",
     "plateau not reached": "without a plateau: the frequency changes as long as it can be followed",
     "rejected": "rejected",
 }
