@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from bladeroot.decay.estimate import estimate
-from bladeroot.decay.record import from_file
+from bladeroot.decay.record import estimate, from_file
 from bladeroot.pooling.sensors import unlike_sensors
 
 CUTTING = {"end": "noise"}

@@ -11,8 +11,8 @@ from functools import cache
 
 import numpy as np
 from bladeroot.decay.components import separated
-from bladeroot.decay.estimate import later
 from bladeroot.decay.freevib import freevib
+from bladeroot.decay.record import later
 from scipy.signal import lfilter
 
 START = 0.5  # m/s

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from bladeroot.decay.cut import cut
-from bladeroot.decay.estimate import estimate
+from bladeroot.decay.record import estimate
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import bridged, judge
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.components import onset, separated
-from bladeroot.decay.estimate import estimate
+from bladeroot.decay.envelope_model import Beside
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib
+from bladeroot.decay.record import estimate
 from bladeroot.io.recording import recording
 from bladeroot.signal.lines import loudest, mode_Hz
 from decay_bench import ring_down, slider

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from bladeroot import artifacts
-from bladeroot.decay.estimate import estimate
 from bladeroot.decay.freevib import freevib
+from bladeroot.decay.record import estimate
 from bladeroot.plateau.plateau import record_plateau
 from bladeroot.reproduction.thesis_filters import thesis_freevib
 from decay_bench import ring_down

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.decay.locked_harmonic import locked_harmonic
+from bladeroot.decay.harmonic import locked_harmonic
+from bladeroot.decay.record import estimate
 from bladeroot.io.recording import recording
 
 RATE, COUNT = 2000.0, 120

@@ -7,7 +7,6 @@ from jaxtyping import Complex, Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import (
     ABOUT,
     APART,
@@ -18,7 +17,7 @@ from bladeroot.decay.component_lines import (
     more_lines,
     moved,
 )
-from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes, demodulated
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes, demodulated
 from bladeroot.decay.harmonic import clearest_harmonic, veiled_harmonics
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STEADY_DECAY_RATIO, steady_line

@@ -6,6 +6,9 @@ b and z_k are cubic splines on common, even knots, found together by least squar
 their third differences, which bounds how fast each may vary: a component that has a near neighbour
 varies slowly, or the two would be one. Against a carrier's phase at each knot all intervals have
 the same matrix, so the cost of a record is that of one matrix product and a banded solution.
+
+What rings beside the mode and is no line of its own (a steady line, a harmonic, a mode that dies
+sooner) is a wave that is taken off, with its error (`Beside`).
 """
 
 from dataclasses import dataclass
@@ -24,6 +27,9 @@ SPLINES_ALIVE = 4  # splines that are not zero in an interval between knots
 _MIDDLE_VALUES = np.array([1.0, 23.0, 23.0, 1.0]) / 48.0  # of these splines in its middle
 LEAST_PENALTY = 1e-6  # over an interval's own weight: determines splines where samples do not
 RIDGE = 1e-13  # added to the diagonal, relative to it, against rounding
+# Standard error of what was taken off over the mode's amplitude: above it the mode counts as hidden
+# and its curve ends.
+HIDDEN_ABOVE = 0.3
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,38 @@ class Envelopes:
                 twice = 1.0 if (a, p) == (b, q) else 2.0
                 total += twice * one * other * inverse[row, (a - b) * columns + p - q]
         return total.max(axis=0)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What was found beside the mode, as it is taken off.
+
+    wave: m/s, at the record's samples. error: its standard error (m/s) at `time` (s), evenly
+    spaced. finding: the finding's id. alike: how many cycles of the mode share the same error.
+    """
+
+    frequency_Hz: float
+    wave: Float[ndarray, " sample"]
+    time: Float[ndarray, " interval"]
+    error: Float[ndarray, " interval"]
+    finding: str
+    remark: str
+    alike: float = 1.0
+
+    def over(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
+        """The wave's error over the mode's amplitude, at times (s)."""
+        return np.interp(time, self.time, self.error) / np.maximum(np.abs(mode), 1e-300)
+
+    def doubt(self, mode: Complex[ndarray, " middle"], time: Float[ndarray, " middle"]) -> ndarray:
+        """`over` as an error of independent cycles, larger by the root of `alike`; 1 at most."""
+        return np.minimum(self.over(mode, time) * np.sqrt(self.alike), 1.0)
+
+    def hides(self, found: Envelopes, sampling_Hz: float) -> int:
+        """Samples until the wave's error is more than `HIDDEN_ABOVE` of the mode."""
+        mode = found.envelope(0)
+        time = (np.arange(mode.size) + 0.5) * found.spacing / sampling_Hz
+        hidden = np.flatnonzero(self.over(mode, time) > HIDDEN_ABOVE)
+        return int(hidden[0]) * found.spacing if hidden.size else found.samples
 
 
 def demodulated(

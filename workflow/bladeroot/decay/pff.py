@@ -28,10 +28,10 @@ from bladeroot.decay.peaks import (
     undisturbed,
     uneven_gain,
 )
+from bladeroot.signal.lines import FREQUENCY_TOLERANCE
 from bladeroot.signal.phasors import natural
 from bladeroot.variables import dataset, names
 
-SEARCH_TOLERANCE = 0.3  # relative half-width of the band around the expected frequency
 PEAK_OVER_NOISE = 8.0  # ratio to the noise's rms in the band; a lower peak ends the curve
 # The segment that is fitted around each point of the curve.
 SEGMENT_FALL = 0.5  # fall of ln A over it
@@ -66,7 +66,7 @@ def peak_fit(
     Args:
         velocity: free decay in m/s.
         sampling_Hz: sampling frequency.
-        expected_Hz: the mode is looked for within `SEARCH_TOLERANCE` (relative) of it.
+        expected_Hz: the mode is looked for within `FREQUENCY_TOLERANCE` (relative) of it.
         noise: rms of the sensor's noise in m/s: what it leaves in the band ends the curve.
         usable: False for samples that must not count; peaks they reach are left out.
         damping: "hysteretic" (3.11) or "viscous" (the loss factor is then 2 zeta).
@@ -83,7 +83,7 @@ def peak_fit(
         velocity, good = bridged(velocity, usable, BRIDGED_GAP * sampling_Hz / expected_Hz)
         bad = np.flatnonzero(~good)
     centre_Hz, start, step, wave = band_displacement(
-        velocity, sampling_Hz, expected_Hz, SEARCH_TOLERANCE
+        velocity, sampling_Hz, expected_Hz, FREQUENCY_TOLERANCE
     )
     time, size = extrema(wave, step, start)
     keep = undisturbed(time, FILTER_REACH / centre_Hz, bad, velocity.size, sampling_Hz)

@@ -1,15 +1,17 @@
 """One raw record to all its artifacts: read, as a person overrules it, with a second opinion."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from bladeroot.decay.agreement import compare
 from bladeroot.decay.cut import rejected
-from bladeroot.decay.estimate import estimate
 from bladeroot.decay.free_decay import free_decay
-from bladeroot.decay.overrides import kept
+from bladeroot.decay.freevib import freevib, no_decay
+from bladeroot.decay.overrides import banded, kept
+from bladeroot.decay.pff import no_peaks, peak_fit
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
 from bladeroot.io.recording import part
@@ -35,7 +37,7 @@ def from_file(
             of the campaign's other modes; `simulated`; and what a person overrules (`start_s`,
             `end_s`, `keep`, `band_Hz`).
         cutting: section `record` of the configuration, as of `bladeroot.decay.cut.cut`.
-        estimation: section `decay`, as of `bladeroot.decay.estimate.estimate`.
+        estimation: section `decay`, as of `bladeroot.decay.record.estimate`.
 
     A record that cannot be read or used comes back without points, rejected with a reason.
     """
@@ -95,3 +97,59 @@ def _estimated(
     decay.attrs["simulated"] = int(known["simulated"])
     made = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
     return decay, made, record_plateau(made)
+
+
+def estimate(
+    cut: xr.Dataset,
+    damping: str = "hysteretic",
+    band_Hz: Sequence[float] | None = None,
+    estimator: Callable[..., xr.Dataset] = freevib,
+) -> xr.Dataset:
+    """Curves of a record with its peaks beside them and their differences.
+
+    A rejected record has no points; one that cannot be estimated is rejected.
+
+    Args:
+        cut: free decay as from `decay.free_decay`, with `expected_Hz` in its attributes.
+        damping: law of damping, "hysteretic" or "viscous".
+        band_Hz: a person's band, outside which nothing counts.
+        estimator: `freevib`, or another with its arguments.
+
+    Returns:
+        Variables of `freevib`, `peak_fit` and `compare`; attributes of `cut`.
+    """
+    if band_Hz is not None:
+        cut = banded(cut, band_Hz)
+    facts, made = cut.attrs | {"damping": damping}, None
+    if facts["verdict"] == "usable":
+        # a start that is masked is no part of the decay
+        first = int(np.argmax(cut["usable"].values))
+        begin_s = first / facts["sampling_Hz"]
+        velocity = cut["velocity"].values[first:].astype(float)
+        known = [facts[name] for name in ("sampling_Hz", "expected_Hz", "noise_velocity")]
+        options = {"damping": damping, "usable": cut["usable"].values[first:].astype(bool)}
+        separated = {}
+        if estimator is freevib and "widening" in cut:
+            time = cut["widening_time"].values - begin_s
+            separated["taken"] = (time, cut["widening"].values, cut["doubt"].values)
+        try:
+            made = later(estimator(velocity, *known, **options, **separated), begin_s)
+        except ValueError as error:
+            facts |= {"verdict": "rejected", "reason": str(error)}
+        else:
+            peaks = later(peak_fit(velocity, *known, **options), begin_s)
+            if separated:
+                made.attrs["other_modes_Hz"] = np.atleast_1d(facts["components_Hz"]).tolist()
+    if made is None:
+        made, peaks = no_decay(), no_peaks()
+    whole = made.assign({**peaks.variables, **compare(made, peaks).variables})
+    return whole.assign_attrs(facts, estimator=estimator.__name__)
+
+
+def later(made: xr.Dataset, seconds: float) -> xr.Dataset:
+    """Curves whose times count from the start of the cut, which lies some seconds before theirs."""
+    if not seconds:
+        return made
+    times = [name for name in ("time", "block_time", "pff_time") if name in made]
+    moved = {name: (made[name] + seconds).assign_attrs(made[name].attrs) for name in times}
+    return made.assign(moved)

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.decay.beside import Beside
-from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes
 from bladeroot.signal.lines import hann, lines_of
 
 # A quiet piece of the record is cut into parts, in which the line's phasors are compared.

@@ -9,9 +9,8 @@ import numpy as np
 from jaxtyping import Complex
 from numpy import ndarray
 
-from bladeroot.decay.beside import Beside
 from bladeroot.decay.component_lines import meant
-from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Envelopes
+from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes
 from bladeroot.decay.steady import REMARK as STEADY
 from bladeroot.decay.steady import STEADY_DECAY_RATIO, exponentials
 

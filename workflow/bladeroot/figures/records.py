@@ -56,7 +56,7 @@ def worth_showing(
 ) -> list[xr.Dataset]:
     """Records that stand for the others, then rejected and most masked ones, with their reasons.
 
-    decays: as from `bladeroot.decay.estimate.estimate`, by record; it may reject what the checks
+    decays: as from `bladeroot.decay.record.estimate`, by record; it may reject what the checks
     of the raw record let pass. Of each mode the usable records of lowest and highest force stand
     for the others; of the rejected ones those that could be read, one for each kind of fault.
 

@@ -44,7 +44,7 @@ class _Motion:
 def group_differences(decays: Sequence[xr.Dataset], rejected: Sequence[bool]) -> xr.Dataset | None:
     """How groups differ in each mode; None where records name no two groups.
 
-    decays: as from `bladeroot.decay.estimate.estimate`, with `mode`, `group`, `event`, `sensor`
+    decays: as from `bladeroot.decay.record.estimate`, with `mode`, `group`, `event`, `sensor`
     and the load in their attributes; rejected: which of them are left out. A record's level is its
     mean distance from the others over the amplitudes that they share.
 

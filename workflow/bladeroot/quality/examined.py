@@ -1,17 +1,17 @@
-"""What the checks of a decay look at, frames of its mode, its residual, its spectra, and return."""
+"""What the checks of a decay look at, and return; blocks, spans and trends as they need them."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Complex, Float, Int
 from numpy import ndarray
 from scipy import fft
 
 from bladeroot.signal.envelope import tapered
-from bladeroot.signal.lines import blackman_harris, loudest, mode_Hz, quantum
+from bladeroot.signal.lines import blackman_harris, hann, loudest, mode_Hz, quantum
 from bladeroot.signal.recording import DIFFERENCE_REACH, SHORT_GAP, Recording
-from bladeroot.signal.runs import runs
+from bladeroot.signal.runs import medians, runs
 
 # The frames in which the mode is fitted, a cycle apart.
 FRAME_CYCLES = 4
@@ -25,6 +25,9 @@ FIT_OTHERS_SAMPLES = 24
 HIGHEST_HARMONIC = 0.42  # its 2nd and 3rd harmonic, if below this part of the sampling frequency
 # Other modes in these bands of its frequency; nearer ones are not told apart in four cycles.
 OTHER_MODE_BANDS = ((0.3, 0.65), (1.35, 1.7))
+
+FEWEST_WHOLE_FRAMES = 38  # frames without blind samples from which a trend is taken off
+LEAST_FRAME_STD = 3e-4  # of ln A + i phase: no frame is believed to be more certain, in weights
 
 # The rate at which hum and noise around the mode are looked for, on means of samples: at least the
 # larger of these.
@@ -231,3 +234,46 @@ class Examined:
     def seconds(self, sample: float | np.number | int) -> float:
         """Time of a sample since the start of the cut."""
         return float(sample / self.sampling_Hz)
+
+
+def block_scale(
+    size: Float[ndarray, " k"], block: int = 256, stride: int = 1
+) -> Float[ndarray, " k"]:
+    """The largest median of an element's block of about `block` elements and of its neighbours.
+
+    The medians are those of every `stride`-th element.
+    """
+    count = max(1, size.size // block)
+    edges = np.linspace(0, size.size, count + 1).astype(int)
+    whole = size[: count * (size.size // count)].reshape(count, -1)
+    middle = medians(whole[:, ::stride])
+    wide = np.pad(middle, 1, mode="edge")
+    middle = np.maximum(np.maximum(wide[:-2], wide[2:]), middle)
+    return np.repeat(middle, np.diff(edges))
+
+
+def joined(spans: Int[ndarray, "run 2"], reach: int) -> Int[ndarray, "span 2"]:
+    """Spans less than `reach` apart as one."""
+    if len(spans) < 2:
+        return spans
+    far = spans[1:, 0] - spans[:-1, 1] >= reach
+    first = spans[np.concatenate([[True], far]), 0]
+    last = spans[np.concatenate([far, [True]]), 1]
+    return np.stack([first, last], axis=1)
+
+
+def frame_weights(frames: Frames, used: slice) -> Float[ndarray, " frame"]:
+    """One over the standard error of some frames; zero where they are not whole."""
+    return frames.whole[used] / np.maximum(frames.std[used], LEAST_FRAME_STD)
+
+
+def without_trend(frames: Frames, used: slice, degree: int) -> Complex[ndarray, " frame"] | None:
+    """Tapered `log` of some frames less a polynomial; None where too few are whole."""
+    log, whole = frames.log[used], frames.whole[used]
+    if np.count_nonzero(whole) < FEWEST_WHOLE_FRAMES:
+        return None
+    trend = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, log.size), degree)
+    weight = frame_weights(frames, used)
+    weighted = trend * weight[:, None]
+    fit = np.linalg.solve(weighted.T @ weighted, weighted.T @ (log * weight))
+    return (log - trend @ fit) * hann(log.size) * whole

@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.quality.blocks import joined
-from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME_SAMPLES, Examined, Finding
+from bladeroot.quality.examined import FRAME_CYCLES, LEAST_FRAME_SAMPLES, Examined, Finding, joined
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import SI

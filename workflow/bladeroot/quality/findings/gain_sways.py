@@ -6,8 +6,7 @@ A laser's spot that wanders over the surface, an accelerometer whose cable pulls
 import numpy as np
 from scipy import fft
 
-from bladeroot.quality.blocks import without_trend
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import Examined, Finding, without_trend
 from bladeroot.signal.lines import hann
 from bladeroot.signal.runs import medians
 

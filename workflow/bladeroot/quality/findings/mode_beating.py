@@ -7,8 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from scipy import fft
 
-from bladeroot.quality.blocks import frame_weights, without_trend
-from bladeroot.quality.examined import LEFTOVER, Examined, Finding
+from bladeroot.quality.examined import LEFTOVER, Examined, Finding, frame_weights, without_trend
 from bladeroot.signal.lines import CLOSE_MODE_DISTANCE, hann
 from bladeroot.signal.runs import medians
 

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
 
-from bladeroot.quality.blocks import block_scale, joined
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import Examined, Finding, block_scale, joined
 from bladeroot.quality.findings import wrong_mode
 from bladeroot.signal.runs import runs
 

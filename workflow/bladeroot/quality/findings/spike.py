@@ -7,8 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray
 from numpy.lib.stride_tricks import sliding_window_view
 
-from bladeroot.quality.blocks import block_scale, joined
-from bladeroot.quality.examined import Examined, Finding
+from bladeroot.quality.examined import Examined, Finding, block_scale, joined
 from bladeroot.signal.runs import medians, runs
 
 FIRST = True
