@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bladeroot.io.channel import FEWEST_SAMPLES
 from bladeroot.io.recording import recording
-from bladeroot.io.response import undoing
+from bladeroot.io.responses import undoing
 from bladeroot.signal.recording import velocity
 from scipy.signal import bilinear, lfilter
 

@@ -4,7 +4,8 @@ import netCDF4
 import numpy as np
 import pytest
 from bladeroot.io.read import read
-from bladeroot.io.statements import one_unit, statements
+from bladeroot.io.statements import statements
+from bladeroot.io.units import one_unit
 
 RATE = 25600.0
 TIME = np.arange(400) / RATE

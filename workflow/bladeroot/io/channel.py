@@ -17,6 +17,9 @@ _MOST_LISTED = 12  # channels that a message names
 _MOST_COMPRESSION = 1100
 _LARGE_BYTES = 1 << 28  # above which a claim is large
 _MOST_LARGE_COMPRESSION = 100
+# Largest relative difference of two statements of the same thing.
+RATE_TOLERANCE = 1e-4  # of a sampling frequency
+FORCE_TOLERANCE = 1e-2
 # Names that are a time's where their unit is.
 _TIME_AXES = ("x", "x-axis", "x axis", "index")
 # What a channel t is in where it is no time.

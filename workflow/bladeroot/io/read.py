@@ -9,12 +9,18 @@ from functools import cache
 from pathlib import Path
 
 from bladeroot.io import readers
-from bladeroot.io.channel import Channel, ChannelError, Entry, split_name
+from bladeroot.io.channel import (
+    FORCE_TOLERANCE,
+    RATE_TOLERANCE,
+    Channel,
+    ChannelError,
+    Entry,
+    split_name,
+)
 from bladeroot.io.recording import recording
-from bladeroot.io.response import undoing
+from bladeroot.io.responses import undoing
 from bladeroot.io.sampling import usual_rate
-from bladeroot.io.statements import FORCE_TOLERANCE, NO_UNIT, RATE_TOLERANCE, one_unit
-from bladeroot.io.units import motion, normal_unit, quantity_of, same
+from bladeroot.io.units import NO_UNIT, motion, normal_unit, one_unit, quantity_of, same
 from bladeroot.signal.recording import SI, Recording
 
 # Relative difference of a file's sampling frequency from the sheet's from which on it is told; from

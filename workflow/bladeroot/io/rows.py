@@ -11,7 +11,7 @@ from bladeroot.io.load import COLUMNS
 from bladeroot.io.names import ID_RULE, SPECIAL, SPECIAL_TEXT, is_id, is_there, short
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import formats, read
-from bladeroot.io.response import undoing
+from bladeroot.io.responses import undoing
 from bladeroot.io.sheet import REMARK
 from bladeroot.io.units import USUAL, motion, sensitivity_of
 from bladeroot.signal.recording import SI

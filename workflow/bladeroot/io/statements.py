@@ -11,11 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy import ndarray
 
-from bladeroot.io.units import same, seconds
+from bladeroot.io.channel import FORCE_TOLERANCE, RATE_TOLERANCE
+from bladeroot.io.units import seconds
 
-# Largest relative difference of two statements of the same thing.
-RATE_TOLERANCE = 1e-4  # of a sampling frequency
-FORCE_TOLERANCE = 1e-2
 # A sampling frequency below this that is no whole number needs its unit: 25.6 may be kHz.
 UNSURE_HZ = 1000.0
 _RATES = ("fs", "fsample", "sampling", "samplingrate", "samplerate", "samplingfrequency",
@@ -24,7 +22,6 @@ _STEPS = ("dt", "deltat", "timestep", "samplinginterval", "wfincrement")
 _FORCES = ("force", "axialforce")
 _HERTZ = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "1/s": 1.0, "s/s": 1.0, "sps": 1.0, "samples/s": 1.0}
 _NEWTON = {"n": 1.0, "kn": 1e3}
-NO_UNIT = ("", "1", "-", "none", "n/a", "na", "unknown", "dimensionless", "a.u.")
 _AMOUNT = re.compile(r"([-+]?(?:\d+(?:[.,]\d+)*[.,]?|\.\d+)(?:e[-+]?\d+)?)[\s;,]*(.*)", re.I)
 
 
@@ -92,21 +89,6 @@ def statements(
     return Statements(sampling_Hz, error, facts, tuple(notes))
 
 
-def one_unit(units: dict[str, str | None], path: str) -> str | None:
-    """The unit that all places of a file agree on, by where it stands; None if there is none.
-
-    Raises:
-        ValueError: two differ.
-    """
-    stated = {where: unit for where, unit in units.items() if unit and unit.strip() not in NO_UNIT}
-    first = next(iter(stated.values()), None)
-    for unit in stated.values():
-        if not _same(first, unit):
-            listed = ", ".join(f"{text!r} {where}" for where, text in stated.items())
-            raise ValueError(f"unit contradicts inside the file: {listed} ({path})")
-    return first
-
-
 def one_time(times: dict[str, ndarray], path: str) -> ndarray | None:
     """The times in seconds that all time channels of a record agree on; None if there is none.
 
@@ -135,13 +117,6 @@ def _one(
         listed = ", ".join(f"{value:.9g} from {name}" for name, value in stated.items())
         raise ValueError(f"{what} contradicts inside the file: {listed} ({path})")
     return first
-
-
-def _same(unit: str, other: str) -> bool:
-    try:
-        return same(unit, other)
-    except ValueError:
-        return False
 
 
 def _key(name: str) -> tuple[str, str]:

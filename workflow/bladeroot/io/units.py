@@ -23,6 +23,8 @@ USUAL = {
 }
 # What a digitiser says instead of motion; a sensitivity makes motion of it.
 RAW = ("V", "mV", "FS", "count")
+# What a file says where its numbers have no unit, or none is known.
+NO_UNIT = ("", "1", "-", "none", "n/a", "na", "unknown", "dimensionless", "a.u.")
 _TIME_UNITS = {
     1.0: ("s", "sec", "secs", "second", "seconds"),
     1e-3: ("ms", "msec", "millisecond", "milliseconds"),
@@ -135,6 +137,28 @@ def same(unit: str, other: str) -> bool:
         return True
     one, two = _quantity(1.0, normal_unit(unit)), _quantity(1.0, normal_unit(other))
     return one.dimensionality == two.dimensionality and math.isclose(one.magnitude, two.magnitude)
+
+
+def one_unit(units: dict[str, str | None], path: str) -> str | None:
+    """The unit that all places of a file agree on, by where it stands; None if there is none.
+
+    Raises:
+        ValueError: two differ.
+    """
+    stated = {where: unit for where, unit in units.items() if unit and unit.strip() not in NO_UNIT}
+    first = next(iter(stated.values()), None)
+    for unit in stated.values():
+        if not _same(first, unit):
+            listed = ", ".join(f"{text!r} {where}" for where, text in stated.items())
+            raise ValueError(f"unit contradicts inside the file: {listed} ({path})")
+    return first
+
+
+def _same(unit: str, other: str) -> bool:
+    try:
+        return same(unit, other)
+    except ValueError:
+        return False
 
 
 def quantity_of(name: str, unit: str | None) -> str | None:

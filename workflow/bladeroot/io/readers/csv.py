@@ -9,7 +9,7 @@ import numpy as np
 
 from bladeroot.io.channel import Channel, Entry, pick, split_name, time_factor
 from bladeroot.io.sampling import uniform
-from bladeroot.io.statements import one_time, one_unit, statements
+from bladeroot.io.statements import one_time, statements
 from bladeroot.io.text import (
     check_commas,
     check_thousands,
@@ -18,7 +18,7 @@ from bladeroot.io.text import (
     numeric,
     separator_of,
 )
-from bladeroot.io.units import normal_unit, quantity_of, seconds
+from bladeroot.io.units import normal_unit, one_unit, quantity_of, seconds
 
 SUFFIXES = (".csv", ".txt", ".tsv", ".asc", ".lvm")
 _HEAD_BYTES = 1 << 16  # at the begin of a file, in which its header stands
