@@ -70,15 +70,9 @@ LIFE_CYCLES = 16.0  # of the mode, that must be left after a blow
 # two differ by and by what neither follows.
 DOUBT = 0.5  # part of that which is a standard error; set on drawn records of close modes
 ALIKE = 2  # intervals on either side that share the largest difference, which passes through zero
-# A mode of the sheet that no line shows is not told apart within so many half-power bandwidths.
-OVERLAP = 3.0
 CLOSE_MODE = (
     "two modes beat, near {:.5g} and {:.5g} Hz: the first is taken for the one that is asked for, "
     "the other is taken off; name both: modes of a campaign, other_modes_Hz in Python"
-)
-NOT_APART = (
-    "the mode near {:.5g} Hz lies within {:.2g} half-power bandwidths of this one, and the record "
-    "does not tell them apart: frequency and damping may be of both"
 )
 # The course of an envelope's logarithm, to which a second fit's smoothness refers.
 DEEPEST = 12.0  # fall of ln A below its top: what is lower is noise
@@ -139,9 +133,8 @@ def separated(
         # lines that were found in what is not free are no lines
         again = velocity, sampling_Hz, expected_Hz, modes_Hz, first + acts, blows - 1, quiet
         return separated(*again)
-    remarks = _not_apart(search.last, near, sampling_Hz, modes_Hz)
     if lone:
-        return Separated(search.velocity, first, [], *np.zeros((3, 0)), remarks)
+        return Separated(search.velocity, first, [], *np.zeros((3, 0)))
     course, before = np.stack([_course(found, k) for k in range(lines.size)]), found.envelope(0)
     found = demodulated(x, sampling_Hz, lines, found.spacing, base_Hz, course)
     time = (first + (np.arange(before.size) + 0.5) * found.spacing) / sampling_Hz
@@ -159,7 +152,7 @@ def separated(
     taken_Hz = [float(lines[1 + k]) for k in loud] + [
         one.frequency_Hz for one in near if one.wave.any()
     ]
-    remarks += tuple((one.finding, one.remark) for one in near)
+    remarks = tuple((one.finding, one.remark) for one in near)
     if search.close and abs(search.close[0] / own_Hz - 1.0) < CLOSE_MODE_DISTANCE:
         k = 1 + int(np.argmin(np.abs(lines[1:] - search.close[0])))
         remarks += (_beside_it(found, k),)
@@ -316,16 +309,6 @@ def _still_acts(
     return struck or _grows(found, rest)
 
 
-def _not_apart(
-    found: Envelopes, near: list[Beside], sampling_Hz: float, modes_Hz: tuple[float, ...]
-) -> tuple[tuple[str, str], ...]:
-    """Findings on modes of the sheet that no line shows, and that overlap with the mode."""
-    shown_Hz = [*found.lines_Hz[1:], *(one.frequency_Hz for one in near)]
-    other_Hz = [one for one in modes_Hz if all(abs(line / one - 1.0) > ABOUT for line in shown_Hz)]
-    hidden = _overlapping(found, sampling_Hz, other_Hz)
-    return tuple(("not-apart", NOT_APART.format(*one)) for one in hidden)
-
-
 def _doubt(
     found: Envelopes,
     before: Complex[ndarray, " interval"],
@@ -358,20 +341,6 @@ def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
     if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():
         return 0
     return first if size[first : first + int(2 * cycle) + 1].max() > SUDDEN * size.max() else 0
-
-
-def _overlapping(
-    found: Envelopes, sampling_Hz: float, modes_Hz: list[float]
-) -> list[tuple[float, float]]:
-    """Of some modes (Hz) those that overlap with the one that is followed; bandwidths away."""
-    size = np.abs(found.envelope(0))
-    size = size[int(np.argmax(size)) :]
-    low = np.flatnonzero(size < size[0] / np.e)
-    last = int(low[0]) if low.size else size.size - 1
-    fall = np.log(size[0] / max(size[last], 1e-300)) if last else 0.0
-    width = fall * sampling_Hz / (np.pi * max(last, 1) * found.spacing)
-    away = [(one, abs(one - found.lines_Hz[0]) / max(width, 1e-300)) for one in modes_Hz]
-    return [one for one in away if one[1] < OVERLAP]
 
 
 def _lasting(found: Envelopes) -> int:
