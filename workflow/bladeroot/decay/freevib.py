@@ -11,7 +11,6 @@ from scipy.signal import find_peaks
 
 from bladeroot.decay.track import Taken, follow
 from bladeroot.signal.phasors import Phasors, natural
-from bladeroot.signal.runs import longest
 from bladeroot.variables import dataset, names
 
 POINTS = 500  # of the curves at most
@@ -137,12 +136,9 @@ def freevib(
             f"the mode that was followed lies at {middle_Hz:.6g} Hz, outside {band[0]:.6g} to "
             f"{band[1]:.6g} Hz: another one dominates the record"
         )
-    part = within_band(omega_n[keep] / (2.0 * np.pi), band)
-    whole = part == slice(0, np.count_nonzero(keep))
-    own = slice(None) if whole else _between(blocks.time, centre[keep][part])
     result = decay_dataset(
-        [values[keep][part] for values in (*curves, *errors)],
-        [blocks.time[own], blocks.log.real[own], blocks.log.imag[own], blocks.std[own]],
+        [values[keep] for values in (*curves, *errors)],
+        [blocks.time, blocks.log.real, blocks.log.imag, blocks.std],
     )
     result.attrs["band_low_Hz"], result.attrs["band_high_Hz"] = band
     result.attrs["damping"] = damping
@@ -244,27 +240,6 @@ def _missed(blocks: Phasors, first: int, count: int) -> tuple[Complex[ndarray, "
     variance += (BENDS * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
     return bent[early], float(np.mean(missed[: (count + 1) // 2]))
-
-
-def within_band(frequency_Hz: Float[ndarray, " point"], band_Hz: tuple[float, float]) -> slice:
-    """The longest run of points within the band: beyond its ends it is not the mode that is seen.
-
-    Raises ValueError where more of the points lie out of that run than in it.
-    """
-    part = longest((frequency_Hz >= band_Hz[0]) & (frequency_Hz <= band_Hz[1]))
-    if 2 * (part.stop - part.start) < frequency_Hz.size:
-        raise ValueError(
-            f"the frequency wanders from {frequency_Hz.min():.6g} to {frequency_Hz.max():.6g} Hz, "
-            f"out of {band_Hz[0]:.6g} to {band_Hz[1]:.6g} Hz: no mode can be followed"
-        )
-    return part
-
-
-def _between(times: Float[ndarray, " block"], points: Float[ndarray, " point"]) -> slice:
-    """The blocks from the first point to the last."""
-    return slice(
-        int(np.searchsorted(times, points[0])), int(np.searchsorted(times, points[-1])) + 1
-    )
 
 
 def no_decay() -> xr.Dataset:

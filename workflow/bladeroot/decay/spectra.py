@@ -7,7 +7,7 @@ from numpy import ndarray
 from scipy import fft
 from scipy.interpolate import CubicSpline
 
-from bladeroot.signal.runs import longest
+from bladeroot.signal.runs import runs
 
 PARTS = {
     "whole": "the free decay as it was cut",
@@ -40,7 +40,8 @@ def before_and_after(
     """
     mode = followed_mode(velocity.size, sampling_Hz, decay)
     known = np.isfinite(mode) if usable is None else np.isfinite(mode) & usable
-    segment = longest(known) if known.any() else slice(0, velocity.size)
+    known = runs(known) if known.any() else np.array([[0, velocity.size]])
+    segment = slice(*known[np.argmax(np.diff(known))])
     velocity, mode = velocity[segment], mode[segment]
     raw = fft.rfftfreq(velocity.size, 1.0 / sampling_Hz)
     step = max(1, raw.size // SPECTRUM_LINES)

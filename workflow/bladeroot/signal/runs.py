@@ -21,9 +21,3 @@ def runs(at: Bool[ndarray, " k"]) -> Int[ndarray, "run 2"]:
     bounded = np.zeros(at.size + 2, bool)
     bounded[1:-1] = at
     return np.flatnonzero(bounded[1:] != bounded[:-1]).reshape(-1, 2)
-
-
-def longest(at: Bool[ndarray, " k"]) -> slice:
-    """The longest run of true values; empty where there is none."""
-    found = runs(at)
-    return slice(*map(int, found[np.argmax(np.diff(found))])) if len(found) else slice(0, 0)
