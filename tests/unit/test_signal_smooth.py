@@ -7,12 +7,14 @@ from bladeroot.signal.penalty import (
     alive_splines,
     at_rows,
     derivative_rows,
+    full_solution,
     normal_sums,
     penalised,
     penalty_rows,
+    root_of,
+    whitened,
 )
 from bladeroot.signal.smooth import coarse, evidence, fine
-from bladeroot.signal.walk import full_solution, root_of, whitened
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

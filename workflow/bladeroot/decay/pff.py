@@ -9,8 +9,6 @@ sets in, frequency and damping are rounded over about half of `pff_window`. A mo
 about a third of the frequency passes the filter and beats.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
@@ -39,15 +37,6 @@ FEWEST_PEAKS = 24  # in it, however much ln A falls
 MOST_PEAKS = 400
 POLYNOMIAL_DEGREE = 3  # of time and of ln A over the peak's number
 CURVE_POINTS = 300  # of a record at most, shared among its runs of peaks by their lengths
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """Value, slope and the slope's standard error of polynomials in the peak's number."""
-
-    value: Float[ndarray, "part point"]
-    slope: Float[ndarray, "part point"]
-    slope_std: Float[ndarray, "part point"]
 
 
 def peak_fit(
@@ -126,8 +115,8 @@ def _curve(
     level = np.log(size)
     at = np.unique(np.linspace(0, time.size - 1, min(points, time.size)).round().astype(int))
     length = _lengths(level)[at]
-    fit = _fitted(np.stack([time, level]), at, length)
-    (clock, decline), (period, fall), (period_std, fall_std) = fit.value, fit.slope, fit.slope_std
+    fitted = _fitted(np.stack([time, level]), at, length)
+    (clock, decline), (period, fall), (period_std, fall_std) = fitted
     turn, rate = np.pi / period, fall / period
     turn_std, rate_std = turn * period_std / period, fall_std / period
     # a peak lies where the phase is atan(rate / turn), which moves where damping changes
@@ -161,8 +150,10 @@ def _lengths(level: Float[ndarray, " peak"]) -> Int[ndarray, " peak"]:
 
 def _fitted(
     y: Float[ndarray, "part peak"], at: Int[ndarray, " point"], length: Int[ndarray, " point"]
-) -> _Fit:
+) -> Float[ndarray, "3 part point"]:
     """Polynomials in the peak's number through `length` peaks around each of `at`.
+
+    Their values, slopes, and the slopes' standard errors.
 
     Maxima and minima may differ by a constant (an offset, a second harmonic). The slope's standard
     error includes by how much a polynomial of two degrees more changes it.
@@ -203,7 +194,7 @@ def _fitted(
                 value[:, which] = origin[..., 0] + (projected[..., :terms] * row).sum(axis=-1)
     by_noise = np.maximum(variance[1] - variance[0], 0.0)
     bias = np.maximum((slope[1] - slope[0]) ** 2 - by_noise, 0.0)
-    return _Fit(value, slope[0], np.sqrt(variance[0] + bias))
+    return np.stack([value, slope[0], np.sqrt(variance[0] + bias)])
 
 
 def _dataset(columns: Float[ndarray, "column peak"]) -> xr.Dataset:

@@ -90,8 +90,6 @@ def _estimated(
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """A judged free decay with what is known of it, its curves and its plateau."""
     decay = kept(decay) if known.get("keep") else decay
-    if text := overruled(known):
-        decay.attrs["overruled"] = text
     decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
     decay.attrs["expected_Hz"] = float(known["expected_Hz"])  # a sheet may say 540
     decay.attrs["simulated"] = int(known["simulated"])

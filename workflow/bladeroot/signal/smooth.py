@@ -26,12 +26,15 @@ from bladeroot.signal.penalty import (
     alive_splines,
     at_rows,
     derivative_rows,
+    full_solution,
     normal_sums,
     penalised,
     penalty_rows,
     posterior,
+    root_of,
+    spread_out,
+    whitened,
 )
-from bladeroot.signal.walk import full_solution, root_of, spread_out, whitened
 
 # Factors on the standard errors of the value and of its first two derivatives. The posterior's
 # errors are those of a curve as rough as the prior; most segments are smoother. Found by simulation
