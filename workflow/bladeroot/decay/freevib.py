@@ -64,14 +64,12 @@ def freevib(
 ) -> xr.Dataset:
     """Frequency and loss factor as functions of displacement amplitude from a free decay.
 
-    The analytic displacement Y = A exp(i phi) obeys Y'' + omega_n^2 (1 + i eta) Y = 0 (3.7), so
-    omega_n^2 = omega^2 - A''/A and eta = -(2 omega A'/A + omega') / omega_n^2 (3.11), with
-    omega = phi'. With viscous damping it obeys Y'' + 2 zeta omega_n Y' + omega_n^2 Y = 0, so
-    zeta omega_n = -A'/A - omega'/(2 omega) and omega_n^2 = omega^2 - A''/A + 2 (A'/A)^2 +
-    A' omega'/(A omega); the loss factor is then 2 zeta. The velocity's own log-derivative
-    lambda_V is measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' /
-    lambda_V, and Y = V / lambda, which replaces the integration and the Hilbert filters of the
-    thesis. What else rings is taken off before (`decay.components`).
+    The analytic displacement Y = A exp(i phi) obeys Y'' + omega_n^2 (1 + i eta) Y = 0 (3.7), or
+    Y'' + 2 zeta omega_n Y' + omega_n^2 Y = 0 with viscous damping, which `signal.phasors.natural`
+    solves for omega_n and the loss factor (3.11). The velocity's own log-derivative lambda_V is
+    measured; the displacement's is lambda = A'/A + i omega = lambda_V - lambda_V' / lambda_V, and
+    Y = V / lambda, which replaces the integration and the Hilbert filters of the thesis. What else
+    rings is taken off before (`decay.components`).
 
     Args:
         velocity: free decay in m/s, the release or blow left out.
