@@ -220,6 +220,14 @@ def test_a_clipped_wave_harmonics_are_no_components(quantity):
     assert np.abs(off[: off.size // 4]).max() < 0.02
 
 
+@pytest.mark.parametrize("left", [0, 8])
+def test_a_record_that_is_clipped_to_its_last_samples_is_left_as_it_is(left):
+    velocity = blow([(400.0, 0.004, 0.02)])
+    parts = separated(velocity, RATE, 400.0, first=velocity.size - left)
+    assert parts.velocity is velocity
+    assert not parts.lines_Hz
+
+
 def test_what_is_taken_off_shows_in_the_errors_where_the_decay_begins():
     velocity = blow([(80.0, 0.0015, 0.05), (95.0, 0.002, 0.04)], before_s=0.0)
     found = separated(velocity, RATE, 80.0)
