@@ -85,16 +85,6 @@ def test_all_is_masked_up_to_the_last_clipped_top(noise_after):
     assert found["finding_to_s"].item() == pytest.approx(last, abs=0.1)
 
 
-def test_clipping_before_the_release_alone_is_told_and_masks_nothing():
-    quiet = np.random.default_rng(1).standard_normal(int(0.2 * RATE)) * 1e-3 * START
-    drive = 1.5 * START * np.sin(2 * np.pi * 250.0 * np.arange(int(0.6 * RATE)) / RATE)
-    velocity = np.concatenate([quiet, np.clip(drive, -1.2 * START, 1.2 * START), decay()])
-    found = judged(velocity)
-    assert "before the release" in text(found, "clipping")
-    assert found["usable"].values.all()
-    assert found.attrs["verdict"] == "usable"
-
-
 def test_wrong_samples_are_masked_and_do_not_end_the_decay():
     clean = decay()
     velocity = clean.copy()

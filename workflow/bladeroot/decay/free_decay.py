@@ -129,8 +129,7 @@ def _clipped(
     found = clipping.find(seen)
     if not found.counts:
         return 0, ()
-    stop = found.spans[-1][1] if found.spans else 0
-    return seen.first + stop, (("clipping", found.text),)
+    return seen.first + found.spans[-1][1], (("clipping", found.text),)
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:

@@ -26,68 +26,18 @@ OTHER_EXTREME_RATIO = 1.5
 # depth as from there to twice that depth. Only what is flatter is clipped.
 PARABOLA_RATIO = 1.0 + np.sqrt(2.0)
 
-# Cycles before the cut are looked at too: the loudest ones may end with the release.
-LEAD_CYCLES = 30  # cycles before the cut at most
-FEWEST_LEAD_CYCLES = 8.0  # with fewer of them nothing is looked at
-LEAD_LOUDNESS = 0.9  # their largest value, over that of as many cycles after the cut, at least
-# Divides the statistic of the cycles before the cut: a wave that is driven steadily and has
-# overtones piles up at its top too, by up to twice the threshold.
-DRIVEN_DIVISOR = 3.0
-# What is held before it is let go stands still: it swings over a cycle, from peak to peak, by less
-# than this part of its distance from zero.
-HELD_SWING = 0.3
-
 # The loudest line is the mode's where its frequency differs by less than this (relative).
 MODE_LINE = 0.3
 
 
 def find(seen: Examined) -> Finding:
-    """Flat tops of the decay, or else of the cycles before it: the range was too small there.
-
-    The sensor's own samples are looked at: differentiation or integration makes flat tops round.
-    """
-    seen = _own(seen)
-    found = _flat(seen)
-    lead = min(int(LEAD_CYCLES * seen.sampling_Hz / seen.own_Hz), seen.first)
-    first = seen.first - lead
-    stop = seen.first + min(lead, seen.velocity.size)
-    early, later = (np.abs(x).max(initial=0.0) for x in np.split(seen.whole[first:stop], [lead]))
-    least = FEWEST_LEAD_CYCLES * seen.sampling_Hz / seen.own_Hz
-    if found.counts or lead < least or early < LEAD_LOUDNESS * later:
-        return found
-    if _held(seen.whole[first : seen.first], round(seen.sampling_Hz / seen.own_Hz)):
-        return found
-    before = _flat(replace(seen, velocity=seen.whole[first:stop], first=first, blind=()))
-    before = replace(before, statistic=before.statistic / DRIVEN_DIVISOR)
-    if before.counts:
-        text = f"clipped before the release, at {max(early, later):.4g} {seen.unit}"
-        return replace(before, consequence="warn", text=text, spans=())
-    return found if found.statistic > before.statistic else replace(before, spans=())
-
-
-def _own(seen: Examined) -> Examined:
-    """The same decay in the sensor's own samples."""
-    own, part = seen.recording, slice(seen.first, seen.first + seen.velocity.size)
-    if own is None or own.quantity == "velocity":
-        return seen
-    made = {"noise": white_noise(own.samples), "unit": SI[own.quantity]}
-    return replace(seen, velocity=own.samples[part], whole=own.samples, **made)
-
-
-def _held(x: Float[ndarray, " sample"], cycle: int) -> bool:
-    """Whether what goes before the decay stands still at its extreme for a cycle at least."""
-    cycles = x[: x.size // cycle * cycle].reshape(-1, cycle)
-    far = np.abs(cycles.mean(axis=1))
-    still = np.ptp(cycles, axis=1) < HELD_SWING * far
-    return bool((still & (far > 0.5 * np.abs(x).max())).any())
-
-
-def _flat(seen: Examined) -> Finding:
-    """Samples within a step, or some times the noise, of the largest or smallest value.
+    """Flat tops: samples within a step, or some times the noise, of an extreme.
 
     The tops of an unclipped decay reach that near in the first cycles only, as the envelope tells.
-    All before the last flat top is masked, flanks included: its harmonics belong to no mode.
+    All before the last flat top is masked, flanks included: its harmonics belong to no mode. The
+    sensor's own samples are looked at: differentiation or integration makes flat tops round.
     """
+    seen = _own(seen)
     ratios = {sign: _piled(seen, sign) for sign in (1.0, -1.0)}
     statistic = max(ratios.values())
     if statistic > THRESHOLD:
@@ -109,6 +59,15 @@ def _flat(seen: Examined) -> Finding:
         f"{seen.seconds(last):.4g} s into the decay; only what follows is used"
     )
     return Finding(statistic, THRESHOLD, "mask", text, ((0, min(last + 2, x.size)),))
+
+
+def _own(seen: Examined) -> Examined:
+    """The same decay in the sensor's own samples."""
+    own, part = seen.recording, slice(seen.first, seen.first + seen.velocity.size)
+    if own is None or own.quantity == "velocity":
+        return seen
+    made = {"noise": white_noise(own.samples), "unit": SI[own.quantity]}
+    return replace(seen, velocity=own.samples[part], **made)
 
 
 def _reaches(seen: Examined) -> tuple[float, float]:
