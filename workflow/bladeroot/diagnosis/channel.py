@@ -137,7 +137,8 @@ def _known(data: StickData) -> dict[str, bool]:
         "time": data.time_known and data.records.span > 0.0,
         "clamping": data.time_known and data.records.span > data.records.hold_span,
         "since": data.time_known and data.records.hold_span > 0.0,
-        "sign": data.direction_known,
+        # One way tells a law of the direction from nothing, too: friction of the gauge is a gain.
+        "sign": bool(data.records.sign.any()),
         # Without a thermometer it is a drift.
         "temperature": data.records.temperature is not None
         and np.ptp(data.records.temperature) > 0,
@@ -234,7 +235,7 @@ def _parts(data: StickData) -> dict[str, Int[ndarray, " record"]]:
     found = {name: _quarters(values) for name, values in along.items() if known[name]}
     found["force"] = np.unique(records.force, return_inverse=True)[1]
     found["hold"] = data.hold
-    if known["sign"]:
+    if data.direction_known:
         found["sign"] = np.unique(3 * found["force"] + records.sign, return_inverse=True)[1]
     return found if data.group is None else found | {"group": data.group}
 

@@ -32,14 +32,17 @@ def hold_names(
 
 
 def directions(way: ndarray, hold: ndarray) -> ndarray:
-    """+1 up, -1 down, 0 unknown; a record that says nothing was reached as others of its hold."""
+    """+1 up, -1 down, 0 unknown; a record that says nothing was reached as others of its hold, or as
+    all others where they say the same.
+    """
     sign = np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))
     for one in np.unique(hold[sign == 0.0]):
         mine = hold == one
         said = np.unique(sign[mine & (sign != 0.0)])
         if said.size == 1:
             sign[mine] = said[0]
-    return sign
+    said = np.unique(sign[sign != 0.0])
+    return np.full(sign.size, said[0]) if said.size == 1 else sign
 
 
 def clampings(
