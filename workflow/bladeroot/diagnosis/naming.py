@@ -17,7 +17,7 @@ from bladeroot.diagnosis.families import (
     with_one_more,
     without,
 )
-from bladeroot.diagnosis.plausibility import explained_by_law, possible, surely_there
+from bladeroot.diagnosis.plausibility import bent, explained_by_law, possible, surely_there
 from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
@@ -223,14 +223,16 @@ class _Search:
             if not self.allowed[ids] or self._idle(model):
                 if ids in self.unsure:
                     shown = max(self.unsure[ids], self._rival(model))
-                    rows.append(Weighed(ids, shown - by_test))
+                    chance = bent(self.channel, model.fit)
+                    rows.append(Weighed(ids, shown - by_test, bent=chance))
                 continue
             step = self.steps.get(ids)
             tried = dict(step.smooth) if step else {}
             group = tried.pop("group", -np.inf)
             gains = np.array([*tried.values(), *self._impossible(model)] if step else [])
             other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
-            rows.append(Weighed(ids, model.log_evidence - by_test, float(other), group))
+            evidence, chance = model.log_evidence - by_test, bent(self.channel, model.fit)
+            rows.append(Weighed(ids, evidence, float(other), group, chance))
         return probabilities(rows, self.known.replicates, self.channel.trust, self.tests)
 
     def best(self) -> frozenset:

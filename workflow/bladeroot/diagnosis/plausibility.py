@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import erf, log, sqrt
 
 import numpy as np
 from numpy import ndarray
@@ -91,6 +92,18 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
         if near and not (main.log or main.bounded):
             return False
     return True
+
+
+def bent(channel: Channel, fitted: Fit) -> float:
+    """Probability that the laws of a fit miss more than laws do: then they are none of these.
+
+    By their own error, the last of a fit's scales (`stick_model.LAWS`); not over amplitude, where
+    laws that are right miss as much as others.
+    """
+    if channel.name == "curve" or not len(fitted.state.facts["effects"]):
+        return 0.0
+    more = (fitted.scales[-1] - log(guards.BENT)) / sqrt(2.0 * fitted.scales_covariance[-1, -1])
+    return min(0.5 + 0.5 * erf(float(more)), 1.0 - 1e-9)
 
 
 def explained_by_law(current: Fit, fitted: Fit) -> float:

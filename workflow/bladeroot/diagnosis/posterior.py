@@ -22,12 +22,15 @@ _DIGITS = 9
 class Weighed:
     """A set of causes with its log evidence over the baseline, and what the best smooth competitor
     adds to it (-inf: not tried), or a difference between the groups that the campaign states.
+
+    bent: probability that its laws miss so much that they are none of these (`naming.bent`).
     """
 
     causes: frozenset[str]
     log_evidence: float
     smooth: float = -np.inf
     group: float = -np.inf
+    bent: float = 0.0
 
 
 def temperature(explained: float, replicates: bool = True, trust: float = guards.TRUST) -> float:
@@ -54,17 +57,23 @@ def probabilities(
     heat = temperature(reach, replicates, trust)
     alone = max((one.log_evidence for one in models if len(one.causes) == 1), default=0.0)
     log: Sets = {}
+
+    def add(key: frozenset[str], value: float) -> None:
+        log[key] = float(np.logaddexp(log.get(key, -np.inf), value))
+
     for one in models:
         prior = sum(tests.get(name, 0.0) - guards.PRIOR for name in one.causes)
         own = one.log_evidence / heat + prior
         own -= _invented(one, alone, trust) / heat
-        log[one.causes] = max(log.get(one.causes, -np.inf), own)
+        add(one.causes, own + np.log1p(-one.bent))
+        for name in one.causes if one.bent else ():  # any of them may be what is none
+            add(one.causes - {name} | {UNKNOWN}, own + np.log(one.bent / len(one.causes)))
         # A group is stated because it may matter: as likely as a cause of the catalogue.
         other = np.logaddexp(
             one.smooth / heat - guards.PRIOR_UNKNOWN, one.group / heat - guards.PRIOR
         )
         if np.isfinite(other):
-            log[one.causes | {UNKNOWN}] = own + float(other)
+            add(one.causes | {UNKNOWN}, own + float(other))
     top = max(log.values())
     weights = {key: float(np.exp(value - top)) for key, value in log.items()}
     total = sum(weights.values())
