@@ -336,6 +336,17 @@ def test_a_load_cell_tells_a_wrong_zero(model):
     assert cause["parameters"][0]["value"] == pytest.approx(3000.0, abs=150.0)
 
 
+@pytest.mark.parametrize(
+    ("gain", "choice"), [(-0.2, {"force-gain", "gauge-friction"}), (0.2, {"force-gain"})]
+)
+def test_one_way_up_friction_of_the_gauge_is_a_gain(model, gain, choice):
+    """It only ever takes from what is read: where the load is larger, it is none."""
+    rows = [(*row[:3], "up", row[4]) for row in programme()]
+    seen = campaign(model, "gain", gain, seed=1, rows=rows, curves=False)
+    (cause,) = shown(verdict(diagnose(seen, model, Settings(BIAS), CATALOGUE)))
+    assert set(cause["credible_set"]) == choice
+
+
 def test_what_wants_times_is_said_not_to_be_judged(model):
     seen = campaign(model, seed=1, rows=programme(cycles=1), curves=False)
     seen["time"][5] = np.nan

@@ -174,6 +174,12 @@ def test_a_record_without_a_direction_has_that_of_its_hold():
     assert directions(way, hold).tolist() == [1, 1, 0, -1, -1, 1, -1, 0]
 
 
+def test_where_all_that_is_said_is_one_direction_the_rest_has_it():
+    hold = np.array(["a", "b", "c"])
+    assert directions(np.array(["up", "", "up"]), hold).tolist() == [1, 1, 1]
+    assert directions(np.array(["", "", ""]), hold).tolist() == [0, 0, 0]
+
+
 @pytest.mark.parametrize(("kernel", "grown"), [(kinked, 8.0), (near, 16.0)])
 def test_errors_with_kinks_bend_more_over_short_distances(kernel, grown):
     """Of second differences the variance grows by the distance's cube, of smooth ones its fourth

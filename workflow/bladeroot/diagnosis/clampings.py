@@ -32,8 +32,8 @@ def hold_names(
 
 
 def directions(way: ndarray, hold: ndarray) -> ndarray:
-    """+1 up, -1 down, 0 unknown; a record that says nothing was reached as others of its hold, or as
-    all others where they say the same.
+    """+1 up, -1 down, 0 unknown; a record that says nothing was reached as others of its hold, or
+    as all others where they say the same.
     """
     sign = np.where(way == "up", 1.0, np.where(way == "down", -1.0, 0.0))
     for one in np.unique(hold[sign == 0.0]):
