@@ -7,7 +7,7 @@ from bladeroot.decay.components import onset, separated
 from bladeroot.decay.envelope_model import Beside
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib
-from bladeroot.decay.record import estimate
+from bladeroot.decay.record import analyse, estimate
 from bladeroot.io.recording import recording
 from bladeroot.signal.lines import loudest, mode_Hz
 from decay_bench import ring_down, slider
@@ -55,6 +55,23 @@ def test_each_of_several_modes_has_its_curve(number):
     assert np.median(np.abs(found["loss_factor"].values[loud] / (2 * zeta) - 1.0)) < 0.01
     z = (found["frequency"].values[loud] - line_Hz) / found["frequency_std"].values[loud]
     assert np.mean(np.abs(z) < 3.0) > 0.9
+
+
+def test_a_mode_hidden_by_more_lines_than_are_followed_is_seen_in_a_band_of_its_own():
+    rng = np.random.default_rng(0)
+    far_Hz = np.concatenate([rng.uniform(60.0, 250.0, 12), rng.uniform(900.0, 2700.0, 14)])
+    far = [(line, rng.uniform(3e-4, 1e-3), rng.uniform(0.5, 1.5)) for line in far_Hz]
+    velocity = blow([(440.0, 0.002, 0.3), *far], length_s=2.0)
+    assert curve(velocity, 441.0)[1].sizes["point"] == 0
+    record = recording(velocity, "m/s", "here", sampling_Hz=RATE)
+    known = {"expected_Hz": 441.0, "other_modes_Hz": (), "simulated": False}
+    judged, found, _ = analyse(record, known, {}, {"damping": "viscous"})
+    assert "crowded" in judged["finding_id"].values
+    assert found.sizes["point"] > 100
+    assert np.median(found["frequency"]) == pytest.approx(440.0, rel=1e-5)
+    assert np.median(found["loss_factor"]) == pytest.approx(0.004, rel=0.01)
+    off = (found["loss_factor"] - 0.004) / found["loss_factor_std"]
+    assert np.mean(np.abs(off) < 3.0) > 0.95
 
 
 def test_a_suspension_line_of_one_per_cent_does_not_reach_the_damping():

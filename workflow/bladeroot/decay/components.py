@@ -86,7 +86,8 @@ class Separated:
     `lines_Hz`: frequencies of what was taken off, strongest first. At `time` (s, from the record's
     start) `widening` is by how much the standard error of the mode's phasor is larger than if it
     were alone, and `doubt` by how much (relative) the phasor depends on how smooth the others are
-    taken to be, as an error of independent cycles. `remarks`: findings, by id.
+    taken to be, as an error of independent cycles. `remarks`: findings, by id. `crowded`: there are
+    more lines than are followed.
     """
 
     velocity: Float[ndarray, " sample"]
@@ -96,6 +97,7 @@ class Separated:
     widening: Float[ndarray, " knot"]
     doubt: Float[ndarray, " knot"]
     remarks: tuple[tuple[str, str], ...] = ()
+    crowded: bool = False
 
 
 def separated(
@@ -158,7 +160,7 @@ def separated(
     if search.close and abs(search.close[0] / own_Hz - 1.0) < CLOSE_MODE_DISTANCE:
         k = 1 + int(np.argmin(np.abs(lines[1:] - search.close[0])))
         remarks += (_beside_it(found, k),)
-    return Separated(left, first, taken_Hz, time, widening, doubt, remarks)
+    return Separated(left, first, taken_Hz, time, widening, doubt, remarks, search.crowded)
 
 
 class _Search:
@@ -196,7 +198,7 @@ class _Search:
         self.own_Hz, self.base_Hz = float(self.lines[0]), 0.0
         self.beside: list[Beside] = []
         self.close: list[float] = []
-        self.heard = self.trimmed = self.searched = self.beaten = self.paired = False
+        self.heard = self.trimmed = self.searched = self.beaten = self.paired = self.crowded = False
 
     def followed(self) -> Envelopes:
         """The envelopes of all components, once nothing more is found in what they leave over."""
@@ -291,7 +293,9 @@ class _Search:
         reach = (min(ABOVE * line, HIGHEST * self.own_Hz) for line in slow)
         self.base_Hz = max([self.base_Hz, *reach])
         fast = [line for line in more if line >= resolved]
-        self.lines = np.concatenate([self.lines, fast[: max(MOST_LINES + 1 - self.lines.size, 0)]])
+        room = max(MOST_LINES + 1 - self.lines.size, 0)
+        self.crowded |= len(fast) > room
+        self.lines = np.concatenate([self.lines, fast[:room]])
 
 
 def _still_acts(

@@ -54,6 +54,7 @@ def cut(
     end: float | str = "noise",
     release: Release | None = None,
     least: float | None = None,
+    noise: float | None = None,
 ) -> xr.Dataset:
     """The free decay of one mode, from the release to its end.
 
@@ -76,8 +77,9 @@ def cut(
             there before (the thesis's 1/1000, 3.1.1).
         release: when and how the decay was let go, where that is known.
         least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
+        noise: rms of the sensor's noise (m/s); from these samples, unless given.
     """
-    noise = _noise(velocity)
+    noise = _noise(velocity) if noise is None else noise
     least = coarse(velocity) if least is None else least
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,

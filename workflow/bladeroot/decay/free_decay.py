@@ -8,7 +8,7 @@ from numpy import ndarray
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
-from bladeroot.decay.overrides import shortened
+from bladeroot.decay.overrides import in_band, shortened
 from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.integrity import bridged, carried, examined, judge
@@ -32,10 +32,13 @@ def free_decay(
     start_s: float | None = None,
     end_s: float | None = None,
     remarks: tuple[tuple[str, str], ...] = (),
+    band_Hz: tuple[float, float] | None = None,
 ) -> xr.Dataset:
     """The free decay of one mode, cut, without what else rings, with its findings and its mask.
 
     Arguments as of `decay.cut.cut`, `decay.overrides.shortened` and `quality.integrity.judge`.
+    band_Hz: nothing but this band of the record is looked at. Attribute `crowded`: 1 for a record
+    of more lines than are followed. ValueError: the band does not suit the record.
     """
     whole = carried(uncut(recording, expected_Hz), expected_Hz)
     motion = velocity(whole, expected_Hz)
@@ -55,27 +58,34 @@ def free_decay(
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how == "begins in the decay":
         how = AT_ONCE
-    parts = separated(clear, rate, expected_Hz, modes_Hz, first, quiet=struck)
+    before, noise, reach = struck, None, 0
+    if band_Hz is not None:  # the filter smears a blow by its reach
+        noise = seen.attrs["noise_velocity"]
+        clear, reach = in_band(clear, rate, band_Hz, expected_Hz)
+        clear, first, before = clear[:-reach], first + reach, max(struck - reach, 0)
+    parts = separated(clear, rate, expected_Hz, modes_Hz, first, quiet=before)
     release = Release(parts.first / rate, 0.0, how)
-    lone = not parts.lines_Hz and parts.velocity is clear
+    lone = not parts.lines_Hz and parts.velocity is clear and band_Hz is None
     freed = seen
     if struck or unclipped or not lone:
-        freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=steps)
+        freed = cut(parts.velocity, rate, expected_Hz, end, release, steps, noise)
     if freed.attrs["end_reason"] == STEPPED:  # unless what is louder than the steps blurs them
         after = slice(round(freed.attrs["end_s"] * rate), parts.velocity.size)
         if np.std(clear[after] - parts.velocity[after]) > steps:
-            freed = cut(parts.velocity, rate, expected_Hz, end, release=release, least=0.0)
+            freed = cut(parts.velocity, rate, expected_Hz, end, release, 0.0, noise)
     if parts.velocity.size < clear.size and freed.attrs["end_reason"] == "end of the record":
         freed.attrs["end_reason"] = "the noise"
+    if freed.sizes["time"] < 2 * reach:
+        raise ValueError("what is shorter than the filter is the filter's own ringing")
     if start_s is not None:
         start_s = max(start_s, unclipped / rate)
     freed = shortened(freed, parts.velocity, start_s, end_s)
     count = seen.attrs["decays"]
     if count > 1 and "close-mode" in dict(parts.remarks):  # two modes that beat rise again, too
-        count = cut(parts.velocity, rate, expected_Hz, end, least=steps).attrs["decays"]
+        count = cut(parts.velocity, rate, expected_Hz, end, None, steps, noise).attrs["decays"]
     remarks += told + _remarks(count, freed) + parts.remarks
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
-    return _with_widening(judged, parts)
+    return _with_widening(judged, parts).assign_attrs(crowded=int(parts.crowded))
 
 
 def _remarks(count: int, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:

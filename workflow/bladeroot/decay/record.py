@@ -25,6 +25,14 @@ SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response",
 FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
          "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
 
+# Half-widths, over the mode's frequency, of the band that is kept of a record without a curve and
+# with more lines than are followed: the first that gives one.
+WIDTHS = (0.35, 0.05)
+CROWDED = (
+    "more lines ring in this record than can be followed, and hide the mode: nothing but {:.5g} to "
+    "{:.5g} Hz of it is looked at"
+)
+
 
 def from_file(
     raw: str | Path, known: Mapping, cutting: Mapping, estimation: Mapping
@@ -58,6 +66,33 @@ def analyse(
     recording: Recording, known: Mapping, cutting: Mapping, estimation: Mapping
 ) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """The same of a recording in SI units, for which `known` need not hold SAID."""
+    made = _looked_at(recording, known, cutting, estimation)
+    if not made[0].attrs.get("crowded"):
+        return made
+    expected_Hz, stated = float(known["expected_Hz"]), known.get("band_Hz")
+    around = [((1.0 - width) * expected_Hz, (1.0 + width) * expected_Hz) for width in WIDTHS]
+    for band_Hz in around if stated is None else [stated]:
+        if made[1].sizes["point"]:
+            break
+        try:
+            again = _looked_at(recording, known, cutting, estimation, band_Hz)
+        except ValueError:  # the decay is too short for the filter
+            continue
+        made = again if again[1].sizes["point"] else made
+    return made
+
+
+def _looked_at(
+    recording: Recording,
+    known: Mapping,
+    cutting: Mapping,
+    estimation: Mapping,
+    band_Hz: tuple[float, float] | None = None,
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """The same of the record as it is, or of nothing but a band of it."""
+    remarks = _overrides(known)
+    if band_Hz is not None:
+        remarks += (("crowded", CROWDED.format(*band_Hz)),)
     decay = free_decay(
         recording,
         float(known["expected_Hz"]),
@@ -65,7 +100,8 @@ def analyse(
         **cutting,
         start_s=known.get("start_s"),
         end_s=known.get("end_s"),
-        remarks=_overrides(known),
+        remarks=remarks,
+        band_Hz=band_Hz,
     )
     return _estimated(decay.assign_attrs(quantity=recording.quantity), known, estimation)
 
