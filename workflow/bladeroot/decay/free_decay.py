@@ -49,14 +49,14 @@ def free_decay(
     remarks += tuple(("reader", note) for note in whole.notes)
     asked = expected_Hz, modes_Hz, recording
     decay = shortened(seen, clear, start_s, end_s)
-    ambient = decay.attrs["excitation"] == AMBIENT
+    struck = onset(clear, rate / expected_Hz)
+    ambient = decay.attrs["excitation"] == AMBIENT and not struck
     if ambient or too_fast_or_short(clear.size, rate, expected_Hz):
         return judge(decay, motion, *asked, remarks=remarks)
-    struck = onset(clear, rate / expected_Hz)
     unclipped, told = _clipped(seen, clear, expected_Hz, recording)
     first = max(struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen), unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
-    if struck and how == "begins in the decay":
+    if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
         how = AT_ONCE
     before, noise, reach = struck, None, 0
     if band_Hz is not None:  # the filter smears a blow by its reach

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.decay.agreement import compare
-from bladeroot.decay.cut import rejected
+from bladeroot.decay.cut import LEAST_FALL, rejected
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib, no_decay
 from bladeroot.decay.overrides import banded, kept
@@ -25,8 +25,8 @@ SAID = ("quantity", "unit", "channel", "sampling_Hz", "sensitivity", "response",
 FACTS = ("record", "mode", "expected_Hz", "load", "load_name", "load_unit", "force_N", "hold",
          "direction", "event", "group", "sensor", "band_Hz")  # fmt: skip
 
-# Half-widths, over the mode's frequency, of the band that is kept of a record without a curve and
-# with more lines than are followed: the first that gives one.
+# Half-widths, over the mode's frequency, of the band that is kept of a record with more lines than
+# are followed, whose curve falls by less than a decay does, or is none.
 WIDTHS = (0.35, 0.05)
 CROWDED = (
     "more lines ring in this record than can be followed, and hide the mode: nothing but {:.5g} to "
@@ -72,14 +72,20 @@ def analyse(
     expected_Hz, stated = float(known["expected_Hz"]), known.get("band_Hz")
     around = [((1.0 - width) * expected_Hz, (1.0 + width) * expected_Hz) for width in WIDTHS]
     for band_Hz in around if stated is None else [stated]:
-        if made[1].sizes["point"]:
+        if _fall(made) > LEAST_FALL:
             break
         try:
             again = _looked_at(recording, known, cutting, estimation, band_Hz)
         except ValueError:  # the decay is too short for the filter
             continue
-        made = again if again[1].sizes["point"] else made
+        made = max(made, again, key=_fall)
     return made
+
+
+def _fall(made: tuple[xr.Dataset, xr.Dataset, xr.Dataset]) -> float:
+    """Factor by which the amplitude of a record's curves falls; 0 without any."""
+    amplitude = made[1]["amplitude"].values
+    return float(amplitude.max() / amplitude.min()) if amplitude.size else 0.0
 
 
 def _looked_at(
