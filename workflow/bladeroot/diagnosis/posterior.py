@@ -23,7 +23,7 @@ class Weighed:
     """A set of causes with its log evidence over the baseline, and what the best smooth competitor
     adds to it (-inf: not tried), or a difference between the groups that the campaign states.
 
-    bent: probability that its laws miss so much that they are none of these (`naming.bent`).
+    bent: probability that its laws miss so much that they are none of these (`plausibility.bent`).
     """
 
     causes: frozenset[str]
