@@ -7,7 +7,7 @@ import pytest
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.channel import Channel
 from bladeroot.diagnosis.naming import Known, _Search, baseline, search
-from bladeroot.diagnosis.plausibility import bent, explained_by_law
+from bladeroot.diagnosis.plausibility import explained_by_law, law_misfit
 from bladeroot.diagnosis.posterior import UNKNOWN, inclusion
 from bladeroot.inference.gaussian import fit
 from bladeroot.inference.problem import Prior, Problem, State
@@ -111,16 +111,18 @@ def test_a_law_of_the_right_course_explains_whatever_size_its_error_allows():
 
 
 def test_a_law_is_none_of_the_catalogue_by_its_own_error(shapes):
-    """Half as likely as not at `guards.BENT` times the trust; never where there is no law."""
+    """Half as likely as not at `guards.LAW_MISFIT` times the trust; never where there is no law."""
     some = channel(40.0 * shapes[0], [line("a", shapes[0])])
     made = fit(some.problem(some.candidates, ()), np.full(1, 40.0))
     at = [
-        bent(some, replace(made, scales=np.log([error]), scales_covariance=np.array([[0.16]])))
-        for error in (0.3, guards.BENT, 10.0)
+        law_misfit(
+            some, replace(made, scales=np.log([error]), scales_covariance=np.array([[0.16]]))
+        )
+        for error in (0.3, guards.LAW_MISFIT, 10.0)
     ]
     assert at == pytest.approx([0.0, 0.5, 1.0], abs=1e-3)
-    assert bent(replace(some, name="curve"), replace(made, scales=np.log([10.0]))) == 0.0
-    assert bent(some, replace(fit(some.problem((), ())), scales=np.log([10.0]))) == 0.0
+    assert law_misfit(replace(some, name="curve"), replace(made, scales=np.log([10.0]))) == 0.0
+    assert law_misfit(some, replace(fit(some.problem((), ())), scales=np.log([10.0]))) == 0.0
 
 
 def test_a_right_law_is_not_noise_where_its_error_took_what_the_rest_explains(shapes):

@@ -62,14 +62,14 @@ def test_a_test_of_a_cause_asks_for_no_law():
     assert inclusion(probabilities(tested, tests={"b": 8.0}), "b") > guards.CERTAIN
 
 
-@pytest.mark.parametrize("bent", [0.0, 0.3, 0.99])
-def test_what_a_law_misses_by_more_than_laws_do_is_of_no_catalogue(bent):
+@pytest.mark.parametrize("misfit", [0.0, 0.3, 0.99])
+def test_what_a_law_misses_by_more_than_laws_do_is_of_no_catalogue(misfit):
     """Of two causes either may be what is none; what the law explains is explained all the same."""
-    sets = probabilities([Weighed(EMPTY, 0.0), Weighed(A, 60.0, bent=bent)])
-    assert inclusion(sets, UNKNOWN) == pytest.approx(bent, abs=1e-6)
-    assert inclusion(sets, "a") == pytest.approx(1.0 - bent, abs=1e-6)
-    both = probabilities([Weighed(EMPTY, 0.0), Weighed(AB, 60.0, bent=bent)])
-    assert both.get(A | {UNKNOWN}, 0.0) == pytest.approx(0.5 * bent, abs=1e-6)
+    sets = probabilities([Weighed(EMPTY, 0.0), Weighed(A, 60.0, misfit=misfit)])
+    assert inclusion(sets, UNKNOWN) == pytest.approx(misfit, abs=1e-6)
+    assert inclusion(sets, "a") == pytest.approx(1.0 - misfit, abs=1e-6)
+    both = probabilities([Weighed(EMPTY, 0.0), Weighed(AB, 60.0, misfit=misfit)])
+    assert both.get(A | {UNKNOWN}, 0.0) == pytest.approx(0.5 * misfit, abs=1e-6)
 
 
 def test_cruder_laws_make_evidence_count_less():

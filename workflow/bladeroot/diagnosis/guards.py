@@ -42,7 +42,7 @@ TRUST_CURVE = 0.15
 # Standard deviations of its score beyond which the smooth competitor is fitted from two starts.
 ASKED = 1.0
 # Times that trust beyond which a law's own error says that it is not this law.
-BENT = 2.0
+LAW_MISFIT = 2.0
 MOST_CAUSES = 3  # a channel
 # How many mechanisms, best first, are tried with a second one where none alone will do.
 OPENINGS = 2

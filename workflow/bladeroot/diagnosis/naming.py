@@ -17,7 +17,12 @@ from bladeroot.diagnosis.families import (
     with_one_more,
     without,
 )
-from bladeroot.diagnosis.plausibility import bent, explained_by_law, possible, surely_there
+from bladeroot.diagnosis.plausibility import (
+    explained_by_law,
+    law_misfit,
+    possible,
+    surely_there,
+)
 from bladeroot.diagnosis.posterior import (
     NONE,
     UNKNOWN,
@@ -205,7 +210,7 @@ class _Search:
         rows = []
         for ids, model in self.models.items():
             by_test = sum(self.tests[name] for name in ids)
-            chance = bent(self.channel, model.fit)
+            chance = law_misfit(self.channel, model.fit)
             if self.allowed[ids]:
                 tried = dict(self.steps[ids].smooth) if ids in self.steps else {}
                 group = tried.pop("group", -np.inf)
@@ -214,7 +219,7 @@ class _Search:
                 other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
                 rows.append(Weighed(ids, model.log_evidence - by_test, float(other), group, chance))
             elif ids in self.unsure:
-                rows.append(Weighed(ids, self.unsure[ids] - by_test, bent=chance))
+                rows.append(Weighed(ids, self.unsure[ids] - by_test, misfit=chance))
         return probabilities(rows, self.known.replicates, self.channel.trust, self.tests)
 
     def best(self) -> frozenset:

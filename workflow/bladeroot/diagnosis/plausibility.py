@@ -94,7 +94,7 @@ def surely_there(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> 
     return True
 
 
-def bent(channel: Channel, fitted: Fit) -> float:
+def law_misfit(channel: Channel, fitted: Fit) -> float:
     """Probability that the laws of a fit miss more than laws do: then they are none of these.
 
     By their own error, the last of a fit's scales (`stick_model.LAWS`); not over amplitude, where
@@ -102,8 +102,9 @@ def bent(channel: Channel, fitted: Fit) -> float:
     """
     if channel.name == "curve" or not len(fitted.state.facts["effects"]):
         return 0.0
-    more = (fitted.scales[-1] - log(guards.BENT)) / sqrt(2.0 * fitted.scales_covariance[-1, -1])
-    return min(0.5 + 0.5 * erf(float(more)), 1.0 - 1e-9)
+    error, std = fitted.scales[-1], sqrt(fitted.scales_covariance[-1, -1])
+    more = (error - log(guards.LAW_MISFIT)) / std
+    return min(0.5 + 0.5 * erf(float(more) / sqrt(2.0)), 1.0 - 1e-9)
 
 
 def explained_by_law(current: Fit, fitted: Fit) -> float:

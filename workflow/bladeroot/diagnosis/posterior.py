@@ -23,14 +23,15 @@ class Weighed:
     """A set of causes with its log evidence over the baseline, and what the best smooth competitor
     adds to it (-inf: not tried), or a difference between the groups that the campaign states.
 
-    bent: probability that its laws miss so much that they are none of these (`plausibility.bent`).
+    misfit: probability that its laws miss so much that they are none of these
+        (`plausibility.law_misfit`).
     """
 
     causes: frozenset[str]
     log_evidence: float
     smooth: float = -np.inf
     group: float = -np.inf
-    bent: float = 0.0
+    misfit: float = 0.0
 
 
 def temperature(explained: float, replicates: bool = True, trust: float = guards.TRUST) -> float:
@@ -65,9 +66,9 @@ def probabilities(
         prior = sum(tests.get(name, 0.0) - guards.PRIOR for name in one.causes)
         own = one.log_evidence / heat + prior
         own -= _invented(one, alone, trust) / heat
-        add(one.causes, own + np.log1p(-one.bent))
-        for name in one.causes if one.bent else ():  # any of them may be what is none
-            add(one.causes - {name} | {UNKNOWN}, own + np.log(one.bent / len(one.causes)))
+        add(one.causes, own + np.log1p(-one.misfit))
+        for name in one.causes if one.misfit else ():  # any of them may be what is none
+            add(one.causes - {name} | {UNKNOWN}, own + np.log(one.misfit / len(one.causes)))
         # A group is stated because it may matter: as likely as a cause of the catalogue.
         other = np.logaddexp(
             one.smooth / heat - guards.PRIOR_UNKNOWN, one.group / heat - guards.PRIOR
