@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis import guards
+from bladeroot.diagnosis import guards, naming
 from bladeroot.diagnosis.channel import Channel
 from bladeroot.diagnosis.naming import Known, _Search, baseline, search
 from bladeroot.diagnosis.plausibility import explained_by_law, law_misfit
@@ -180,6 +180,18 @@ def test_two_causes_are_found_where_the_smooth_competitor_beats_each(shapes):
     assert named(found) == {"a", "b"}
     assert all(cause.probability > 0.5 for cause in found.causes)
     assert found.unexplained == ""
+
+
+def test_laws_that_miss_too_much_leave_sets_that_were_not_fitted(shapes, monkeypatch):
+    """Of three such causes any may be none of the catalogue; which two are left is not tried."""
+    a, b, c, _ = shapes
+    monkeypatch.setattr(
+        naming, "law_misfit", lambda _, fitted: 0.999 * (len(fitted.state.facts["effects"]) == 3)
+    )
+    laws = [line("a", a), line("b", b), line("c", c)]
+    found = search(channel(60.0 * a + 40.0 * (b + c), laws, smooth=np.array([b + c])), Known())
+    assert frozenset("bc") not in found.models
+    assert inclusion(found.probabilities, UNKNOWN) > guards.CERTAIN
 
 
 def test_what_only_the_smooth_competitor_explains_stays_unexplained(shapes):

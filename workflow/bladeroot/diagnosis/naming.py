@@ -226,7 +226,7 @@ class _Search:
         """The most probable set of causes, whatever is unexplained beside it."""
         sums: Sets = {}
         for key, value in self.weighed().items():
-            if self.allowed[key - {UNKNOWN}]:
+            if self.allowed.get(key - {UNKNOWN}, False):
                 sums[key - {UNKNOWN}] = sums.get(key - {UNKNOWN}, 0.0) + value
         return max(sums, key=lambda key: (sums[key], sorted(key)))
 
