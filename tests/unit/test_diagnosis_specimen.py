@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from bladeroot.diagnosis import judged
+from bladeroot.diagnosis import guards, judged
 from bladeroot.diagnosis.diagnose import Settings
 from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
@@ -356,3 +356,14 @@ def test_sensors_of_one_event_are_one_observation():
 )
 def test_sentences_suit_a_specimen_without_force_and_simulation(text, load, said):
     assert Terms(load, simulated=False).say(text) == said
+
+
+def test_a_load_cells_zero_is_no_surer_than_its_gauge_is_straight():
+    """A gain of 20 % up to 20 kN bends the line through its loads by a part of 4 kN."""
+    seen = xr.Dataset({"force": ("record", np.array([5e3, 20e3]))})
+    zero = {"measurement": "load cell zero", "value": 400.0, "std": 50.0}
+    scale = {"measurement": "load cell scale", "value": -0.2, "std": 0.005}
+    assert judged._independent([zero], seen) == {"load cell zero": (400.0, 50.0)}
+    both = judged._independent([scale, zero], seen)
+    assert both["load cell scale"] == (-0.2, 0.005)
+    assert both["load cell zero"] == (400.0, pytest.approx(np.hypot(50.0, guards.TRUST * 4e3)))

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import (
     Settings,
@@ -69,12 +70,9 @@ def judge(
         {mode: percent / 100 for mode, percent in facts.get(name, default).items()}
         for name, default in (("fe_bias_percent", usual), ("fe_offset_percent", {}))
     )
-    splits = {
-        one["measurement"]: (one["value"], one["std"]) for one in facts.get("independent", [])
-    }
     settings = Settings(
-        bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0), splits,
-        facts.get("costs", {}),
+        bias, offset, 1000.0 * facts.get("full_contact_from_kN", 0.0),
+        _independent(facts.get("independent", []), seen), facts.get("costs", {}),
     )  # fmt: skip
     if simulation is None:
         linear = _linear(seen, expected)
@@ -98,6 +96,20 @@ def judge(
     else:
         made = simulation_of(seen, simulation, settings)
     return judged(seen, made, settings, candidates)
+
+
+def _independent(measured: Sequence[Mapping], seen: xr.Dataset) -> dict[str, tuple[float, float]]:
+    """Value and standard deviation of each independent measurement.
+
+    A load cell's zero is where the line through its loads meets no load: a gauge whose gain is not
+    the same at all loads bends that line, by the part of its effect to which laws are exact.
+    """
+    found = {one["measurement"]: (one["value"], one["std"]) for one in measured}
+    if {"load cell scale", "load cell zero"} <= found.keys():
+        gain, (zero, std) = found["load cell scale"][0], found["load cell zero"]
+        bend = guards.TRUST * abs(gain) * float(seen["force"].max())
+        found["load cell zero"] = zero, float(np.hypot(std, bend))
+    return found
 
 
 def _linear(seen: xr.Dataset, expected: Mapping[str, float]) -> Linear:
