@@ -16,8 +16,6 @@ from numpy import ndarray
 # (benchmarks/real_like.py).
 UNLIKE_ERRORS = 4.0
 UNLIKE_TIME_PART = 0.25
-# Part of the frequency: further apart they follow two modes, and most of them may follow the wrong.
-ANOTHER_MODE = 0.01
 
 
 def unlike_sensors(
@@ -27,7 +25,7 @@ def unlike_sensors(
 
     records: free decays with event, mode and start_s (s on the event's clock) in the attributes;
     decays: their curves. How far is in stated errors. Of several sensors that one is out which
-    differs from the most others; where two modes are followed, all are.
+    differs from the most others.
     """
     events: dict[tuple[str, str], list[int]] = {}
     for k, (record, decay) in enumerate(zip(records, decays, strict=True)):
@@ -38,12 +36,9 @@ def unlike_sensors(
     for numbers in events.values():
         curves = [_on_the_clock(records[k], decays[k]) for k in numbers]
         away = np.array([[_apart(one, other) for other in curves] for one in curves])
-        middle = np.array([float(decays[k]["frequency"].median()) for k in numbers])
-        two = np.ptp(middle) > ANOTHER_MODE * middle.min()
         differs = (away > UNLIKE_ERRORS).sum(axis=1)
         for own, k in enumerate(numbers):
-            most = differs[away[own] > UNLIKE_ERRORS].max(initial=0)
-            if differs[own] and (two or differs[own] >= most):
+            if differs[own] and differs[own] >= differs[away[own] > UNLIKE_ERRORS].max():
                 other = int(away[own].argmax())
                 found.append((k, numbers[other], float(away[own, other])))
     return sorted(found)
