@@ -150,6 +150,18 @@ def test_a_right_law_is_not_noise_where_its_error_took_what_the_rest_explains(sh
     assert explained_by_law(without, with_it) > 50.0
 
 
+def test_what_a_looser_law_explains_better_is_no_certain_name():
+    """One law explains two points by its mean, another all of them as a model of noise."""
+    scatter = 20.0 * np.tile([1.0, 1.0, -1.0, -1.0], SIZE // 4)
+    two = line("two", (np.arange(SIZE) < 2).astype(float))
+    loose = replace(line("loose", np.ones(SIZE)), starts=((30.0,),))
+    alone = search(channel(scatter, [two], trust=0.2), Known())
+    both = search(channel(scatter, [loose, two], trust=0.2), Known())
+    assert both.alone["loose"].log_evidence > both.alone["two"].log_evidence
+    assert [one.credible for one in alone.causes] == [("two",)]
+    assert [one.credible for one in both.causes] == [("two", "loose")]
+
+
 def test_a_crude_law_explains_by_its_mean(shapes):
     """What a law is wrong by does not count against it."""
     a, _, c, _ = shapes

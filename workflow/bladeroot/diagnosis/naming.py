@@ -193,6 +193,11 @@ class _Search:
             measured > 0.0 or surely_there(self.channel, more.causes, more.fit)
         )
 
+    def _idle(self, model: Model) -> bool:
+        """Whether one of the causes explains nothing beside the others, possible or not."""
+        rests = [self.models.get(model.ids - {one.id}) for one in model.causes]
+        return any(rest and rest.log_evidence > model.log_evidence for rest in rests)
+
     def _impossible(self, model: Model) -> list[float]:
         """What sets with one cause more explain besides, at sizes that no such cause can have."""
         return [
@@ -202,6 +207,16 @@ class _Search:
             and not self.allowed[ids] and not ids & set(self.known.ruled_out)
         ]  # fmt: skip
 
+    def _rival(self, model: Model) -> float:
+        """What a set counts as that is not surely there and explains more than any that is, of as
+        many causes: as much as these. Its law misses much, and so does theirs, which is no name.
+        """
+        sure = [
+            one.log_evidence for ids, one in self.models.items()
+            if self.allowed[ids] and len(ids) == len(model.ids) and not self._idle(one)
+        ]  # fmt: skip
+        return max(sure) if sure and max(sure) < model.log_evidence else -np.inf
+
     def weighed(self) -> Sets:
         """Probabilities of all sets that may be.
 
@@ -210,16 +225,19 @@ class _Search:
         rows = []
         for ids, model in self.models.items():
             by_test = sum(self.tests[name] for name in ids)
-            chance = law_misfit(self.channel, model.fit)
-            if self.allowed[ids]:
-                tried = dict(self.steps[ids].smooth) if ids in self.steps else {}
-                group = tried.pop("group", -np.inf)
-                missed = self._impossible(model) if ids in self.steps else []
-                gains = np.array([*tried.values(), *missed])
-                other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
-                rows.append(Weighed(ids, model.log_evidence - by_test, float(other), group, chance))
-            elif ids in self.unsure:
-                rows.append(Weighed(ids, self.unsure[ids] - by_test, misfit=chance))
+            if not self.allowed[ids] or self._idle(model):
+                if ids in self.unsure:
+                    shown = max(self.unsure[ids], self._rival(model))
+                    chance = law_misfit(self.channel, model.fit)
+                    rows.append(Weighed(ids, shown - by_test, misfit=chance))
+                continue
+            step = self.steps.get(ids)
+            tried = dict(step.smooth) if step else {}
+            group = tried.pop("group", -np.inf)
+            gains = np.array([*tried.values(), *self._impossible(model)] if step else [])
+            other = np.logaddexp.reduce(gains) - np.log(gains.size) if gains.size else -np.inf
+            evidence, chance = model.log_evidence - by_test, law_misfit(self.channel, model.fit)
+            rows.append(Weighed(ids, evidence, float(other), group, chance))
         return probabilities(rows, self.known.replicates, self.channel.trust, self.tests)
 
     def best(self) -> frozenset:
