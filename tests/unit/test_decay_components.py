@@ -272,6 +272,29 @@ def test_a_record_that_ends_early_in_its_decay_says_so():
     assert np.abs(found["frequency"].values / 297.0 - 1.0).max() < 1e-4
 
 
+@pytest.mark.parametrize(
+    ("rate", "line_Hz", "zeta", "hold_s", "noise"),
+    [(200.0, 8.0, 0.05, 3.0, 2e-3), (340.0, 19.0, 0.05, 1.5, 2e-3), (530.0, 8.0, 0.09, 0.6, 5e-4)],
+)
+def test_a_specimen_let_go_from_a_deflection_is_seen_by_a_displacement_sensor(
+    rate, line_Hz, zeta, hold_s, noise
+):
+    """Twice differentiated, its noise hides the instant from single samples."""
+    time = np.arange(int((hold_s + 64.0 / line_Hz) * rate)) / rate
+    free = decay(line_Hz, zeta, 1.0, np.maximum(time - hold_s, 0.0), phase=-np.arcsin(zeta))
+    held = np.where(time < hold_s, 1.0, free / np.sqrt(1.0 - zeta**2))
+    seen = held + noise * np.random.default_rng(1).standard_normal(time.size)
+    record = recording(1e-4 * seen, "m", "here", sampling_Hz=rate)
+    judged = free_decay(record, line_Hz)
+    found = estimate(judged.assign_attrs(expected_Hz=line_Hz), damping="viscous")
+    assert judged.attrs["release_s"] == pytest.approx(hold_s, abs=0.25 / line_Hz)
+    assert judged["finding_id"].size == 0
+    assert found["amplitude"].values[0] > 0.6e-4
+    loss, std = found["loss_factor"].values, found["loss_factor_std"].values
+    assert np.abs((loss - 2.0 * zeta) / std).max() < 3.5
+    assert np.median(np.abs(loss / (2.0 * zeta) - 1.0)) < 0.02
+
+
 def test_what_begins_in_motion_or_grows_slowly_was_not_struck():
     assert onset(blow(MODES, before_s=0.0), RATE / 80.0) == 0
     time = np.arange(int(4.0 * RATE)) / RATE

@@ -40,11 +40,13 @@ FEWEST_CYCLES = 1.5  # of the mode
 FEWEST_SAMPLES = 8.0
 MOST_INTERVALS = 400  # of a record, which bounds the cost of a long one
 
-# A blow is seen in the changes from sample to sample, over the largest of the record.
+# A blow is seen in the changes from sample to sample, a smooth release in those of means, over the
+# largest of the record.
 RISEN = 0.1  # the blow begins with the first change above this,
 QUIET = 0.03  # where the changes before are smaller than this (rms)
 SUDDEN = 0.3  # and one within two cycles of the mode is larger than this
-FEWEST_QUIET = 8  # samples before the blow
+FEWEST_QUIET = 8  # samples, or means, before the blow
+MEANS_A_CYCLE = (8, 4)  # that a smooth release is looked for in, one after the other
 
 # Something still acts at the start (a blow's contact, a drive that fades) where the rms of what the
 # components leave over in a part of an interval is larger than all of these; the decay then begins
@@ -337,11 +339,24 @@ def _doubt(
 
 
 def onset(velocity: Float[ndarray, " sample"], cycle: float) -> int:
-    """The sample in which something strikes what was quiet; 0 for a record that begins in motion.
+    """The sample in which something sets in motion what was quiet; 0 for a record that begins so.
 
-    A blow shows in all modes at once, and to the sample. cycle: samples in a cycle of the mode.
+    A blow shows in all modes at once, and to the sample; what a displacement sensor sees of a
+    specimen that is let go drowns in the noise of single samples, and shows in means of them.
+    cycle: samples in a cycle of the mode.
     """
-    size = np.abs(np.diff(velocity, prepend=velocity[0]))  # without offset and drift
+    for few in (1, *(max(int(cycle / count), 1) for count in MEANS_A_CYCLE)):
+        whole = velocity[: velocity.size // few * few]
+        means = whole.reshape(-1, few).mean(axis=1)
+        first = _first_change(means, cycle / few) if means.size else 0
+        if first:
+            return (first + (few > 1)) * few  # behind the mean that it is seen in
+    return 0
+
+
+def _first_change(samples: Float[ndarray, " mean"], cycle: float) -> int:
+    """`onset` in means of samples, so many a cycle."""
+    size = np.abs(np.diff(samples, prepend=samples[0]))  # without offset and drift
     first = int(np.argmax(size > RISEN * size.max()))
     quiet = size[:first]
     if first < FEWEST_QUIET or np.sqrt(np.mean(quiet**2)) > QUIET * size.max():

@@ -53,7 +53,8 @@ def free_decay(
     ambient = decay.attrs["excitation"] == AMBIENT and not struck
     if ambient or too_fast_or_short(clear.size, rate, expected_Hz):
         return judge(decay, motion, *asked, remarks=remarks)
-    unclipped, told = _clipped(seen, clear, expected_Hz, recording)
+    after = struck / rate if struck > seen.attrs["start_s"] * rate else None
+    unclipped, told = _clipped(shortened(seen, clear, after, None), clear, expected_Hz, recording)
     first = max(struck or _let_go(clear, rate, expected_Hz, modes_Hz, seen), unclipped)
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
