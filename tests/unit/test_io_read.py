@@ -319,19 +319,35 @@ def test_every_quantity_becomes_velocity(quantity, unit, scale):
     expected = scale * (signal * (1j * omega - decline) ** order).imag
     found = velocity(recording(signal.imag, unit, "here", sampling_Hz=RATE), 100.0)
     inside = slice(400, -400)
-    assert np.abs(found - expected)[inside].max() < 3e-5 * np.abs(expected).max()
+    # the slope of many samples is exact for a wave that does not decay; of this the phase is off
+    least = 3e-4 if quantity == "displacement" else 3e-5
+    assert np.abs(found - expected)[inside].max() < least * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("a_cycle", [2.6, 3.3, 5.0, 8.7, 20.0])
+@pytest.mark.parametrize("a_cycle", [2.6, 3.3, 5.0, 8.7, 20.0, 60.0, 300.0])
 @pytest.mark.parametrize("expected_Hz", [90.0, 100.0, 112.0])
 @pytest.mark.parametrize(("quantity", "unit"), [("displacement", "m"), ("acceleration", "m/s^2")])
-def test_few_samples_a_cycle_do_not_lower_the_amplitude(quantity, unit, expected_Hz, a_cycle):
+def test_neither_few_samples_a_cycle_nor_many_lower_the_amplitude(
+    quantity, unit, expected_Hz, a_cycle
+):
     omega = 2 * np.pi * 100.0
     turn = np.exp(1j * omega * np.arange(4000) / (100.0 * a_cycle))
     order = {"displacement": 0, "acceleration": 2}[quantity]
     motion = recording((turn * (1j * omega) ** order).real, unit, "here", sampling_Hz=100 * a_cycle)
     missed = velocity(motion, expected_Hz) - (turn * 1j * omega).real
     assert np.abs(missed[200:-200]).max() < 3e-4 * omega
+
+
+@pytest.mark.parametrize("a_cycle", [60.0, 300.0])
+def test_the_noise_of_many_samples_a_cycle_is_not_differentiated(a_cycle):
+    omega = 2 * np.pi * 100.0
+    wave = np.cos(2 * np.pi * np.arange(9000) / a_cycle)
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(wave.size)
+    still, noisy = (
+        velocity(recording(one, "m", "here", sampling_Hz=100 * a_cycle), 100.0)
+        for one in (wave, wave + noise)
+    )
+    assert np.std(noisy - still) < omega * np.std(noise)
 
 
 @pytest.mark.parametrize("unit", ["m", "m/s^2"])

@@ -79,7 +79,7 @@ def cut(
         least: amplitude (m/s) at which a digitiser's steps show; from these samples, unless given.
         noise: rms of the sensor's noise (m/s); from these samples, unless given.
     """
-    noise = _noise(velocity) if noise is None else noise
+    noise = sensor_noise(velocity) if noise is None else noise
     least = coarse(velocity) if least is None else least
     attrs: dict[str, float | str | int] = _nothing() | {
         "sampling_Hz": float(sampling_Hz), "noise_velocity": noise,
@@ -112,7 +112,7 @@ def decay_starts(
     velocity: Float[ndarray, " sample"], sampling_Hz: float, expected_Hz: float
 ) -> list[float]:
     """When the decays in a record begin that `cut` chooses from, to some frames, s."""
-    noise = _noise(velocity)
+    noise = sensor_noise(velocity)
     own_Hz = _own_frequency(velocity, sampling_Hz, expected_Hz)
     seen = envelope(velocity, sampling_Hz, own_Hz)
     fall, level, found = _falls(seen, seen.noise(noise, sampling_Hz), strikes(seen, noise))
@@ -121,9 +121,9 @@ def decay_starts(
     return sorted(float(seen.time[p]) for p, _ in _deep(fall, level, found))
 
 
-def _noise(velocity: Float[ndarray, " sample"]) -> float:
+def sensor_noise(samples: Float[ndarray, " sample"]) -> float:
     """Rms of the noise; where the last digits stand still, at least that of the rounding."""
-    return max(white_noise(velocity), quantum(velocity) / np.sqrt(12.0))
+    return max(white_noise(samples), quantum(samples) / np.sqrt(12.0))
 
 
 def coarse(samples: Float[ndarray, " sample"]) -> float:

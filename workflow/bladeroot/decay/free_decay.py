@@ -6,7 +6,7 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.decay.components import Separated, onset, separated
-from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, too_fast_or_short
+from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, sensor_noise, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
 from bladeroot.decay.overrides import in_band, shortened
 from bladeroot.decay.release import AT_ONCE, Release
@@ -45,7 +45,8 @@ def free_decay(
     rate = recording.sampling_Hz
     clear = bridged(motion, rate, expected_Hz)
     steps = _steps(recording, expected_Hz)
-    seen = cut(clear, rate, expected_Hz, end, least=steps)
+    noise = _noise(recording, expected_Hz)
+    seen = cut(clear, rate, expected_Hz, end, least=steps, noise=noise)
     remarks += tuple(("reader", note) for note in whole.notes)
     asked = expected_Hz, modes_Hz, recording
     decay = shortened(seen, clear, start_s, end_s)
@@ -59,7 +60,7 @@ def free_decay(
     how = decay.attrs["excitation"] or AT_ONCE
     if struck and how in ("begins in the decay", AMBIENT):  # beats rise as slowly as they fall, too
         how = AT_ONCE
-    before, noise, reach = struck, None, 0
+    before, reach = struck, 0
     if band_Hz is not None:  # the filter smears a blow by its reach
         noise = seen.attrs["noise_velocity"]
         clear, reach = in_band(clear, rate, band_Hz, expected_Hz)
@@ -141,6 +142,16 @@ def _clipped(
     if not found.counts:
         return 0, ()
     return seen.first + found.spans[-1][1], (("clipping", found.text),)
+
+
+def _noise(recording: Recording, expected_Hz: float) -> float | None:
+    """Noise (m/s, rms) of a displacement, as the mode sees it: white in the sensor's own samples.
+
+    That of their slope grows with the frequency. None: the motion's own samples tell.
+    """
+    if recording.quantity != "displacement":
+        return None
+    return 2.0 * np.pi * expected_Hz * sensor_noise(recording.samples)
 
 
 def _steps(recording: Recording, expected_Hz: float) -> float:

@@ -10,7 +10,7 @@ from scipy import fft
 
 from bladeroot.signal.envelope import tapered
 from bladeroot.signal.lines import blackman_harris, hann, loudest, mode_Hz, quantum
-from bladeroot.signal.recording import DIFFERENCE_REACH, SHORT_GAP, Recording
+from bladeroot.signal.recording import SHORT_GAP, Recording, difference_reach
 from bladeroot.signal.runs import medians, runs
 
 # The frames in which the mode is fitted, a cycle apart.
@@ -134,7 +134,8 @@ class Examined:
         at[self.recording.lost] = True
         spans = runs(at)
         if self.recording.quantity == "displacement":
-            spans += np.where(np.diff(spans) > SHORT_GAP, (-DIFFERENCE_REACH, DIFFERENCE_REACH), 0)
+            reach = difference_reach(self.sampling_Hz, self.expected_Hz)
+            spans += np.where(np.diff(spans) > SHORT_GAP, (-reach, reach), 0)
         spans = np.clip(spans - self.first, 0, self.velocity.size)
         return tuple((int(a), int(b)) for a, b in spans if a < b)
 
