@@ -40,7 +40,8 @@ def seconds(folder: Path, *command: str) -> tuple[float, float]:
     """Wall and CPU seconds of a command in a clone, its processes included."""
     # one thread of the libraries a process, as the workflow sets it
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache"), "OMP_NUM_THREADS": "1"}
-    for variable in ("PYTHONPATH", "NUMBA_CACHE_DIR"):  # of another checkout
+    # of another checkout, and of shells that have every process read its sources anew
+    for variable in ("PYTHONPATH", "NUMBA_CACHE_DIR", "PYTHONDONTWRITEBYTECODE"):
         environment.pop(variable, None)
     start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)

@@ -29,6 +29,13 @@ def test_what_is_saved_is_loaded_with_its_provenance(tmp_path):
     assert loaded["x"].attrs["units"] == "m"
 
 
+def test_variables_are_left_out_by_name_or_by_pattern(tmp_path):
+    made = SAMPLE.assign(x_std=SAMPLE["x"], y=SAMPLE["x"], z=SAMPLE["x"])
+    artifacts.save(made, tmp_path / "sample.nc")
+    less = artifacts.load(tmp_path / "sample.nc", without=("x_*", "z"))
+    assert set(less.variables) == {"x", "y"}
+
+
 def test_what_is_written_is_what_xarray_would_write(tmp_path):
     made = xr.Dataset(
         {

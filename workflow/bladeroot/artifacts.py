@@ -8,7 +8,8 @@ its own as `checksum`.
 import hashlib
 import json
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import netCDF4
@@ -24,8 +25,10 @@ from bladeroot.provenance import environment
 SCHEMA = "bladeroot-artifact-1"
 
 
-def load(path: str | Path, without: Iterable[str] = ()) -> xr.Dataset:
+def load(path: str | Path, without: Sequence[str] = ()) -> xr.Dataset:
     """Read an artifact into memory, whole or without some variables, and close its file.
+
+    without: names of variables that are left out, or patterns of them as `pff_*`.
 
     Raises ValueError, one line that names the file and the command that makes it again, when it is
     missing, empty, cut off or altered.
@@ -36,16 +39,23 @@ def load(path: str | Path, without: Iterable[str] = ()) -> xr.Dataset:
         raise ValueError(f"{path}: {reason(error)}; {_again(path)}") from error
     if fault:
         raise ValueError(f"{path} {fault}; {_again(path)}")
-    return _read(path, set(without))
+    return _read(path, tuple(without))
 
 
-def _read(path: str | Path, without: set[str]) -> xr.Dataset:
+def _read(path: str | Path, without: tuple[str, ...]) -> xr.Dataset:
     """What `open_dataset` reads, without its machinery for parts of files."""
     with netCDF4.Dataset(path) as file:
         file.set_auto_maskandscale(False)  # `decode_cf_variables` does that
-        raw = {name: _variable(one) for name, one in file.variables.items() if name not in without}
+        raw = {
+            name: _variable(one)
+            for name, one in file.variables.items()
+            if not any(fnmatchcase(name, left_out) for left_out in without)
+        }
         attrs = {name: file.getncattr(name) for name in file.ncattrs()}
-    variables, attrs, coordinates = xr.conventions.decode_cf_variables(raw, attrs)
+    # artifacts hold no dates, and their texts are whole
+    variables, attrs, coordinates = xr.conventions.decode_cf_variables(
+        raw, attrs, concat_characters=False, decode_times=False, decode_timedelta=False
+    )
     return xr.Dataset(variables, attrs=attrs).set_coords(coordinates & variables.keys())
 
 
@@ -65,20 +75,20 @@ def _again(path: str | Path) -> str:
 
 
 def load_records(
-    batches: Iterable[str | Path], stage: str, without: Iterable[str] = ()
+    batches: Iterable[str | Path], stage: str, without: Sequence[str] = ()
 ) -> list[xr.Dataset]:
     """The artifacts of one stage (records, decay, plateau) of all records, in the order of names.
 
     batches: files of a campaign's folder `batches` with a record's name a line.
-    without: variables that are left out; the samples of thousands of records fill a memory.
+    without: as of `load`; the samples of thousands of records fill a memory, and each variable
+    takes its time.
     """
     places = [
         (name, Path(batch).parents[1] / stage / f"{name}.nc")
         for batch in batches
         for name in Path(batch).read_text(encoding="utf-8").split()
     ]
-    left_out = set(without)
-    return [load(place, left_out) for _, place in sorted(places)]
+    return [load(place, without) for _, place in sorted(places)]
 
 
 def save(

@@ -20,13 +20,16 @@ def tell_results():
 
 def tell_bad_records(campaign):
     """Rejected records, and those unlike their repeats, once both stages that tell are done."""
-    from bladeroot import artifacts
-    from bladeroot.report.bad_records import bad_lines
-
-    stages = [campaign / f"{stage}.nc" for stage in ("stick", "integrity")]
-    if all(stage.is_file() for stage in stages):
-        for line in bad_lines(*map(artifacts.load, stages)):
-            print(line)
+    stick, integrity = (campaign / f"{stage}.nc" for stage in ("stick", "integrity"))
+    if stick.is_file() and integrity.is_file():
+        log = campaign.parent / "logs" / "bad_records" / f"{campaign.name}.log"
+        log.parent.mkdir(parents=True, exist_ok=True)
+        # as a stage: this process has no library loaded that reads results
+        shell(
+            "{PYTHON:q} {SCRIPTS:q}/bad_records.py --stick {stick:q} --integrity {integrity:q}"
+            " > {log} 2>&1"
+        )
+        print(log.read_text(encoding="utf-8"), end="")
 
 
 def write_timings(results):

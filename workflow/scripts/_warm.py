@@ -28,10 +28,13 @@ LIBRARIES = (
     "scipy.interpolate",
     "scipy.optimize",
     "scipy.sparse.linalg",
+    "scipy.sparse.csgraph",
+    "scipy.signal",
     "numba",
     "yaml",
     "jsonschema",
     "matplotlib.backends.backend_svg",
+    "matplotlib.projections",
     "jinja2",
 )
 

@@ -7,7 +7,8 @@ from bladeroot.pooling.groups import group_differences
 
 
 def main(batches, campaign, output):
-    decays, plateaus = (artifacts.load_records(batches, one) for one in ("decay", "plateau"))
+    decays = artifacts.load_records(batches, "decay", without=("pff_*",))
+    plateaus = artifacts.load_records(batches, "plateau", without=("onset_*", "limit_*"))
     curves = mean_curves(decays, plateaus)
     rejected = [str(one["verdict"].values).startswith("rejected") for one in plateaus]
     differences = group_differences(decays, rejected)

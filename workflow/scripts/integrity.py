@@ -6,9 +6,11 @@ from bladeroot.pooling.judgement import judgement
 
 
 def main(batches, campaign, output):
-    records = artifacts.load_records(batches, "records", without=("velocity", "time"))
-    others = (artifacts.load_records(batches, stage) for stage in ("decay", "plateau"))
-    judged = judgement(records, *others)
+    not_asked = ("velocity", "time", "overview_*", "widening*")
+    records = artifacts.load_records(batches, "records", without=not_asked)
+    decays = artifacts.load_records(batches, "decay", without=("block_*",))
+    plateaus = artifacts.load_records(batches, "plateau", without=("onset_*", "limit_*"))
+    judged = judgement(records, decays, plateaus)
     judged.attrs["campaign"] = campaign
     artifacts.save(judged, output)
 

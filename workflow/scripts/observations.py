@@ -11,7 +11,7 @@ def main(stick, batches, integrity, settings, output):
     measured = artifacts.load(stick)
     seen = observed(
         measured,
-        artifacts.load_records(batches, "decay"),
+        artifacts.load_records(batches, "decay", without=("pff_*",)),
         artifacts.load(integrity[0]) if integrity else None,
         json.loads(settings),
     )

@@ -103,10 +103,13 @@ def _of_records(batches, folder):
     """The decays, and the raw records that are worth showing with their spectra."""
     from bladeroot.decay.spectra import FADE_CYCLES, before_and_after  # late: of records alone
 
-    decays = artifacts.load_records(batches, "decay")
+    decays = artifacts.load_records(batches, "decay", without=("pff_*",))
     found = {decay.attrs["record"]: decay for decay in decays}
     told = worth_showing(
-        artifacts.load_records(batches, "records", without=("velocity", "time")), found
+        artifacts.load_records(
+            batches, "records", without=("velocity", "time", "overview_m*", "widening*")
+        ),
+        found,
     )
     shown = [
         artifacts.load(folder / "records" / f"{one.attrs['record']}.nc").assign_attrs(one.attrs)

@@ -26,9 +26,9 @@ def pull(kt, limit, w, x, y):
     fx, fy, xx, xy, yy, slips = 0.0, 0.0, 0.0, 0.0, 0.0, False
     for s in range(kt.size):
         ex, ey = x - w[s, 0], y - w[s, 1]
-        size = np.sqrt(ex * ex + ey * ey)
-        if kt[s] * size > limit[s]:
-            slips = True
+        square = ex * ex + ey * ey
+        if kt[s] * kt[s] * square > limit[s] * limit[s]:  # most stick: no root for those
+            slips, size = True, np.sqrt(square)
             ex, ey, turn = ex / size, ey / size, limit[s] / size
             fx += limit[s] * ex
             fy += limit[s] * ey
