@@ -54,10 +54,13 @@ class Case:
 
 
 def draw_case(seed: int, cache: Path, shipped: Path, kind: str = "", effect: str = "") -> Case:
-    """The campaign of a seed. `kind` and `effect` (an id) may be set, for tuning."""
+    """The campaign of a seed. `kind` and `effect` (an id) may be set, for tuning.
+
+    A pair with a set effect is that and another one.
+    """
     made = specimen(seed, cache, shipped)
     rng = np.random.default_rng([seed, 3])
-    laws = pool(spare=bool(effect))
+    laws = pool(spare=bool(effect) and kind != "pair")
     drawn = str(rng.choice(list(KINDS), p=list(KINDS.values())))
     kind = kind or (drawn if not effect else "outside" if _outside(laws[effect]) else "single")
     bench = draw_bench(rng, made)
@@ -96,14 +99,14 @@ def _outside(law) -> bool:
 
 def _chosen(rng: np.random.Generator, kind: str, laws: dict, effect: str) -> list:
     listed = [name for name, law in laws.items() if not _outside(law)]
-    if effect:
+    if effect and kind != "pair":
         return [laws[effect]]
     if kind == "null":
         return []
     if kind == "outside":
         others = [name for name in laws if name not in listed]
         return [laws[others[rng.integers(len(others))]]]
-    first = listed[rng.integers(len(listed))]
+    first = effect or listed[rng.integers(len(listed))]
     if kind == "single":
         return [laws[first]]
     own = next(one for one in CLASSES if first in one)

@@ -229,6 +229,16 @@ def test_a_name_is_certain_by_the_family_not_by_the_form(shapes):
         assert (cause.probability > guards.CERTAIN) is sure
 
 
+def test_a_form_that_fits_best_where_it_cannot_be_does_not_take_the_name(shapes):
+    a, b, *_ = shapes
+    near = 0.98 * a + np.sqrt(1 - 0.98**2) * b
+    family = replace(line("a", near), forms=(replace(line("a", a, high=5.0), form="exact"),))
+    found = search(channel(20.0 * a, [family], trust=0.1), Known())
+    (cause,) = found.causes
+    assert (cause.mechanism.id, cause.mechanism.form) == ("a", "")
+    assert cause.probability > guards.CERTAIN
+
+
 def test_a_size_is_over_forms_and_over_the_sets_that_hold_it(shapes):
     """Forms as good as each other whose first parameters differ: their spread is in its error."""
     a, b, *_ = shapes

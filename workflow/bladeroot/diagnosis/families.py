@@ -8,7 +8,7 @@ import numpy as np
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.channel import Channel, Kernels
-from bladeroot.diagnosis.plausibility import sizes
+from bladeroot.diagnosis.plausibility import possible, sizes
 from bladeroot.diagnosis.posterior import temperature
 from bladeroot.inference.gaussian import Fit, about, best_fit, fit, maxima_of
 from bladeroot.inference.hold_out import asked_along, asked_for
@@ -115,8 +115,9 @@ def with_one_more(channel: Channel, model: Model, known: Known) -> dict[str, Mod
 
 
 def _family(channel: Channel, model: Model, family: Mechanism, known: Known, asks: bool) -> Model:
-    """The model with one cause more, the best of its forms; others than the first are tried where
-    the data ask for something or the first explains something.
+    """The model with one cause more, the best of its forms, of those within physical limits if any
+    is; others than the first are tried where the data ask for something or the first explains
+    something.
     """
     tried: list[tuple[Mechanism, Fit, float]] = []
     for form in family.every_form:
@@ -127,6 +128,9 @@ def _family(channel: Channel, model: Model, family: Mechanism, known: Known, ask
         fitted = _fitted(channel, model, changed, asks, like)
         tried.append((changed, fitted, fitted.log_evidence + measured))
     weights = np.array([evidence for *_, evidence in tried])
+    may = [possible(channel, (*model.causes, form), fitted) for form, fitted, _ in tried]
+    if any(may):  # a form at a shape that it cannot have says nothing of the mechanism
+        weights[~np.array(may)] = -np.inf
     whole = np.logaddexp.reduce(weights) - np.log(len(family.every_form))
     if len(tried) < len(family.every_form):  # forms that were not tried count as the first
         whole = weights[0]
