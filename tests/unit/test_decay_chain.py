@@ -6,9 +6,12 @@ import warnings
 import numpy as np
 import pytest
 from bladeroot.decay.cut import cut
+from bladeroot.decay.free_decay import _clipped
+from bladeroot.decay.overrides import shortened
 from bladeroot.decay.record import estimate
 from bladeroot.plateau.plateau import plateau
 from bladeroot.quality.integrity import bridged, judge
+from bladeroot.signal.recording import Recording
 
 RATE, MODE, COUNT = 8000.0, 400.0, 12000
 TIME = np.arange(COUNT) / RATE
@@ -65,6 +68,14 @@ def test_strange_motion_is_judged_in_words(name):
     frequency = found["stick_frequency"]
     if np.isfinite(frequency):
         assert abs(frequency / MODE - 1.0) < 0.35
+
+
+@pytest.mark.parametrize("samples", [1, 3, 10])
+def test_a_blow_some_samples_before_a_decays_end_leaves_nothing_that_is_clipped(samples):
+    decay = cut(DECAY, RATE, MODE)
+    left = shortened(decay, DECAY, decay.attrs["end_s"] - (samples - 0.5) / RATE, None)
+    assert left.sizes["time"] == samples
+    assert _clipped(left, DECAY, MODE, Recording(DECAY, RATE, "velocity")) == (0, ())
 
 
 def test_a_clean_decay_among_them_is_right():

@@ -135,7 +135,8 @@ def _clipped(
 
     A flat top is no mode's: its harmonics look like other lines, and what is left of it is wrong.
     """
-    if decay.attrs["findings"]:
+    samples, rate = decay.sizes["time"], float(decay.attrs["sampling_Hz"])
+    if decay.attrs["findings"] or too_fast_or_short(samples, rate, expected_Hz):
         return 0, ()
     seen = examined(decay, velocity, expected_Hz, recording=recording)
     found = clipping.find(seen)
