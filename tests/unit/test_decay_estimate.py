@@ -66,6 +66,17 @@ def test_a_start_that_is_masked_is_no_part_of_the_curve(cut, estimator, masked_s
         assert np.median(np.abs(found[name].values / late - 1.0)[middle]) < most
 
 
+@pytest.mark.parametrize(
+    ("expected_Hz", "other_Hz", "verdict"),
+    [(280.0, 255.0, "rejected"), (280.0, 330.0, "usable"), (260.0, 245.0, "usable")],
+)
+def test_a_curve_far_off_at_another_known_mode_is_refused(cut, expected_Hz, other_Hz, verdict):
+    """The mode lies at 250 Hz; one that lies a little off may soften or stiffen."""
+    found = estimate(cut.assign_attrs(expected_Hz=expected_Hz), modes_Hz=(other_Hz,))
+    assert found.attrs["verdict"] == verdict
+    assert (found.sizes["point"] == 0) == (verdict == "rejected")
+
+
 def test_a_rejected_record_has_no_points(cut):
     rejected = cut.assign_attrs(verdict="rejected", reason="clipped")
     found = estimate(rejected)

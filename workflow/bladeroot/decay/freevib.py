@@ -10,6 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import find_peaks
 
 from bladeroot.decay.track import Taken, follow
+from bladeroot.signal.lines import LOUD_CYCLES, magnitudes, mode_Hz
 from bladeroot.signal.phasors import Phasors, natural
 from bladeroot.variables import dataset, names
 
@@ -45,10 +46,10 @@ TURNS_WITHIN = 2.0  # fall of ln A between the first and the last of them
 TURNS_CLEAR = 3.0  # standard errors by which each stands out of its neighbours
 
 # What else rings, and how laws bend, is largest at the start, where a curve has one side only. The
-# standard error of the first point is larger by this part, which falls by e in so many blocks; set
-# by simulation: benchmarks/real_like.py on seeds 40000 to 40179, benchmarks/odd_records.py on 2001
-# to 2042.
-START = 0.45
+# standard error of the first point is larger by this part, which falls by e in so many blocks:
+# three errors of the first six points then hold as often as those of the others
+# (benchmarks/real_like.py, seeds 62200 to 62379).
+START = 1.25
 START_BLOCKS = 3.0
 
 
@@ -87,7 +88,8 @@ def freevib(
         (independent log-phasors of the displacement, from which the plateau is fitted).
 
     Raises:
-        ValueError: no line in the band, fewer than five cycles of it, unknown damping.
+        ValueError: the mode's line lies outside the band, fewer than five cycles of it, unknown
+            damping.
     """
     if damping not in ("hysteretic", "viscous"):
         raise ValueError(f"damping must be hysteretic or viscous, got {damping!r}")
@@ -97,12 +99,13 @@ def freevib(
         velocity = velocity if usable is None else np.where(usable, velocity, 0.0)
     # no digitiser is better than this, and errors without a floor mean nothing
     noise = max(float(noise), 5e-6 * float(np.abs(velocity).max()))
-    blocks, fit = follow(velocity, sampling_Hz, band, noise, usable, taken)
+    first = velocity[: int(LOUD_CYCLES * sampling_Hz / expected_Hz)]
+    line_Hz = mode_Hz(*magnitudes(first, sampling_Hz), expected_Hz)
+    blocks, fit = follow(velocity, sampling_Hz, line_Hz, noise, usable, taken)
     own = np.arange(blocks.time.size)
     count = min(POINTS, own.size)
     centre = np.interp(np.linspace(0, own.size - 1, count), own, blocks.time)
     value, std = fit.value(centre), fit.std(centre)
-    std *= 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / START_BLOCKS)
     omega_n, loss = natural(value[1], value[2], damping)
     omega, amplitude = value[1, 1], np.exp(value[0, 0])
     known = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2) < LOSS_KNOWN * loss
@@ -115,7 +118,8 @@ def freevib(
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
-    errors = (amplitude_std, frequency_std, loss_std)
+    start = 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / START_BLOCKS)
+    errors = (start * amplitude_std, start * frequency_std, start * loss_std)
     keep = frequency_std < FREQUENCY_KNOWN * omega_n / (2.0 * np.pi)  # and a number
     if np.count_nonzero(keep) < FEWEST:
         raise ValueError(

@@ -16,6 +16,7 @@ from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
 from bladeroot.io.recording import part
 from bladeroot.plateau.plateau import record_plateau
+from bladeroot.quality.findings.wrong_mode import FAR_FROM_EXPECTED
 from bladeroot.quality.integrity import judge
 from bladeroot.signal.recording import Recording
 
@@ -135,7 +136,8 @@ def _estimated(
     decay.attrs |= {name: known[name] for name in FACTS if known.get(name) is not None}
     decay.attrs["expected_Hz"] = float(known["expected_Hz"])  # a sheet may say 540
     decay.attrs["simulated"] = int(known["simulated"])
-    made = estimate(decay, **estimation, band_Hz=known.get("band_Hz"))
+    modes_Hz = tuple(known["other_modes_Hz"])
+    made = estimate(decay, **estimation, band_Hz=known.get("band_Hz"), modes_Hz=modes_Hz)
     return decay, made, record_plateau(made)
 
 
@@ -144,16 +146,19 @@ def estimate(
     damping: str = "hysteretic",
     band_Hz: Sequence[float] | None = None,
     estimator: Callable[..., xr.Dataset] = freevib,
+    modes_Hz: tuple[float, ...] = (),
 ) -> xr.Dataset:
     """Curves of a record with its peaks beside them and their differences.
 
-    A rejected record has no points; one that cannot be estimated is rejected.
+    A rejected record has no points; one that cannot be estimated, or in which another mode than
+    the one that is meant was followed, is rejected.
 
     Args:
         cut: free decay as from `decay.free_decay`, with `expected_Hz` in its attributes.
         damping: law of damping, "hysteretic" or "viscous".
         band_Hz: a person's band, outside which nothing counts.
         estimator: `freevib`, or another with its arguments.
+        modes_Hz: expected frequencies of other modes.
 
     Returns:
         Variables of `freevib`, `peak_fit` and `compare`; attributes of `cut`.
@@ -174,8 +179,9 @@ def estimate(
             separated["taken"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
             made = later(estimator(velocity, *known, **options, **separated), begin_s)
+            _refuse_another(made, facts["expected_Hz"], modes_Hz)
         except ValueError as error:
-            facts |= {"verdict": "rejected", "reason": str(error)}
+            made, facts = None, facts | {"verdict": "rejected", "reason": str(error)}
         else:
             peaks = later(peak_fit(velocity, *known, **options), begin_s)
             if separated:
@@ -184,6 +190,21 @@ def estimate(
         made, peaks = no_decay(), no_peaks()
     whole = made.assign({**peaks.variables, **compare(made, peaks).variables})
     return whole.assign_attrs(facts, estimator=estimator.__name__)
+
+
+def _refuse_another(made: xr.Dataset, expected_Hz: float, modes_Hz: tuple[float, ...]) -> None:
+    """ValueError where the curves lie far off, and nearer to another known mode.
+
+    Where the mode is weak, as near its node, another one may be followed.
+    """
+    own_Hz = float(np.median(made["frequency"].values))
+    off = abs(own_Hz - expected_Hz)
+    nearest = min((abs(own_Hz - one) for one in modes_Hz), default=np.inf)
+    if off > FAR_FROM_EXPECTED * expected_Hz and nearest < off:
+        raise ValueError(
+            f"the mode that was followed lies at {own_Hz:.6g} Hz, nearer to another known one than "
+            f"to the one that is asked for, at {expected_Hz:.6g} Hz"
+        )
 
 
 def later(made: xr.Dataset, seconds: float) -> xr.Dataset:

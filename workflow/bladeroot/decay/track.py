@@ -11,7 +11,6 @@ from jaxtyping import Bool, Complex, Float
 from numpy import ndarray
 
 from bladeroot.decay.shaken import shaken
-from bladeroot.signal.lines import strongest_line
 from bladeroot.signal.phasors import FrameGrid, Frames, Phasors, corrected, fit_frames, gather
 from bladeroot.signal.smooth import Spline, coarse, fine
 
@@ -41,13 +40,12 @@ KNOCK_WINDOW = 9  # blocks that the line goes through, the knock among them
 def follow(
     velocity: Float[ndarray, " sample"],
     sampling_Hz: float,
-    band_Hz: tuple[float, float],
+    line_Hz: float,
     noise: float,
     usable: Bool[ndarray, " sample"] | None = None,
     taken: Taken | None = None,
 ) -> tuple[Phasors, Spline]:
-    """Block log-phasors of the strongest mode in a band, and their spline."""
-    line_Hz = strongest_line(velocity, sampling_Hz, *band_Hz)
+    """Block log-phasors of the mode near a line, and their spline."""
     blocks, fit = _roughly(velocity, sampling_Hz, line_Hz, noise, usable)
     segments = _cut_frames(fit, blocks, velocity.size, sampling_Hz)
     frames = fit_frames(velocity, sampling_Hz, noise, segments, usable)

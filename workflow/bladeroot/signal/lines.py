@@ -13,9 +13,7 @@ HIGHEST_OF_SAMPLING = 0.45
 # than eight cycles; one further away leaves something in the curve.
 CLOSE_MODE_DISTANCE = 0.125
 
-# The piece of a record whose lines are looked at.
-LOUD_CYCLES = 80.0  # the loudest cycles of a record
-FIRST_CYCLES = 100.0  # the first cycles of a decay
+LOUD_CYCLES = 80.0  # the loudest cycles of a record, whose lines are looked at
 
 # Which line is the mode: the strongest within FREQUENCY_TOLERANCE of its expected frequency
 # (relative), but the strongest within NEAR_TOLERANCE if it is clear.
@@ -51,23 +49,6 @@ def lines_of(
     spectrum = fft.rfft(x)
     level = np.abs(spectrum[1:-1] - 0.5 * (spectrum[:-2] + spectrum[2:])) * (2.0 / x.size)
     return np.arange(1, level.size + 1) * (sampling_Hz / x.size), level
-
-
-def strongest_line(
-    velocity: Float[ndarray, " sample"], sampling_Hz: float, low_Hz: float, high_Hz: float
-) -> float:
-    """Frequency (Hz) of the strongest line within a band in the first cycles, the loudest."""
-    count = min(int(FIRST_CYCLES * sampling_Hz / low_Hz), velocity.size)
-    if count > 1000:
-        count = fft.prev_fast_len(count, real=True)
-    frequency, level = lines_of(velocity[:count], sampling_Hz)
-    inside = (frequency >= low_Hz) & (frequency <= high_Hz)
-    if not inside.any():
-        raise ValueError(
-            f"expected a line between {low_Hz:.4g} and {high_Hz:.4g} Hz, but {count} samples "
-            f"at {sampling_Hz:.6g} Hz do not resolve that band"
-        )
-    return float(frequency[np.argmax(np.where(inside, level, 0.0))])
 
 
 def loudest(
