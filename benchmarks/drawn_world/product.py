@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from bladeroot.decay.record import estimate, from_file
-from bladeroot.pooling.sensors import unlike_sensors
+from bladeroot.pooling.sensors import shared_steps, unlike_sensors
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"damping": "hysteretic"}
@@ -59,6 +59,8 @@ def judged_together(answers: list[Answer]) -> None:
     apart = unlike_sensors([one.judged for one in made], [one.decay for one in made])
     for number, *_ in apart:
         made[number].findings.append("unlike-sensors")
+    for number, *_ in shared_steps([one.judged for one in made]):
+        made[number].findings.append("shared-step")
 
 
 def unchecked(answer: Answer) -> dict[str, np.ndarray]:

@@ -86,3 +86,14 @@ def test_a_sensor_that_sees_another_motion_than_the_others_of_its_event_warns():
     assert list(found["finding_record"].values) == ["c"]
     assert found["finding_consequence"].values[0] == "warn"
     assert "510 Hz in the median) than at sensor at a (500 Hz)" in found["finding_text"].values[0]
+
+
+def test_a_step_that_sensors_of_an_event_share_warns_in_words():
+    records = [record(name) for name in "ab"]
+    for one, at_s in zip(records, (1.25, 1.26), strict=True):
+        facts = {"event": "e", "start_s": 0.1, "sampling_Hz": 5e3, "verdict": "usable"}
+        one.attrs |= facts | {"expected_Hz": 250.0, "step_s": at_s, "step_ratio": 0.9}
+    found = judgement(records, [decay(0.0, 1)] * 2, [plateau()] * 2)
+    assert list(found["finding_id"].values) == ["shared-step"] * 2
+    assert list(found["finding_record"].values) == ["a", "b"]
+    assert "2 sensors see mode 1B step at 1.25 s" in found["finding_text"].values[0]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.sensors import unlike_sensors
+from bladeroot.pooling.sensors import shared_steps, unlike_sensors
 
 
 def seen(sensor, start=0.0, detuned=0.0, damping=0.01, event="e", mode="1B", verdict="usable"):
@@ -55,3 +55,34 @@ def test_a_difference_within_a_quarter_of_the_time_is_none():
     assert found(seen("a"), (record, decay)) == []
     decay["frequency"][:20] += 0.5
     assert found(seen("a"), (record, decay)) == [(0, 1), (1, 0)]
+
+
+def stepping(ratio, at_s=1.0, event="e", mode="1B", verdict="usable"):
+    """A judged decay at 100 Hz with the largest step that its check saw."""
+    facts = {"event": event, "mode": mode, "verdict": verdict, "expected_Hz": 100.0}
+    return xr.Dataset(attrs=facts | {"step_s": at_s, "step_ratio": ratio})
+
+
+def test_a_step_that_sensors_see_at_one_time_is_told_where_they_see_it_together():
+    shared = shared_steps([stepping(0.8), stepping(0.5, at_s=5.0), stepping(0.7, at_s=1.03)])
+    assert [row[0] for row in shared] == [0, 2]
+    assert shared[0][1:] == (pytest.approx(np.hypot(0.8, 0.7)), 1.0, 2)
+
+
+def test_a_record_that_tells_of_its_step_makes_the_others_tell_of_it():
+    assert [k for k, *_ in shared_steps([stepping(1.7), stepping(0.35)])] == [1]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [{"at_s": 1.05}, {"event": "f"}, {"event": ""}, {"mode": "2B"}, {"verdict": "rejected"}],
+)
+def test_only_steps_of_one_motion_at_one_time_are_shared(other):
+    assert not shared_steps([stepping(0.9), stepping(0.9, **other)])
+
+
+def test_what_is_noise_in_one_sensor_or_nothing_together_is_no_shared_step():
+    without = stepping(0.9)
+    del without.attrs["step_s"], without.attrs["step_ratio"]
+    assert not shared_steps([stepping(0.9), stepping(0.2), without])
+    assert not shared_steps([stepping(0.7), stepping(0.7)])

@@ -181,6 +181,13 @@ def test_the_cycles_beside_a_small_step_are_masked(factor):
     assert masked.mean() == pytest.approx(15000, abs=5 * RATE / 250.0)
 
 
+@pytest.mark.parametrize(("factor", "told"), [(1.1, True), (1.01, True), (1.0045, False)])
+def test_when_a_decay_steps_stands_beside_it_whether_it_is_told_or_not(factor, told):
+    found = judged(stepped(factor, 15000, 5e-5))
+    assert ("shaker-recontact" in ids(found)) == told == (found.attrs["step_ratio"] > 1.0)
+    assert found.attrs["step_s"] == pytest.approx(15000 / RATE, abs=3.0 / 250.0)
+
+
 def without(lost, at=14000):
     """A decay without some samples, or with some twice."""
     velocity = coulomb_decay(0.2, 0.003)

@@ -7,6 +7,7 @@ that moment.
 """
 
 import gc
+import io
 import json
 import os
 import runpy
@@ -44,6 +45,10 @@ def load(library: str) -> None:
         loaded = import_module(library)
         if library == "numba":  # whose tables of types come with the first function
             loaded.njit("void()")(lambda: None)
+        if library == "matplotlib.projections":  # fonts, and how powers of ten are set
+            first = import_module("matplotlib.figure").Figure(layout="constrained")
+            first.subplots().loglog([1.0, 1e3], [1.0, 1e3])
+            first.savefig(io.StringIO(), format="svg")
 
 
 def next_job(asked: socket.socket) -> dict:

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 from bladeroot.pooling.repeats import unlike_repeats
-from bladeroot.pooling.sensors import UNLIKE_ERRORS, unlike_sensors
+from bladeroot.pooling.sensors import UNLIKE_ERRORS, shared_steps, unlike_sensors
 from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.
@@ -43,6 +43,7 @@ def judgement(
     """
     names = [str(record.attrs["record"]) for record in records]
     together = _of_repeats(decays, plateaus) + _of_events(records) + _of_sensors(records, decays)
+    together += _of_steps(records)
     columns = {
         f"finding_{name}": np.concatenate(
             [
@@ -138,6 +139,21 @@ def _of_sensors(
             "mode near a node of this one, or files that do not begin together?"
         )
         values = ("unlike-sensors", apart, UNLIKE_ERRORS, "warn", text, np.nan, np.nan)
+        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+    return found
+
+
+def _of_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records that share a step with other sensors of their event."""
+    found = []
+    for k, ratio, moment, count in shared_steps(records):
+        facts = records[k].attrs
+        text = (
+            f"event {facts['event']}: {count} sensors see mode {facts['mode']} step at "
+            f"{moment:.4g} s, as if something touched the specimen; too little here to be told by "
+            "this record alone: nothing masked"
+        )
+        values = ("shared-step", ratio, 1.0, "warn", text, moment, moment)
         found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 

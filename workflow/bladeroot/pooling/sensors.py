@@ -1,7 +1,8 @@
-"""Sensors that see one motion of one mode otherwise than the others do.
+"""What the sensors of one event tell of one motion of one mode together.
 
-All sensors of an event see a mode at one frequency, and lose its amplitude alike. Where one stands
-near the mode's node, another mode may be followed there.
+All see a mode at one frequency, and lose its amplitude alike. Where one stands near the mode's
+node, another mode may be followed there (`unlike_sensors`). What touches the specimen makes a step
+in all of them at one time (`shared_steps`).
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,10 @@ from numpy import ndarray
 # (benchmarks/real_like.py).
 UNLIKE_ERRORS = 4.0
 UNLIKE_TIME_PART = 0.25
+# A step is shared where several sensors see it within so many cycles, each with this part of what
+# one sensor tells of at least, and all together (added in squares) with more than that.
+SHARED_CYCLES = 4.0
+LEAST_SHARE = 0.3
 
 
 def unlike_sensors(
@@ -41,6 +46,39 @@ def unlike_sensors(
             if differs[own] and differs[own] >= differs[away[own] > UNLIKE_ERRORS].max():
                 other = int(away[own].argmax())
                 found.append((k, numbers[other], float(away[own, other])))
+    return sorted(found)
+
+
+def shared_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, float, float, int]]:
+    """Number of each usable record of a step that sensors of its event share, and how clear it is.
+
+    Records that tell of it by themselves are left out.
+
+    records: free decays with event, mode, expected_Hz, and step_s (s on the event's clock) and
+    step_ratio (of the largest step, over what one sensor tells of) in the attributes. How clear:
+    the ratio of all that share it; then the step's time and how many sensors see it.
+    """
+    seen: dict[tuple[str, str], list[int]] = {}
+    for k, record in enumerate(records):
+        facts = record.attrs
+        known = facts.get("event") and facts.get("step_ratio", 0.0) > LEAST_SHARE
+        if known and facts["verdict"] == "usable":
+            seen.setdefault((str(facts["event"]), str(facts["mode"])), []).append(k)
+    found = []
+    for numbers in seen.values():
+        ratio, time = (
+            np.array([float(records[k].attrs[name]) for k in numbers])
+            for name in ("step_ratio", "step_s")
+        )
+        cycle = 1.0 / float(records[numbers[0]].attrs["expected_Hz"])
+        near = np.abs(time[:, None] - time) < SHARED_CYCLES * cycle
+        together = np.sqrt((near * ratio**2).sum(axis=1))
+        count = near.sum(axis=1)
+        found += [
+            (k, float(together[own]), float(time[own]), int(count[own]))
+            for own, k in enumerate(numbers)
+            if count[own] > 1 and together[own] > 1.0 >= ratio[own]
+        ]
     return sorted(found)
 
 

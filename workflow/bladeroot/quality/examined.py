@@ -55,7 +55,8 @@ class Finding:
 
     `consequence` is warn, subtract, mask or drop. `spans` are the samples concerned, as pairs of
     first and one past the last, which lose their weight where it masks; `excess` is what it
-    subtracts from the velocity. `name` is the finding's id, if not that of its check.
+    subtracts from the velocity. `name` is the finding's id, if not that of its check. `at`: the
+    sample of a step, also of one that does not count, which other sensors may see, too.
     """
 
     statistic: float
@@ -65,6 +66,7 @@ class Finding:
     spans: tuple[tuple[int, int], ...] = ()
     excess: Float[ndarray, " sample"] | None = None
     name: str = ""
+    at: float = np.nan
 
     @property
     def counts(self) -> bool:

@@ -56,9 +56,11 @@ def judge(
     """A cut decay with its findings and its mask.
 
     Added to what `decay.cut.cut` returns: `usable` (time), 0 where a finding masks the sample;
-    `finding_*` (finding); attributes `verdict`, `findings`, and `reason`, those that drop. Steady
-    hum is taken off `velocity`, and `noise_velocity` is what noise amounts to around the mode. A
-    record is rejected where a finding drops it or masks leave fewer than five cycles.
+    `finding_*` (finding); attributes `verdict`, `findings`, `reason`, those that drop, and of the
+    largest step its time in the raw record (`step_s`) and how large it is over what is told
+    (`step_ratio`). Steady hum is taken off `velocity`; `noise_velocity` is what noise amounts to
+    around the mode. A record is rejected where a finding drops it or masks leave fewer than five
+    cycles.
 
     Args:
         decay: the cut decay; one that was rejected stays so, with finding `cut`.
@@ -88,7 +90,7 @@ def judge(
         seen = examined(decay, whole, expected_Hz, modes_Hz, recording)
         own = seen if freed is None else examined(decay, freed, expected_Hz, modes_Hz, recording)
         candidates = examine(seen, own)
-        decay = decay.assign_attrs(noise_velocity=own.noise_around)
+        decay = decay.assign_attrs(noise_velocity=own.noise_around, **_step(own, candidates))
         for name, finding in candidates:
             if not finding.counts or name in told:
                 continue
@@ -112,6 +114,19 @@ def judge(
             text = f"what is masked leaves {cycles:.3g} cycles, at least {FEWEST_CYCLES} are needed"
             found.append(("masked", _fact(text, "drop")))
     return _dataset(decay, velocity, usable, found)
+
+
+def _step(seen: Examined, candidates: list[tuple[str, Finding]]) -> dict[str, float]:
+    """When the decay makes its largest step, and that over what would be told; nothing for none."""
+    return {
+        name: value
+        for _, one in candidates
+        if np.isfinite(one.at)
+        for name, value in (
+            ("step_s", (seen.first + one.at) / seen.sampling_Hz),
+            ("step_ratio", one.statistic / one.threshold),
+        )
+    }
 
 
 def bridged(

@@ -104,21 +104,26 @@ def find(seen: Examined) -> Finding:
     if beside is not None:
         step, moment, span = beside
         text = f"{step.words} at {moment:.4g} s, where the decay was cut"
-        return _finding(step, text, (span,))
+        return _finding(step, text, (span,), moment * seen.sampling_Hz)
     return _slight(seen)
 
 
-def _finding(step: Step, text: str, spans: tuple[tuple[int, int], ...]) -> Finding:
+def _finding(
+    step: Step, text: str, spans: tuple[tuple[int, int], ...], at: float | np.number
+) -> Finding:
     name = "gap" if step.gap else ""
-    return Finding(step.statistic, THRESHOLD, "mask", text, spans, name=name)
+    return Finding(step.statistic, THRESHOLD, "mask", text, spans, name=name, at=float(at))
 
 
 def _slight(seen: Examined) -> Finding:
     """Steps too small to give up what lies beyond them: the cycles beside them are masked."""
     step = largest(seen, SLIGHT_STEP)
-    if step is None or step.statistic <= THRESHOLD:
-        return Finding(0.0 if step is None else step.statistic, THRESHOLD, "mask", "")
+    if step is None:
+        return Finding(0.0, THRESHOLD, "mask", "")
     frames, reach = seen.frames, SLIGHT_MASK_CYCLES * seen.frames.hop
+    at = frames.centre[step.at]
+    if step.statistic <= THRESHOLD:
+        return _finding(step, "", (), at)
     places = joined(runs(_ratio(seen, SLIGHT_STEP) > THRESHOLD), STEPS_APART_CYCLES)
     spans = tuple(
         (
@@ -129,7 +134,7 @@ def _slight(seen: Examined) -> Finding:
     )
     moments = ", ".join(f"{seen.seconds(0.5 * (first + last)):.4g}" for first, last in spans)
     text = f"{step.words} at {moments} s; {SLIGHT_MASK_CYCLES} cycles on either side are masked"
-    return _finding(step, text, spans)
+    return _finding(step, text, spans, at)
 
 
 def _ratio(seen: Examined, least: float = LARGE_STEP) -> Float[ndarray, " frame"]:
@@ -252,7 +257,7 @@ def step_finding(seen: Examined, found: Step) -> Finding:
     moment = seen.seconds(frames.centre[found.at])
     kept = f"from {seen.seconds(first):.4g} to {seen.seconds(last):.4g} s"
     text = f"{found.words} at {moment:.4g} s; only the decay {kept} is used"
-    return _finding(found, text, spans)
+    return _finding(found, text, spans, frames.centre[found.at])
 
 
 def jumps(seen: Examined) -> tuple[Complex[ndarray, " frame"], Float[ndarray, " frame"]]:
