@@ -90,7 +90,7 @@ def test_a_sensor_that_sees_another_motion_than_the_others_of_its_event_warns():
 
 def test_a_step_that_sensors_of_an_event_share_warns_in_words():
     records = [record(name) for name in "ab"]
-    for one, at_s in zip(records, (1.25, 1.26), strict=True):
+    for one, at_s in zip(records, (1.25, 1.257), strict=True):
         facts = {"event": "e", "start_s": 0.1, "sampling_Hz": 5e3, "verdict": "usable"}
         one.attrs |= facts | {"expected_Hz": 250.0, "step_s": at_s, "step_ratio": 0.9}
     found = judgement(records, [decay(0.0, 1)] * 2, [plateau()] * 2)

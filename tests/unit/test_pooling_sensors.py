@@ -64,7 +64,7 @@ def stepping(ratio, at_s=1.0, event="e", mode="1B", verdict="usable"):
 
 
 def test_a_step_that_sensors_see_at_one_time_is_told_where_they_see_it_together():
-    shared = shared_steps([stepping(0.8), stepping(0.5, at_s=5.0), stepping(0.7, at_s=1.03)])
+    shared = shared_steps([stepping(0.8), stepping(0.5, at_s=5.0), stepping(0.7, at_s=1.015)])
     assert [row[0] for row in shared] == [0, 2]
     assert shared[0][1:] == (pytest.approx(np.hypot(0.8, 0.7)), 1.0, 2)
 
@@ -75,7 +75,7 @@ def test_a_record_that_tells_of_its_step_makes_the_others_tell_of_it():
 
 @pytest.mark.parametrize(
     "other",
-    [{"at_s": 1.05}, {"event": "f"}, {"event": ""}, {"mode": "2B"}, {"verdict": "rejected"}],
+    [{"at_s": 1.025}, {"event": "f"}, {"event": ""}, {"mode": "2B"}, {"verdict": "rejected"}],
 )
 def test_only_steps_of_one_motion_at_one_time_are_shared(other):
     assert not shared_steps([stepping(0.9), stepping(0.9, **other)])

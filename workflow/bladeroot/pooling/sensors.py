@@ -19,7 +19,7 @@ UNLIKE_ERRORS = 4.0
 UNLIKE_TIME_PART = 0.25
 # A step is shared where several sensors see it within so many cycles, each with this part of what
 # one sensor tells of at least, and all together (added in squares) with more than that.
-SHARED_CYCLES = 4.0
+SHARED_CYCLES = 2.0
 LEAST_SHARE = 0.3
 
 
