@@ -75,9 +75,9 @@ def freevib(
     Args:
         velocity: free decay in m/s, the release or blow left out.
         sampling_Hz: sampling frequency.
-        expected_Hz: the mode is looked for within `tolerance` (relative) of it.
+        expected_Hz: where the mode is looked for (`signal.lines.mode_Hz`).
         noise: rms of the sensor's noise in m/s; corrected by what the blocks themselves show.
-        tolerance: relative half-width of the search band.
+        tolerance: relative distance from there at which it is another mode.
         usable: False where a sample has no weight (a gap is bridged, with larger errors).
         damping: "hysteretic" or "viscous".
         taken: for what was taken off before: times (s), factors by which a cycle's standard
@@ -252,7 +252,7 @@ def no_decay() -> xr.Dataset:
 def search_band(
     sampling_Hz: float, expected_Hz: float, tolerance: float = 0.3
 ) -> tuple[float, float]:
-    """The band in Hz in which the mode is looked for."""
+    """The band in Hz in which the mode lies."""
     if not 0.0 < expected_Hz < 0.48 * sampling_Hz:
         raise ValueError(
             f"expected_Hz must lie between 0 and {0.48 * sampling_Hz:.6g} Hz (sampling at "
