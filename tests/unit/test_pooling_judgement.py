@@ -96,4 +96,5 @@ def test_a_step_that_sensors_of_an_event_share_warns_in_words():
     found = judgement(records, [decay(0.0, 1)] * 2, [plateau()] * 2)
     assert list(found["finding_id"].values) == ["shared-step"] * 2
     assert list(found["finding_record"].values) == ["a", "b"]
-    assert "2 sensors see mode 1B step at 1.25 s" in found["finding_text"].values[0]
+    assert "2 sensors see mode 1B step at 1.25 s of the record" in found["finding_text"].values[0]
+    assert found["finding_from_s"].values[0] == pytest.approx(1.15)  # of the decay

@@ -150,10 +150,11 @@ def _of_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float 
         facts = records[k].attrs
         text = (
             f"event {facts['event']}: {count} sensors see mode {facts['mode']} step at "
-            f"{moment:.4g} s, as if something touched the specimen; too little here to be told by "
-            "this record alone: nothing masked"
+            f"{moment:.4g} s of the record, as if something touched the specimen; too little here "
+            "to be told by this record alone: nothing masked"
         )
-        values = ("shared-step", ratio, 1.0, "warn", text, moment, moment)
+        since = moment - float(facts["start_s"])
+        values = ("shared-step", ratio, 1.0, "warn", text, since, since)
         found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 
