@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from bladeroot.decay.record import estimate, from_file
-from bladeroot.pooling.sensors import shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import passed_ends, shared_steps, unlike_sensors
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"damping": "hysteretic"}
@@ -56,11 +56,14 @@ def analysed(entry: dict) -> Answer:
 def judged_together(answers: list[Answer]) -> None:
     """What only an event's records together show, among the findings of each."""
     made = [one for one in answers if not one.crash]
-    apart = unlike_sensors([one.judged for one in made], [one.decay for one in made])
-    for number, *_ in apart:
-        made[number].findings.append("unlike-sensors")
-    for number, *_ in shared_steps([one.judged for one in made]):
-        made[number].findings.append("shared-step")
+    records, decays = [one.judged for one in made], [one.decay for one in made]
+    for name, found in (
+        ("unlike-sensors", unlike_sensors(records, decays)),
+        ("shared-step", shared_steps(records)),
+        ("shared-end", passed_ends(records, decays)),
+    ):
+        for number, *_ in found:
+            made[number].findings.append(name)
 
 
 def unchecked(answer: Answer) -> dict[str, np.ndarray]:

@@ -272,6 +272,19 @@ def test_a_record_that_ends_early_in_its_decay_says_so():
     assert np.abs(found["frequency"].values / 297.0 - 1.0).max() < 1e-4
 
 
+@pytest.mark.parametrize(("other_Hz", "told"), [(83.0, True), (297.0, False), (93.0, False)])
+def test_a_close_mode_of_the_sheet_that_is_not_seen_apart_warns(other_Hz, told):
+    """The sheet has two modes near 80 Hz, and one rings there; 93 Hz lies further than an eighth."""
+    judged, found = curve(blow(MODES), 80.8, (other_Hz, 846.0))
+    assert ("not-apart" in judged["finding_id"].values) == told
+    assert found["frequency"].values[0] == pytest.approx(80.0, rel=1e-3)
+
+
+def test_a_close_mode_of_the_sheet_that_is_seen_apart_does_not_warn():
+    judged, _ = curve(blow([*MODES, (85.5, 0.002, 0.05)]), 80.8, (85.0, 297.0))
+    assert "not-apart" not in judged["finding_id"].values
+
+
 @pytest.mark.parametrize(
     ("rate", "line_Hz", "zeta", "hold_s", "noise"),
     [(200.0, 8.0, 0.05, 3.0, 2e-3), (340.0, 19.0, 0.05, 1.5, 2e-3), (530.0, 8.0, 0.09, 0.6, 5e-4)],

@@ -4,7 +4,7 @@ import importlib
 
 import numpy as np
 import pytest
-from bladeroot.decay.freevib import acting, beats, freevib, no_decay
+from bladeroot.decay.freevib import acting, beats, driven, freevib, no_decay
 from bladeroot.plateau.plateau import plateau
 from bladeroot.signal.phasors import Phasors, natural
 from decay_bench import START, backbone, ring_down, ringing, separated_curves, slider
@@ -44,6 +44,48 @@ def test_rates_are_unsure_by_what_still_acts_at_the_start(count):
 @pytest.mark.parametrize("size", [0.0, 0.02])
 def test_what_is_alike_all_along_is_no_start(size):
     assert not acting(logs(lambda own: size * np.sin(own))).any()
+
+
+@pytest.mark.parametrize("power", [0.0, 1.0, 4.0])
+def test_what_holds_a_mode_up_at_the_start_is_in_the_rates_errors(power):
+    """A mode whose decay rate goes with 1/A^power, and what slows it down for ten points."""
+    fall = np.linspace(0.0, 1.0, 101)
+    law = 4.0 * np.exp(min(power, 1.0) * fall)
+    slow = law * (np.exp(power * (fall - 0.1)) if power > 1.0 else 1.0)
+    rate = np.where(fall < 0.1, slow, law)
+    found = driven(-fall, rate, np.full(101, 0.01))
+    if power > 1.0:
+        missed = law[:8] - rate[:8]
+        assert (found[:8] > 0.3 * missed).all() and (found[:8] < 1.1 * missed).all()
+        assert (np.diff(found) <= 0.0).all() and not found[11:].any()
+    else:
+        assert not found.any()
+
+
+def test_noise_holds_no_mode_up():
+    rate = 4.0 + 0.1 * np.random.default_rng(2).standard_normal(60)
+    assert not driven(np.linspace(0.0, -0.6, 60), rate, np.full(60, 0.1)).any()
+
+
+def test_a_drive_that_ends_within_a_record_is_no_law():
+    """It holds the mode at its level for 14 cycles; the record begins with it."""
+    time = np.arange(4800) / 9600.0
+    since = np.maximum(time - 0.03, 0.0)
+    level = 0.02 * np.exp(-11.0 * since)
+    velocity = level * np.cos(2.0 * np.pi * 450.0 * time)
+    noise = 1e-5
+    velocity += noise * np.random.default_rng(4).standard_normal(time.size)
+    curve = freevib(velocity, 9600.0, 445.0, noise)
+    off = (curve["loss_factor"] - 22.0 / (2.0 * np.pi * 450.0)) / curve["loss_factor_std"]
+    assert np.abs(off.values).max() < 3.0
+
+
+def test_errors_that_are_large_fall_no_faster_than_what_acts_dies():
+    velocity, noise, *_ = ring_down(3, noise_db=60)
+    velocity[:300] *= np.linspace(0.9, 1.0, 300)
+    curve = separated_curves(velocity, 25600.0, 247.0, noise)
+    error = curve["loss_factor_std"].values
+    assert (error[1:] > np.exp(-0.5) * error[:-1]).all()
 
 
 def rms(values):

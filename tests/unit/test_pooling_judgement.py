@@ -98,3 +98,22 @@ def test_a_step_that_sensors_of_an_event_share_warns_in_words():
     assert list(found["finding_record"].values) == ["a", "b"]
     assert "2 sensors see mode 1B step at 1.25 s of the record" in found["finding_text"].values[0]
     assert found["finding_from_s"].values[0] == pytest.approx(1.15)  # of the decay
+
+
+def test_a_curve_that_goes_on_where_others_of_its_event_are_disturbed_warns_in_words():
+    time, records, decays = np.linspace(0.0, 2.0, 9), [], []
+    for name, last_s in (("a", 1.0), ("b", 1.004), ("c", 2.1)):
+        facts = {"event": "e", "sensor": f"at {name}", "start_s": 0.1, "sampling_Hz": 5e3}
+        facts |= {"verdict": "usable", "expected_Hz": 250.0, "end_s": last_s}
+        facts |= {"end_reason": "disturbed" if last_s < 2.0 else "the noise"}
+        records.append(record(name).assign_attrs(facts))
+        rows = dict.fromkeys(("amplitude", "frequency_std", "loss_factor_std"), np.full(9, 0.1))
+        rows |= {"time": time * (last_s - 0.1) / 2.0, "loss_factor": np.full(9, 0.01)}
+        curve = decay(0.0, 1).drop_vars("frequency")
+        rows |= {"frequency": np.full(9, 500.0)}
+        decays.append(curve.assign({key: ("point", row) for key, row in rows.items()}))
+    found = judgement(records, decays, [plateau()] * 3)
+    assert list(found["finding_id"].values) == ["shared-end"]
+    assert list(found["finding_record"].values) == ["c"]
+    assert "2 other sensors see mode 1B disturbed at 1 s" in found["finding_text"].values[0]
+    assert found["finding_from_s"].values[0] == pytest.approx(0.9)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.sensors import shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import passed_ends, shared_steps, unlike_sensors
 
 
 def seen(sensor, start=0.0, detuned=0.0, damping=0.01, event="e", mode="1B", verdict="usable"):
@@ -86,3 +86,27 @@ def test_what_is_noise_in_one_sensor_or_nothing_together_is_no_shared_step():
     del without.attrs["step_s"], without.attrs["step_ratio"]
     assert not shared_steps([stepping(0.9), stepping(0.2), without])
     assert not shared_steps([stepping(0.7), stepping(0.7)])
+
+
+def ending(end_s, reason="the noise", last_s=1.9, **facts):
+    """A decay at 100 Hz from 0.1 s on that ends for a reason, and its curve."""
+    record, decay = seen("a")
+    known = {"verdict": "usable", "expected_Hz": 100.0, "start_s": 0.1, **facts}
+    record = record.assign_attrs(known | {"end_s": end_s, "end_reason": reason})
+    decay.attrs["verdict"] = known["verdict"]
+    return record, decay.assign(time=decay["time"] * (last_s - 0.1) / 2.0)
+
+
+def test_a_curve_that_goes_on_where_two_sensors_are_disturbed_is_told():
+    ended = [ending(at, "disturbed", at) for at in (1.2, 1.21, 0.5)]
+    found = passed_ends(*zip(ending(1.9), *ended, strict=True))
+    assert found == [(0, 1.2, 2)]
+    shorter = ending(1.2, last_s=1.19)
+    assert not passed_ends(*zip(shorter, *ended, strict=True))
+
+
+@pytest.mark.parametrize("other", [{"event": "f"}, {"mode": "2B"}, {"verdict": "rejected"}, {}])
+def test_one_sensor_that_is_disturbed_may_be_so_by_itself(other):
+    one, two = ending(1.2, "disturbed", 1.2), ending(1.2, "disturbed", 1.2, **other)
+    two = two if other else ending(1.25, "disturbed", 1.25)
+    assert not passed_ends(*zip(ending(1.9), one, two, strict=True))

@@ -5,6 +5,7 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
+from bladeroot.decay.component_lines import ABOUT
 from bladeroot.decay.components import Separated, onset, separated
 from bladeroot.decay.cut import AMBIENT, LEAST_FALL, coarse, cut, sensor_noise, too_fast_or_short
 from bladeroot.decay.ending import STEPPED
@@ -12,6 +13,7 @@ from bladeroot.decay.overrides import in_band, shortened
 from bladeroot.decay.release import AT_ONCE, Release
 from bladeroot.quality.findings import clipping
 from bladeroot.quality.integrity import bridged, carried, examined, judge
+from bladeroot.signal.lines import CLOSE_MODE_DISTANCE
 from bladeroot.signal.recording import Recording, uncut, velocity
 from bladeroot.variables import dataset
 
@@ -21,6 +23,10 @@ SEVERAL = "{} decays are in this record, the deepest is taken; from_s and to_s t
 SHORT = (
     "the mode falls by a factor of {:.3g} only: this is a free decay if nothing drives it, and "
     "the record ends soon"
+)
+NOT_APART = (
+    "the mode expected at {:.5g} Hz is not seen apart from this one: the curve may be that mode's, "
+    "or hold its beat"
 )
 
 
@@ -86,6 +92,7 @@ def free_decay(
     if count > 1 and "close-mode" in dict(parts.remarks):  # two modes that beat rise again, too
         count = cut(parts.velocity, rate, expected_Hz, end, None, steps, noise).attrs["decays"]
     remarks += told + _remarks(count, freed) + parts.remarks
+    remarks += _not_apart(parts.lines_Hz, expected_Hz, modes_Hz)
     judged = judge(freed, motion, *asked, None if lone else parts.velocity, remarks)
     return _with_widening(judged, parts).assign_attrs(crowded=int(parts.crowded))
 
@@ -99,6 +106,17 @@ def _remarks(count: int, mode: xr.Dataset) -> tuple[tuple[str, str], ...]:
     several = (("several-decays", SEVERAL.format(count)),) if count > 1 else ()
     short = mode.attrs["excitation"] == "begins in the decay" and fall < LEAST_FALL
     return (*several, ("short-record", SHORT.format(fall))) if short else several
+
+
+def _not_apart(
+    lines_Hz: list[float], expected_Hz: float, modes_Hz: tuple[float, ...]
+) -> tuple[tuple[str, str], ...]:
+    """A finding that warns where a close mode of the campaign is not among what was taken off."""
+    for one in modes_Hz:
+        close = abs(one / expected_Hz - 1.0) < CLOSE_MODE_DISTANCE
+        if close and not any(abs(line / one - 1.0) < ABOUT for line in lines_Hz):
+            return (("not-apart", NOT_APART.format(one)),)
+    return ()
 
 
 def _let_go(

@@ -24,6 +24,12 @@ LIKE = 0.8  # the same of as many blocks that follow: of more, the mode's own la
 BENDS = 0.25  # part of the parabola's difference from a straight line that is in the variance
 PLAIN = 2.0  # fall of ln A in all those blocks, beyond which no law is a parabola in time
 
+# A drive that ends (`driven`). As a mode decays its damping rises no faster than A to this power;
+# that of Coulomb friction rises with the first.
+STEEPEST = 2.0
+DRIVEN_FALL = 0.3  # of ln A from the start, in which it is looked for
+DRIVEN_ERRORS = 3.0  # standard errors by which the damping is too small
+
 # What does not fall by either of these in all is a steady tone.
 STEADY = 0.02  # of ln A
 STEADY_ERRORS = 3.0  # standard errors of ln A
@@ -113,12 +119,15 @@ def freevib(
         rates, error = value[order], std[order]
         sways = [waves(value[0, 0], *one) for one in zip(rates, error, strict=True)]
         std[order] = np.hypot(error, np.maximum(sways, beats(value[0, 0], rates, error)))
-    std[1] = np.hypot(std[1], np.interp(centre, blocks.time, acting(blocks)))
+    unsure = np.interp(centre, blocks.time, acting(blocks))
+    std[1] = np.hypot(std[1], np.hypot(unsure, driven(value[0, 0], -value[1, 0], std[1, 0])))
+    since = np.linspace(0, own.size - 1, count) / START_BLOCKS
+    std[1:] = np.exp(np.maximum.accumulate(np.log(std[1:]) + since, axis=-1) - since)
     amplitude_std = amplitude * std[0, 0]
     frequency_std = np.hypot(std[1, 1], 0.5 * std[2, 0] / omega) / (2.0 * np.pi)
     loss_std = np.hypot(2.0 * std[1, 0] / omega, std[2, 1] / omega**2)
     curves = (centre, amplitude, omega_n / (2.0 * np.pi), loss)
-    start = 1.0 + START * np.exp(-np.linspace(0, own.size - 1, count) / START_BLOCKS)
+    start = 1.0 + START * np.exp(-since)
     errors = (start * amplitude_std, start * frequency_std, start * loss_std)
     keep = frequency_std < FREQUENCY_KNOWN * omega_n / (2.0 * np.pi)  # and a number
     if np.count_nonzero(keep) < FEWEST:
@@ -242,6 +251,27 @@ def _missed(blocks: Phasors, first: int, count: int) -> tuple[Complex[ndarray, "
     variance += (BENDS * np.abs(bent - straight)[early]) ** 2
     missed = 0.5 * np.abs(bent[early]) ** 2 / variance
     return bent[early], float(np.mean(missed[: (count + 1) // 2]))
+
+
+def driven(
+    level: Float[ndarray, " point"], decay: Float[ndarray, " point"], std: Float[ndarray, " point"]
+) -> Float[ndarray, " point"]:
+    """Standard error of either rate (1/s) at the start, where a drive may still hold the mode up.
+
+    There the mode decays more slowly than any law lets it, by what it does soon after. A drive that
+    acts at one time has acted before.
+
+    level: ln A; decay: the rate at which it falls (1/s); std: its standard error.
+    """
+    count = int(np.argmax(np.append(level < level[0] - DRIVEN_FALL, True)))
+    fall, own, error = level[0] - level[:count], decay[:count], std[:count]
+    least = own * np.exp(-STEEPEST * (fall - fall[:, None]))
+    miss = np.triu(least - own[:, None], 1)
+    clear = miss > DRIVEN_ERRORS * np.hypot(error, error[:, None])
+    acts = np.where(clear, miss, 0.0).max(axis=1, initial=0.0)
+    found = np.zeros(level.size)
+    found[:count] = np.maximum.accumulate(acts[::-1])[::-1]
+    return found
 
 
 def no_decay() -> xr.Dataset:

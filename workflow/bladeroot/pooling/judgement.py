@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 from bladeroot.pooling.repeats import unlike_repeats
-from bladeroot.pooling.sensors import UNLIKE_ERRORS, shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import UNLIKE_ERRORS, passed_ends, shared_steps, unlike_sensors
 from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.
@@ -43,7 +43,7 @@ def judgement(
     """
     names = [str(record.attrs["record"]) for record in records]
     together = _of_repeats(decays, plateaus) + _of_events(records) + _of_sensors(records, decays)
-    together += _of_steps(records)
+    together += _of_steps(records) + _of_ends(records, decays)
     columns = {
         f"finding_{name}": np.concatenate(
             [
@@ -155,6 +155,24 @@ def _of_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float 
         )
         since = moment - float(facts["start_s"])
         values = ("shared-step", ratio, 1.0, "warn", text, since, since)
+        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+    return found
+
+
+def _of_ends(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
+) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records whose curve goes on where other sensors of the event are disturbed."""
+    found = []
+    for k, moment, count in passed_ends(records, decays):
+        facts = records[k].attrs
+        text = (
+            f"event {facts['event']}: {count} other sensors see mode {facts['mode']} disturbed at "
+            f"{moment:.4g} s of the record, and end there: this one sees too little of it, and goes "
+            "on; end_s in records.csv ends it there"
+        )
+        since = moment - float(facts["start_s"])
+        values = ("shared-end", float(count), 2.0, "warn", text, since, since)
         found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 

@@ -2,7 +2,7 @@
 
 All see a mode at one frequency, and lose its amplitude alike. Where one stands near the mode's
 node, another mode may be followed there (`unlike_sensors`). What touches the specimen makes a step
-in all of them at one time (`shared_steps`).
+in all of them at one time (`shared_steps`), and ends the decay in all (`passed_ends`).
 """
 
 from collections.abc import Sequence
@@ -17,9 +17,10 @@ from numpy import ndarray
 # (benchmarks/real_like.py).
 UNLIKE_ERRORS = 4.0
 UNLIKE_TIME_PART = 0.25
-# A step is shared where several sensors see it within so many cycles, each with this part of what
-# one sensor tells of at least, and all together (added in squares) with more than that.
+# Sensors see one step, or one disturbance, where they see it within so many cycles.
 SHARED_CYCLES = 2.0
+# A step is shared where each sensor sees this part of what one sensor tells of at least, and all
+# together (added in squares) more than that.
 LEAST_SHARE = 0.3
 
 
@@ -32,13 +33,8 @@ def unlike_sensors(
     decays: their curves. How far is in stated errors. Of several sensors that one is out which
     differs from the most others.
     """
-    events: dict[tuple[str, str], list[int]] = {}
-    for k, (record, decay) in enumerate(zip(records, decays, strict=True)):
-        event = str(record.attrs.get("event", ""))
-        if event and decay.sizes.get("point", 0) > 1 and decay.attrs["verdict"] == "usable":
-            events.setdefault((event, str(record.attrs["mode"])), []).append(k)
     found = []
-    for numbers in events.values():
+    for numbers in _of_one_motion(records, decays):
         curves = [_on_the_clock(records[k], decays[k]) for k in numbers]
         away = np.array([[_apart(one, other) for other in curves] for one in curves])
         differs = (away > UNLIKE_ERRORS).sum(axis=1)
@@ -80,6 +76,43 @@ def shared_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, float, float,
             if count[own] > 1 and together[own] > 1.0 >= ratio[own]
         ]
     return sorted(found)
+
+
+def passed_ends(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
+) -> list[tuple[int, float, int]]:
+    """Number of each record whose curve goes on where others of its event are disturbed at one time.
+
+    Then that time (s on the event's clock) and how many sensors are disturbed: two or more.
+
+    records: free decays with event, mode, expected_Hz, start_s, end_s (s on the event's clock) and
+    end_reason in the attributes; decays: their curves.
+    """
+    found = []
+    for numbers in _of_one_motion(records, decays):
+        facts = [records[k].attrs for k in numbers]
+        ends = [float(one["end_s"]) for one in facts if one.get("end_reason") == "disturbed"]
+        if len(ends) < 2:
+            continue
+        near = SHARED_CYCLES / float(facts[0]["expected_Hz"])
+        counts = {end: sum(abs(end - one) < near for one in ends) for end in ends}
+        shared = [end for end, count in counts.items() if count > 1]
+        for k in numbers:
+            time = _on_the_clock(records[k], decays[k])[0]
+            passed = [end for end in shared if (time < end - near).any() and time[-1] > end + near]
+            if passed:
+                found.append((k, min(passed), counts[min(passed)]))
+    return sorted(found)
+
+
+def _of_one_motion(records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]) -> list[list[int]]:
+    """Numbers of the records with curves of each mode in each event."""
+    motions: dict[tuple[str, str], list[int]] = {}
+    for k, (record, decay) in enumerate(zip(records, decays, strict=True)):
+        event = str(record.attrs.get("event", ""))
+        if event and decay.sizes.get("point", 0) > 1 and decay.attrs["verdict"] == "usable":
+            motions.setdefault((event, str(record.attrs["mode"])), []).append(k)
+    return list(motions.values())
 
 
 def _on_the_clock(record: xr.Dataset, decay: xr.Dataset) -> Float[ndarray, "5 point"]:
