@@ -274,7 +274,7 @@ def test_a_record_that_ends_early_in_its_decay_says_so():
 
 @pytest.mark.parametrize(("other_Hz", "told"), [(83.0, True), (297.0, False), (93.0, False)])
 def test_a_close_mode_of_the_sheet_that_is_not_seen_apart_warns(other_Hz, told):
-    """The sheet has two modes near 80 Hz, and one rings there; 93 Hz lies further than an eighth."""
+    """The sheet has two modes near 80 Hz, of which one rings; 93 Hz lies beyond an eighth."""
     judged, found = curve(blow(MODES), 80.8, (other_Hz, 846.0))
     assert ("not-apart" in judged["finding_id"].values) == told
     assert found["frequency"].values[0] == pytest.approx(80.0, rel=1e-3)

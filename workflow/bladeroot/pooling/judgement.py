@@ -168,7 +168,7 @@ def _of_ends(
         facts = records[k].attrs
         text = (
             f"event {facts['event']}: {count} other sensors see mode {facts['mode']} disturbed at "
-            f"{moment:.4g} s of the record, and end there: this one sees too little of it, and goes "
+            f"{moment:.4g} s of the record, and end there: this one sees too little of it and goes "
             "on; end_s in records.csv ends it there"
         )
         since = moment - float(facts["start_s"])

@@ -81,9 +81,9 @@ def shared_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, float, float,
 def passed_ends(
     records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
 ) -> list[tuple[int, float, int]]:
-    """Number of each record whose curve goes on where others of its event are disturbed at one time.
+    """Number of each record whose curve goes on where others of its event are disturbed together.
 
-    Then that time (s on the event's clock) and how many sensors are disturbed: two or more.
+    Then the time (s on the event's clock) and how many sensors are disturbed: two or more.
 
     records: free decays with event, mode, expected_Hz, start_s, end_s (s on the event's clock) and
     end_reason in the attributes; decays: their curves.
