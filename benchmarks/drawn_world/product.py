@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from bladeroot.decay.record import estimate, from_file
-from bladeroot.pooling.sensors import passed_ends, shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import close_elsewhere, passed_ends, shared_steps, unlike_sensors
 
 CUTTING = {"end": "noise"}
 ESTIMATION = {"damping": "hysteretic"}
@@ -59,6 +59,7 @@ def judged_together(answers: list[Answer]) -> None:
     records, decays = [one.judged for one in made], [one.decay for one in made]
     for name, found in (
         ("unlike-sensors", unlike_sensors(records, decays)),
+        ("not-apart", close_elsewhere(records, decays)),
         ("shared-step", shared_steps(records)),
         ("shared-end", passed_ends(records, decays)),
     ):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.sensors import passed_ends, shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import close_elsewhere, passed_ends, shared_steps, unlike_sensors
 
 
 def seen(sensor, start=0.0, detuned=0.0, damping=0.01, event="e", mode="1B", verdict="usable"):
@@ -38,7 +38,7 @@ def test_of_three_sensors_the_odd_one_is_told(other):
 def test_of_two_sensors_nobody_says_which_is_right():
     assert found(seen("a"), seen("b", detuned=0.1)) == [(0, 1), (1, 0)]
     assert unlike_sensors(*zip(seen("a"), seen("b", detuned=0.1), strict=True))[0][2] == (
-        pytest.approx(0.1 / np.hypot(0.01, 0.01))
+        pytest.approx(0.1 / np.hypot(0.01, 0.01) / 4.0)
     )
 
 
@@ -51,10 +51,54 @@ def test_only_usable_curves_of_one_mode_in_one_event_are_compared_while_both_las
 
 def test_a_difference_within_a_quarter_of_the_time_is_none():
     record, decay = seen("b")
-    decay["frequency"][:12] += 0.5
+    decay["frequency"][:12] += 0.1
     assert found(seen("a"), (record, decay)) == []
-    decay["frequency"][:20] += 0.5
+    decay["frequency"][:20] += 0.1
     assert found(seen("a"), (record, decay)) == [(0, 1), (1, 0)]
+
+
+def test_a_large_difference_in_a_twentieth_of_the_time_is_told():
+    record, decay = seen("b")
+    decay["frequency"][:4] += 0.1
+    assert found(seen("a"), (record, decay)) == []
+    decay["frequency"][:4] += 0.1
+    assert found(seen("a"), (record, decay)) == [(0, 1), (1, 0)]
+
+
+def beside(sensor, *lines_Hz, told=False, **facts):
+    """A curve near 100 Hz, and what was taken off; with a finding of a close mode."""
+    record, decay = seen(sensor, **facts)
+    record = record.assign_attrs(components_Hz=list(lines_Hz))
+    return record.assign(finding_id=("finding", ["close-mode"] if told else [])), decay
+
+
+def test_a_close_mode_that_another_sensor_sees_is_told_where_it_is_not_seen():
+    ((other, line_Hz),) = [
+        row[1:]
+        for row in close_elsewhere(
+            *zip(
+                beside("a", 30.0),
+                beside("b", 30.0, 102.0, told=True),
+                beside("c", 101.5, 250.0),
+                strict=True,
+            )
+        )
+        if row[0] == 0
+    ]
+    assert (other, line_Hz) == (1, 102.0)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        beside("b", 102.0),  # of which it is not told that it is a close mode
+        beside("b", 106.0, told=True),
+        beside("b", 102.0, told=True, event="f"),
+        beside("b", 102.0, told=True, mode="2B"),
+    ],
+)
+def test_what_is_far_or_of_another_motion_is_no_close_mode(other):
+    assert not close_elsewhere(*zip(beside("a", 30.0), other, strict=True))
 
 
 def stepping(ratio, at_s=1.0, event="e", mode="1B", verdict="usable"):

@@ -7,7 +7,12 @@ import xarray as xr
 
 from bladeroot.loads import AXIAL_FORCE, at_load, load_attrs, load_facts_of, shown, value_of
 from bladeroot.pooling.repeats import unlike_repeats
-from bladeroot.pooling.sensors import UNLIKE_ERRORS, passed_ends, shared_steps, unlike_sensors
+from bladeroot.pooling.sensors import (
+    close_elsewhere,
+    passed_ends,
+    shared_steps,
+    unlike_sensors,
+)
 from bladeroot.variables import dataset
 
 # Columns of a record's finding table, as `bladeroot.quality.integrity` makes it.
@@ -43,6 +48,7 @@ def judgement(
     """
     names = [str(record.attrs["record"]) for record in records]
     together = _of_repeats(decays, plateaus) + _of_events(records) + _of_sensors(records, decays)
+    together += _of_close_modes(records, decays)
     together += _of_steps(records) + _of_ends(records, decays)
     columns = {
         f"finding_{name}": np.concatenate(
@@ -135,10 +141,28 @@ def _of_sensors(
         text = (
             f"event {facts['event']} is one motion, but mode {facts['mode']} has another frequency "
             f"or damping here ({own:.5g} Hz in the median) than at sensor {sensor} "
-            f"({there:.5g} Hz), by {apart:.1f} stated errors for a quarter of the time: another "
-            "mode near a node of this one, or files that do not begin together?"
+            f"({there:.5g} Hz), by {apart:.1f} times 4 stated errors of both for a "
+            "quarter of the time, or 10 for a twentieth: another mode near a node of this one, one "
+            "that beats with it, or files that do not begin together?"
         )
-        values = ("unlike-sensors", apart, UNLIKE_ERRORS, "warn", text, np.nan, np.nan)
+        values = ("unlike-sensors", apart, 1.0, "warn", text, np.nan, np.nan)
+        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+    return found
+
+
+def _of_close_modes(
+    records: Sequence[xr.Dataset], decays: Sequence[xr.Dataset]
+) -> list[tuple[int, dict[str, float | str]]]:
+    """Findings on records in which a close mode is not seen that another sensor sees."""
+    found = []
+    for k, other, line_Hz in close_elsewhere(records, decays):
+        facts, sensor = records[k].attrs, records[other].attrs.get("sensor", "")
+        text = (
+            f"event {facts['event']} is one motion, in which sensor {sensor} sees another mode "
+            f"near {line_Hz:.5g} Hz beside mode {facts['mode']}: here it is not seen apart, and "
+            "what of it is in the curve is not known; name it among the campaign's modes"
+        )
+        values = ("not-apart", np.nan, np.nan, "warn", text, np.nan, np.nan)
         found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
     return found
 
