@@ -450,3 +450,17 @@ def test_a_mode_that_hardly_falls_at_last_is_no_steady_line():
     velocity += NOISE * np.random.default_rng(3).standard_normal(time.size)
     judged, _ = curve(velocity, 255.0)
     assert "steady-line" not in judged["finding_id"].values
+
+
+@pytest.mark.parametrize(("line_Hz", "told"), [(250.14, True), (252.4, False)])
+def test_hum_less_than_a_turn_from_a_mode_that_has_died_is_no_end_of_it(line_Hz, told):
+    """A line that stays may be the mode, which then hardly falls at last; the mains' is not."""
+    time = np.arange(int(2.6 * RATE)) / RATE
+    velocity = decay(251.2, 0.01, 0.02, time) + 4e-5 * np.cos(2.0 * np.pi * line_Hz * time)
+    velocity += NOISE * np.random.default_rng(3).standard_normal(time.size)
+    judged, found = curve(velocity, 248.0)
+    assert ("steady-line" in judged["finding_id"].values) == told
+    if told:
+        off = found["frequency"].values / 251.2 - 1.0
+        assert (np.abs(off) < np.maximum(3.5 * found["frequency_std"].values / 251.2, 5e-4)).all()
+        assert found["amplitude"][-1] < 4e-3 * found["amplitude"][0]
