@@ -21,8 +21,8 @@ FEWEST_PART_CYCLES = (2.0, 6.0)  # of the mode in a part: before the blow, after
 # A line is steady and well known if both of these are small, relative to its amplitude.
 MOST_SCATTER = 0.1  # rms scatter of the parts' phasors about their mean; about 1 in noise alone
 MOST_ERROR = 1.0  # standard error of the line carried through the decay
-# It is not the mode itself, which may decay ever more slowly, if one of these is reached. The mains'
-# line after the decay stays if a mode that decays as slowly as the ratio below says would not.
+# It is not the mode itself, which may decay ever more slowly, if one of these is reached. Only in a
+# line of the mains does the time after the decay count, by the slowest decay, STEADY_DECAY_RATIO.
 LEAST_TURNS = 1.0  # of its phase against that of the mode's later half, over the decay
 LEAST_FALL = 0.7  # of the mode's ln A in the time that the line stays
 STEADY_DECAY_RATIO = 0.1  # of the mode's decay rate; what decays more slowly is a steady line
