@@ -1,6 +1,7 @@
 """FREEVIB against known backbones, its errors against their scatter, the thesis's own check."""
 
 import importlib
+import sys
 
 import numpy as np
 import pytest
@@ -87,7 +88,22 @@ def test_errors_that_are_large_fall_no_faster_than_what_acts_dies():
     velocity[:300] *= np.linspace(0.9, 1.0, 300)
     curve = separated_curves(velocity, 25600.0, 247.0, noise)
     error = curve["loss_factor_std"].values
-    assert (error[1:] > np.exp(-0.5) * error[:-1]).all()
+    assert (error[1:] > np.exp(-0.7) * error[:-1]).all()
+
+
+def test_errors_are_larger_where_damping_is_hardly_known(monkeypatch):
+    velocity, noise, *_ = ring_down(3, noise_db=40)
+    stated = separated_curves(velocity, 25600.0, 247.0, noise)
+    monkeypatch.setattr(sys.modules[freevib.__module__], "WEAK", 0.0)
+    plain = separated_curves(velocity, 25600.0, 247.0, noise)
+    part = (plain["loss_factor_std"] / plain["loss_factor"]).values
+    assert part[12:].min() < 0.01
+    assert part.max() > 0.09
+    for name in ("frequency_std", "loss_factor_std"):
+        ratio = (stated[name] / plain[name]).values
+        # the start's own part multiplies both, and is no part of how well the damping is known
+        np.testing.assert_allclose(ratio[12:], 1.0 + 4.0 * part[12:], rtol=2e-2)
+    np.testing.assert_array_equal(stated["amplitude_std"], plain["amplitude_std"])
 
 
 def rms(values):
@@ -107,13 +123,14 @@ def test_curves_follow_the_backbone(noise_db, softening, ppm, per_cent):
 def test_curves_end_where_the_loss_factor_is_no_longer_known():
     velocity, noise, *_ = ring_down(7, noise_db=40)
     curve = separated_curves(velocity, 25600.0, 247.0, noise)
-    known = curve["loss_factor_std"] < 0.1 * curve["loss_factor"]
+    # 10 %, by the larger error that is stated where it is known so badly
+    known = curve["loss_factor_std"] < 0.14 * curve["loss_factor"]
     assert known.values[[0, -1]].all()
     assert curve["amplitude"][-1] < 0.03 * curve["amplitude"][0]
     # where it is known in fewer than half of the points, all are told
     rough = np.random.default_rng(1).normal(size=1600)
     short = separated_curves(velocity[:1600] + 14.0 * noise * rough, 25600.0, 247.0, 14.0 * noise)
-    assert (short["loss_factor_std"] > 0.1 * short["loss_factor"]).values[[0, -1]].all()
+    assert (short["loss_factor_std"] > 0.14 * short["loss_factor"]).values[[0, -1]].all()
 
 
 def test_a_steady_tone_is_no_decay():
