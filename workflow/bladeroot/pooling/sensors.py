@@ -14,8 +14,8 @@ from jaxtyping import Float
 from numpy import ndarray
 
 # Two sensors differ where their frequency or damping is so many stated errors of both apart, or
-# more, for a part of the time. Of 4,075 right curves of drawn events eleven differ so and have no
-# other finding (benchmarks/real_like.py, seeds 62200 to 63099).
+# more, for a part of the time. Of 3,981 right curves of drawn events one differs so and has no
+# other finding, of 154 wrong ones five (benchmarks/real_like.py, seeds 62800 to 63699).
 UNLIKE = ((0.25, 4.0), (0.05, 10.0))  # part of the time, errors
 # What another sensor sees so close to this one's frequency, and tells of as a close mode, is in
 # this one too, though it is no line here within twice that.
