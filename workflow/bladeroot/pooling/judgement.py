@@ -98,8 +98,7 @@ def _of_repeats(
             f"{_wrong(facts)} wrong? It counts all the same; column exclude of records.csv leaves "
             "it out"
         )
-        values = ("unlike-repeats", abs(apart), allowed, "warn", text, np.nan, np.nan)
-        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+        found.append((k, _warning("unlike-repeats", abs(apart), allowed, text)))
     return found
 
 
@@ -125,8 +124,7 @@ def _of_events(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float
                 f"{float(records[own].attrs['sampling_Hz']):.9g} Hz in record "
                 f"{records[own].attrs['record']}: another event, or a wrong sampling_Hz?"
             )
-            values = ("event-time-base", apart, TIME_BASE_TOLERANCE, "warn", text, np.nan, np.nan)
-            found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+            found.append((k, _warning("event-time-base", apart, TIME_BASE_TOLERANCE, text)))
     return found
 
 
@@ -145,8 +143,7 @@ def _of_sensors(
             "quarter of the time, or 10 for a twentieth: another mode near a node of this one, one "
             "that beats with it, or files that do not begin together?"
         )
-        values = ("unlike-sensors", apart, 1.0, "warn", text, np.nan, np.nan)
-        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+        found.append((k, _warning("unlike-sensors", apart, 1.0, text)))
     return found
 
 
@@ -162,8 +159,7 @@ def _of_close_modes(
             f"near {line_Hz:.5g} Hz beside mode {facts['mode']}: here it is not seen apart, and "
             "what of it is in the curve is not known; name it among the campaign's modes"
         )
-        values = ("not-apart", np.nan, np.nan, "warn", text, np.nan, np.nan)
-        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+        found.append((k, _warning("not-apart", np.nan, np.nan, text)))
     return found
 
 
@@ -178,8 +174,7 @@ def _of_steps(records: Sequence[xr.Dataset]) -> list[tuple[int, dict[str, float 
             "to be told by this record alone: nothing masked"
         )
         since = moment - float(facts["start_s"])
-        values = ("shared-step", ratio, 1.0, "warn", text, since, since)
-        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+        found.append((k, _warning("shared-step", ratio, 1.0, text, since)))
     return found
 
 
@@ -196,9 +191,16 @@ def _of_ends(
             "on; end_s in records.csv ends it there"
         )
         since = moment - float(facts["start_s"])
-        values = ("shared-end", float(count), 2.0, "warn", text, since, since)
-        found.append((k, dict(zip(FINDING_COLUMNS, values, strict=True))))
+        found.append((k, _warning("shared-end", float(count), 2.0, text, since)))
     return found
+
+
+def _warning(
+    name: str, statistic: float, threshold: float, text: str, at_s: float = np.nan
+) -> dict[str, float | str]:
+    """A finding that warns, of the whole decay or of a moment in it (s from its start)."""
+    values = (name, statistic, threshold, "warn", text, at_s, at_s)
+    return dict(zip(FINDING_COLUMNS, values, strict=True))
 
 
 def _masked(record: xr.Dataset) -> float:
