@@ -7,6 +7,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy import ndarray
 
 from bladeroot.figures.chart import Chart, Panel, Trace, options
 from bladeroot.figures.style import (
@@ -18,14 +19,20 @@ from bladeroot.figures.style import (
 )
 
 _MOST_OPTIONS = 16  # of a switch that a legend bears
-_WIDTH, _HEIGHT = 4.6, 2.7  # of a panel, inches
+_WIDTH, _HEIGHT = 4.6, 2.7  # of a panel with what stands about it, inches
+# Of a panel: left, right, below, above of its axes. Measured texts would take most of the drawing.
+_ABOUT = (0.8, 0.15, 0.5, 0.3)
+_LEGEND_ROW = 0.17
+_NOTE = 0.25  # a line above or below all panels
+_BAR = 0.9  # a colour bar with its numbers and label
 
 
 def still(chart: Chart) -> Figure:
     """The chart drawn with all that it holds."""
-    rows = -(-len(chart.panels) // chart.columns)
-    width = max(_WIDTH * chart.columns, 7.2)
-    drawn, axes = panels(rows, chart.columns, width, _HEIGHT * rows + 0.3)
+    handles = _legend(chart)
+    columns = max(1, min(6, 110 // max([8 + len(str(h.get_label())) for h in handles], default=1)))
+    below = _LEGEND_ROW * -(-len(handles) // columns) + _NOTE * bool(chart.warning)
+    drawn, axes = _grid(chart, below)
     for axis, panel in zip(axes.flat, chart.panels, strict=False):
         _prepare(axis, panel)
     for axis in axes.flat[len(chart.panels) :]:
@@ -35,16 +42,40 @@ def still(chart: Chart) -> Figure:
         _draw(axes.flat[trace.panel], trace, norm)
     for axis, panel in zip(axes.flat, chart.panels, strict=False):
         _finish(axis, panel)
+    width, height = drawn.get_size_inches()
     if norm is not None:
+        place = drawn.add_axes([1.0 - _BAR / width, 0.25, 0.15 / width, 0.5])
         shown = ScalarMappable(norm, colormaps["RdBu_r"])
-        drawn.colorbar(shown, ax=axes, shrink=0.6, extend="both", label=chart.scale[0])
-    handles = _legend(chart)
+        drawn.colorbar(shown, place, extend="both", label=chart.scale[0])
+    note = _NOTE / height
     if handles:
-        columns = max(1, min(6, 110 // max(8 + len(str(h.get_label())) for h in handles)))
-        drawn.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=7.5)
+        place = (0.0, note * bool(chart.warning), 1.0, below / height)
+        drawn.legend(
+            handles=handles, loc="lower center", bbox_to_anchor=place, ncols=columns, fontsize=7.5
+        )
     if chart.warning:
         drawn.supxlabel(chart.warning, fontsize=9, fontweight="bold", color=PUBLISHED)
     return note_simulated(drawn, chart.simulated)
+
+
+def _grid(chart: Chart, below: float) -> tuple[Figure, ndarray]:
+    """A figure with its panels' axes; below: inches under them for legend and warning."""
+    rows = -(-len(chart.panels) // chart.columns)
+    bar, note = _BAR * bool(chart.scale), _NOTE * chart.simulated
+    width = max(_WIDTH * chart.columns, 7.2) + bar
+    height = _HEIGHT * rows + below + note
+    drawn, axes = panels(rows, chart.columns, width, height, layout=None)
+    left, right, under, over = _ABOUT
+    across = (width - bar) / chart.columns - left - right
+    drawn.subplots_adjust(
+        left=left / width,
+        right=1.0 - (right + bar) / width,
+        bottom=(below + under) / height,
+        top=1.0 - (note + over) / height,
+        wspace=(left + right) / across,
+        hspace=(under + over) / (_HEIGHT - under - over),
+    )
+    return drawn, axes
 
 
 def _prepare(axis: Axes, panel: Panel) -> None:

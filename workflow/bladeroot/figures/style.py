@@ -61,9 +61,19 @@ class Drawing(Figure):
         return text[text.index("<svg") :].replace("<svg ", style, 1)
 
 
-def panels(rows: int, columns: int, width: float, height: float, **kwargs):
-    """A figure of a size in inches with a grid of axes (2-D array), in the project's style."""
-    drawn = Drawing(figsize=(width, height), layout="constrained")
+def panels(
+    rows: int,
+    columns: int,
+    width: float,
+    height: float,
+    layout: str | None = "constrained",
+    **kwargs,
+):
+    """A figure of a size in inches with a grid of axes (2-D array), in the project's style.
+
+    layout: as of `matplotlib.figure.Figure`.
+    """
+    drawn = Drawing(figsize=(width, height), layout=layout)
     return drawn, drawn.subplots(rows, columns, squeeze=False, **kwargs)
 
 
