@@ -37,7 +37,7 @@ STEADY_ERRORS = 3.0  # standard errors of ln A
 # Which points are given.
 FREQUENCY_KNOWN = 0.005  # standard error over frequency: beyond, noise or another mode is followed
 FEWEST = 4  # points
-LOSS_KNOWN = 0.1  # standard error over loss factor, by noise, at which the curves begin and end,
+LOSS_KNOWN = 0.09  # standard error over loss factor, by noise, at which the curves begin and end,
 LOSS_KNOWN_PART = 0.5  # where so large a part of the points is better known
 
 # What waves all along a decay is no law of amplitude, which bends a few times (`waves`).
