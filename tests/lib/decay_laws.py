@@ -59,6 +59,8 @@ def blocks(
     y += std * rng.standard_normal(y.shape) + wander * slow
     curve = {
         "time": ("point", time), "amplitude": ("point", largest * np.exp(log)),
+        "frequency": ("point", omega(np.exp(log)) / (2 * np.pi)),
+        "frequency_std": ("point", np.full(time.size, 1e-3 * frequency_Hz)),
         "block_time": ("block", time), "block_log_amplitude": ("block", y[0]),
         "block_phase": ("block", y[1]), "block_std": ("block", std),
     }  # fmt: skip

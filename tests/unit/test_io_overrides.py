@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bladeroot.decay.overrides import in_band
+from bladeroot.decay.overrides import in_band, within
 from bladeroot.decay.record import analyse
 from bladeroot.io.overrides import overruled
 from bladeroot.io.recording import part
@@ -58,8 +58,32 @@ def test_the_band_takes_a_neighbour_off_and_leaves_the_mode():
     assert np.abs(found - own)[inside].max() < 0.02
     with pytest.raises(ValueError, match="must hold the mode's 50 Hz"):
         in_band(own, RATE, (60.0, 70.0), 50.0)
+    with pytest.raises(ValueError, match="must begin above 0 Hz"):
+        in_band(own, RATE, (-5.0, 70.0), 50.0)
     with pytest.raises(ValueError, match="needs a decay of over"):
         in_band(own[:200], RATE, (49.0, 51.0), 50.0)
+
+
+@pytest.mark.parametrize("band", [(40.0, 70.0), (46.0, 120.0), (20.0, 52.0)])
+def test_a_band_does_not_change_a_mode_that_moves_in_it(band):
+    t = np.arange(20000) / RATE
+    for tone in (47.0, 50.0, 51.5):
+        own = np.exp(-0.3 * t) * np.sin(2 * np.pi * tone * t)
+        found, lost = in_band(own, RATE, band, 50.0)
+        inside = slice(lost, own.size - lost)
+        assert np.abs((found - own)[inside] / np.exp(-0.3 * t[inside])).max() < 2e-3
+
+
+def test_a_curve_is_not_given_where_the_mode_leaves_the_band():
+    whole = made()[1]
+    edge = float(np.median(whole["frequency"]))
+    found = within(whole, (edge - 20.0, edge))
+    assert 0 < found.sizes["point"] < whole.sizes["point"]
+    assert (found["frequency"] < edge).all()
+    times = found["time"].values
+    assert times[0] <= found["block_time"].values[0] <= found["block_time"].values[-1] <= times[-1]
+    with pytest.raises(ValueError, match="lies outside band_Hz, 90 to 95 Hz, all along"):
+        within(whole, (90.0, 95.0))
 
 
 def test_the_band_reaches_the_estimator():

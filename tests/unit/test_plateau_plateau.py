@@ -139,6 +139,8 @@ def test_any_blocks_give_a_verdict(seed, count, fall, beat):
     decay = xr.Dataset(
         {
             "time": ("point", time), "amplitude": ("point", np.exp(log)),
+            "frequency": ("point", np.full(count, 1570.0 / (2.0 * np.pi))),
+            "frequency_std": ("point", np.full(count, 1.0)),
             "block_time": ("block", time), "block_log_amplitude": ("block", y),
             "block_phase": ("block", turn), "block_std": ("block", std),
         }

@@ -12,7 +12,16 @@ from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, carried, checks, examine, examined, judge
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording, velocity
-from decay_bench import RATE, START, coulomb_decay, ring_down, ringing, shaken
+from decay_bench import (
+    RATE,
+    START,
+    coulomb_decay,
+    course,
+    levels,
+    ring_down,
+    ringing,
+    shaken,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -239,6 +248,20 @@ def test_a_gain_that_sways_is_told_with_its_size(sway_Hz):
     assert "gain-sways" not in ids(
         judged(np.interp(np.cumsum(1.0 + 1e-4 * np.cos(turn)), np.arange(clean.size), clean))
     )
+
+
+@pytest.mark.parametrize("middle", [0.1, 0.2, 0.4])
+def test_a_hump_of_damping_is_no_gain_that_sways(middle):
+    def alpha(a):
+        return -np.pi * 250.0 * (0.002 + 0.008 * np.exp(-0.5 * (np.log(a / middle) / 0.7) ** 2))
+
+    def omega(a):
+        return 2.0 * np.pi * 250.0 * (1.0 - 0.01 * a / (a + middle))
+
+    time = np.arange(int(3.0 * RATE)) / RATE
+    log, phase = course(alpha, omega, time, levels(7.0))
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(time.size)
+    assert ids(judged(START * (np.exp(log) * np.cos(phase) + noise))) == set()
 
 
 @pytest.mark.parametrize(("onset", "softening"), [(0.03, 0.003), (0.06, 0.006), (0.1, 0.01)])

@@ -10,7 +10,7 @@ from bladeroot.decay.agreement import compare
 from bladeroot.decay.cut import LEAST_FALL, rejected
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib, no_decay
-from bladeroot.decay.overrides import banded, kept
+from bladeroot.decay.overrides import banded, kept, within
 from bladeroot.decay.pff import no_peaks, peak_fit
 from bladeroot.io.overrides import overruled
 from bladeroot.io.read import read
@@ -156,7 +156,7 @@ def estimate(
     Args:
         cut: free decay as from `decay.free_decay`, with `expected_Hz` in its attributes.
         damping: law of damping, "hysteretic" or "viscous".
-        band_Hz: a person's band, outside which nothing counts.
+        band_Hz: a person's band, outside which nothing counts, the mode itself included.
         estimator: `freevib`, or another with its arguments.
         modes_Hz: expected frequencies of other modes.
 
@@ -179,6 +179,7 @@ def estimate(
             separated["taken"] = (time, cut["widening"].values, cut["doubt"].values)
         try:
             made = later(estimator(velocity, *known, **options, **separated), begin_s)
+            made = made if band_Hz is None else within(made, band_Hz)
             _refuse_another(made, facts["expected_Hz"], modes_Hz)
         except ValueError as error:
             made, facts = None, facts | {"verdict": "rejected", "reason": str(error)}

@@ -49,9 +49,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
 
     Returns:
         Table `record` of variables.csv, and `verdict`; NaN where there is none. The spread over
-        the laws is in the standard errors. When the curve may still bend at the smallest usable
-        amplitude, stick_frequency is NaN, and frequency_bound is the frequency there; by a law
-        that saturates the limit may lie outside limit_low to limit_high.
+        the laws is in the standard errors. When the curve may still bend at its smallest
+        amplitude, stick_frequency is NaN, and frequency_bound is its frequency there; by a law
+        that saturates, or slips in a chain of sliders, the limit may lie outside limit_low to
+        limit_high.
     """
     result: dict[str, float | str] = dict.fromkeys(RECORD_VARIABLES, np.nan)
     result["plateau_reached"] = 0
@@ -84,9 +85,7 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
     reached = found.phase.plateau >= STATED_PLATEAU_WEIGHT and constant >= SHORTEST_PLATEAU
-    lowest, lowest_std = (omega, omega_std) if reached else found.phase.mean(lowest=True)
-    bound = _natural(lowest, alpha, damping)[0]
-    if not _in_band(bound, decay):
+    if not _in_band(frequency, decay):
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     result["plateau_weight"] = found.phase.plateau
     if found.decline.plateau >= STATED_PLATEAU_WEIGHT:
@@ -95,9 +94,10 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
         if not all(_in_band(limit, decay) for limit in (low, high)):
             low, high = np.nan, np.nan  # an extrapolation that leaves the band tells no limit
+        last = int(np.argmin(amplitude))
         return result | {
-            "frequency_bound": bound,
-            "frequency_bound_std": lowest_std / (2.0 * np.pi),
+            "frequency_bound": float(decay["frequency"].values[last]),
+            "frequency_bound_std": float(decay["frequency_std"].values[last]),
             "limit_low": low,
             "limit_high": high,
             "verdict": "plateau not reached",

@@ -85,9 +85,9 @@ class Channel:
     doubtful: float
     bent: float
 
-    def mean(self, lowest: bool = False) -> tuple[float, float]:
-        """Rate of the plateau, or at the smallest amplitude; the laws' spread in its error."""
-        return Mixture(self.weight, self.rate[int(lowest)], self.variance[int(lowest)]).middle()
+    def mean(self) -> tuple[float, float]:
+        """Rate of the plateau; the laws' spread in its error."""
+        return Mixture(self.weight, self.rate[0], self.variance[0]).middle()
 
     def limits(self) -> tuple[float, float]:
         """Lowest and highest limit at zero amplitude of any tenable law, 1.96 errors included."""

@@ -22,6 +22,10 @@ FEWEST_PERIODS = 5.5  # periods of the line in the frames at least
 FARTHEST_LINE = 0.16  # frequency of the line, over the mode's, at most
 FEWEST_LINES = 8  # spectral lines between these two limits at least
 
+# A trend of so many degrees more changes the line by this part at most. What a trend leaves of a
+# law's own bend is another line with another trend.
+MORE_DEGREES, MOST_CHANGE = 4, 0.2
+
 # Which frames are looked at (a cycle apart), and the degree of the trend that is taken off them.
 MOST_FRAMES = 4096
 TREND_DEGREE = 9
@@ -64,6 +68,10 @@ def _strongest(seen: Examined, used: slice, degree: int) -> Finding | None:
     if not inside.any():
         return None
     k = int(np.argmax(np.where(inside, swing, 0.0)))
+    line = np.exp(-2j * np.pi * turns[k] * np.arange(rest.size))
+    change = (without_trend(frames, used, degree + MORE_DEGREES) - rest).real @ line
+    if abs(change) > MOST_CHANGE * abs(rest.real @ line):
+        return None
     off = f"{100 * harm[k]:.2g} %" if harm[k] < 10.0 else "more than they are"
     text = (
         f"the sensor's gain sways by {100 * swing[k]:.2g} % at "
