@@ -85,7 +85,9 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
     ends = _ends(found, float(amplitude.max()))
     constant = np.log(ends.get("onset_amplitude", np.inf)) - found.lowest
     reached = found.phase.plateau >= STATED_PLATEAU_WEIGHT and constant >= SHORTEST_PLATEAU
-    if not _in_band(frequency, decay):
+    last = int(np.argmin(amplitude))
+    bound = frequency if reached else float(decay["frequency"].values[last])
+    if not _in_band(bound, decay):
         return result | {"verdict": "rejected: too few cycles are sharp enough"}
     result["plateau_weight"] = found.phase.plateau
     if found.decline.plateau >= STATED_PLATEAU_WEIGHT:
@@ -94,9 +96,8 @@ def plateau(decay: xr.Dataset) -> dict[str, float | str]:
         low, high = (_natural(limit, alpha, damping)[0] for limit in found.phase.limits())
         if not all(_in_band(limit, decay) for limit in (low, high)):
             low, high = np.nan, np.nan  # an extrapolation that leaves the band tells no limit
-        last = int(np.argmin(amplitude))
         return result | {
-            "frequency_bound": float(decay["frequency"].values[last]),
+            "frequency_bound": bound,
             "frequency_bound_std": float(decay["frequency_std"].values[last]),
             "limit_low": low,
             "limit_high": high,
