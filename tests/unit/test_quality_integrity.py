@@ -12,16 +12,7 @@ from bladeroot.quality.findings.sampling_rate import RATIOS
 from bladeroot.quality.integrity import bridged, carried, checks, examine, examined, judge
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording, velocity
-from decay_bench import (
-    RATE,
-    START,
-    coulomb_decay,
-    course,
-    levels,
-    ring_down,
-    ringing,
-    shaken,
-)
+from decay_bench import RATE, START, coulomb_decay, course, levels, ring_down, ringing, shaken
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
