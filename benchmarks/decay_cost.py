@@ -3,18 +3,20 @@
     python benchmarks/decay_cost.py                  # about five minutes on one core
     python benchmarks/decay_cost.py --small          # about twenty seconds
     python benchmarks/decay_cost.py --grow rate      # more samples a cycle instead of more cycles
+    python benchmarks/decay_cost.py --json benchmarks/decay_cost.json   # keeps the numbers
+    python benchmarks/decay_cost.py --page benchmarks/decay_cost.json   # into README.md
 
 Records of 10^5 to 10^7 samples, at lengths that are quick to transform (the hilbert call is at its
 best there). Each repeat runs hilbert and every stage in turn, in processor seconds; the smallest
 of each counts, for what else runs on the machine only ever adds. "analysis" is all that is done to
 a recording in a running process, from its samples to its three artifacts: separation, cut, checks,
-curves, second opinion and plateau. The others are its parts, one call each.
+curves, second opinion and plateau. The others are its parts, one call each; "curves" are those of
+FREEVIB with the separation before.
 Memory is the growth of the resident set at its largest in a fresh process (from /proc, so on Linux
 only), over the size of the record.
 """
 
 import argparse
-import importlib
 import json
 import multiprocessing
 import os
@@ -27,18 +29,22 @@ from pathlib import Path
 
 import numpy as np
 from bladeroot.decay.cut import cut
+from bladeroot.decay.pff import peak_fit
 from bladeroot.decay.record import analyse
 from bladeroot.plateau.plateau import plateau
+from bladeroot.quality.integrity import judge
 from bladeroot.signal.lines import white_noise
 from bladeroot.signal.recording import Recording
+from foreign_lab.score import with_table
 from scipy import signal
 from synthetic import EXPECTED_HZ, SAMPLING_HZ, Law, move
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "lib"))
 from decay_bench import separated_curves
 
+PAGE = Path(__file__).with_name("README.md")
 SIZES = (100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
-AFTER = {"plateau": "freevib", "integrity": "cut"}  # stages that need another's result
+AFTER = {"plateau": "curves", "integrity": "cut"}  # stages that need another's result
 # Targets: seconds for the shortest, records' own memory, exponent of growth.
 COST_S, MEMORY, SLOPE = 0.15, 10.0, 1.05
 KNOWN = {"expected_Hz": EXPECTED_HZ, "other_modes_Hz": (), "simulated": True}
@@ -66,6 +72,7 @@ def make(count: int, grow: str, seed: int = 0) -> tuple[np.ndarray, float]:
 def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], object]]:
     """What is timed, by name: calls without arguments on one record."""
     noise = white_noise(velocity)
+    recording = Recording(velocity, sampling_Hz, "velocity")
     made = {}
 
     def keep(name: str, value: object) -> None:
@@ -74,17 +81,14 @@ def stages(velocity: np.ndarray, sampling_Hz: float) -> dict[str, Callable[[], o
     calls = {
         "hilbert": lambda: signal.hilbert(velocity),
         "cut": lambda: keep("cut", cut(velocity, sampling_Hz, EXPECTED_HZ)),
-        "freevib": lambda: keep(
-            "curve", separated_curves(velocity, sampling_Hz, EXPECTED_HZ, noise)
+        "curves": lambda: keep(
+            "curves", separated_curves(velocity, sampling_Hz, EXPECTED_HZ, noise)
         ),
-        "plateau": lambda: plateau(made["curve"]),
+        "plateau": lambda: plateau(made["curves"]),
+        "integrity": lambda: judge(made["cut"], velocity, EXPECTED_HZ),
+        "peak_fit": lambda: peak_fit(velocity, sampling_Hz, EXPECTED_HZ, noise),
+        "analysis": lambda: analyse(recording, KNOWN, *SETTINGS),
     }
-    recording = Recording(velocity, sampling_Hz, "velocity")
-    calls["analysis"] = lambda: analyse(recording, KNOWN, *SETTINGS)
-    if judge := _optional("bladeroot.quality.integrity", "judge"):
-        calls["integrity"] = lambda: judge(made["cut"], velocity, EXPECTED_HZ)
-    if peak_fit := _optional("bladeroot.decay.pff", "peak_fit"):
-        calls["peak_fit"] = lambda: peak_fit(velocity, sampling_Hz, EXPECTED_HZ, noise)
     return calls
 
 
@@ -143,15 +147,58 @@ def slope(sizes: list[int], values: list[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])
 
 
-def verdict(good: bool) -> str:
+def measured(sizes: list[int], grow: str, budget_s: float) -> dict:
+    """Seconds of each stage by size, and memory of each over the record's, of the largest two."""
+    times = {str(count): seconds(count, grow, budget_s) for count in sizes}
+    largest = sizes[-1:] if len(sizes) <= 2 else sizes[-2:]
+    sized = {str(count): apart(count, grow, list(times[str(count)])) for count in largest}
+    return {"grow": grow, "seconds": times, "memory_ratio": sized}
+
+
+def table(made: dict) -> str:
+    """Markdown: time of each stage over hilbert's, its growth, and memory over the record's."""
+    times, sized = made["seconds"], made["memory_ratio"]
+    names = [name for name in next(iter(times.values())) if name != "hilbert"]
+    lines = ["| samples | hilbert s | " + " | ".join(names) + " |", "|---" * (len(names) + 2) + "|"]
+    for count, took in times.items():
+        ratios = " | ".join(f"{took[name] / took['hilbert']:.3g}" for name in names)
+        lines.append(f"| {int(count):,} | {took['hilbert']:.4f} | {ratios} |")
+    every = [slope([int(one) for one in times], [took[name] for took in times.values()])
+             for name in ("hilbert", *names)]  # fmt: skip
+    lines.append("| slope | " + " | ".join(f"{one:.2f}" for one in every) + " |")
+    for count, found in sized.items():
+        cells = " | ".join(f"{found[name]:.1f}" for name in ("hilbert", *names))
+        lines.append(f"| memory over the record's, {int(count):,} | {cells} |")
+    return "\n".join(lines) + "\n"
+
+
+def judged(made: dict) -> list[str]:
+    """Each target, what was measured, and whether it is met."""
+    times, sized = made["seconds"], made["memory_ratio"]
+    sizes, whole = [int(one) for one in times], [took["analysis"] for took in times.values()]
+    lines = [
+        f"a record of {sizes[0]:,} samples, all of its analysis: {whole[0]:.3f} s, at most "
+        f"{COST_S:g} s: {_verdict(whole[0] <= COST_S)}"
+    ]
+    if len(sizes) > 2:
+        growth = slope(sizes, whole)
+        lines.append(
+            f"its time grows with an exponent of {growth:.2f}, at most {SLOPE:g}: "
+            f"{_verdict(growth <= SLOPE)}"
+        )
+    largest = max(own for name, own in list(sized.values())[-1].items() if name != "hilbert")
+    lines.append(f"memory {largest:.1f} records, at most {MEMORY:g}: {_verdict(largest <= MEMORY)}")
+    return lines
+
+
+def _verdict(good: bool) -> str:
     return "ok" if good else "FAILS"
 
 
-def _optional(module: str, name: str) -> Callable | None:
-    try:
-        return getattr(importlib.import_module(module), name, None)
-    except ImportError:
-        return None
+def paged(made: dict) -> str:
+    """README.md with the table and the targets."""
+    said = "".join(f"- {line}\n" for line in judged(made))
+    return with_table(PAGE.read_text(), "decay_cost", f"{table(made)}\n{said}")
 
 
 def main() -> None:
@@ -159,47 +206,18 @@ def main() -> None:
     parser.add_argument("--grow", choices=("cycles", "rate"), default="cycles")
     parser.add_argument("--small", action="store_true", help="10^5 and 3 x 10^5 samples")
     parser.add_argument("--budget", type=float, default=20.0, help="seconds of repeats a size")
-    parser.add_argument("--json", help="file for the summary")
+    parser.add_argument("--json", type=Path, help="where the numbers go, too")
+    parser.add_argument("--page", type=Path, help="numbers that go into README.md")
     options = parser.parse_args()
+    if options.page:
+        PAGE.write_text(paged(json.loads(options.page.read_text())))
+        return
     sizes = list(SIZES[:2] if options.small else SIZES)
-    budget_s = 1.0 if options.small else options.budget
-    times = {count: seconds(count, options.grow, budget_s) for count in sizes}
-    names = list(times[sizes[0]])
-    print(f"records grow by {options.grow}; time over that of scipy.signal.hilbert")
-    print(f"{'samples':>10s} {'hilbert s':>10s}" + "".join(f"{name:>11s}" for name in names[1:]))
-    ratios = {
-        count: {name: best[name] / best["hilbert"] for name in names[1:]}
-        for count, best in times.items()
-    }
-    for count, found in ratios.items():
-        cells = "".join(f"{ratio:11.2f}" for ratio in found.values())
-        print(f"{count:10d} {times[count]['hilbert']:10.4f}{cells}")
-    slopes = {name: slope(sizes, [times[count][name] for count in sizes]) for name in names}
-    print(f"{'slope':>10s}" + "".join(f"{value:11.2f}" for value in slopes.values()))
-    largest = sizes[-1:] if options.small else sizes[-2:]
-    sized = {count: apart(count, options.grow, names) for count in largest}
-    print(f"\nmemory over the record's own (target at most {MEMORY:g})")
-    print(f"{'samples':>10s}" + "".join(f"{name:>11s}" for name in names))
-    for count, found in sized.items():
-        print(f"{count:10d}" + "".join(f"{found[name]:11.1f}" for name in names))
-    print()
-    took = times[sizes[0]]["analysis"]
-    text = f"a record of {sizes[0]} samples, all of its analysis: at most {COST_S:g} s"
-    print(f"{text}: {took:.3f} s {verdict(took <= COST_S)}")
-    if len(sizes) > 2:
-        good = slopes["analysis"] <= SLOPE
-        print(f"its time grows linearly (slope): {slopes['analysis']:.2f} {verdict(good)}")
-    last = sized[sizes[-1]]
-    worst = max(value for name, value in last.items() if name != "analysis")
-    print(
-        f"memory at most {MEMORY:g} records, each part: {worst:.1f} {verdict(worst <= MEMORY)}; "
-        f"all of the analysis: {last['analysis']:.1f}"
-    )
+    made = measured(sizes, options.grow, 1.0 if options.small else options.budget)
+    print(f"records grow by {options.grow}; time over that of scipy.signal.hilbert\n")
+    print(table(made), *judged(made), sep="\n")
     if options.json:
-        found = {"grow": options.grow, "time_ratio": ratios, "slope": slopes, "memory_ratio": sized}
-        found["analysis_s"] = {count: best["analysis"] for count, best in times.items()}
-        with open(options.json, "w", encoding="utf-8") as file:
-            json.dump(found, file, indent=1)
+        options.json.write_text(json.dumps(made, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import bench_top
 import bound
+import decay_cost
 import decays
 import numpy as np
 import one_dof
@@ -179,7 +180,7 @@ def test_the_bench_top_s_motion_and_truth_are_those_of_its_laws():
     np.testing.assert_allclose(loss, 2.0 * 250.0 * 2.0 / square)
 
 
-@pytest.mark.parametrize("module", [real_like, whole_run])
+@pytest.mark.parametrize("module", [decay_cost, real_like, whole_run])
 def test_the_page_holds_the_table_of_the_kept_numbers(module):
     kept = Path(module.__file__).with_suffix(".json")
     assert module.paged(json.loads(kept.read_text())) == module.PAGE.read_text()

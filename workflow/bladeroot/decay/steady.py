@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray
+from scipy import fft
 
 from bladeroot.decay.envelope_model import ENVELOPE_BANDWIDTH, Beside, Envelopes
 from bladeroot.quality.findings.mains_hum import MAINS_HZ, MAINS_WANDER
@@ -68,22 +69,29 @@ def steady_line(
     # both pieces together, else the longer one alone
     for quiet in [pieces, sorted(pieces, key=lambda piece: piece.samples.size)[-1:]][: len(pieces)]:
         line, mean, off, middle = _line(quiet, own_Hz, sampling_Hz, within)
-        now = np.arange(x.size) / sampling_Hz
-        # errors of the mean, and of the frequency from where it is known best
-        away = (now - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
-        error = off * np.hypot(middle.size**-0.5, away)
-        if off > MOST_SCATTER * abs(mean) or error[:last].max() > MOST_ERROR * abs(mean):
+        ends = np.array([0.0, last - 1.0]) / sampling_Hz  # the error is largest at one of them
+        farthest = _error(ends, middle, off).max()
+        if off > MOST_SCATTER * abs(mean) or farthest > MOST_ERROR * abs(mean):
             continue
         apart_Hz = abs(line - own_Hz - turn_Hz)
         slowest = STEADY_DECAY_RATIO * _of_the_mains(line) if quiet[0].died else 1.0
         stays = (middle[-1] - middle[0]) * decline * slowest
         if apart_Hz * last < LEAST_TURNS * sampling_Hz and stays < LEAST_FALL:
             return None  # the mode itself
+        now = np.arange(x.size) / sampling_Hz
         wave = (mean * np.exp(2j * np.pi * line * now)).real
         alike = own_Hz / max(ENVELOPE_BANDWIDTH * apart_Hz, sampling_Hz / x.size)
-        remark = REMARK.format(line, abs(mean))
+        remark, error = REMARK.format(line, abs(mean)), _error(now, middle, off)
         return Beside(line, wave, now, error, "steady-line", remark, alike)
     return None
+
+
+def _error(
+    time: Float[ndarray, " time"], middle: Float[ndarray, " part"], off: float
+) -> Float[ndarray, " time"]:
+    """Standard error of a line at some times, from its mean's and its frequency's."""
+    away = (time - middle.mean()) / np.sqrt(np.sum((middle - middle.mean()) ** 2))
+    return off * np.hypot(middle.size**-0.5, away)
 
 
 def _line(
@@ -91,7 +99,8 @@ def _line(
 ) -> tuple[float, complex, float, Float[ndarray, " part"]]:
     """Frequency and phasor of the loudest line, the parts' scatter about it, their middles (s)."""
     longest = max(quiet, key=lambda piece: piece.samples.size)
-    frequency, level = lines_of(longest.samples.ravel(), sampling_Hz)
+    quick = fft.prev_fast_len(longest.samples.size, real=True)
+    frequency, level = lines_of(longest.samples.ravel()[:quick], sampling_Hz)
     around = np.abs(frequency - own_Hz) < within * own_Hz
     line = float(frequency[np.argmax(np.where(around, level, 0.0))])
     # the phase from part to part tells the frequency best: first within the longest piece, then
@@ -118,9 +127,9 @@ def _parts(
     """A line's phasor in each part (Hann), without what is left of a mode; the parts' middles."""
     found, middles = [], []
     for piece in quiet:
-        taper = hann(piece.time.shape[1])
-        turned = piece.samples * np.exp(-2j * np.pi * line_Hz * piece.time)
-        z = 2.0 * (turned @ taper) / taper.sum()
+        taper, turn = hann(piece.time.shape[1]), -2j * np.pi * line_Hz
+        wave = taper * np.exp(turn * (piece.time[0] - piece.time[0, 0]))
+        z = 2.0 / taper.sum() * np.exp(turn * piece.time[:, 0]) * (piece.samples @ wave)
         found.append(z - _second(z) if piece.died else z)
         middles.append(piece.time.mean(axis=1))
     return np.concatenate(found), np.concatenate(middles)
