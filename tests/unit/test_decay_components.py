@@ -464,3 +464,10 @@ def test_hum_less_than_a_turn_from_a_mode_that_has_died_is_no_end_of_it(line_Hz,
         off = found["frequency"].values / 251.2 - 1.0
         assert (np.abs(off) < np.maximum(3.5 * found["frequency_std"].values / 251.2, 5e-4)).all()
         assert found["amplitude"][-1] < 4e-3 * found["amplitude"][0]
+
+
+def test_a_record_whose_digitiser_is_still_at_last_has_nothing_to_separate_there():
+    velocity = blow([(80.0, 0.02, 0.05)], length_s=4.0)
+    velocity = np.where(np.arange(velocity.size) < 0.6 * velocity.size, velocity, 0.0)
+    parts = separated(velocity, RATE, 80.0, (297.0,), int(0.7 * velocity.size))
+    assert parts.velocity is velocity and not parts.lines_Hz

@@ -123,7 +123,8 @@ def separated(
     courses known, then with what that found of them; where the two differ the result depends on how
     smooth they are taken to be.
     """
-    if (velocity.size - first) * expected_Hz < 2.0 * FEWEST_CYCLES * sampling_Hz:
+    short = (velocity.size - first) * expected_Hz < 2.0 * FEWEST_CYCLES * sampling_Hz
+    if short or not velocity[first:].any():
         return Separated(velocity, first, [], *np.zeros((3, 0)))
     search = _Search(velocity, first, quiet, sampling_Hz, expected_Hz, modes_Hz)
     if abs(search.own_Hz / expected_Hz - 1.0) > APART:  # so far off that others may be its own
