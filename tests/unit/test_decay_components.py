@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from bladeroot.decay.component_lines import meant
 from bladeroot.decay.components import onset, separated
-from bladeroot.decay.envelope_model import Beside
+from bladeroot.decay.envelope_model import Beside, demodulated
 from bladeroot.decay.free_decay import free_decay
 from bladeroot.decay.freevib import freevib
 from bladeroot.decay.record import analyse, estimate
+from bladeroot.decay.steady import steady_line
 from bladeroot.io.recording import recording
 from bladeroot.signal.lines import loudest, mode_Hz
 from decay_bench import ring_down, slider
@@ -470,4 +471,13 @@ def test_a_record_whose_digitiser_is_still_at_last_has_nothing_to_separate_there
     velocity = blow([(80.0, 0.02, 0.05)], length_s=4.0)
     velocity = np.where(np.arange(velocity.size) < 0.6 * velocity.size, velocity, 0.0)
     parts = separated(velocity, RATE, 80.0, (297.0,), int(0.7 * velocity.size))
-    assert parts.velocity is velocity and not parts.lines_Hz
+    assert parts.velocity is velocity
+    assert not parts.lines_Hz
+
+
+def test_no_steady_line_rings_where_the_digitiser_is_still():
+    velocity = blow([(80.0, 0.004, 0.05)], length_s=8.0)
+    last = velocity.size // 2
+    velocity[last:] = 0.0
+    found = demodulated(velocity[:last], RATE, np.array([80.0]), 128)
+    assert steady_line(velocity, found, last, RATE, 0.17, np.zeros(0)) is None

@@ -285,6 +285,18 @@ def test_hum_near_the_mode_is_taken_off(line):
     assert np.std(left) < 0.2 * np.std(hum)
 
 
+@pytest.mark.parametrize("count", [19, 23, 27, 40])
+def test_a_decay_of_few_samples_is_looked_at_for_hum(count):
+    time = np.arange(count) / 22.45
+    velocity = START * np.exp(-0.12 * time) * np.cos(2 * np.pi * 7.5 * time)
+    attrs = {
+        "sampling_Hz": 22.45, "start_s": 0.0, "end_s": time[-1], "noise_velocity": 1e-6 * START,
+        "end_reason": "end of the record", "findings": "",
+    }  # fmt: skip
+    found = judge(xr.Dataset({"velocity": ("time", velocity)}, attrs=attrs), velocity, 7.5)
+    assert "mains-hum" not in ids(found)
+
+
 def test_hum_that_is_taken_off_does_not_beat():
     clean = decay(frequency_Hz=270.0, second=0.0, noise_db=60)
     hum = 0.01 * START * np.cos(2 * np.pi * 300.0 * time_of(clean) + 0.4)

@@ -71,7 +71,7 @@ def steady_line(
         line, mean, off, middle = _line(quiet, own_Hz, sampling_Hz, within)
         ends = np.array([0.0, last - 1.0]) / sampling_Hz  # the error is largest at one of them
         farthest = _error(ends, middle, off).max()
-        if off > MOST_SCATTER * abs(mean) or farthest > MOST_ERROR * abs(mean):
+        if not (off < MOST_SCATTER * abs(mean) and farthest < MOST_ERROR * abs(mean)):
             continue
         apart_Hz = abs(line - own_Hz - turn_Hz)
         slowest = STEADY_DECAY_RATIO * _of_the_mains(line) if quiet[0].died else 1.0

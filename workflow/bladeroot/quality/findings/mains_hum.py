@@ -68,10 +68,9 @@ def steady_lines(seen: Examined) -> Finding | None:
     mains = np.repeat(MAINS_HZ, orders)
     nominal = mains * np.concatenate([np.arange(1, most + 1) for most in orders])
     near = MODE_LINES_AWAY * rate / count + MODE_PART_AWAY * seen.own_Hz
+    place = nominal / frequency[1]
     clear = np.abs(nominal - seen.own_Hz) > near
-    clear &= (nominal / frequency[1] > BACKGROUND_BINS // 2) & (
-        nominal < frequency[-BACKGROUND_BINS - 2]
-    )
+    clear &= (place > BACKGROUND_BINS // 2) & (place < frequency.size - BACKGROUND_BINS - 2)
     if not clear.any():
         return None
     nominal, mains = nominal[clear], mains[clear]
