@@ -18,6 +18,7 @@ from scipy.linalg import block_diag
 from bladeroot.diagnosis.causes import places, with_causes, with_smooth
 from bladeroot.diagnosis.guards import TRUST_CURVE
 from bladeroot.diagnosis.stick_model import kinked, near, own_error_turned
+from bladeroot.inference.gaussian import Fit
 from bladeroot.inference.problem import Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Points
 from bladeroot.pooling.level_curve import level_curve
@@ -191,6 +192,13 @@ def problem(
 
     scales = with_smooth(NOISE, extra)
     return Problem(data.value, predict, covariance, prior, scales, blocks=_blocks(data))
+
+
+def strain(fitted: Fit) -> float:
+    """Nats that a fit pays for errors of the curves larger than the records state them."""
+    prior = fitted.problem.scales
+    larger = (fitted.scales[0] - prior.mean[0]) / prior.std[0]
+    return 0.5 * max(float(larger), 0.0) ** 2
 
 
 def _blocks(data: CurveData) -> tuple[slice, ...]:

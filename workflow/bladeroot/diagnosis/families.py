@@ -8,6 +8,7 @@ import numpy as np
 from bladeroot.diagnosis import guards
 from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.channel import Channel, Kernels
+from bladeroot.diagnosis.curve_model import strain
 from bladeroot.diagnosis.plausibility import possible, sizes
 from bladeroot.diagnosis.posterior import temperature
 from bladeroot.inference.gaussian import Fit, about, best_fit, fit, maxima_of
@@ -234,6 +235,7 @@ def without(channel: Channel, model: Model, gone: str) -> Model:
 def smooth(channel: Channel, model: Model) -> dict[str, float]:
     """Log evidence over the model of each smooth competitor beside its causes.
 
+    Of curves it is at least what their errors are strained by, which whatever explains them saves.
     Fitted from two starts beside no cause, and where the data ask for it.
     """
     gains, current = {}, model.fit
@@ -248,6 +250,8 @@ def smooth(channel: Channel, model: Model) -> dict[str, float]:
             starts.append(np.append(less, usual[own:] + wide[own:]))
         both = [fit(problem, current.parameters, scales) for scales in starts]
         gains[name] = max(one.log_evidence for one in both) - current.log_evidence
+    if channel.name == "curve":  # what begins at once is not smooth, and strains the errors
+        gains["amplitude"] = max(gains["amplitude"], strain(current))
     return gains
 
 

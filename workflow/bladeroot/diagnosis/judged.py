@@ -126,7 +126,7 @@ def judged(
 ) -> Made:
     """Against any simulation, in the campaign's own range of load and amplitude."""
     own = own_range(seen)
-    if simulated.kind != "none" and own.unit == "N":
+    if simulated.kind == "structure":  # which the priors are made for
         own = replace(own, per_load=1.0, shift=0.0, per_metre=1.0)
     if isinstance(simulated, Parametric):
         simulated = replace(simulated, per_load=own.per_load, shift=own.shift)
