@@ -297,6 +297,11 @@ def test_a_decay_of_few_samples_is_looked_at_for_hum(count):
     assert "mains-hum" not in ids(found)
 
 
+@pytest.mark.parametrize("held", [1.0, -0.5, 4.6e-14])
+def test_a_record_of_one_held_value_is_rejected(held):
+    assert uncut(np.full(4096, held)).attrs["verdict"] == "rejected"
+
+
 def test_hum_that_is_taken_off_does_not_beat():
     clean = decay(frequency_Hz=270.0, second=0.0, noise_db=60)
     hum = 0.01 * START * np.cos(2 * np.pi * 300.0 * time_of(clean) + 0.4)
