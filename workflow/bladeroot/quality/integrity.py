@@ -30,7 +30,7 @@ REMOVING = ("mask", "drop")  # consequences that become a warning then
 # them, those of 22 % reach 6.9 times.
 SURE_OVER_THRESHOLD = 4.0
 
-ALL_ZERO_TEXT = "nothing but zeros from {:.4g} s to {:.4g} s"
+STILL_TEXT = "nothing but one value from {:.4g} s to {:.4g} s"
 CUT_ENDS = ("start_s", "end_s")  # attributes of a cut decay that the text is filled with
 
 
@@ -75,12 +75,12 @@ def judge(
     found, told = [(name, _fact(text, "warn")) for name, text in remarks], dict(remarks)
     velocity = decay["velocity"].values
     usable = np.ones(velocity.size, np.int8)
-    if not decay.attrs["findings"] and not examined(decay, whole, expected_Hz).velocity.any():
-        decay = decay.assign_attrs(findings=ALL_ZERO_TEXT.format(*map(decay.attrs.get, CUT_ENDS)))
+    if not decay.attrs["findings"] and _still(examined(decay, whole, expected_Hz).velocity):
+        decay = decay.assign_attrs(findings=STILL_TEXT.format(*map(decay.attrs.get, CUT_ENDS)))
     if decay.attrs["findings"]:
         kind = "cut" if whole.size else "unreadable"
         found.append((kind, _fact(decay.attrs["findings"], "drop")))
-        if whole.any() and np.isfinite(decay.attrs["sampling_Hz"]):
+        if not _still(whole) and np.isfinite(decay.attrs["sampling_Hz"]):
             rate = decay.attrs["sampling_Hz"]
             seen = Examined(velocity, rate, expected_Hz, 0.0, whole, recording=recording)
             for name, module in checks().items():
@@ -207,12 +207,19 @@ def examine(seen: Examined, freed: Examined | None = None) -> list[tuple[str, Fi
             spans = tuple(s for _, f in found if f.counts for s in f.spans)
             freed, first = mended(freed, spans), []
             seen = freed if freed.mixed is None else mended(seen, spans)
+            if _still(seen.velocity) or _still(freed.velocity):
+                break
         finding = module.find(seen if hasattr(module, "MIXED") else freed)
         if finding is not None:
             found.append((finding.name or name, finding))
             if finding.counts and finding.excess is not None:  # later checks see it taken off
                 freed = replace(freed, velocity=freed.velocity - finding.excess)
     return found
+
+
+def _still(velocity: Float[ndarray, " sample"]) -> bool:
+    """Whether all samples have one value."""
+    return bool((velocity == velocity[:1]).all())
 
 
 def mended(seen: Examined, spans: tuple[tuple[int, int], ...]) -> Examined:

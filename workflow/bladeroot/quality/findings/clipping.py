@@ -94,7 +94,7 @@ def _piled(seen: Examined, sign: float) -> float:
     """Samples at one extreme over those expected of the loudest line, whose envelope is known."""
     x = sign * seen.velocity
     top = float(x.max())
-    if top <= 0.0 or not seen.early[1].any():  # nothing, or nothing but a held value
+    if top <= 0.0:
         return 0.0
     cycle, amplitude = _loudest(seen)
     envelope = amplitude * (top / amplitude.max())
