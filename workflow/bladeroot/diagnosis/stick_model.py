@@ -18,6 +18,7 @@ from bladeroot.diagnosis.clampings import clampings, directions, hold_names, thi
 from bladeroot.diagnosis.guards import RECORDS, TRUST
 from bladeroot.diagnosis.limits import OWN, limits
 from bladeroot.diagnosis.simulation.interface import Said, Simulation
+from bladeroot.diagnosis.thermometer import course
 from bladeroot.inference.problem import Problem, Slopes, State
 from bladeroot.mechanisms.mechanism import Mechanism, Records
 
@@ -29,8 +30,9 @@ NOISE = (np.log(1e-5), 2.0)
 FORCE_LENGTH = 0.7  # of ln F, over which a smooth law's error varies
 TIME_LENGTH = 0.3  # of the campaign, by time or by its clampings
 KELVIN = 3.0  # of temperature
-READING = 0.2  # K by which a thermometer is off the beam: half of it for an hour, half of a record
+READING = 0.14  # K by which a thermometer is off the beam, alike for an hour
 HOUR = 3600.0  # s
+UNTIMED_READING = 0.14  # K by which a reading is off, beside that, where records have no time
 LEAST_KELVIN = 0.01  # K from the mean: smaller differences of temperature are none
 # Part of its own effect by which a law of the time in a clamping differs from clamping to clamping:
 # nobody states the time from the clamping to its first record.
@@ -54,6 +56,7 @@ class StickData:
     in the observations. group: number of each record's group, None where there is one only. jumped:
     holds that count as two clampings. unheld: records whose hold is not stated. untimed: records
     left out for want of a time. thinned: those left out as others say nearly as much (`thinned`).
+    temperature_covariance: K^2, of what is unknown of the records' temperature, if any is known.
     kernels: those already worked out (`trust_kernel`).
     """
 
@@ -72,6 +75,7 @@ class StickData:
     untimed: int = 0
     thinned: int = 0
     shared: Float[ndarray, " record"] | None = None
+    temperature_covariance: Float[ndarray, "record record"] | None = None
     kernels: dict = field(default_factory=dict, init=False, repr=False)
 
 
@@ -101,6 +105,11 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
     jumped: list[int] = []
     if known:
         hold, jumped = clampings(mode[row], hold, time, ln_f, error)
+    kelvin, unknown = _kelvin(seen, row), None
+    if kelvin is not None:
+        unknown = UNTIMED_READING**2 * np.eye(row.size)
+        if known and np.ptp(kelvin) > 0.0:
+            kelvin, unknown = course(time, kelvin)
     records = Records(
         mode=np.array([list(modes).index(one) for one in mode[row]], dtype=int),
         force=force,
@@ -109,7 +118,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         since=since,
         span=float(time.max(initial=0.0)),
         hold_span=float(since.max(initial=0.0)),
-        temperature=_kelvin(seen, row),
+        temperature=kelvin,
     )
     return StickData(
         tuple(modes),
@@ -127,6 +136,7 @@ def stick_data(seen: xr.Dataset, modes: Sequence[str], least_force: float = 0.0)
         untimed,
         timed.size - row.size,
         shared[row],
+        unknown,
     )
 
 
@@ -268,7 +278,7 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
         "clamping": lambda: kinked(records.clamping, TIME_LENGTH),
         "since": lambda: kinked(records.since, max(records.hold_span, 1.0)),
         "sign": lambda: (records.sign[:, None] == records.sign).astype(float),
-        "temperature": lambda: _of_thermometer(records),
+        "temperature": lambda: _of_thermometer(data),
     }
     whole = same_mode(data).astype(float)
     for name in over:
@@ -278,14 +288,14 @@ def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record
     return data.kernels.setdefault(tuple(over), whole)
 
 
-def _of_thermometer(records: Records) -> Float[ndarray, "record record"]:
-    """Correlation of the errors of a law of temperature, with those of the readings, which are as
-    large at the mean.
+def _of_thermometer(data: StickData) -> Float[ndarray, "record record"]:
+    """Correlation of the errors of a law of temperature, with those of the temperature, which are
+    as large at the mean.
     """
-    kelvin = records.temperature
+    kelvin = data.records.temperature
     kelvin = np.where(np.abs(kelvin) < LEAST_KELVIN, LEAST_KELVIN, kelvin)
-    readings = 0.5 * (READING / TRUST) ** 2 * (near(records.time, HOUR) + np.eye(kelvin.size))
-    return near(kelvin, KELVIN) + readings / np.outer(kelvin, kelvin)
+    off = READING**2 * near(data.records.time, HOUR) + data.temperature_covariance
+    return near(kelvin, KELVIN) + off / TRUST**2 / np.outer(kelvin, kelvin)
 
 
 def own_error_turned(
