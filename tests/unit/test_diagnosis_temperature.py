@@ -4,7 +4,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.diagnose import Settings, diagnose
+from bladeroot.diagnosis.diagnose import Diagnosis, Settings, diagnose
+from bladeroot.diagnosis.next_measurement import next_measurements
 from bladeroot.diagnosis.thermometer import course
 from bladeroot.diagnosis.verdict import verdict
 from bladeroot.mechanisms.catalogue import catalogue
@@ -16,7 +17,7 @@ RIVALS = [one for one in catalogue() if one.id in ("drift", "temperature")]
 
 
 @cache
-def judged(follows: str, thermometer: bool = True) -> dict:
+def diagnosed(follows: str, thermometer: bool = True) -> Diagnosis:
     """A campaign whose frequencies follow the weather, or a wave of their own, by 1e-4 a kelvin."""
     seen = campaign(_model(False), seed=3, scatter=0.01, rows=programme(2, 1), curves=False)
     part = seen["time"].values / seen["time"].values.max()
@@ -27,7 +28,17 @@ def judged(follows: str, thermometer: bool = True) -> dict:
     if thermometer:
         read = 20.0 + weather + 0.1 * np.random.default_rng(0).normal(size=part.size)
         seen["temperature"] = ("record", read)
-    return verdict(diagnose(seen, _model(False), Settings(BIAS), RIVALS))
+    return diagnose(seen, _model(False), Settings(BIAS), RIVALS)
+
+
+def judged(follows: str, thermometer: bool = True) -> dict:
+    return verdict(diagnosed(follows, thermometer))
+
+
+def test_further_records_are_proposed_where_a_temperature_is_known():
+    options = next_measurements(diagnosed("weather"))
+    assert options.sizes["option"] > 2
+    assert np.all(options["size_std"].values <= 1.0)
 
 
 @pytest.mark.slow

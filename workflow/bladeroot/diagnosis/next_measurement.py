@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
+from scipy.linalg import block_diag
 
 from bladeroot.diagnosis import curve_model, stick_model
 from bladeroot.diagnosis.curve_model import CurveData
@@ -311,6 +312,7 @@ def _by_facts(
 def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
     """Data with further records behind; their frequencies are not known yet."""
     old, n = data.records, new.mode.size
+    warm = data.temperature_covariance
     arrays = {
         f.name: np.concatenate([getattr(old, f.name), getattr(new, f.name)])
         for f in fields(Records)
@@ -325,6 +327,9 @@ def _joined(data: StickData, new: Records, hold: ndarray) -> StickData:
         row=np.concatenate([data.row, np.full(n, -1)]),
         group=None if data.group is None else np.concatenate([data.group, np.zeros(n, int)]),
         shared=None if data.shared is None else np.concatenate([data.shared, np.zeros(n)]),
+        temperature_covariance=None
+        if warm is None
+        else block_diag(warm, np.median(np.diag(warm)) * np.eye(n)),
     )
 
 
