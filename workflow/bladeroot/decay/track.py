@@ -174,12 +174,12 @@ def _as_known(blocks: Phasors, before: Spline, now: Spline) -> bool:
 
 
 def noise_ratio(
-    miss: Float[ndarray, "part block"],
+    values: Float[ndarray, "part block"],
     std: Float[ndarray, " block"],
 ) -> Float[ndarray, " block"]:
     """Observed over assumed standard error of the blocks, running along the record.
 
-    From second differences of the residuals of a smooth curve: noise near the mode that is not that
+    From second differences of the blocks, or of the residuals of a smooth curve: noise near the mode that is not that
     of the full band, remains of other modes and a wrong noise level all show here. There are at
     most `MOST_WINDOWS` windows, of at least `WINDOW_BLOCKS` blocks, since a scatter known too
     roughly spoils every standard error that rests on it. Knocks are cut off.
@@ -187,8 +187,8 @@ def noise_ratio(
     count = std.size - 2
     if count < 10:
         return np.ones(std.size)
-    scaled = miss / std
-    square = (scaled[:, 2:] - 2.0 * scaled[:, 1:-1] + scaled[:, :-2]) ** 2 / 6.0
+    variance = std[2:] ** 2 + 4.0 * std[1:-1] ** 2 + std[:-2] ** 2
+    square = np.diff(values, 2, axis=1) ** 2 / variance
     windows = int(np.clip(count // WINDOW_BLOCKS, 1, MOST_WINDOWS))
     length = count // windows
     near = square[:, : windows * length].reshape(-1, windows, length)
