@@ -478,7 +478,7 @@ def test_a_mode_known_in_a_few_cycles_only_is_refused(monkeypatch):
 
 @pytest.mark.parametrize("unit", [1e-3, 0.3, 1e3])
 def test_curves_do_not_hang_on_the_unit_of_the_velocity(unit):
-    """A second mode dies early and blocks differ in their errors: so much is left to the scatter."""
+    """Blocks differ in their errors, and are scaled by their scatter."""
     velocity, noise, *_ = ring_down(4, noise_db=50, second=0.3)
     made, other = (separated_curves(k * velocity, 25600.0, 247.0, k * noise) for k in (1.0, unit))
     for name in ("time", "frequency", "frequency_std", "loss_factor", "loss_factor_std"):
