@@ -181,8 +181,8 @@ def noise_ratio(
 
     From second differences of the blocks, or of the residuals of a smooth curve: noise near the
     mode that is not that of the full band, remains of other modes and a wrong noise level all show
-    here. There are at most `MOST_WINDOWS` windows, of at least `WINDOW_BLOCKS` blocks, since a scatter known too
-    roughly spoils every standard error that rests on it. Knocks are cut off.
+    here. There are at most `MOST_WINDOWS` windows, of at least `WINDOW_BLOCKS` blocks, since a
+    scatter known too roughly spoils every standard error that rests on it. Knocks are cut off.
     """
     count = std.size - 2
     if count < 10:
