@@ -9,7 +9,7 @@ import yaml
 from bladeroot import artifacts
 from bladeroot.command.main import COMMANDS, main
 from bladeroot.command.new import description
-from bladeroot.command.run import followed
+from bladeroot.command.run import followed, settings_among
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.read import channels, read
 from bladeroot.shipped_files import structure_file
@@ -300,3 +300,21 @@ def test_cells_of_a_matlab_file_are_records_of_their_own(tmp_path):
     rows = (tmp_path / "records.csv").read_text().splitlines()[1:]
     assert [row.split(",all,")[0] for row in rows] == ["blows,blows.mat", "blows_2,blows.mat"]
     assert all(";" not in row for row in rows)
+
+
+def test_settings_of_a_run_stand_beside_its_campaign():
+    options = [
+        "-n",
+        "--config",
+        "a=1",
+        "b={c: 2}",
+        "--forcerun",
+        "stick",
+        "-C",
+        "d=3",
+        "--config=e=4",
+    ]
+    settings, others = settings_among(options)
+    assert settings == ["a=1", "b={c: 2}", "d=3", "e=4"]
+    assert others == ["-n", "--forcerun", "stick"]
+    assert settings_among(["results/a.nc", "-n"]) == ([], ["results/a.nc", "-n"])

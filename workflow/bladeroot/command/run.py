@@ -1,5 +1,6 @@
 """The whole workflow on one campaign, with progress by stage."""
 
+import argparse
 import re
 import subprocess
 import sys
@@ -39,10 +40,11 @@ def command(campaign: Path, jobs: int, options: tuple[str, ...]) -> None:
     if not snakefile.is_file():
         raise ValueError(f"the workflow is not part of the library; expected a clone's {snakefile}")
     tell_warnings(load_campaign(campaign))
+    settings, others = settings_among(options)
     asked = [
         sys.executable, "-m", "snakemake", f"-j{jobs}", "--snakefile", str(snakefile),
-        "--workflow-profile", str(CHECKOUT / "profiles" / "default"), *options,
-        "--config", f"campaigns={campaign.resolve()}",
+        "--workflow-profile", str(CHECKOUT / "profiles" / "default"), *others,
+        "--config", *settings, f"campaigns={campaign.resolve()}",
     ]  # fmt: skip
     run = subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     over = sys.stderr.isatty()  # in a log each step is a line
@@ -54,6 +56,14 @@ def command(campaign: Path, jobs: int, options: tuple[str, ...]) -> None:
     for line in followed(run.stdout, show):
         click.echo(line)
     sys.exit(run.wait())
+
+
+def settings_among(options: Iterable[str]) -> tuple[list[str], list[str]]:
+    """What --config sets, and the other options: of several --config Snakemake takes the last."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("-C", "--config", nargs="*", action="extend", default=[])
+    said, others = parser.parse_known_args(list(options))
+    return said.config, others
 
 
 def followed(lines: Iterable[str], show, clock=time.monotonic) -> list[str]:
