@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from bladeroot.figures.chart import Chart, Panel, Trace, options, runs, thinned
+from bladeroot.figures.chart import NOTHING, Chart, Panel, Trace, options, runs, thinned
 from bladeroot.figures.live import live
 from bladeroot.figures.still import still
 from hypothesis import given
@@ -42,7 +42,7 @@ def test_the_live_figure_has_every_number_and_every_switch():
 
 def test_what_is_not_known_is_null():
     gap = chart(traces=[Trace(0, X, np.where(X > 1.0, np.nan, X), line="-")])
-    (trace,) = json.loads(live(gap))["data"]
+    trace, _ = json.loads(live(gap))["data"]
     assert [value is None for value in trace["y"]] == (X > 1.0).tolist()
 
 
@@ -55,6 +55,19 @@ def test_the_still_figure_draws_the_same():
     assert [text.get_text() for text in second.get_xticklabels()] == ["one", "two"]
     (legend,) = drawn.legends
     assert [text.get_text() for text in legend.get_texts()] == ["measured", "4 kN", "8 kN"]
+
+
+@pytest.mark.parametrize("nothing", [[], [Trace(1, X, np.full(6, np.nan), line="-")]])
+def test_a_panel_without_a_point_keeps_its_place_and_says_so(nothing):
+    bare = chart(traces=[Trace(0, X, X), *nothing])
+    read = json.loads(live(bare))
+    assert {trace["yaxis"] for trace in read["data"]} == {"y", "y2"}
+    (said,) = (one for one in read["layout"]["annotations"] if one["text"] == NOTHING)
+    assert (said["xref"], said["yref"]) == ("x2 domain", "y2 domain")
+    assert not read["layout"]["yaxis2"]["showticklabels"]
+    first, second = still(bare).axes
+    assert [text.get_text() for text in second.texts] == [NOTHING]
+    assert (list(second.get_yticks()), list(first.texts)) == ([], [])
 
 
 def test_a_colour_that_is_a_value_has_its_scale():

@@ -10,6 +10,7 @@ from numpy import ndarray
 # Points of curves are drawn up to these relative standard errors; the artifacts hold them all.
 LARGEST_ERRORS = {"frequency": 1e-3, "loss_factor": 0.2}
 AMPLITUDE = "amplitude at the sensor / µm"
+NOTHING = "nothing to draw"
 _MOST_POINTS = 100  # of a curve: more are closer together than a pixel, and make the page larger
 
 
@@ -88,6 +89,17 @@ def options(chart: Chart) -> dict[str, dict[str, list[Trace]]]:
         for switch, option in trace.switches.items():
             found.setdefault(switch, {}).setdefault(option, []).append(trace)
     return {switch: several for switch, several in found.items() if len(several) > 1}
+
+
+def empty(chart: Chart) -> set[int]:
+    """Panels without a point."""
+    full = {trace.panel for trace in chart.traces if _points(trace).any()}
+    return set(range(len(chart.panels))) - full
+
+
+def _points(trace: Trace) -> ndarray:
+    heights = trace.y if trace.low is None else trace.low + trace.high
+    return np.isfinite(np.asarray(trace.x, float)) & np.isfinite(np.asarray(heights, float))
 
 
 def runs(known: ndarray) -> list[slice]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy import ndarray
 
-from bladeroot.figures.chart import Chart, Panel, Trace, options, runs
+from bladeroot.figures.chart import NOTHING, Chart, Panel, Trace, empty, options, runs
 
 _DASHES = {"-": "solid", "--": "dash", ":": "dot"}
 _MARKERS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle-up", "v": "triangle-down"}
@@ -19,8 +19,11 @@ _INK, _LINE = "#1c2733", "#d7dde3"
 
 def live(chart: Chart) -> str:
     """The chart as JSON that may stand inside a page's script element."""
+    # the library leaves out axes that no trace names, and lays the title of one on another
+    none = np.array([np.nan])
+    places = [Trace(panel, none, none) for panel in sorted(empty(chart))]
     document = {
-        "data": [_trace(trace, chart) for trace in chart.traces],
+        "data": [_trace(trace, chart) for trace in [*chart.traces, *places]],
         "layout": _layout(chart),
         "columns": chart.columns,
         "panels": len(chart.panels),
@@ -137,6 +140,7 @@ def _layout(chart: Chart) -> dict:
         "annotations": [],
         "shapes": [],
     }  # fmt: skip
+    bare = empty(chart)
     for k, panel in enumerate(chart.panels):
         made[f"xaxis{_axis(k)}"] = _scale(panel.x, panel.x_log, panel.x_range, panel.x_ticks)
         made[f"yaxis{_axis(k)}"] = _scale(panel.y, panel.y_log, panel.y_range, ())
@@ -145,6 +149,13 @@ def _layout(chart: Chart) -> dict:
              "xref": f"x{_axis(k)} domain", "yref": f"y{_axis(k)} domain", "xanchor": "left",
              "yanchor": "bottom", "font": {"size": 12.5}}
         )  # fmt: skip
+        if k in bare:
+            for name in "xy":
+                made[f"{name}axis{_axis(k)}"] |= {"showticklabels": False, "showgrid": False}
+            made["annotations"].append(
+                {"text": NOTHING, "showarrow": False, "x": 0.5, "y": 0.5,
+                 "xref": f"x{_axis(k)} domain", "yref": f"y{_axis(k)} domain"}
+            )  # fmt: skip
         place = {"xref": f"x{_axis(k)} domain", "x0": 0, "x1": 1, "yref": f"y{_axis(k)}",
                  "layer": "below"}  # fmt: skip
         if panel.band:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy import ndarray
 
-from bladeroot.figures.chart import Chart, Panel, Trace, options
+from bladeroot.figures.chart import NOTHING, Chart, Panel, Trace, empty, options
 from bladeroot.figures.style import (
     PUBLISHED,
     note_simulated,
@@ -42,6 +42,10 @@ def still(chart: Chart) -> Figure:
         _draw(axes.flat[trace.panel], trace, norm)
     for axis, panel in zip(axes.flat, chart.panels, strict=False):
         _finish(axis, panel)
+    for panel in empty(chart):
+        axis = axes.flat[panel]
+        axis.set(xticks=[], yticks=[])
+        axis.text(0.5, 0.5, NOTHING, ha="center", va="center", transform=axis.transAxes)
     width, height = drawn.get_size_inches()
     if norm is not None:
         place = drawn.add_axes([1.0 - _BAR / width, 0.25, 0.15 / width, 0.5])
