@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.report.numbers import NONE, fixed, listed, percent, significant, with_std
+from bladeroot.report.numbers import NONE, fixed, listed, percent, significant, span, with_std
 from bladeroot.report.page import Picture, Section, Table, render
 from bladeroot.report.score import score
 
@@ -18,9 +18,22 @@ from bladeroot.report.score import score
         (significant(0.0012345, 2), "0.0012"),
         (significant(1234567.0, 3), "1\u202f234\u202f567"),
         (significant(0.0), "0"),
-        (significant(3.2e-9, 2), "3.2e-09"),
+        (significant(3.2e-9, 2), "3.2·10⁻⁹"),
+        (significant(-3.2e-9, 2, "N"), "-3.2·10⁻⁹ N"),
         (significant(np.inf), NONE),
-        (with_std(539.051, 2.349, 2, "Hz"), "539.05 ± 2.35 Hz"),
+        (span(8.0e-6, 1.8e-5, 2), "(8.0 to 18)·10⁻⁶"),
+        (span(0.25, 12.0, 2), "0.25 to 12"),
+        (span(3.0e-8, 12.0, 2), "3.0·10⁻⁸ to 12"),
+        (span(0.3501, 0.3502, 2), "0.35"),
+        (span(1.04e-7, 1.01e-7, 2), "1.0·10⁻⁷"),
+        (span(0.0, 1.0e-7, 2), "0 to 1.0·10⁻⁷"),
+        (with_std(539.051, 2.349, 2, "Hz"), "539.1 ± 2.3 Hz"),
+        (with_std(0.77, 13.3, 2, "µm"), "1 ± 13 µm"),
+        (with_std(-1523.4, 253.7, 2), "-1\u202f520 ± 250"),
+        (with_std(0.14, 0.0997, 3), "0.14 ± 0.10"),
+        (with_std(0.22000073, 9.4e-7, 3, "%"), "0.220001 ± 0.000001 %"),
+        (with_std(-1.523e-4, 6.7e-6, 2, "1/K"), "(-1.523 ± 0.067)·10⁻⁴ 1/K"),
+        (with_std(-1.4e-4, 7.8e-7, 2, "1/K"), "(-1.4000 ± 0.0078)·10⁻⁴ 1/K"),
         (with_std(539.051, np.nan, 2), "539.05"),
         (with_std(np.nan, 1.0, 2), NONE),
         (with_std(242.91234, 0.0012, 2), "242.9123 ± 0.0012"),

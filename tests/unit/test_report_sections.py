@@ -103,6 +103,15 @@ def test_the_stick_figure_without_forces_of_a_simulation():
     assert not any("simulation" in str(part) for part in section.parts)
 
 
+@pytest.mark.parametrize(("difference", "calm"), [(1e-7, True), (1e-3, False)])
+def test_loss_factors_that_hardly_differ_have_short_ticks(difference, calm):
+    values = {"loss_factor": [0.004, 0.004 + difference], "loss_factor_std": [1e-8, 1e-8]}
+    stick = sticks(10e3, 16e3).assign({name: ("level", of) for name, of in values.items()})
+    frequency, loss = over_load(stick, None, False).panels
+    assert frequency.y_range is None
+    assert loss.y_range == (pytest.approx((0.398, 0.402), abs=1e-4) if calm else None)
+
+
 def test_a_decay_that_grows_for_a_while_is_drawn():
     values = np.linspace(-0.01, 0.01, 40)
     one = xr.Dataset(

@@ -7,6 +7,7 @@ from bladeroot.figures.chart import Chart, Panel, Trace
 from bladeroot.figures.style import MEASURED, PUBLISHED
 from bladeroot.loads import shown
 
+_LEAST_SPAN = 0.01  # of a loss factor, relative: smaller ones have numbers too long for their ticks
 _OTHERS = ("#d08a1d", "#6a51a3", "#2a7f62", "#b5462f", "#4c4c4c")
 
 
@@ -31,7 +32,9 @@ def over_load(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool) 
             panel = row * len(modes) + column
             panels.append(
                 Panel(f"mode {mode}", f"{load} / {unit}" if load else "", label,
-                      x_ticks=() if load else kinds)
+                      x_ticks=() if load else kinds,
+                      y_range=_calm(scale * here[name], scale * here[f"{name}_std"])
+                      if row else None)
             )  # fmt: skip
             if fe_forces is not None:
                 traces.append(_interpolated(fe_forces.sel(mode=mode), name, scale, panel))
@@ -64,6 +67,16 @@ def over_load(stick: xr.Dataset, fe_forces: xr.Dataset | None, simulated: bool) 
         colours="group",
         simulated=simulated,
     )
+
+
+def _calm(values: xr.DataArray, stds: xr.DataArray) -> tuple[float, float] | None:
+    """Limits of an axis whose values hardly differ; None where they do."""
+    both = np.concatenate([(values - stds).values, values.values, (values + stds).values])
+    both = both[np.isfinite(both)]
+    if not both.size or np.ptp(both) >= _LEAST_SPAN * abs(both.mean()):
+        return None
+    middle, half = 0.5 * (both.min() + both.max()), 0.5 * _LEAST_SPAN * abs(both.mean())
+    return middle - half, middle + half
 
 
 def _records(

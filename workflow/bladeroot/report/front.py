@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladeroot.figures.chart import sure
 from bladeroot.report.bad_records import rejected, unlike_repeats
-from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
+from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant, span
 from bladeroot.report.page import Box, Cards, Link, Picture, Section, Table
 from bladeroot.report.stiffness import DETERMINED
 from bladeroot.report.verdict import (
@@ -323,12 +323,9 @@ def undecided(facts: Mapping, stages: Mapping[str, xr.Dataset]) -> list[str]:
 
 
 def _range(values: np.ndarray, digits: int) -> str:
-    """The least and the greatest known, once where they read alike."""
+    """The least and the greatest known."""
     known = values[np.isfinite(values)]
-    if not known.size:
-        return NONE
-    ends = dict.fromkeys(significant(float(end), digits) for end in (known.min(), known.max()))
-    return " to ".join(ends)
+    return span(float(known.min()), float(known.max()), digits) if known.size else NONE
 
 
 def provenance_section(made: Mapping) -> Section:

@@ -3,11 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import xarray as xr
 
 from bladeroot.report.next_measurement import next_sentence
-from bladeroot.report.numbers import fixed, listed, percent
+from bladeroot.report.numbers import fixed, listed, percent, with_std
 from bladeroot.report.page import Box, Table
 from bladeroot.report.words import Judge, Words, judge_of, words_of
 from bladeroot.terms import Terms, spelled
@@ -368,10 +367,5 @@ def _barred_rivals(one: xr.Dataset, cause: Mapping) -> list[tuple[str, float, st
 def size(p: Mapping) -> str:
     """A parameter with its standard deviation, in handy units."""
     factor, unit = _UNITS.get(p["unit"], (1.0, p["unit"]))
-    value, std = factor * p["value"], factor * p["std"]
-    decimals = 2
-    if np.isfinite(std) and std > 0.0:
-        decimals = max(0, 1 - int(np.floor(np.log10(std))))
-    if decimals > 6:
-        return f"{value:.2e} ± {std:.1e} {unit}".strip()
-    return f"{fixed(value, decimals)}\u00a0±\u00a0{fixed(std, decimals)} {unit}".strip()
+    text = with_std(factor * p["value"], factor * p["std"], 2, unit)
+    return text.replace(" ± ", "\u00a0±\u00a0")
