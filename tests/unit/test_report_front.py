@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from bladeroot.report.contents import _ordered
 from bladeroot.report.front import front_sections
 from bladeroot.report.page import Cards, Link, Table
 from report_bench import cause, found, verdict
@@ -52,8 +53,8 @@ def stages():
     return {"stick": stick, "stiffness": stiffness, "theory": theory, "integrity": judged}
 
 
-def front(stages, joints=(), amplitudes=(), said=None, entry="records"):
-    facts = {"entry": entry, "description": {"modes": {"1B": {}, "2B": {}}}}
+def front(stages, joints=(), amplitudes=(), said=None, entry="records", modes=("1B", "2B")):
+    facts = {"entry": entry, "description": {}, "modes": list(modes)}
     said = said or verdict(causes=[cause()])
     sections = front_sections(
         facts, stages, joints, amplitudes, [found()], [said], [], [], "report/"
@@ -72,6 +73,17 @@ def test_mode_frequency_damping_and_verdict_come_first(stages):
     assert last == (
         "verdict", "cause named", ["load dependent stiffness (97 %)", "compared with S"],
     )  # fmt: skip
+
+
+def test_modes_stand_in_the_order_that_the_campaign_names_them(stages):
+    modes = ["2B", "1B"]
+    stick = _ordered(stages, modes)["stick"]
+    assert stick["mode"].values.tolist() == ["2B", "2B", "1B", "1B"]
+    assert stick["frequency"].values.tolist() == [1300.0, 1480.0, 480.0, 560.0]
+    cards, rows, _ = front({**stages, "stick": stick}, modes=modes)
+    assert [card[0] for card in cards[:2]] == ["mode 2B", "mode 1B"]
+    told = [name for name in rows if name.startswith("stick frequency")]
+    assert told == ["stick frequency, 2B", "stick frequency, 1B"]
 
 
 def test_without_a_plateau_the_curves_have_frequency_and_damping(stages):

@@ -34,6 +34,8 @@ def report_facts(wildcards):
         {
             "campaign": campaign.name,
             "description": campaign.description,
+            # JSON has them by the alphabet
+            "modes": list(campaign.description["modes"]),
             "structures": structures_of(campaign),
             "judged": judged_against(campaign),
             "extended": extended_by(campaign),

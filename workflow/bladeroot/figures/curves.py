@@ -27,7 +27,7 @@ def means(curves: xr.Dataset) -> Chart | None:
     curves: dims level, amplitude, as from `bladeroot.pooling.curves.mean_curves`. None where no
     record is usable.
     """
-    modes = sorted(set(curves["mode"].values.astype(str)))
+    modes = list(dict.fromkeys(curves["mode"].values.astype(str)))
     if not modes:
         return None
     traces = []
@@ -57,7 +57,7 @@ def records(decays: Sequence[xr.Dataset]) -> Chart | None:
     if not decays:
         return None
     factor, unit, load = shown(decays[0].attrs)
-    modes, parts, traces = sorted({decay.attrs["mode"] for decay in decays}), {}, []
+    modes, parts, traces = list(dict.fromkeys(d.attrs["mode"] for d in decays)), {}, []
     for column, mode in enumerate(modes):
         every = [decay for decay in decays if decay.attrs["mode"] == mode]
         here = _spread(every)

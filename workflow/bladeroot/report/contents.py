@@ -3,10 +3,11 @@
 import multiprocessing
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from operator import itemgetter
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -62,15 +63,15 @@ _TITLES = {
 class Material:
     """All that a report is made of; what a campaign has not is empty.
 
-    facts: campaign, description (campaign.yaml), structures, simulated, excluded, entry. stages:
-    artifacts by name (stick; with records, integrity and curves; for simulated ones, score; with a
-    structure, fe_forces, stiffness, theory; for the thesis's tables, ledger and slider). By
-    structure, the main one first: checks, accuracies, calibrations, joints, diagnoses with their
-    verdicts, extended (joints with the causes of a model file), amplitudes, shortfalls,
-    thesis_searches, searches (and by force). of_records: reads decays, and shown and spectra, raw
-    records as from `bladeroot.figures.records.worth_showing`; the process that draws them calls it.
-    modes: SVG text. published: Tables 5.1 and 5.2 as shipped, for a campaign that states them.
-    made: as `bladeroot.report.front.provenance_section`.
+    facts: campaign, description (campaign.yaml), modes in the order that it names them, structures,
+    simulated, excluded, entry. stages: artifacts by name (stick; with records, integrity and
+    curves; for simulated ones, score; with a structure, fe_forces, stiffness, theory; for the
+    thesis's tables, ledger and slider). By structure, the main one first: checks, accuracies,
+    calibrations, joints, diagnoses with their verdicts, extended (joints with the causes of a model
+    file), amplitudes, shortfalls, thesis_searches, searches (and by force). of_records: reads
+    decays, and shown and spectra, raw records as from `bladeroot.figures.records.worth_showing`;
+    the process that draws them calls it. modes: SVG text. published: Tables 5.1 and 5.2 as shipped,
+    for a campaign that states them. made: as `bladeroot.report.front.provenance_section`.
     """
 
     facts: Mapping
@@ -109,6 +110,7 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
 
     processes: that draw side by side, one or two.
     """
+    given = replace(given, stages={**given.stages, **_ordered(given.stages, given.facts["modes"])})
     with_structure = _WITH_STRUCTURE if given.facts["structures"] else {}
     judged, of_stick, of_records, *of_structures = _side_by_side(
         [_judged, _over_load, _of_records, *with_structure.values()], given, processes
@@ -144,6 +146,15 @@ def report(given: Material, processes: int = 1) -> dict[str, str]:
         front.append(provenance_section(given.made))
         pages[place] = _page(given, "", front, chapters, where)
     return pages
+
+
+def _ordered(stages: Mapping[str, xr.Dataset], modes: Sequence[str]) -> dict[str, xr.Dataset]:
+    """Stick frequencies and mean curves, the levels by mode in this order."""
+    made = {}
+    for name in {"stick", "curves"} & set(stages):
+        places = [modes.index(mode) for mode in stages[name]["mode"].values.astype(str)]
+        made[name] = stages[name].isel(level=np.argsort(places, kind="stable"))
+    return made
 
 
 def _page(
@@ -214,8 +225,10 @@ def _of_records(given: Material) -> dict[str, list[Picture]]:
     if given.of_records is None:
         return {}
     read = given.of_records()
+    modes = given.facts["modes"]
+    decays = sorted(read["decays"], key=lambda decay: modes.index(decay.attrs["mode"]))
     return {
-        "records": pictures(curves.records(read["decays"])),
+        "records": pictures(curves.records(decays)),
         "means": pictures(curves.means(given.stages["curves"])),
         "cuts": pictures(records.cuts(read["shown"]), CUTS),
         "spectra": pictures(spectra.spectra(read["spectra"]), SPECTRA),

@@ -85,9 +85,7 @@ def _mode_cards(
 ) -> list[tuple[str, str, list[str]]]:
     """Frequency, damping and where they were measured, of each mode."""
     words, cards = words_of(stick), []
-    modes = list(facts["description"].get("modes", {})) or list(
-        dict.fromkeys(stick["mode"].values.astype(str))
-    )
+    modes = facts["modes"]
     for mode in modes[:_MOST_CARDS]:
         here = stick.isel(level=np.flatnonzero(stick["mode"].values == mode))
         if not here.sizes["level"]:

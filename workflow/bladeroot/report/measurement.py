@@ -43,7 +43,7 @@ def measurement_section(
         f"{verdicts[verdict]} {text}" for verdict, text in VERDICTS.items() if verdicts[verdict]
     ]
     parts.append(f"{stick.sizes['record']} records: {listed(counts)}.")
-    parts.append(_record_table(stick))
+    parts.append(_record_table(stick, facts["modes"]))
     bad = rejected(stick)
     if bad:
         parts.append(Table("Rejected, and left out of all that follows", ("record", "why"), bad))
@@ -226,15 +226,16 @@ def table_5_1(fe_forces: xr.Dataset, published: pd.DataFrame) -> list:
     ]
 
 
-def _record_table(stick: xr.Dataset) -> Table:
+def _record_table(stick: xr.Dataset, modes: Sequence[str]) -> Table:
     names = ["record_mode", "record_force", "record_group", "sensor"]
     frame = pd.DataFrame(
         {name: stick[name].values if name in stick else ""
          for name in (*names, "hold", "plateau_reached")}
     )  # fmt: skip
+    frame["record_mode"] = pd.Categorical(frame["record_mode"], modes)  # groups in their order
     words, rows = words_of(stick), []
     repeated = frame.duplicated([*names, "hold"]).any()  # else a clamping is a record
-    for (mode, force, group, sensor), seen in frame.groupby(names):
+    for (mode, force, group, sensor), seen in frame.groupby(names, observed=True):
         rows.append(
             (
                 mode,
