@@ -17,7 +17,8 @@ NOWHERE = "/dev/null/nowhere"
 def stage(folder, output, *, script="stick", limit=None, **environment):
     """Run a stage's script; its status and what it says."""
     more = {
-        "stick": ["--sources", TABLE, "--campaign", "thesis", "--settings",
+        "stick": ["--sources", TABLE, "--campaign", "thesis", "--load",
+                  '{"load":{"name":"axial force","unit":"N"}}', "--settings",
                   '{"table_error":"stated"}', "--output", output],
     }  # fmt: skip
 

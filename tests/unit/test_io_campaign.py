@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from bladeroot.io.campaign import CampaignError, load_campaign
 from bladeroot.io.facts import diagnosis_facts, record_facts
-from bladeroot.io.load import force_scale
+from bladeroot.io.load import force_scale, load_facts
 from bladeroot.io.outliers import outliers
 from bladeroot.io.read import read
 from bladeroot.io.stick_rows import stick_table
+from bladeroot.loads import shown
 from bladeroot.pooling.stick import stick_from_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -378,10 +379,46 @@ def test_a_stick_table_is_read_as_it_was_checked(folder):
     text = STICK.replace(",", ";").rstrip() + ";note a;\n"
     text += "1B;3580,5;520,1;0,1;0,004;0,0001;second;\n;;;;;;;\n"
     (folder / "stick.csv").write_text(text, encoding="utf-16")
-    assert load_campaign(folder).stick[0]["force_N"] == 3580.5
-    stick = stick_from_table(stick_table(folder / "stick.csv"))
+    campaign = load_campaign(folder)
+    assert campaign.stick[0]["force_N"] == 3580.5
+    stick = stick_from_table(stick_table(folder / "stick.csv", campaign.load))
     assert stick["force"].values.tolist() == [3580.5]
     assert stick["frequency"].values.ravel().tolist() == [520.1]
+
+
+@pytest.mark.parametrize(
+    ("said", "column", "kept"),
+    [
+        ("{name: clamping force, unit: kN}", "load", 3500.0),
+        ("{name: clamping force, unit: kN}", "force_kN", 3500.0),
+        ("{name: clamping force, unit: kN}", "force_N", 3.5),
+        ("{name: torque, unit: Nm}", "torque_Nm", 3.5),
+    ],
+)
+def test_a_stick_table_has_the_load_of_its_campaign(folder, said, column, kept):
+    description = f"title: a\nload: {said}\nmodes:\n  1B: {{expected_Hz: 540}}\n"
+    (folder / "campaign.yaml").write_text(description)
+    text = STICK.replace("force_N", column) + "1B,3.5,520,0.1,0.004,0.0001\n"
+    (folder / "stick.csv").write_text(text)
+    campaign = load_campaign(folder)
+    assert campaign.stick[0]["load"] == kept
+    table = stick_table(folder / "stick.csv", campaign.load)
+    stick = stick_from_table(table, load=load_facts(campaign.load))
+    assert stick["force"].values.tolist() == [kept]
+    _, unit, name = shown(stick.attrs)
+    assert said == f"{{name: {name}, unit: {unit}}}"
+
+
+def test_a_stick_table_of_another_load_is_told_what_is_asked_for(folder):
+    rows = "1B,3.5,520,0.1,0.004,0.0001\n"
+    (line,) = faults(folder, "stick.csv", STICK.replace("force_N", "torque_Nm") + rows)
+    assert "torque_Nm is in Nm, the load of campaign.yaml (axial force) in N" in line
+    (line,) = faults(folder, "stick.csv", STICK.replace("force_N,", "") + rows.replace("3.5,", ""))
+    assert "expected force_N or" in line
+    description = "title: a\nmodes:\n  1B: {expected_Hz: 540}\n"
+    (folder / "campaign.yaml").write_text(description)
+    (line,) = faults(folder, "stick.csv", STICK + rows)
+    assert "needs a load in campaign.yaml" in line
 
 
 OWN = "title: a\nload: {name: torque, unit: Nm}\nmodes:\n  B1: {expected_Hz: 60}\n"

@@ -9,6 +9,14 @@ def stick_sources(wildcards):
     return batch_lists(wildcards)
 
 
+def load_of_table(wildcards):
+    """What campaign.yaml says of the load of its table's rows; records have theirs in artifacts."""
+    campaign = CAMPAIGNS[wildcards.campaign]
+    keys = ("load", "force") if campaign.stick else ()
+    said = campaign.description
+    return canonical_json({key: said[key] for key in keys if key in said})
+
+
 rule stick:
     input:
         sources=stick_sources,
@@ -24,10 +32,11 @@ rule stick:
     resources:
         **needs("stick"),
     params:
+        load=load_of_table,
         settings=settings("stick"),
         code=code("stick"),
     message:
         "stick frequencies of {wildcards.campaign}"
     shell:
         "{PYTHON:q} {SCRIPTS:q}/stick.py --sources {input.sources:q} --campaign {wildcards.campaign}"
-        " --settings {params.settings:q} --output {output.stick} > {log} 2>&1"
+        " --load {params.load:q} --settings {params.settings:q} --output {output.stick} > {log} 2>&1"

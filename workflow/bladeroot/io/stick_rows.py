@@ -8,6 +8,7 @@ import numpy as np
 
 from bladeroot.io.cells import Cells
 from bladeroot.io.expected import expected_at
+from bladeroot.io.load import COLUMNS, Load, factor_of
 from bladeroot.io.outliers import outliers
 from bladeroot.io.sheet import read_sheet
 
@@ -15,17 +16,27 @@ if TYPE_CHECKING:
     import pandas as pd
 
 VALUES = ("frequency_Hz", "frequency_std_Hz", "loss_factor", "loss_factor_std")
-STICK_COLUMNS = ("mode", "force_N", "load", *VALUES)
+LOADS = tuple(name for name in COLUMNS if name != "temperature_C")  # of a row, as `load_value`
+STICK_COLUMNS = ("mode", *LOADS, *VALUES)
 # A stick frequency further than this from the mode's expected one belongs to another mode.
 MODE_BAND = 0.25
 
 
-def stick_table(path: Path) -> "pd.DataFrame":
-    """The table of a checked `stick.csv`: text of its cells, a column each; the load as force_N."""
+def stick_table(path: Path, load: Load) -> "pd.DataFrame":
+    """The table of a checked `stick.csv`: text of its cells, a column each; as force_N the load in
+    its unit.
+    """
     import pandas as pd  # late: a plan of the jobs has no use for it
 
     rows, _ = read_sheet(path, STICK_COLUMNS, STICK_COLUMNS[1:])
-    return pd.DataFrame([values for _, values in rows]).rename(columns={"load": "force_N"})
+    table = pd.DataFrame([values for _, values in rows])
+    given = [next(name for name in LOADS if values.get(name)) for _, values in rows]
+    return table.assign(
+        force_N=[
+            round(float(values[name]) * factor_of(name, load), 6)
+            for (_, values), name in zip(rows, given, strict=True)
+        ]
+    )
 
 
 @dataclass(frozen=True)
@@ -36,11 +47,10 @@ class StickRows(Cells):
         """One dict a row."""
         checked = []
         first_row: dict[tuple, int] = {}
-        load = "load" if rows and "load" in rows[0][1] else "force_N"
-        if not self.required(rows, ("mode", load, *VALUES)):
+        if not self.required(rows, ("mode", *VALUES)):
             return ()
-        if self.load is not None and load == "load" and self.load.given != 1.0:
-            self.fault("a stick.csv gives a force as force_N", 1)
+        if self.load is None:
+            self.fault("a stick.csv needs a load in campaign.yaml", 1)
             return ()
         for row, values in rows:
             mode, value = self.mode(row, values), self.load_value(row, values)
@@ -56,8 +66,8 @@ class StickRows(Cells):
                         row,
                     )
             if mode is not None and value is not None:
-                unit = self.load.unit if self.load else ""
-                self.once(row, (mode, value), first_row, f"mode {mode} at {value:g} {unit}")
+                what = f"mode {mode} at {value:g} {self.load.unit}"
+                self.once(row, (mode, value), first_row, what)
             checked.append(line)
         if not self.faults:
             self._lone_frequencies([row for row, _ in rows], checked)
@@ -65,7 +75,6 @@ class StickRows(Cells):
 
     def _lone_frequencies(self, rows: list[int], checked: list[dict]) -> None:
         """Warn of a frequency that lies far from what its neighbours in load say."""
-        unit = self.load.unit if self.load else ""
         for mode in self.description["modes"]:
             mine = [k for k, line in enumerate(checked) if line["mode"] == mode]
             force, frequency = (
@@ -75,7 +84,8 @@ class StickRows(Cells):
                 continue
             for k, expected in outliers(force, frequency):
                 self.warn(
-                    f"frequency_Hz {frequency[k]:g} of {mode} at {force[k]:g} {unit} lies far from "
-                    f"{expected:.5g}, which its neighbours in force say: a wrong digit?",
+                    f"frequency_Hz {frequency[k]:g} of {mode} at {force[k]:g} {self.load.unit} "
+                    f"lies far from {expected:.5g}, which its neighbours in {self.load.name} say: "
+                    "a wrong digit?",
                     rows[mine[k]],
                 )

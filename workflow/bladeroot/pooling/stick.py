@@ -77,7 +77,9 @@ def stick_from_records(plateaus: Sequence[xr.Dataset]) -> xr.Dataset:
     return result
 
 
-def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
+def stick_from_table(
+    table: pd.DataFrame, error: str = "stated", load: Mapping[str, str] | None = None
+) -> xr.Dataset:
     """Stick frequencies from a table (mode, force_N, frequency_Hz, frequency_std_Hz, ...).
 
     A table tells nothing of the scatter between records or clampings at one force, but its rows
@@ -86,6 +88,9 @@ def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
     how many times the scatter exceeds the printed errors; `error`, stated or scatter, is the one
     that `frequency_std` and `loss_factor_std` go on with. Onset amplitudes are unknown (NaN). The
     numbers are checked where the sheet is read (`bladeroot.io.stick_rows`).
+
+    load: its name and unit, as of `bladeroot.io.load.load_facts`; without, force_N is an axial
+    force in newtons.
     """
     frame = table[list(TABLE_COLUMNS)].astype({name: float for name in TABLE_COLUMNS[1:]})
     frame["mode"] = frame["mode"].astype(str)
@@ -104,7 +109,7 @@ def stick_from_table(table: pd.DataFrame, error: str = "stated") -> xr.Dataset:
         columns=["record", "mode", "force", *RECORD_TEXTS, "verdict", *RECORD_VARIABLES]
     )
     levels = levels.assign(group="").reindex(columns=["mode", "force", "group", *LEVEL_VARIABLES])
-    result = _dataset(empty, levels, {})
+    result = _dataset(empty, levels, load or {})
     result["within_std"].attrs["note"] = "as printed in the table; no records to check it with"
     result["frequency_std"].attrs["note"] = f"the table's {error} error"
     result["loss_factor_std"].attrs["note"] = f"the table's {error} error"

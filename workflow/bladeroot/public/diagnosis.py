@@ -12,6 +12,7 @@ import xarray as xr
 
 from bladeroot.io.campaign import Campaign, load_campaign
 from bladeroot.io.facts import diagnosis_facts, observation_facts, record_facts
+from bladeroot.io.load import load_facts
 from bladeroot.io.stick_rows import stick_table
 from bladeroot.schema import check, read_yaml
 from bladeroot.shipped_files import shipped, structure_file
@@ -118,8 +119,9 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     if curves:
         stick = stick_from_records(plateaus)
     else:
-        table = stick_table(described.folder / "stick.csv")
-        stick = stick_from_table(table, asked["stick"]["table_error"])
+        load = described.load
+        table = stick_table(described.folder / "stick.csv", load)
+        stick = stick_from_table(table, asked["stick"]["table_error"], load_facts(load))
     integrity = judgement(records, curves, plateaus) if curves else None
     seen = observed(stick.assign_attrs(own), curves, integrity, observation_facts(described))
     seen = seen.assign_attrs(own)
