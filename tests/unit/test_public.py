@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from decay_bench import RATE as SHAKEN_HZ
 from decay_bench import START, shaken
+from matplotlib.image import imread
 from scipy.io import wavfile
 
 RATE, MODE, LOSS = 8192.0, 211.0, 0.004
@@ -225,6 +226,7 @@ def test_the_examples_of_readme_and_library_run(tmp_path, monkeypatch):
         assert made["decay"].stick_frequency[0] == pytest.approx(540.0, rel=1e-5)
         assert made["fit"].kn > 0.0
         assert made["verdict"].answer == "nothing-missing"
+    assert imread("a.png").min() < 0.5  # no blank page
 
 
 def two_modes(folder):

@@ -54,7 +54,11 @@ class ContactFit:
         return float(self.result["stiffness"].sel(parameter=name))
 
     def plot(self):
-        """68 and 95 % regions of the first interface's (kn, kt); a Figure."""
+        """68 and 95 % regions of the first interface's (kn, kt).
+
+        Returns:
+            a Figure, none of pyplot's: `fit.plot().savefig("a.png")` saves it.
+        """
         from bladeroot.figures.style import panels
 
         figure, ((axis,),) = panels(1, 1, 4.5, 4.0)

@@ -54,7 +54,11 @@ class Ringdown:
         return tuple(dict.fromkeys(map(str, self.free_decay["finding_text"].values)))
 
     def plot(self):
-        """Frequency and loss factor over amplitude with their standard errors; a Figure."""
+        """Frequency and loss factor over amplitude with their standard errors.
+
+        Returns:
+            a Figure, none of pyplot's: `decay.plot().savefig("a.png")` saves it.
+        """
         from bladeroot.figures.curves import records
         from bladeroot.figures.still import still
 

@@ -58,7 +58,11 @@ class Verdict:
         return tuple(one["mechanism"] for one in shown)
 
     def plot(self):
-        """Measured stick frequencies and loss factors over the load, by mode; a Figure."""
+        """Measured stick frequencies and loss factors over the load, by mode.
+
+        Returns:
+            a Figure, none of pyplot's: `verdict.plot().savefig("a.png")` saves it.
+        """
         from bladeroot.figures.stick import over_load
         from bladeroot.figures.still import still
 
