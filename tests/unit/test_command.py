@@ -237,15 +237,17 @@ def test_explain_says_what_the_report_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     place = tmp_path / "results" / "c" / "diagnosis"
     place.mkdir(parents=True)
-    said = verdict(causes=[cause()], structure=None, reason="none is like it")
+    reason = "the simulation does not explain the stick frequency of mode 1B. none is like it"
+    said = verdict(causes=[cause()], structure=None, reason=reason, campaign="c")
     artifacts.save(found().assign_attrs(simulated=0), place / "linear.nc")
     for name in ("linear", "verdict"):
         artifacts.save_json(said, place / f"{name}.json")
     done = called("explain", "c")
     assert done.exit_code == 0, done.output
     lines = done.output.splitlines()
-    assert lines[0] == "S: cause named"
-    assert lines[-1] == "In full: none is like it"
+    assert lines[0] == "c, compared with S: cause named"
+    assert lines[1].startswith("The simulation does not explain the stick frequency of mode 1B")
+    assert lines[-1] == "Besides: None is like it"  # what is told already is not told again
     assert any(line.startswith("Measure next: another force") for line in lines)
     assert called("explain", "other").exit_code == 1
     artifacts.save_json({**said, "reason": "of another run"}, place / "linear.json")

@@ -1,5 +1,7 @@
 """Why the verdict on a campaign's simulation is what it is, in text."""
 
+from collections.abc import Sequence
+
 import click
 
 from bladeroot.artifacts import load, load_json
@@ -10,7 +12,7 @@ from bladeroot.command.results import results_of
 @click.argument("campaign")
 def command(campaign: str) -> None:
     """Say in text why the verdict on CAMPAIGN's simulation is what it is."""
-    from bladeroot.report.verdict import sentences_of, with_open
+    from bladeroot.report.verdict import answer_of, compared_with, sentences_of, with_open
 
     folder = results_of(campaign) / "diagnosis"
     main = folder / "verdict.json"
@@ -21,5 +23,17 @@ def command(campaign: str) -> None:
     if not same:
         raise ValueError(f"the verdict is of none of the diagnoses beside it; run again ({main})")
     one = load(same[0].with_suffix(".nc"))
-    box = sentences_of(one, with_open(said), bool(one.attrs["simulated"])).box
-    click.echo("\n".join([box.head, *box.lines, f"In full: {said['reason']}"]))
+    simulated, shown = bool(one.attrs["simulated"]), with_open(said)
+    lines = sentences_of(one, shown, simulated).box.lines
+    head = f"{said['campaign']}, compared with {compared_with(one, shown)}: {answer_of(shown)}"
+    click.echo("Simulated campaign. " * simulated + head)
+    click.echo("\n".join([*lines, *_beside(said["reason"], lines)]))
+
+
+def _beside(reason: str, lines: Sequence[str]) -> list[str]:
+    """What the long reason says and the lines do not; its sentences begin in lower case."""
+    told = "\n".join(lines).lower()
+    more = [one for one in reason.split(". ") if one.lower().rstrip(".") not in told]
+    return (
+        ["Besides: " + ". ".join(one[0].upper() + one[1:] for one in more if one)] if more else []
+    )

@@ -15,6 +15,7 @@ from bladeroot.report.verdict import (
     answer_of,
     causes_of,
     chance,
+    compared_with,
     disagreement,
     in_short,
     next_of,
@@ -22,7 +23,7 @@ from bladeroot.report.verdict import (
     supposed,
     with_open,
 )
-from bladeroot.report.words import Words, judge_of, words_of
+from bladeroot.report.words import Words, words_of
 
 _REFERENCE_FORCE = 12e3  # N, nearest to which kn and kt are shown
 _MOST_TOLD = 5  # bad records that are told by name; the chapters have them all
@@ -122,8 +123,7 @@ def _hertz(level: xr.Dataset) -> str:
 
 def _verdict_card(one: xr.Dataset, said: Mapping) -> tuple[str, str, list[str]]:
     causes = list(map(supposed, said["causes"]))
-    other = "linear modes" if judge_of(one).plural else against(one, said)
-    return "verdict", answer_of(said), [*causes, f"compared with {other}"]
+    return "verdict", answer_of(said), [*causes, f"compared with {compared_with(one, said)}"]
 
 
 def _stages(

@@ -114,6 +114,11 @@ def against(one: xr.Dataset, said: Mapping) -> str:
     return str(said["structure"] or one.attrs["structure"])
 
 
+def compared_with(one: xr.Dataset, said: Mapping) -> str:
+    """The same, or linear modes."""
+    return "linear modes" if judge_of(one).plural else against(one, said)
+
+
 def in_short(one: xr.Dataset, said: Mapping) -> list[str]:
     """The verdict in short: what is missing, and why."""
     judge, words = judge_of(one), words_of(one)
