@@ -1,16 +1,20 @@
 """The lap joint as the diagnosed structure: its stiffnesses, its causes, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.diagnosis.interfaces import stiffness_problem
+from bladeroot.diagnosis.interfaces import interface_stiffness, stiffness_problem
 from bladeroot.diagnosis.judged import judge
 from bladeroot.diagnosis.simulation.parametric import of_assembly
 from bladeroot.diagnosis.stick_model import problem, stick_data
 from bladeroot.inference.gaussian import best_fit, cost, fit
 from bladeroot.mechanisms.catalogue import catalogue
+from bladeroot.rom.bodies import reduce_bodies
 from bladeroot.rom.parametric import ln_frequencies, solved_of
-from lap_coarse import lap_model
+from bladeroot.rom.whole import parametric_structure
+from lap_coarse import lap_assembly, lap_model
 from turning import by_differences
 
 MODES = ("bend1", "bend2", "bend3")
@@ -90,6 +94,22 @@ def test_true_stiffnesses_lie_in_their_intervals(null):
     assert (low < np.exp(TRUE)).all()
     assert (np.exp(TRUE) < high).all()
     assert null[0].attrs["interface_effective_draws"] > 50
+
+
+def test_one_stiffness_is_found_where_all_others_are_known():
+    outer, middle = lap_assembly().interfaces
+    kn, kt, *others = np.exp(TRUE)
+    known = (replace(outer, kn=kn), replace(middle, kn=others[0], kt=others[1]))
+    reduced = reduce_bodies(replace(lap_assembly(), interfaces=known))
+    simulated = of_assembly(parametric_structure(reduced, {"force_kN": (0.0, 30.0)}), {}, {}, 0.005)
+    data = stick_data(seen(), MODES)
+    asked = problem(data, simulated)
+    fitted = best_fit(asked, [asked.prior.mean])
+    found = interface_stiffness(data, simulated, [fitted], [], asked.prior.mean.size)
+    assert list(found["stiffness"].values) == ["kt outer"]
+    assert found["interface_ln_covariance"].dims == ("stiffness", "stiffness_")
+    low, *_, high = found["interface_k"].values[0]
+    assert low < kt < high
 
 
 @pytest.mark.parametrize("causes", [("load-dependent-stiffness", "added-mass"), ("drift",)])

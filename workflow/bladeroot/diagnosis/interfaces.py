@@ -96,7 +96,7 @@ def interface_stiffness(
     found = sample(best, range(count), DRAWS, others=others)
     made = {
         "interface_k": np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
-        "interface_ln_covariance": np.cov(found.parameters.T),
+        "interface_ln_covariance": np.cov(found.parameters.T).reshape(count, count),
         "interface_prior_std": asked.prior.std,
         "stiffness": list(simulated.parameters),
         "stiffness_": list(simulated.parameters),
