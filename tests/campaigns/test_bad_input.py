@@ -48,6 +48,18 @@ def test_a_setting_that_is_not_allowed_is_one_line(bare):
     assert "record.end" in told
 
 
+def test_a_model_is_refused_where_no_campaign_has_a_joint_inference(bare, tmp_path):
+    columns = "frequency_Hz,frequency_std_Hz,loss_factor,loss_factor_std"
+    folder = lab(tmp_path / "table", [f"mode,load,{columns}", "bend1,6000,160,0.1,0.002,0.0002"])
+    (folder / "records.csv").rename(folder / "stick.csv")
+    modes = "modes: {bend1: {expected_Hz: 160}}\nload: {name: bolt preload, unit: N}\n"
+    (folder / "campaign.yaml").write_text(f"title: t\nstructure: [lap-joint]\n{modes}")
+    campaign = f"campaigns={folder}"
+    for asked in ("diagnosis", str(tmp_path / "own.yaml")):
+        (told,) = refused(bare, "--config", campaign, f"model={asked}")
+        assert "model: it redoes the joint inference" in told
+
+
 def test_mechanisms_that_are_not_there_or_no_python_end_the_run(bare, tmp_path):
     folder = tmp_path / "own"
     asked = ("--config", f"diagnosis={{mechanisms: {folder}}}")

@@ -4,17 +4,27 @@ import json
 
 
 def refuse_bad_model():
-    """A model file that is given must be there, right, and of a structure in use."""
+    """A model needs a joint inference that it changes; a file must be there, right, and of one."""
     asked = config["model"]
-    if asked in ("", "diagnosis"):
+    if not asked:
+        return
+    inferred = {
+        name for campaign in CAMPAIGNS.values() for name in structures_of(campaign)
+    }
+    if not inferred:
+        refuse(
+            "model: it redoes the joint inference, which only a campaign that is judged against a dovetail has;"
+            " of an assembly, a table or linear modes there is nothing to redo"
+        )
+    if asked == "diagnosis":
         return
     try:
         structure = read_yaml(asked, "model")["structure"]
     except ValueError as error:
         refuse(error)
-    if structure not in STRUCTURES:
+    if structure not in inferred:
         refuse(
-            f"model: structure must be one of {', '.join(sorted(STRUCTURES))}, got {structure!r} ({asked})"
+            f"model: structure must be one of {', '.join(sorted(inferred))}, got {structure!r} ({asked})"
         )
 
 
