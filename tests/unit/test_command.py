@@ -12,9 +12,11 @@ from bladeroot.command.new import description
 from bladeroot.command.run import followed, settings_among
 from bladeroot.io.campaign import load_campaign
 from bladeroot.io.read import channels, read
+from bladeroot.rom.external.assembly import export_assembly
 from bladeroot.shipped_files import structure_file
 from bladeroot.signal.spectral_peaks import common, peaks, spectrum
 from click.testing import CliRunner
+from lap_coarse import lap_assembly, lap_data
 from report_bench import cause, found, verdict
 
 RATE, MODES = 4096.0, (61.0, 173.0, 402.0)
@@ -231,6 +233,31 @@ def test_check_reads_the_structure_that_a_campaign_names(folder, mode, loads, to
     assert done.exit_code == bool(told)
     assert len(done.stderr.splitlines()) == bool(told)
     assert re.search(told, done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("", "", ()),
+        ("units: m-N-kg", "units: mm-N-t", ("first weighs", "second weighs")),
+        ("second_mass.mtx", "second_mass.mtx#M", ("leave #M out",)),
+    ],
+)
+def test_check_reads_the_matrices(folder, old, new, told):
+    """Faults of all bodies and of the raw files at once."""
+    export_assembly(lap_assembly(), lap_data() | {"description": "its own"}, folder, "lap")
+    text = (folder / "lap.yaml").read_text()
+    (folder / "lap.yaml").write_text(text.replace(old, new))
+    (folder / "campaign.yaml").write_text(
+        "title: a\nsimulation: lap\nmodes: {bend1: {expected_Hz: 60}}\n"
+    )
+    (folder / "records.csv").write_text(
+        "record,file,mode,channel,unit\nr1,blow 1.csv,bend1,tip,m/s\n"
+    )
+    done = called("check", folder)
+    assert done.exit_code == 1
+    lines = done.stderr.splitlines()
+    assert all(part in line for part, line in zip((*told, "r1: "), lines, strict=True))
 
 
 def test_explain_says_what_the_report_says(tmp_path, monkeypatch):

@@ -12,7 +12,8 @@ from bladeroot.io.campaign import Campaign, load_campaign
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
 def command(campaign: Path) -> None:
-    """Check campaign.yaml, the sheet and the raw files, which are all read, a line a fault.
+    """Check campaign.yaml, the sheet, a structure's matrices and the raw files, which are all read,
+    a line a fault.
 
     Of a file in results/ (or a campaign's folder there, which stands for its report) say whether it
     is what its inputs, settings and code would make now, and why not.
@@ -21,17 +22,18 @@ def command(campaign: Path) -> None:
         _tell_currency(campaign / "report.html" if campaign.is_dir() else campaign)
         return
     made = load_campaign(campaign)
+    faults = []
     if made.description["structure"]:
-        from bladeroot.public.diagnosis import structures_of  # late: arrays, for matrices alone
+        from bladeroot.public.diagnosis import faults_of_matrices  # late: arrays
 
-        structures_of(made)
+        faults += faults_of_matrices(made)
     tell_warnings(made)
     if made.records and not made.simulated:
         from bladeroot.public.decay import faults_of_files  # late: arrays
 
-        faults = faults_of_files(made)
-        if faults:
-            raise ValueError("\n".join(faults))
+        faults += faults_of_files(made)
+    if faults:
+        raise ValueError("\n".join(faults))
     modes = ", ".join(made.description["modes"])
     rows = (
         f"{len(made.records)} records" if made.records else f"{len(made.stick)} stick frequencies"

@@ -149,6 +149,22 @@ def structures_of(campaign: Campaign) -> dict[str, Path]:
     }
 
 
+def faults_of_matrices(campaign: Campaign) -> list[str]:
+    """What is wrong in the matrices of a campaign's structures, a line a fault.
+
+    Raises ValueError with a line a fault for what is wrong in the structures' files and tables.
+    """
+    from bladeroot.rom.whole import check_matrices
+
+    faults = []
+    for path in structures_of(campaign).values():
+        try:
+            check_matrices(path)
+        except ValueError as error:
+            faults += str(error).splitlines()
+    return faults
+
+
 def _config(given: str | Path | Mapping | None) -> dict:
     if isinstance(given, Mapping):
         check(dict(given), "config", "config")

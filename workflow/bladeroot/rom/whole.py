@@ -9,6 +9,7 @@ from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
 from bladeroot.rom.bodies import Assembly, box_of, joint_of_bodies, reduce_bodies
 from bladeroot.rom.external.assembly import assembly_of_matrices, read_assembly
+from bladeroot.rom.external.bodies import load_bodies
 from bladeroot.rom.external.description import read_description
 from bladeroot.rom.external.mesh import external_mesh
 from bladeroot.rom.external.reduction import reduce_matrices
@@ -42,6 +43,19 @@ def reduced_structure(path: str | Path) -> xr.Dataset:
     structure = load_structure(path)
     nodes = build_mesh(structure)
     return reduce_structure(structure, nodes, prestress(structure, nodes))
+
+
+def check_matrices(path: str | Path) -> None:
+    """Read the matrices that a structure's file names, if any, as its first stage does.
+
+    Raises ValueError with a line a fault. What only a factorisation or the modes show comes later.
+    """
+    kind = kind_of(path)
+    if kind == ASSEMBLY:
+        assembly(path)
+    elif kind == "matrices":
+        described = read_description(path)
+        load_bodies(described, external_mesh(described))
 
 
 def assembly(path: str | Path) -> Assembly:

@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray
 
 from bladeroot.rom.bodies import Assembly, Body, Interface
-from bladeroot.rom.external.bodies import model_matrices
+from bladeroot.rom.external.bodies import model_matrices, of_each
 from bladeroot.rom.external.description import (
     UNITS,
     Description,
@@ -112,10 +112,10 @@ def assembly_tables(description: Description) -> Tables:
 def assembly_of_matrices(description: Description) -> Assembly:
     """Bodies, interfaces and modes from the files that a description names.
 
-    Raises ValueError, one line that names file and row, for what is wrong in them.
+    Raises ValueError, a line a fault that names file and row, for what is wrong in them.
     """
     data, read = description.data, assembly_tables(description)
-    bodies = tuple(_body(description, name, read) for name in data["bodies"])
+    bodies = tuple(of_each(data["bodies"], lambda name: _body(description, name, read)))
     of_load = data.get("load_range")
     kept = data["reduction"]["modes"]
     return Assembly(data["name"], bodies, read.interfaces, read.display, read.modes, kept, of_load)

@@ -1,6 +1,8 @@
 """Mass and stiffness of each body from its files, in SI units, checked before any long work."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -39,10 +41,12 @@ class Body:
 def load_bodies(description: Description, mesh: xr.Dataset) -> list[Body]:
     """Beam, slot Xn and slot Xp. `mesh` is what `external_mesh` makes of the same description.
 
-    Raises ValueError, one line that names the file, for matrices that are not of one size, a mass
-    with a diagonal that is not positive, bodies that are connected, and a slot that is not held.
+    Raises ValueError, a line a fault that names the file, for matrices that are not of one size, a
+    mass with a diagonal that is not positive, bodies that are connected, and a slot that is not
+    held.
     """
-    models = {name: model_matrices(description, name) for name in description.models}
+    read = of_each(description.models, lambda name: model_matrices(description, name))
+    models = dict(zip(description.models, read, strict=True))
     for name, (mass, _, _) in models.items():
         mine = [description.model_of(body) == (name, False) for body in BODIES]
         expected = int(np.isin(mesh.equation_body, np.flatnonzero(mine)).sum())
@@ -58,6 +62,19 @@ def load_bodies(description: Description, mesh: xr.Dataset) -> list[Body]:
     for body in bodies[1:]:
         _check_held(body)
     return bodies
+
+
+def of_each(names: Iterable[str], read: Callable[[str], Any]) -> list:
+    """What `read` makes of each name; ValueError with the faults of all, a line each."""
+    made, faults = [], []
+    for name in names:
+        try:
+            made.append(read(name))
+        except ValueError as error:
+            faults.append(str(error))
+    if faults:
+        raise ValueError("\n".join(dict.fromkeys(faults)))
+    return made
 
 
 def model_matrices(
