@@ -81,6 +81,14 @@ def test_unsymmetric_storage_as_scipy_writes_it(tmp_path, matrix):
     same(read_matrix(tmp_path, "K.rua"), matrix, rtol=1e-12)
 
 
+def test_fields_that_do_not_fit_the_header_are_told_with_their_line(tmp_path):
+    """scipy states a width of 25 and writes 24, which shows where a third number is negative."""
+    scipy.io.hb_write(tmp_path / "K.rua", sp.csc_matrix([[1e-7, -1e-6], [-1e-6, 1e-7]]))
+    told = r"25 characters of line 7, .*format \(3E25.16\) says, got '-9.9+5E-07 -' .*K.rua"
+    with pytest.raises(ValueError, match=told):
+        read_matrix(tmp_path, "K.rua")
+
+
 HBMAT = """\
 stiffness of a chain                                                    STIFF
             13             4             5             5             3
@@ -137,7 +145,11 @@ def test_calculix(tmp_path):
         ("RSA", "PUA", "expected a real assembled matrix"),
         ("RSA", "CSA", "expected a real assembled matrix"),
         ("(1I14)", "(oops)", "expected a Fortran format"),
-        ("0.200000000000000D+04\n  -0.1", "0.2000000x0000000D+04\n  -0.1", "could not convert"),
+        (
+            "0.200000000000000D+04\n  -0.1",
+            "0.2000000x0000000D+04\n  -0.1",
+            "in each 25 characters of line 15",
+        ),
         ("   0.100000000000000D+04\n   0.0", "   NaN\n   0.0", "expected finite numbers, got nan"),
         ("             6\n", "             7\n", "expected column pointers from 1 to 6"),
     ],

@@ -1,7 +1,7 @@
 """Harwell-Boeing and Rutherford-Boeing text, as ANSYS's HBMAT writes it (ASCII form)."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Mapping
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,22 +19,25 @@ def read(path: str, variable: str | None = None) -> sp.coo_array:
     """
     refuse_variable(variable, path)
     with open(path, encoding="latin-1") as file:
-        lines = iter(file.read().splitlines())
-    next(lines, None)  # the title
-    counts = _whole_numbers(next(lines, ""), "line 2, the numbers of lines", 4, path)
-    kind, *rest = next(lines, "").split() or [""]
+        lines = file.read().splitlines()
+    _, of_lines, sizes, formats = (lines + [""] * 4)[:4]  # the first is the title
+    counts = _whole_numbers(of_lines, "line 2, the numbers of lines", 4, path)
+    kind, *rest = sizes.split() or [""]
     if not re.fullmatch(r"[Rr][SsUu][Aa]", kind):
         raise ValueError(
             f"expected a real assembled matrix (RSA or RUA) in line 3, got {kind!r} ({path})"
         )
     rows, columns, entries = _whole_numbers(" ".join(rest), "line 3, the sizes", 3, path)[:3]
-    formats = next(lines, "")
     forms = [formats[:16], formats[16:32], formats[32:52]]
-    if len(counts) > 4 and counts[4] > 0:
-        next(lines, None)  # what the right-hand side is
-    starts = _numbers(lines, counts[1], forms[0], columns + 1, int, path) - 1
-    index = _numbers(lines, counts[2], forms[1], entries, int, path) - 1
-    values = _numbers(lines, counts[3], forms[2], entries, float, path)
+    with_right_side = len(counts) > 4 and counts[4] > 0  # which has a line of its own
+    ends = np.cumsum([5 if with_right_side else 4, *counts[1:4]]).tolist()
+    first, second, third = (
+        (dict(enumerate(lines[a:b], a + 1)), form)
+        for a, b, form in zip(ends[:-1], ends[1:], forms, strict=True)
+    )
+    starts = _numbers(*first, columns + 1, int, path) - 1
+    index = _numbers(*second, entries, int, path) - 1
+    values = _numbers(*third, entries, float, path)
     if starts[0] != 0 or starts[-1] != entries or (np.diff(starts) < 0).any():
         raise ValueError(
             f"expected column pointers from 1 to {entries + 1}, got {starts[0] + 1} to "
@@ -56,27 +59,26 @@ def _whole_numbers(line: str, what: str, least: int, path: str) -> list[int]:
 
 
 def _numbers(
-    lines: Iterator[str], count: int, form: str, expected: int, kind: type, path: str
+    lines: Mapping[int, str], form: str, expected: int, kind: type, path: str
 ) -> np.ndarray:
-    """`expected` numbers from the next `count` lines of a Fortran format such as (4D20.12)."""
+    """`expected` numbers from lines, by their number, of a Fortran format such as (4D20.12)."""
     match = _FORMAT.match(form)
     if match is None or int(match[3]) == 0:
         raise ValueError(f"expected a Fortran format such as (4D20.12), got {form!r} ({path})")
     width, a_line = int(match[3]), int(match[1] or 1)
-    fields = []
-    for _ in range(count):
-        line = next(lines, None)
-        if line is None:
-            break
+    numbers = []
+    for at, line in lines.items():
         # a format may claim any number
-        whole = min(a_line, len(line) // width + 1)
-        fields += [line[k * width : (k + 1) * width] for k in range(whole)]
-    fields = [field for field in fields if field.strip()]
-    if len(fields) != expected:
-        raise ValueError(f"expected {expected} numbers in {form}, got {len(fields)} ({path})")
-    if kind is float:
-        fields = [field.replace("D", "E").replace("d", "e") for field in fields]
-    try:
-        return np.array([kind(field) for field in fields])
-    except ValueError as error:
-        raise ValueError(f"{error} ({path})") from error
+        for k in range(min(a_line, len(line) // width + 1)):
+            field = line[k * width : (k + 1) * width].strip()
+            plain = field.replace("D", "E").replace("d", "e") if kind is float else field
+            try:
+                numbers += [kind(plain)] if plain else []
+            except ValueError:
+                raise ValueError(
+                    f"expected a number in each {width} characters of line {at}, as the header's "
+                    f"format {form.strip()} says, got {field!r} ({path})"
+                ) from None
+    if len(numbers) != expected:
+        raise ValueError(f"expected {expected} numbers in {form}, got {len(numbers)} ({path})")
+    return np.array(numbers)
