@@ -95,7 +95,7 @@ CASES = {
         matrix("first_geometric_stiffness", lambda g: -1e9 * sp.eye_array(g.shape[0])),
         "must be stable, but is not .*load of 10000",
     ),
-    "mass and stiffness exchanged": (described(exchanged), "body first"),
+    "mass and stiffness exchanged": (described(exchanged), "first weighs .*and stiffness exch"),
     "x and y exchanged": (
         table("first_nodes", lambda r: [r[0], *([a[0], a[2], a[1], *a[3:]] for a in r[1:])]),
         "coincide within",
