@@ -19,6 +19,7 @@ from bladeroot.rom.bodies import (
     box_of,
     joint_of_bodies,
     reduce_bodies,
+    telling_of_floating,
 )
 from bladeroot.rom.external.assembly import export_assembly
 from bladeroot.rom.file import check_structure
@@ -104,6 +105,20 @@ def test_frequencies_are_those_of_the_unreduced_bodies(k, order):
     point = np.append(k, 0.0)
     own = scipy.linalg.eigh(stiffness_at(joint, point), joint.mass, eigvals_only=True)
     np.testing.assert_allclose(own[:6], values[:6], rtol=1e-3)
+
+
+def test_bodies_that_contact_alone_holds_are_named_with_a_mode_that_is_not_found():
+    with pytest.raises(ValueError, match=r"number 99 of .*Contact alone holds b10, b20"):
+        reduce_bodies(three_bodies(order=99))
+    free = replace(three_bodies(order=99), bodies=tuple(chain([1.0] * 5, k) for k in (0, 10, 20)))
+    with pytest.raises(ValueError, match=r"number 99 of \d+ modes \(chains\)$"):
+        reduce_bodies(free)
+    held = reduce_bodies(three_bodies())
+    with (
+        pytest.raises(ValueError, match=r"^narrow the box\. Contact alone holds b10, b20"),
+        telling_of_floating(held),
+    ):
+        raise ValueError("narrow the box")
 
 
 def test_a_tied_interface_is_the_limit_of_a_stiff_one():

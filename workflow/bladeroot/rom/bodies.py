@@ -5,7 +5,8 @@ static modes then hold the rigid motions of a free body exactly. What comes out 
 `assembly.assemble`, with an interface in the place of a flank.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,8 @@ LEAST_MOTION = 0.05
 # omega^2 below this part of the shift is a rigid motion: rounding leaves less, and an elastic mode
 # lies far above, as the shift is a thousandth of what a single dof would have.
 RIGID_PART = 1e-5
+# Strain energy of a body's translation, over that of its diagonal alone, below which it is free.
+_FREE_ENERGY = 1e-7
 # What holds a free assembly while it is factored, over the least Rayleigh quotient of one dof.
 _SHIFT = 1e-3
 
@@ -129,9 +132,28 @@ def reduce_bodies(assembly: Assembly) -> xr.Dataset:
     )  # fmt: skip
     if assembly.load_range:
         whole.attrs["load_range"] = list(map(float, assembly.load_range))
-    shapes = _named(whole, modes)
+    whole.attrs["floating"] = ", ".join(_floating(bodies))
+    with telling_of_floating(whole):
+        shapes = _named(whole, modes)
     text = {"units": "kg-1/2", "long_name": "shape that a mode is known by, middle of the box"}
     return whole.assign(mode_shape=(("mode", "dof"), shapes, text)).assign_coords(mode=list(modes))
+
+
+@contextmanager
+def telling_of_floating(reduced: xr.Dataset) -> Iterator[None]:
+    """A ValueError says, too, which bodies contact alone holds: it may be that they were not meant
+    to be, and modes in which they float are in the way of others.
+    """
+    try:
+        yield
+    except ValueError as error:
+        floating = reduced.attrs["floating"]
+        if not floating:
+            raise
+        raise ValueError(
+            f"{error}. Contact alone holds {floating}: if that is not meant, nodes are missing "
+            "among the fixed ones"
+        ) from None
 
 
 def joint_of_bodies(reduced: xr.Dataset) -> Joint:
@@ -163,6 +185,20 @@ def box_of(reduced: xr.Dataset) -> Float[ndarray, "parameter 2"]:
     """Ends of the box of each unknown stiffness (N/m), in the order of the operator's."""
     ends = np.stack([reduced["kn_box"].values, reduced["kt_box"].values], axis=1).reshape(-1, 2)
     return ends[ends[:, 0] < ends[:, 1]]
+
+
+def _floating(bodies: Sequence[Body]) -> list[str]:
+    """Bodies that move without strain in some direction, where others do not."""
+    found = []
+    for body in bodies:
+        moves = np.zeros((body.mass.shape[0], 3))
+        for axis, rows in enumerate(body.dof.T):
+            moves[rows[rows >= 0], axis] = 1.0
+        energy = moves.T @ (body.stiffness @ moves)
+        diagonal = body.stiffness.diagonal() @ moves
+        if np.linalg.eigvalsh(energy)[0] < _FREE_ENERGY * diagonal.mean():
+            found.append(body.name)
+    return found if len(found) < len(bodies) else []
 
 
 def _contact_nodes(interfaces: Sequence[Interface], body: int) -> Int[ndarray, " node"]:

@@ -7,7 +7,13 @@ import xarray as xr
 
 from bladeroot.fem.mesh import build_mesh
 from bladeroot.fem.prestress import prestress
-from bladeroot.rom.bodies import Assembly, box_of, joint_of_bodies, reduce_bodies
+from bladeroot.rom.bodies import (
+    Assembly,
+    box_of,
+    joint_of_bodies,
+    reduce_bodies,
+    telling_of_floating,
+)
 from bladeroot.rom.external.assembly import assembly_of_matrices, read_assembly
 from bladeroot.rom.external.bodies import load_bodies
 from bladeroot.rom.external.description import read_description
@@ -82,8 +88,9 @@ def parametric_structure(
     usual = force if reduced["geometric_stiffness"].values.any() else ANY_LOAD
     loads = reduced.attrs.get("load_range", usual)
     modes = reduced["mode"].values.astype(str).tolist()
-    model = parametric_model(
-        joint_of_bodies(reduced), modes, box_of(reduced), tuple(map(float, loads)), TOLERANCE,
-        sums=False,
-    )  # fmt: skip
+    with telling_of_floating(reduced):
+        model = parametric_model(
+            joint_of_bodies(reduced), modes, box_of(reduced), tuple(map(float, loads)), TOLERANCE,
+            sums=False,
+        )  # fmt: skip
     return model.assign_attrs(kind="assembly")
