@@ -82,6 +82,12 @@ def test_a_row_of_several_modes_of_one_channel(folder):
     assert [row["record"] for row in campaign.records] == ["r1-first", "r1-second"]
 
 
+def test_a_name_that_cannot_be_is_refused_in_words(folder):
+    told = fault(folder, "record,file,mode\nr1,a.csv,first\n", "sensors: {laser z: {z_mm: 3}}\n")
+    assert "sensors: 'laser z'" in told
+    assert "letters, digits, _ and -" in told
+
+
 def test_sensors_have_their_channels_and_places(folder):
     more = "sensors:\n  roof: {channel: top, x_mm: 0, z_mm: 600}\n  floor: {channel: middle}\n"
     sheet = "record,file,mode,channel\nr1,a.csv,first,top middle\n"
