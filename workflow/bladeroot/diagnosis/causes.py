@@ -58,15 +58,15 @@ def causes(
     slopes = [np.zeros((n, 4, len(one.parameters))) for one in mechanisms]
     laws = [k for k, one in enumerate(mechanisms) if one.stick is not None]
     for k in laws:
-        own[k], slopes[k] = _of_law(*asked[k], records)
+        own[k], slopes[k] = of_law(*asked[k], records)
     there = records.force + sum(changes[:, _FORCE] for changes in own)
     force = np.maximum(there, _LEAST * records.force)
     moving = [k for k in laws if slopes[k][:, _FORCE].any()]
     for k in laws if moving else ():
         if k in moving or "force" not in mechanisms[k].over:
             continue
-        own[k], slopes[k] = _of_law(*asked[k], replace(records, force=force))
-        beyond, _ = _of_law(*asked[k], replace(records, force=(1.0 + _STEP) * force))
+        own[k], slopes[k] = of_law(*asked[k], replace(records, force=force))
+        beyond, _ = of_law(*asked[k], replace(records, force=(1.0 + _STEP) * force))
         rate = (beyond - own[k]) / (_STEP * force)[:, None]
         for i in moving:
             through[i] += rate * own[i][:, [_FORCE]]
@@ -107,7 +107,7 @@ def with_smooth(
     return Prior(*np.array([*scales, *((np.log(size), 1.5) for _, size in extra)], float).T)
 
 
-def _of_law(
+def of_law(
     one: Mechanism, values: ndarray, chain: ndarray, records: Records
 ) -> tuple[Float[ndarray, "record 4"], Float[ndarray, "record 4 parameter"]]:
     """What a mechanism's `stick` changes, and the slopes by the fit's coordinates."""

@@ -7,6 +7,7 @@ the load does, the causes' parameters about their fit) is part of the covariance
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -14,14 +15,14 @@ import xarray as xr
 from jaxtyping import Float
 from numpy import ndarray
 
-from bladeroot.diagnosis.causes import causes
+from bladeroot.diagnosis.causes import causes, of_law, places
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData, problem
 from bladeroot.diagnosis.structures import distinct
 from bladeroot.inference.gaussian import Fit, fit, maxima_of
 from bladeroot.inference.problem import Prior, Problem, Slopes, State
 from bladeroot.inference.sampling import sample
-from bladeroot.mechanisms.mechanism import Mechanism
+from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Records
 from bladeroot.rom.parametric import ln_frequencies
 from bladeroot.variables import dataset
 
@@ -35,16 +36,21 @@ def stiffness_problem(
 ) -> Problem:
     """The problem of `stick_model` in the stiffnesses alone, all other parameters integrated out.
 
-    fitted: of that problem, whose first `base` parameters are the simulation's.
+    fitted: of that problem, whose first `base` parameters are the simulation's. The stiffnesses are
+    those at the pivot of the loads, whatever load the causes' laws are stated at.
     """
     records, count = data.records, len(simulated.parameters)
     whole = problem(data, simulated, mechanisms)
     here = simulated.of_records(records, data.hold, data.rounding)
     structures = partial(here.structures, fitted.parameters[:base])
     made = causes(mechanisms, fitted.parameters[base:], records, structures)
+    pivot = simulated.pivot_of(records)
+    change, own = _laws_at(pivot, mechanisms, fitted.parameters[base:])
+    slopes = [a - b for a, b in zip(made.slopes, own, strict=True)]
+    made = replace(made, changes=made.changes - change, slopes=slopes)
     load = (records.force + made.changes[:, 2]) / simulated.per_load - simulated.shift
     # The load's own effect on f is some per cent: its square is far below the model's bias.
-    places, where = distinct(made.changes[:, :2])
+    different, where = distinct(made.changes[:, :2])
     middle = load.mean()
     prior = whole.prior
     # The simulation's part is about nothing, the causes' about where the fit has them.
@@ -62,12 +68,12 @@ def stiffness_problem(
         return State(mean + columns @ off, g[:, :count], facts)
 
     def states(ln_k: Float[ndarray, "point parameter"]) -> list[State]:
-        points = np.empty((len(places), len(ln_k), count + 1))
-        points[:, :, :count] = ln_k + places[:, None, :2][:, :, here.kind]
+        points = np.empty((len(different), len(ln_k), count + 1))
+        points[:, :, :count] = ln_k + different[:, None, :2][:, :, here.kind]
         points[:, :, count] = middle
         value, by = ln_frequencies(simulated.surface, points.reshape(-1, count + 1))
-        g = by.reshape(len(places), len(ln_k), -1, count + 1)[where, :, records.mode]
-        mean = value.reshape(len(places), len(ln_k), -1)[where, :, records.mode].T
+        g = by.reshape(len(different), len(ln_k), -1, count + 1)[where, :, records.mode]
+        mean = value.reshape(len(different), len(ln_k), -1)[where, :, records.mode].T
         mean = mean + (g[..., count] * (load - middle)[:, None]).T
         return [state(one, own) for one, own in zip(mean, g.transpose(1, 0, 2), strict=True)]
 
@@ -81,6 +87,21 @@ def stiffness_problem(
     )  # fmt: skip
 
 
+def _laws_at(
+    load: float, mechanisms: Sequence[Mechanism], theta: Float[ndarray, " parameter"]
+) -> tuple[Float[ndarray, "4"], list[Float[ndarray, "4 own"]]]:
+    """What laws of the load alone change of kn and kt at a load, and the slopes by each cause's."""
+    none = np.zeros(1)
+    at = Records(none.astype(int), np.array([load]), none, none, none, 0.0, 0.0)
+    changes, slopes = np.zeros(4), [np.zeros((4, len(one.parameters))) for one in mechanisms]
+    for k, (one, own) in enumerate(zip(mechanisms, places(mechanisms), strict=True)):
+        if one.stick is not None and one.over == ("force",):
+            change, slope = of_law(one, *one.values(theta[own]), at)
+            changes[:2] += change[0, :2]
+            slopes[k][:2] = slope[0, :2]
+    return changes, slopes
+
+
 def interface_stiffness(
     data: StickData, simulated: Parametric, fits: Sequence[Fit], mechanisms: list[Mechanism],
     base: int,
@@ -90,14 +111,17 @@ def interface_stiffness(
     fits: at the maxima of the whole problem's posterior; the first has the mechanisms.
     """
     asked = stiffness_problem(data, simulated, fits[0], mechanisms, base)
-    count = asked.prior.mean.size
-    ends = [fit(asked, one.parameters[:count], one.scales) for one in fits]
+    count, pivot = asked.prior.mean.size, simulated.pivot_of(data.records)
+    change, _ = _laws_at(pivot, mechanisms, fits[0].parameters[base:])
+    own = change[[COORDINATES.index(name) for name in simulated.coordinates]]
+    ends = [fit(asked, one.parameters[:count] + own, one.scales) for one in fits]
     best, *others = maxima_of(ends, count)
     found = sample(best, range(count), DRAWS, others=others)
     made = {
         "interface_k": np.exp(np.quantile(found.parameters, QUANTILES, axis=0).T),
         "interface_ln_covariance": np.cov(found.parameters.T).reshape(count, count),
         "interface_prior_std": asked.prior.std,
+        "interface_load": pivot,
         "stiffness": list(simulated.parameters),
         "stiffness_": list(simulated.parameters),
         "quantile": list(QUANTILES),

@@ -8,7 +8,7 @@ import xarray as xr
 from bladeroot.report.numbers import NONE, fixed, interval, listed, percent, significant
 from bladeroot.report.page import Table
 from bladeroot.report.verdict import answer_of, between_forces, causes_of, plain, size
-from bladeroot.report.words import Words
+from bladeroot.report.words import Words, words_of
 
 # as `bladeroot.diagnosis.verdict` says it
 CHANNELS = {
@@ -187,8 +187,13 @@ def _interfaces(one: xr.Dataset) -> Table:
         std = float(np.sqrt(here["interface_ln_covariance"].sel(stiffness_=called)))
         known = fixed(std / float(here["interface_prior_std"]), 2)
         rows.append((called, middle, inner, outer, known))
+    words, at = words_of(one), float(one["interface_load"])
+    where = ""
+    if words.load:
+        middle = f"{significant(words.factor * at, 3)} {words.unit}"
+        where = f" at a {words.short} of {middle} (geometric mean of the records')"
     return Table(
-        "Contact stiffness of each interface, GN/m, named causes included: "
+        f"Contact stiffness of each interface{where}, GN/m, named causes included: "
         "median, 68 and 95 % intervals, and the standard deviation of ln k over that of the "
         "structure file's range (1: the frequencies say nothing)",
         ("stiffness", "median", "68 %", "95 %", "of the range"),

@@ -19,7 +19,7 @@ from bladeroot.stiffness.priors import REFERENCE_FORCE
 # The largest amplitude that the catalogue's priors are made for, m.
 REFERENCE_AMPLITUDE = 2e-5
 _TOKEN = re.compile(r"([A-Za-z]+)(\d*)")
-_LOADS = ("force", "stick_force", "curve_force", "law_force", "new_force")
+_LOADS = ("force", "stick_force", "curve_force", "law_force", "interface_load", "new_force")
 _AMPLITUDES = ("amplitude", "curve_amplitude", "onset_amplitude")
 
 
