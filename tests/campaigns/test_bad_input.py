@@ -1,5 +1,7 @@
 """Bad input: told in one line a fault before any job, or by name when it shows only later."""
 
+import re
+
 from house import SMALL, lab, matrices_lab
 
 
@@ -58,6 +60,14 @@ def test_a_model_is_refused_where_no_campaign_has_a_joint_inference(bare, tmp_pa
     for asked in ("diagnosis", str(tmp_path / "own.yaml")):
         (told,) = refused(bare, "--config", campaign, f"model={asked}")
         assert "model: it redoes the joint inference" in told
+
+
+def test_the_bias_of_a_mode_that_no_campaign_has_is_warned_of(bare, tmp_path):
+    asked = ("--config", "search={fe_bias_percent: {flap: 0.3, 2B: 0.4, 3B: 0.5}}")
+    told = bare.copied(tmp_path / "copy").run("--dry-run", *asked).stderr
+    assert re.findall("warning: .*", told) == [
+        "warning: search.fe_bias_percent: no campaign has a mode flap"
+    ]
 
 
 def test_mechanisms_that_are_not_there_or_no_python_end_the_run(bare, tmp_path):

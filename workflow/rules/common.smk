@@ -1,5 +1,6 @@
 # What every rule uses: the checked configuration and campaigns, and what a stage's parameters hold.
 import os
+import re
 import sys
 
 from functools import cache
@@ -126,10 +127,17 @@ except ValueError as error:
 
 
 def tell_warnings():
-    """What looks wrong in the campaigns' sheets and is no fault."""
+    """What looks wrong in the campaigns' sheets and the settings and is no fault."""
     for campaign in CAMPAIGNS.values():
         for line in campaign.warnings:
             print(f"warning: {line}", file=sys.stderr)
+    known = {mode for one in CAMPAIGNS.values() for mode in one.description["modes"]}
+    for key in ("fe_bias_percent", "fe_offset_percent"):
+        for mode in sorted(config["search"][key].keys() - known):
+            # those of a dovetail stand in the shipped settings
+            if not re.fullmatch("[1-9][0-9]*[BLT]", mode):
+                text = f"warning: search.{key}: no campaign has a mode {mode}"
+                print(text, file=sys.stderr)
 
 
 # Once, before the work: a wrong digit is best put right before it.
