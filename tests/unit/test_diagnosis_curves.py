@@ -4,8 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bladeroot.diagnosis.curve_model import OFFSET, OFFSET_NO_PLATEAU, curve_data, problem
+from bladeroot.diagnosis.channel import curve_channel
+from bladeroot.diagnosis.curve_model import (
+    OFFSET,
+    OFFSET_NO_PLATEAU,
+    curve_data,
+    problem,
+    strain,
+)
 from bladeroot.diagnosis.dataset import level_offsets
+from bladeroot.diagnosis.families import Known, baseline, smooth
+from bladeroot.diagnosis.naming import search
 from bladeroot.inference.gaussian import fit
 from bladeroot.mechanisms.catalogue import catalogue
 from diagnosis_bench import FORCES, NOISE, campaign
@@ -102,3 +111,16 @@ def test_fits_by_blocks_are_those_of_the_whole():
     for one in made.blocks:
         off[one, one] = False
     assert not made.covariance(parts.state, parts.scales)[0][off].any()
+
+
+def test_what_begins_at_once_strains_the_errors_of_sharp_curves():
+    """No smooth function follows it, which must not say that all is explained."""
+    data = curve_data(campaign(_model(False), seed=1), ("1B", "2B"))
+    late = data.twice.amplitude > np.median(data.points.amplitude)
+    std = np.where(late, 1e-4, 3e-8)
+    value = np.where(late, -3e-3, 0.0) + std * np.random.default_rng(0).normal(size=std.size)
+    channel = curve_channel(replace(data, value=value, noise=np.diag(std**2)), [])
+    found = search(channel, Known())
+    assert smooth(channel, baseline(channel))["amplitude"] == strain(found.baseline) > 10.0
+    assert found.unexplained == "amplitude"
+    assert strain(fit(problem(data))) < 2.0

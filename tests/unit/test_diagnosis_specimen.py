@@ -367,3 +367,23 @@ def test_a_load_cells_zero_is_no_surer_than_its_gauge_is_straight():
     both = judged._independent([scale, zero], seen)
     assert both["load cell scale"] == (-0.2, 0.005)
     assert both["load cell zero"] == (400.0, pytest.approx(np.hypot(50.0, guards.TRUST * 4e3)))
+
+
+def judged_by_a_table(model, expected, unit, candidates):
+    """Slip, seen by a sensor where the specimen moves so many times as far."""
+    seen = campaign(model, effect="slip", size=0.02, seed=2, rows=programme(cycles=1))
+    seen.attrs |= {"load_name": "axial force", "load_unit": "N"}
+    rows = [(mode, force, float(np.exp(_places(model, force)[0][0, m])))
+            for m, mode in enumerate(MODES) for force in FORCES]  # fmt: skip
+    frame = pd.DataFrame(rows, columns=["mode", "load", "frequency_Hz"])
+    frame.attrs["name"] = "sim.csv"
+    moved = seen.assign_coords(amplitude=unit * seen["amplitude"])
+    return judged.judge(moved, frame, {"expected_Hz": expected}, candidates)[1]
+
+
+@pytest.mark.parametrize("unit", [1e-2, 1.0, 40.0])
+def test_slip_is_found_at_whatever_amplitude_a_sensor_sees_it(model, expected, unit):
+    said = judged_by_a_table(model, expected, unit, [BY_ID["joint-slip"], BY_ID["quadratic-drag"]])
+    assert [one["mechanism"] for one in said["causes"]] == ["joint-slip"]
+    size = {one["name"]: one for one in said["causes"][0]["parameters"]}["threshold"]
+    assert abs(np.log(size["value"] / (3e-10 * unit))) < 1.0

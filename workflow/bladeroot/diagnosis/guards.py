@@ -57,6 +57,8 @@ RECORDS = 50
 FORCES = 4
 HOLDS_A_FORCE = 2
 MODES = 2
+# Times their stated errors by which curves may miss the best explanation before that is told.
+STRAINED = 2.0
 # Curves of fewer forces, or of one mode, name no cause: of tuning cases one of an effect of no
 # catalogue was named from curves of one force, and one was given a second cause from one mode.
 CURVE_FORCES = 2

@@ -9,7 +9,7 @@ import xarray as xr
 from bladeroot.diagnosis.causes import places
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import gains
-from bladeroot.diagnosis.guards import CERTAIN
+from bladeroot.diagnosis.guards import CERTAIN, STRAINED
 from bladeroot.diagnosis.naming import Cause, Found
 from bladeroot.diagnosis.plausibility import by_effect, changes, plausible, sizes
 from bladeroot.diagnosis.posterior import (
@@ -303,6 +303,12 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 f"the {found.channel.name} data hold something smooth in "
                 f"{found.unexplained.replace('force', '{force}')} that no mechanism of the "
                 "catalogue explains"
+            )
+        times = float(np.exp(found.final.scales[0])) if found.channel.name == "curve" else 0.0
+        if times > STRAINED:
+            lines.append(
+                f"the curves lie {times:.2g} times as far off as their errors say: another law may "
+                "act on them, or modes that ring beside"
             )
     lines += faults
     lines += [text for text in (made.left_out, made.not_judged) if text]
