@@ -11,6 +11,7 @@ from bladeroot.diagnosis.curve_model import (
     curve_data,
     problem,
     strain,
+    stretched,
 )
 from bladeroot.diagnosis.dataset import level_offsets
 from bladeroot.diagnosis.families import Known, baseline, smooth
@@ -123,4 +124,7 @@ def test_what_begins_at_once_strains_the_errors_of_sharp_curves():
     found = search(channel, Known())
     assert smooth(channel, baseline(channel))["amplitude"] == strain(found.baseline) > 10.0
     assert found.unexplained == "amplitude"
-    assert strain(fit(problem(data))) < 2.0
+    assert stretched(found.baseline) > 2.0
+    plain = fit(problem(data))
+    assert strain(plain) < 2.0
+    assert stretched(plain) < 2.0

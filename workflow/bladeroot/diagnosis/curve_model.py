@@ -194,6 +194,11 @@ def problem(
     return Problem(data.value, predict, covariance, prior, scales, blocks=_blocks(data))
 
 
+def stretched(fitted: Fit) -> float:
+    """How many times as large as the records state them the errors of the curves are in a fit."""
+    return float(np.exp(fitted.scales[0]))
+
+
 def strain(fitted: Fit) -> float:
     """Nats that a fit pays for errors of the curves larger than the records state them."""
     prior = fitted.problem.scales

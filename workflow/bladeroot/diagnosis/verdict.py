@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from bladeroot.diagnosis.causes import places
+from bladeroot.diagnosis.curve_model import stretched
 from bladeroot.diagnosis.diagnose import Diagnosis
 from bladeroot.diagnosis.gain import gains
 from bladeroot.diagnosis.guards import CERTAIN, STRAINED
@@ -304,7 +305,7 @@ def _reason(made: Diagnosis, answer: str) -> str:
                 f"{found.unexplained.replace('force', '{force}')} that no mechanism of the "
                 "catalogue explains"
             )
-        times = float(np.exp(found.final.scales[0])) if found.channel.name == "curve" else 0.0
+        times = stretched(found.final) if found.channel.name == "curve" else 0.0
         if times > STRAINED:
             lines.append(
                 f"the curves lie {times:.2g} times as far off as their errors say: another law may "
