@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from bladeroot.signal.banded import solution
 from bladeroot.signal.penalty import (
+    PRECISION_STD,
     alive_splines,
     at_rows,
     derivative_rows,
@@ -11,6 +12,7 @@ from bladeroot.signal.penalty import (
     normal_sums,
     penalised,
     penalty_rows,
+    posterior,
     root_of,
     whitened,
 )
@@ -102,12 +104,45 @@ def test_a_solution_beside_a_walk_matches_dense_algebra():
     rows, centre = penalty_rows(knots)
     precision = np.random.default_rng(0).uniform(0.1, 10.0, centre.size)
     white, _ = whitened(np.column_stack([matrix, y[0]]), std, walk)
-    found, band = full_solution(root_of(white, rows, precision), 6)
+    found, band, times = full_solution(root_of(white, rows, precision), 6)
     bends = dense(rows, np.arange(len(rows)), 13)
     known = np.linalg.solve(covariance(std, walk), np.column_stack([matrix, y[0]]))
     inverse = np.linalg.inv(matrix.T @ known[:, :13] + bends.T @ (precision[:, None] * bends))
     np.testing.assert_allclose(found, inverse @ (matrix.T @ known[:, 13]), rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(band, in_band(inverse, 6), rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(times(np.eye(13)), inverse, rtol=1e-6, atol=1e-12)
+
+
+def test_the_covariance_has_what_the_precisions_leave_unknown():
+    """By finite differences of dense solutions, the precisions as known as their freedom tells."""
+    rng = np.random.default_rng(2)
+    x, std = np.linspace(0.0, 1.0, 120), np.full(120, 0.02)
+    y = np.stack([np.maximum(x - 0.4, 0.0) + std * rng.standard_normal(120)])
+    knots = padded(np.linspace(0.0, 1.0, 20), 5)
+    shape, first = alive_splines(x, knots, 5)
+    gram, (right,), _ = normal_sums(x, y, std, shape, first, 24)
+    rows, centre = penalty_rows(knots)
+    place, known = np.interp(centre, [0.0, 0.5, 1.0], np.arange(3.0)), np.full(3, -4.0)
+    matrix, bends = dense(shape, first, 24), dense(rows, np.arange(len(rows)), 24)
+
+    def solved(log_precision):
+        precision = at_rows(place, log_precision)
+        whole = matrix.T @ matrix / std[0] ** 2 + bends.T @ (precision[:, None] * bends)
+        return np.linalg.solve(whole, right), np.linalg.inv(whole)
+
+    _, value, band = posterior(
+        lambda precision: solution(penalised(gram, rows, precision), right),
+        rows, place, known, np.full(3, -40.0), 0,
+    )  # fmt: skip
+    expected, inverse = solved(known)
+    assert (band[:, 0] > 1.02 * np.diag(inverse)).any()
+    np.testing.assert_allclose(value, expected, rtol=1e-6, atol=1e-9)
+    free = 1.0 - np.exp(-4.0) * np.einsum("ja,ab,jb->j", bends, inverse, bends)
+    for unit in np.eye(3):
+        moved = (solved(known + 1e-4 * unit)[0] - solved(known - 1e-4 * unit)[0]) / 2e-4
+        freedom = np.interp(place, np.arange(3.0), unit) @ free
+        inverse += np.outer(moved, moved) / (0.5 * freedom + PRECISION_STD**-2)
+    np.testing.assert_allclose(band, in_band(inverse, 6), rtol=1e-5, atol=1e-12)
 
 
 def test_a_walk_of_no_size_changes_nothing():
@@ -174,12 +209,16 @@ def test_banded_algebra_matches_dense(count, width, seed):
     units = 10.0 ** rng.uniform(-4, 4, count)
     matrix *= np.outer(units, units)
     right = units * rng.standard_normal(count)
-    x, found = solution(in_band(matrix, width), right)
+    x, found, times = solution(in_band(matrix, width), right)
     inverse = np.linalg.inv(matrix / np.outer(units, units)) / np.outer(units, units)
     beside = in_band(np.outer(units, units), width)
     known = in_band(inverse, width)
     np.testing.assert_allclose(found * beside, known * beside, rtol=1e-8, atol=1e-10)
     np.testing.assert_allclose(x * units, inverse @ right * units, rtol=1e-8, atol=1e-10)
+    again = times(np.stack([right, -2.0 * right], axis=1))
+    np.testing.assert_allclose(
+        again * units[:, None], np.stack([x, -2.0 * x], axis=1) * units[:, None]
+    )
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,8 @@ A matrix is stored as its lower band, row j holding the elements (j, j), (j + 1,
 diagonal of column j; what would lie beyond the last row is zero.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
@@ -16,8 +18,8 @@ FEWEST_BLOCK_ROWS = 16
 
 def solution(
     band: Float[ndarray, "n width"], right: Float[ndarray, " n"]
-) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"]]:
-    """The matrix's inverse times a vector, and the inverse within the band.
+) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"], Callable[[ndarray], ndarray]]:
+    """The inverse times a vector, the inverse within the band, and what multiplies columns by it.
 
     LinAlgError where the matrix is not positive definite.
     """
@@ -30,10 +32,15 @@ def solution(
     balanced = band * beside
     balanced[:, 0] = 1.0 + 1e-13
     factor = cholesky_banded(balanced.T, lower=True, check_finite=False)
-    x = scale * cho_solve_banded((factor, True), scale * right, check_finite=False)
+
+    def times(columns: Float[ndarray, "n column"]) -> Float[ndarray, "n column"]:
+        balanced = scale[:, None] * columns
+        return scale[:, None] * cho_solve_banded((factor, True), balanced, check_finite=False)
+
+    x = times(right[:, None])[:, 0]
     if not np.isfinite(x).all():
         raise LinAlgError("the matrix or the vector is not finite")
-    return x, inverse_band(factor.T) * beside
+    return x, inverse_band(factor.T) * beside, times
 
 
 def inverse_band(factor: Float[ndarray, "n width"]) -> Float[ndarray, "n width"]:

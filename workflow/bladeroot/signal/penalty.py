@@ -47,6 +47,7 @@ PENALTY_ORDER = 3  # of the derivative whose roughness is penalised
 # With fewer degrees of freedom than this a region is made no stiffer: the errors of a segment that
 # looks exactly straight would come out too small.
 FEWEST_FREEDOM = 0.25
+PRECISION_STD = 3.0  # of a region's log-precision, before the data: e^3, twentyfold either way
 STIFFEST_RANGE = 50.0  # log-precision of a region over its softest, at most
 
 
@@ -108,7 +109,7 @@ def penalised(
 
 
 def posterior(
-    solve: Callable[[ndarray], tuple[ndarray, ndarray]],
+    solve: Callable[[ndarray], tuple[ndarray, ndarray, Callable[[ndarray], ndarray]]],
     rows: Float[ndarray, "row alive"],
     place: Float[ndarray, " row"],
     log_precision: Float[ndarray, " node"],
@@ -117,20 +118,35 @@ def posterior(
 ) -> tuple[Float[ndarray, " node"], Float[ndarray, " n"], Float[ndarray, "n width"]]:
     """Log-precisions after some steps, coefficients, and their covariance in the band.
 
-    solve: coefficients and covariance for the precisions of the rows; place: where each row of the
-    penalty lies among the nodes, in nodes. LinAlgError where the equations are singular.
+    The covariance has what the precisions leave unknown (Kass & Steffey 1989).
+
+    solve: for the precisions of the rows, coefficients, their covariance in the band, and what
+    multiplies columns by it; place: where each row of the penalty lies among the nodes, in nodes.
+    LinAlgError where the equations are singular.
     """
     found = log_precision
     for _ in range(iterations):
         precision = at_rows(place, found)
-        value, inverse = solve(precision)
-        change, moving = _step(inverse, value, rows, place, precision, found.size)
+        value, inverse, _ = solve(precision)
+        freedom, roughness = _freedom(inverse, value, rows, place, precision, found.size)
+        change, moving = _step(freedom, roughness)
         found = np.clip(found + change, softest, softest + STIFFEST_RANGE)
         if not moving:
             break
     # where the curve bends is known to within a region only
     precision = at_rows(place, _spread(found))
-    return found, *solve(precision)
+    value, inverse, times = solve(precision)
+    freedom, _ = _freedom(inverse, value, rows, place, precision, found.size)
+    moved = times(_pull(value, rows, place, precision, found.size))
+    moved /= np.sqrt(0.5 * freedom + PRECISION_STD**-2)
+    return found, value, inverse + in_band(moved @ moved.T, inverse.shape[1])
+
+
+def in_band(whole: Float[ndarray, "n n"], width: int) -> Float[ndarray, "n width"]:
+    """The diagonal and what is below it, a symmetric matrix as a band holds it."""
+    padded = np.pad(whole, ((0, 0), (0, width)))
+    own = np.arange(len(whole))[:, None]
+    return padded[own, own + np.arange(width)]
 
 
 def at_rows(
@@ -140,15 +156,15 @@ def at_rows(
     return np.exp(np.interp(place, np.arange(float(log_precision.size)), log_precision))
 
 
-def _step(
+def _freedom(
     inverse: Float[ndarray, "n width"],
     value: Float[ndarray, " n"],
     rows: Float[ndarray, "row alive"],
     place: Float[ndarray, " row"],
     precision: Float[ndarray, " row"],
     nodes: int,
-) -> tuple[Float[ndarray, " node"], bool]:
-    """Fellner and Schall's step of the log-precisions, and whether it matters to the curve."""
+) -> tuple[Float[ndarray, " node"], Float[ndarray, " node"]]:
+    """Each node's degrees of freedom, and the sum of squares that the penalty has there."""
     count, alive = rows.shape
     bend, variance = np.zeros(count), np.zeros(count)
     for a in range(alive):
@@ -156,15 +172,32 @@ def _step(
         for b in range(a, alive):
             own = rows[:, a] * rows[:, b] * inverse[a : a + count, b - a]
             variance += own if a == b else 2.0 * own
-    left = np.minimum(place.astype(int), nodes - 2)
-    share = place - left
+    shares = _shares(place, nodes)
+    return np.maximum(1.0 - precision * variance, 0.0) @ shares, (precision * bend**2) @ shares
 
-    def of_nodes(values: Float[ndarray, " row"]) -> Float[ndarray, " node"]:
-        right = np.bincount(left + 1, share * values, nodes)
-        return np.bincount(left, (1.0 - share) * values, nodes) + right
 
-    freedom = of_nodes(np.maximum(1.0 - precision * variance, 0.0)) + 1e-12
-    roughness = of_nodes(precision * bend**2)
+def _shares(place: Float[ndarray, " row"], nodes: int) -> Float[ndarray, "row node"]:
+    """How much of each node's log-precision a row has: it runs straight from node to node."""
+    return np.maximum(1.0 - np.abs(place[:, None] - np.arange(nodes)), 0.0)
+
+
+def _pull(
+    value: Float[ndarray, " n"],
+    rows: Float[ndarray, "row alive"],
+    place: Float[ndarray, " row"],
+    precision: Float[ndarray, " row"],
+    nodes: int,
+) -> Float[ndarray, "n node"]:
+    """The penalty's force on the coefficients, by the node to whose log-precision it is due."""
+    whole = spread_out(rows, np.arange(len(rows)), value.size)
+    return whole.T @ ((precision * (whole @ value))[:, None] * _shares(place, nodes))
+
+
+def _step(
+    freedom: Float[ndarray, " node"], roughness: Float[ndarray, " node"]
+) -> tuple[Float[ndarray, " node"], bool]:
+    """Fellner and Schall's step of the log-precisions, and whether it matters to the curve."""
+    freedom = freedom + 1e-12
     own = np.log(freedom / np.maximum(roughness, 1e-30))
     # a segment that is straight already gains nothing by being stiffer
     own = np.where(freedom < FEWEST_FREEDOM, np.minimum(own, 0.0), own)
@@ -221,9 +254,8 @@ def root_of(
 
 def full_solution(
     root: Float[ndarray, "column column"], width: int
-) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"]]:
-    """Coefficients by a root as of `root_of`, and a band of their covariance."""
+) -> tuple[Float[ndarray, " n"], Float[ndarray, "n width"], Callable[[ndarray], ndarray]]:
+    """Coefficients by a root as of `root_of`, a band of their covariance, what multiplies by it."""
     inverse = solve_triangular(root[:-1, :-1], np.eye(len(root) - 1))
-    covariance = np.pad(inverse @ inverse.T, ((0, 0), (0, width)))
-    own = np.arange(len(inverse))[:, None]
-    return inverse @ root[:-1, -1], covariance[own, own + np.arange(width)]
+    whole = inverse @ inverse.T
+    return inverse @ root[:-1, -1], in_band(whole, width), whole.__matmul__

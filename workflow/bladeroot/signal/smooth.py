@@ -4,7 +4,8 @@ The curve is a B-spline; the prior on it is that its third derivative is white, 
 that may vary along the record (much at large amplitude, where the joint slips, little on the
 stick plateau, a spike where one turns into the other). The intensities are those of highest
 restricted likelihood, found by the Fellner-Schall iteration (Wood & Fasiolo 2017). The posterior
-gives standard errors which include the smoothing bias on average over the curve (Nychka 1988).
+gives standard errors which include the smoothing bias on average over the curve (Nychka 1988), and
+what the intensities leave unknown (Kass & Steffey 1989).
 
 Two passes: one on few knots finds the intensities, a second puts the knots where the curve
 bends. Only the sums over the values cost more with more of them.
@@ -39,11 +40,9 @@ from bladeroot.signal.penalty import (
 # Factors on the standard errors of the value and of its first two derivatives. The posterior's
 # errors are those of a curve as rough as the prior; most segments are smoother. Found by simulation
 # over sharp and gradual onsets at 30 to 80 dB, so that intervals of 95 % hold 95 %
-# (benchmarks/decays.py, seeds 771 and 772).
-CALIBRATION = np.array([1.0, 0.77, 0.77])
-# The same with a random walk in the values, whose size is known only as well as its likelihood
-# tells. Found by simulation of modes of 2 Hz that shake by 0.001 to 0.03 of the start.
-WALK_CALIBRATION = np.array([1.0, 1.2, 1.2])
+# (benchmarks/decays.py, seeds 771 and 772). With a random walk in the values, whose size is known
+# only as well as its likelihood tells, the posterior's errors are not too large.
+CALIBRATION = np.array([1.0, 0.75, 0.75])
 # The spline.
 FINE_KNOTS = 90  # knots of the second pass at most
 REGIONS = 18  # regions of the record at most, each with a penalty of its own
@@ -258,7 +257,7 @@ def _fit(
     return Spline(
         origin, scale, knots, trend, coefficient, covariance,
         Prior(prior.node, log_precision, prior.softest),
-        CALIBRATION if walk is None else WALK_CALIBRATION,
+        CALIBRATION if walk is None else np.ones(3),
     )  # fmt: skip
 
 
