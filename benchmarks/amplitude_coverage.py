@@ -30,7 +30,7 @@ import xarray as xr
 import yaml
 from bladeroot.bench.conditions import baseline, reading
 from bladeroot.bench.joint import parts
-from bladeroot.diagnosis.observations import Gauge, observations
+from bladeroot.diagnosis.observations import observations
 from bladeroot.inference.sampling import sample
 from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.stick import stick_from_records
@@ -103,7 +103,11 @@ def measured(
             plateaus.append(plateau)
             decays.append(decay)
     stick = stick_from_records(plateaus)
-    return stick, observations(stick, decays, None, Gauge(0.0, 0.0), {})
+    facts = {
+        "same_everywhere": 0.0, "of_reading": 0.0, "scale": 0.0,
+        "laser_x": {}, "time": {}, "temperature": {},
+    }  # fmt: skip
+    return stick, observations(stick, decays, None, facts)
 
 
 def _record(row: dict, at: xr.Dataset, ladder, force: float, rng) -> tuple[xr.Dataset, xr.Dataset]:

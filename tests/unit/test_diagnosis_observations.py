@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 from bladeroot.diagnosis.observations import (
     POINTS_A_DECADE,
-    Gauge,
     correlation_length,
     observations,
     reading_step,
@@ -15,7 +14,10 @@ from bladeroot.diagnosis.stick_model import stick_data
 from bladeroot.plateau.plateau import RECORD_VARIABLES
 from bladeroot.pooling.stick import stick_from_records, stick_from_table
 
-GAUGE = Gauge(1253.0, 0.01, 179.0)
+FACTS = {
+    "same_everywhere": 1253.0, "of_reading": 0.01, "scale": 179.0,
+    "laser_x": {"1B": 0.01}, "time": {"a": 60.0}, "temperature": {},
+}  # fmt: skip
 
 
 def decay(record, top=1e-5, **facts):
@@ -52,9 +54,7 @@ def campaign():
         {"finding_id": ("finding", ["spike", "clipping"]),
          "finding_record": ("finding", ["b", "b"])}
     )  # fmt: skip
-    return decays, observations(
-        stick, decays, integrity, GAUGE, {"1B": 0.01}, {"time": {"a": 60.0}}
-    )
+    return decays, observations(stick, decays, integrity, FACTS)
 
 
 def test_curves_stand_on_a_ladder_and_are_not_extrapolated(campaign):
@@ -86,7 +86,7 @@ def test_a_table_begins_at_the_stick_frequencies():
         {"mode": "1B", "force_N": [1790.0, 3580.0], "frequency_Hz": [500.0, 510.0],
          "frequency_std_Hz": 0.1, "loss_factor": 0.004, "loss_factor_std": 1e-4}
     )  # fmt: skip
-    seen = observations(stick_from_table(table), [], None, GAUGE, {"1B": 0.0})
+    seen = observations(stick_from_table(table), [], None, FACTS)
     assert seen.sizes["amplitude"] == 0
     assert seen["record"].values.tolist()[0] == "1B-1790N"
     assert seen["stick_frequency_std"].values.tolist() == [0.1, 0.1]
@@ -102,7 +102,7 @@ def test_modes_that_share_most_loads_of_a_table_share_its_clampings(forces, clam
         {"mode": modes, "force_N": [1e3, 2e3, 3e3, *forces], "frequency_Hz": 500.0,
          "frequency_std_Hz": 0.1, "loss_factor": 0.004, "loss_factor_std": 1e-4}
     )  # fmt: skip
-    seen = observations(stick_from_table(table), [], None, GAUGE, {"1B": 0.0, "2B": 0.0})
+    seen = observations(stick_from_table(table), [], None, FACTS)
     data = stick_data(seen, ["1B", "2B"])
     assert np.unique(data.hold).size == clampings
 

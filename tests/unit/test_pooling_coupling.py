@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from bladeroot.pooling.coupling import coupling
+from bladeroot.pooling.level_curve import coupling
 
 # no rung lies at an end of a curve
 LADDER = np.geomspace(1.1e-8, 0.9e-4, 57)
@@ -25,10 +25,8 @@ def decay(rate, largest, law, start=0.0):
 
 
 def rows(events=("a", "a"), sensors=("s", "s")):
-    return [
-        {"event": e, "sensor": s, "mode": m}
-        for e, s, m in zip(events, sensors, ("m1", "m2"), strict=True)
-    ]
+    facts = {"event": list(events), "sensor": list(sensors), "mode": ["m1", "m2"]}
+    return {name: np.array(values) for name, values in facts.items()}
 
 
 def softening(amplitude):

@@ -4,12 +4,12 @@ import json
 
 from _cli import run
 from bladeroot import artifacts
-from bladeroot.diagnosis.observations import observed
+from bladeroot.diagnosis.observations import observations
 
 
 def main(stick, batches, integrity, settings, output):
     measured = artifacts.load(stick)
-    seen = observed(
+    seen = observations(
         measured,
         artifacts.load_records(batches, "decay", without=("pff_*",)),
         artifacts.load(integrity[0]) if integrity else None,

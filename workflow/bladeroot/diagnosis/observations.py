@@ -1,7 +1,6 @@
 """What the diagnosis reads of a campaign: one table of records, with curves on a common ladder."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -9,23 +8,13 @@ from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.loads import load_attrs
-from bladeroot.pooling.coupling import coupling
 from bladeroot.pooling.groups import group_differences
-from bladeroot.pooling.level_curve import ladder_of, on_one_ladder
+from bladeroot.pooling.level_curve import coupling, ladder_of, on_one_ladder
 from bladeroot.variables import dataset, names
 
 POINTS_A_DECADE = 14
 # Steps (bar, or microstrain) to which a gauge may have been read.
 READINGS = (100.0, 50.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
-
-
-@dataclass(frozen=True)
-class Gauge:
-    """Errors of the force gauge: of the full scale (N), of the reading, and its rounding (N)."""
-
-    full_scale_std: float
-    relative_std: float
-    resolution: float = 0.0
 
 
 def reading_step(force: Float[ndarray, " record"], scale: float) -> float:
@@ -41,42 +30,19 @@ def reading_step(force: Float[ndarray, " record"], scale: float) -> float:
     return 0.0
 
 
-def observed(
+def observations(
     stick: xr.Dataset,
     decays: Sequence[xr.Dataset],
     integrity: xr.Dataset | None,
     facts: Mapping,
 ) -> xr.Dataset:
-    """`observations` with what the campaign says of itself, and how its groups differ.
-
-    facts: `same_everywhere` (load's unit), `of_reading` and `scale` of the gauge, `laser_x` (m, by
-    mode), `time` (s) and `temperature` (C) by record, as of `bladeroot.io.facts.observation_facts`.
-    """
-    forces = stick["record_force" if len(decays) else "force"].values
-    step = reading_step(forces, facts["scale"]) if facts["scale"] else 0.0
-    gauge = Gauge(facts["same_everywhere"], facts["of_reading"], step)
-    by_record = {name: facts.get(name, {}) for name in ("time", "temperature")}
-    seen = observations(stick, decays, integrity, gauge, facts["laser_x"], by_record)
-    bad = np.char.startswith(stick["verdict"].values.astype(str), "rejected")
-    rejected = dict(zip(stick["record"].values.astype(str), bad.tolist(), strict=True))
-    differences = group_differences(decays, [rejected[one.attrs["record"]] for one in decays])
-    return seen if differences is None else seen.merge(differences)
-
-
-def observations(
-    stick: xr.Dataset,
-    decays: Sequence[xr.Dataset],
-    integrity: xr.Dataset | None,
-    gauge: Gauge,
-    laser_x: Mapping[str, float],
-    by_record: Mapping[str, Mapping[str, float]] | None = None,
-) -> xr.Dataset:
-    """The records of a campaign as the diagnosis takes them.
+    """The records of a campaign as the diagnosis takes them, and how its groups differ.
 
     stick: from `bladeroot.pooling.stick`; decays: curves of the same records, empty where the
     campaign begins at a table, whose rows are then the records. integrity: from
-    `bladeroot.pooling.judgement`. laser_x: m, by mode. by_record: `time` (s since the campaign
-    began) and `temperature` (C) of records.
+    `bladeroot.pooling.judgement`. facts: `same_everywhere` (load's unit), `of_reading` and `scale`
+    of the gauge, `laser_x` (m, by mode), `time` (s since the campaign began) and `temperature` (C)
+    by record, as of `bladeroot.io.facts.observation_facts`.
 
     Returns:
         dims record and amplitude (m, `POINTS_A_DECADE` a decade, common to all, 0 long for a
@@ -84,102 +50,99 @@ def observations(
         the gauge's errors in the attributes. Nothing is extrapolated: NaN beyond what a record
         reaches.
     """
-    rows, scatter = _table_rows(stick) if not len(decays) else (_record_rows(stick), None)
+    rows = _of_records(stick) if len(decays) else _of_table(stick)
+    record = rows["record"]
+    rejected = set(record[rows["verdict"] == "rejected"])
     by_name = {str(decay.attrs["record"]): decay for decay in decays}
+    curves = [by_name.get(name) for name in record]
+    bad = [one is not None and one.attrs.get("verdict", "usable") != "usable" for one in curves]
+    rows["verdict"] = np.where(bad, "rejected", rows["verdict"])
+    # a sheet without holds names each record's own; with several sensors, each event's
+    rows["hold"] = np.where(rows["hold"] == record, "", rows["hold"])
     found = _findings(integrity)
-    for row in rows:
-        decay = by_name.get(row["record"])
-        row["findings"] = ";".join(sorted(found.get(row["record"], ())))
-        for name in ("time", "temperature"):
-            row[name] = float((by_record or {}).get(name, {}).get(row["record"], np.nan))
-        # a sheet without holds names each record's own; with several sensors, each event's
-        if row["hold"] == row["record"]:
-            row["hold"] = ""
-        if decay is not None and decay.attrs.get("verdict", "usable") != "usable":
-            row["verdict"] = "rejected"
-        row["correlation_decades"] = correlation_length(decay) if decay is not None else np.nan
-    chosen = [by_name.get(row["record"]) for row in rows]
-    chosen = [None if d is None or d.sizes["point"] < 2 else d for d in chosen]
-    ladder = ladder_of([decay for decay in chosen if decay is not None], POINTS_A_DECADE)
-    points = on_one_ladder(chosen, ladder)
-    points |= coupling(chosen, rows, ladder)
-    made = {name: np.array([row[name] for row in rows]) for name in names("diagnosis/record")}
-    seen = dataset("diagnosis/record", made | {"record": [row["record"] for row in rows]})
+    rows["findings"] = np.array([";".join(sorted(found.get(name, ()))) for name in record], str)
+    for name in ("time", "temperature"):
+        rows[name] = np.array([facts[name].get(one, np.nan) for one in record], float)
+    rows["correlation_decades"] = np.array(
+        [np.nan if one is None else correlation_length(one) for one in curves]
+    )
+    curves = [None if one is None or one.sizes["point"] < 2 else one for one in curves]
+    ladder = ladder_of([one for one in curves if one is not None], POINTS_A_DECADE)
+    points = on_one_ladder(curves, ladder) | coupling(curves, rows, ladder)
+    made = {name: rows[name] for name in names("diagnosis/record")}
+    seen = dataset("diagnosis/record", made | {"record": record})
     seen["force"].attrs |= load_attrs(stick.attrs)
-    more = {"laser_x_m": np.array([float(x) for x in laser_x.values()])}
-    if scatter is not None:
-        more["stick_frequency_scatter"] = scatter
     seen = seen.assign(dataset("diagnosis/point", points | {"amplitude": ladder}))
-    seen = seen.assign(dataset("diagnosis/observations", more | {"sensor_mode": list(laser_x)}))
+    placed = facts["laser_x"]
+    more = {"laser_x_m": np.array([*placed.values()], float), "sensor_mode": [*placed]}
+    if "stick_frequency_scatter" in rows:
+        more["stick_frequency_scatter"] = rows["stick_frequency_scatter"]
+    seen = seen.assign(dataset("diagnosis/observations", more))
+    differences = group_differences(decays, [one.attrs["record"] in rejected for one in decays])
+    seen = seen if differences is None else seen.merge(differences)
+    step = reading_step(rows["force"], facts["scale"]) if facts["scale"] else 0.0
     return seen.assign_attrs(
         {
             "simulated": int(stick.attrs.get("simulated", 0)),
             "campaign": str(stick.attrs.get("campaign", "")),
             **{n: stick.attrs[n] for n in ("load_name", "load_unit") if n in stick.attrs},
-            "gauge_full_scale_std_N": float(gauge.full_scale_std),
-            "gauge_relative_std": float(gauge.relative_std),
-            "gauge_resolution_N": float(gauge.resolution),
+            "gauge_full_scale_std_N": float(facts["same_everywhere"]),
+            "gauge_relative_std": float(facts["of_reading"]),
+            "gauge_resolution_N": float(step),
         }
     )
 
 
-def _record_rows(stick: xr.Dataset) -> list[dict]:
+def _of_records(stick: xr.Dataset) -> dict[str, ndarray]:
     names = {
+        "record": "record", "verdict": "verdict",
         "mode": "record_mode", "force": "record_force", "hold": "hold", "direction": "direction",
         "stick_frequency": "stick_frequency", "stick_frequency_std": "stick_frequency_std",
         "stick_loss_factor": "record_loss_factor", "onset_amplitude": "record_onset_amplitude",
         "stick_loss_factor_std": "record_loss_factor_std", "plateau_reached": "plateau_reached",
         "group": "record_group", "event": "event", "sensor": "sensor",
     }  # fmt: skip
-    rows = []
-    for i, record in enumerate(stick["record"].values.astype(str)):
-        row = {
-            name: stick[own].values[i].item() if own in stick else "" for name, own in names.items()
-        }
-        rejected = str(stick["verdict"].values[i]).startswith("rejected")
-        verdict = "rejected" if rejected else "usable"
-        rows.append(row | {"record": str(record), "verdict": verdict})
-    return rows
+    nothing = np.full(stick.sizes["record"], "")
+    rows = {
+        name: np.array(stick[own].values.tolist()) if own in stick else nothing
+        for name, own in names.items()
+    }
+    rejected = np.char.startswith(rows["verdict"], "rejected")
+    return rows | {"verdict": np.where(rejected, "rejected", "usable")}
 
 
-def _table_rows(stick: xr.Dataset) -> tuple[list[dict], Float[ndarray, " record"]]:
+def _of_table(stick: xr.Dataset) -> dict[str, ndarray]:
     """The rows of a table as records, and what each scatters about a smooth law (Hz).
 
     Where most loads have several modes, the rows of a load are of one clamping, or means over the
     same ones, whose contact all modes feel. Series of one mode each may meet at a load by chance.
     """
-    mode, force = stick["mode"].values.astype(str), stick["force"].values
+    mode, force = stick["mode"].values.astype(str), stick["force"].values.astype(float)
     level, modes = np.unique(force, return_inverse=True, return_counts=True)[1:]
     together = bool(mode.size) and np.median(modes) > 1.0
-    rows = [
-        dict.fromkeys(("direction", "group", "event", "sensor"), "")
-        | {
-            "hold": f"load {level[i]}" if together else "",
-            "record": f"{mode[i]}-{force[i]:.0f}{stick.attrs.get('load_unit', 'N')}",
-            "mode": mode[i],
-            "force": float(force[i]),
-            "stick_frequency": float(stick["frequency"].values[i]),
-            "stick_frequency_std": float(stick["stated_std"].values[i]),
-            "stick_loss_factor": float(stick["loss_factor"].values[i]),
-            "stick_loss_factor_std": float(stick["loss_factor_stated_std"].values[i]),
-            "onset_amplitude": np.nan,
-            "plateau_reached": 1,
-            "verdict": "usable",
-        }
-        for i in range(mode.size)
-    ]
-    return rows, stick["scatter_std"].values.astype(float)
+    unit, nothing = stick.attrs.get("load_unit", "N"), np.full(mode.size, "")
+    return dict.fromkeys(("direction", "group", "event", "sensor"), nothing) | {
+        "hold": np.array([f"load {k}" for k in level], str) if together else nothing,
+        "record": np.array([f"{m}-{f:.0f}{unit}" for m, f in zip(mode, force, strict=True)], str),
+        "mode": mode,
+        "force": force,
+        "stick_frequency": stick["frequency"].values.astype(float),
+        "stick_frequency_std": stick["stated_std"].values.astype(float),
+        "stick_frequency_scatter": stick["scatter_std"].values.astype(float),
+        "stick_loss_factor": stick["loss_factor"].values.astype(float),
+        "stick_loss_factor_std": stick["loss_factor_stated_std"].values.astype(float),
+        "onset_amplitude": np.full(mode.size, np.nan),
+        "plateau_reached": np.ones(mode.size, int),
+        "verdict": np.full(mode.size, "usable"),
+    }
 
 
 def _findings(integrity: xr.Dataset | None) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     if integrity is None or "finding_id" not in integrity:
         return found
-    for name, owner in zip(
-        integrity["finding_id"].values.astype(str),
-        integrity["finding_record"].values.astype(str),
-        strict=True,
-    ):
+    parts = (integrity[name].values.astype(str) for name in ("finding_id", "finding_record"))
+    for name, owner in zip(*parts, strict=True):
         found.setdefault(owner, set()).add(name)
     return found
 

@@ -109,7 +109,7 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
     ('nothing-missing', ())
     """
     from bladeroot.diagnosis.judged import judge
-    from bladeroot.diagnosis.observations import observed
+    from bladeroot.diagnosis.observations import observations
     from bladeroot.mechanisms.catalogue import usable_catalogue
     from bladeroot.pooling.judgement import judgement
     from bladeroot.pooling.stick import stick_from_records, stick_from_table
@@ -127,7 +127,7 @@ def diagnose(campaign: str | Path, config: str | Path | Mapping | None = None) -
         table = stick_table(described.folder / "stick.csv", load)
         stick = stick_from_table(table, asked["stick"]["table_error"], load_facts(load))
     integrity = judgement(records, curves, plateaus) if curves else None
-    seen = observed(stick.assign_attrs(own), curves, integrity, observation_facts(described))
+    seen = observations(stick.assign_attrs(own), curves, integrity, observation_facts(described))
     seen = seen.assign_attrs(own)
     facts = diagnosis_facts(described, asked)
     candidates, failed = usable_catalogue(facts["mechanisms"] or None)
