@@ -1,12 +1,16 @@
-"""A trial of a mechanism's law on a few records, so that a faulty one is told before any fit."""
+"""A user's mechanisms: each law is tried on a few records, and a faulty one told before any fit."""
 
+import importlib.util
 from collections.abc import Callable, Iterator
+from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray
 
 from bladeroot.mechanisms.mechanism import COORDINATES, Mechanism, Points, Records, StickEffect
+from bladeroot.mechanisms.own_files import own_files, try_apart
 from bladeroot.rom.ritz import Ritz
 from bladeroot.rom.sensitivity import Change
 
@@ -34,6 +38,46 @@ _ROUNDING = 1e-11  # of an effect, relative
 # An effect with its derivatives, whose last axis is of the parameters.
 Effects = dict[str, tuple[ndarray, ndarray]]
 Values = Float[ndarray, " parameter"]
+
+
+def own_mechanisms(folder: str | Path) -> tuple[dict[str, Mechanism], list[str]]:
+    """A user's mechanisms by their ids, without those that fail, and a line for each that does.
+
+    Each file is tried in a process of its own first: it may end the program or never end. Raises
+    ValueError if the folder is missing or a file is not Python.
+    """
+    own, faults = {}, []
+    for path in own_files(folder):
+        try:
+            try_apart(partial(_read, path), path)
+            one = _read(path)
+        except ValueError as error:
+            faults.append(" ".join(str(error).split()))
+            continue
+        if one.id in own:
+            faults.append(f"two mechanisms have the id {one.id!r} ({path})")
+            continue
+        own[one.id] = one
+    return own, faults
+
+
+def _read(path: Path) -> Mechanism:
+    spec = importlib.util.spec_from_file_location(f"mechanism_{path.stem}", path)
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except ValueError as error:
+        raise ValueError(f"{error} ({path})") from error
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"{type(error).__name__}: {error} ({path})") from error
+    one = getattr(module, "MECHANISM", None)
+    if not isinstance(one, Mechanism):
+        raise ValueError(f"expected MECHANISM, a bladeroot.mechanisms.mechanism.Mechanism ({path})")
+    try:
+        probe(one)
+    except ValueError as error:
+        raise ValueError(f"law of {one.id}: {error} ({path})") from error
+    return one
 
 
 def probe(one: Mechanism) -> None:
@@ -66,7 +110,7 @@ def _laws(one: Mechanism) -> Iterator[tuple[str, Callable[[Values], Effects]]]:
     if one.curve is not None:
         yield "curve", lambda values: _curve(one.curve(_POINTS, values))
     if one.structure is not None:
-        yield "structure", lambda values: _structure(one.structure(_RITZ, values))
+        yield "structure", lambda values: _structure(one.structure(_small_problem(), values))
 
 
 def _stick(effect: StickEffect) -> Effects:
@@ -104,12 +148,12 @@ def _structure(made) -> Effects:
     ):
         raise ValueError(f"expected a Change and a list of its derivatives, got {_named(made)}")
     whole, parts = made
-    effects = {}
+    shape, effects = _small_problem().beam.shape, {}
     for name in ("stiffness", "mass"):
         matrices = [np.asarray(getattr(one, name), float) for one in (whole, *parts)]
         for matrix in matrices:
-            _agree(name, matrix, _RITZ.beam.shape)
-        slopes = np.stack(matrices[1:], axis=-1) if parts else np.zeros((*_RITZ.beam.shape, 0))
+            _agree(name, matrix, shape)
+        slopes = np.stack(matrices[1:], axis=-1) if parts else np.zeros((*shape, 0))
         effects[name] = matrices[0], slopes
     return effects
 
@@ -192,6 +236,7 @@ def _compare(
                 )
 
 
+@cache
 def _small_problem() -> Ritz:
     """A made-up mode of three vectors and one for perturbations, of usual size."""
     own = np.diag([1e7, 9e7, 3e8, 5e8])
@@ -214,6 +259,3 @@ def _small_problem() -> Ritz:
         rank=0,
         amplification=1.0,
     )
-
-
-_RITZ = _small_problem()
