@@ -81,24 +81,6 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class _Descent:
-    """Of the cost by the parameters: pull is minus the gradient, curve the curvature.
-
-    unit: the unit in which a step of each parameter is measured.
-    """
-
-    pull: Float[ndarray, " parameter"]
-    curve: Float[ndarray, "parameter parameter"]
-    unit: Float[ndarray, " parameter"]
-
-    @cached_property
-    def principal(self) -> tuple[ndarray, ndarray]:
-        """Eigenvalues and vectors of the curvature in its steps' units."""
-        value, vector = np.linalg.eigh(self.curve * np.outer(self.unit, self.unit))
-        return np.maximum(value, _CURVATURE_ROUNDING * value[-1:]), vector
-
-
-@dataclass(frozen=True)
 class _Point:
     """A point of the search: its cost, and the Cholesky factor of the covariance there."""
 
@@ -138,8 +120,9 @@ class _Point:
         return self.cost + 0.5 * float(np.linalg.slogdet(self.information)[1])
 
     @cached_property
-    def descent(self) -> _Descent:
-        """Gradient and expected curvature of the cost by the parameters.
+    def descent(self) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+        """Of the cost by the parameters: the unit in which a step of each is measured, and in these
+        units minus the gradient, and eigenvalues and vectors of the expected curvature.
 
         With C_j the derivative of the covariance C by parameter j, and w = C^-1 times the residual,
         the gradient of the misfit has a term w C_j w, and its curvature is that of the slope plus
@@ -157,7 +140,8 @@ class _Point:
         white = self.whitened(bent)
         curve = white.T @ white + np.diag(weight)
         unit = 1.0 / np.sqrt(np.diag(curve)) if self.state.turns is None else prior.std
-        return _Descent(pull, curve, unit)
+        value, vector = np.linalg.eigh(curve * np.outer(unit, unit))
+        return unit, unit * pull, np.maximum(value, _CURVATURE_ROUNDING * value[-1:]), vector
 
     def over(self, values: ndarray) -> ndarray:
         """The covariance's inverse times values."""
@@ -209,9 +193,8 @@ def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
 
     farthest: the bound, in the steps' units.
     """
-    by, wide = at.descent, at.problem.prior.std
-    value, vector = by.principal
-    pull, held = vector.T @ (by.unit * by.pull), 0.0
+    unit, pull, value, vector = at.descent
+    pull, held = vector.T @ pull, 0.0
     for _ in range(_LENGTH_ROUNDS):
         step = pull / (value + held)
         size = float(np.sqrt(step @ step))
@@ -221,8 +204,8 @@ def _step(at: _Point, farthest: float) -> tuple[ndarray, float]:
             break
         slope = float(step @ (step / (value + held))) / size**2
         held = max(held + (size / farthest - 1.0) / slope, 0.0)
-    whole = by.unit * (vector @ step)
-    part = 1.0 / max(1.0, np.abs(whole / wide).max(initial=0.0) / _FARTHEST_STEP)
+    whole = unit * (vector @ step)
+    part = 1.0 / max(1.0, np.abs(whole / at.problem.prior.std).max(initial=0.0) / _FARTHEST_STEP)
     gain = part * (step @ pull) - 0.5 * part**2 * (step**2 @ value)
     return part * whole, float(gain)
 
@@ -374,7 +357,7 @@ def _iterated(at: _Point, steps: int, free: bool = True, least: float = _LEAST_G
     before = None
     for _ in range(steps):
         step, expected = _step(at, farthest)
-        size = float(np.linalg.norm(step / at.descent.unit))
+        size = float(np.linalg.norm(step / at.descent[0]))
         new = _point(problem, at.parameters + step, at.scales)
         gain = at.cost - new.cost
         if gain < -_COST_ROUNDING and expected > _LEAST_PROMISE:
