@@ -12,10 +12,9 @@ from bladeroot.diagnosis.next_measurement import (
     Rival,
     _gained,
     _more_curves,
-    _nats,
     _rivals,
-    decided,
     following,
+    nats,
     next_measurements,
 )
 from bladeroot.diagnosis.plausibility import sizes
@@ -34,13 +33,14 @@ def gaussian(mean, std):
 
 
 def test_alike_predictions_decide_nothing_and_distant_ones_all():
-    assert decided([gaussian(0, 1), gaussian(0, 1)]) == pytest.approx(0.0, abs=1e-12)
-    assert decided([gaussian(0, 1), gaussian(50, 1), gaussian(-50, 1)]) == pytest.approx(1.0)
-    assert np.isnan(decided([gaussian(0, 1)]))
+    assert nats([gaussian(0, 1), gaussian(0, 1)], np.full(2, 0.5)) == pytest.approx(0.0, abs=1e-12)
+    distant = [gaussian(0, 1), gaussian(50, 1), gaussian(-50, 1)]
+    assert nats(distant, np.full(3, 0.2)) == pytest.approx(0.6 * np.log(3.0))
+    assert nats([gaussian(0, 1)], np.ones(1)) == 0.0
 
 
 @pytest.mark.parametrize(("gap", "std"), [(1.0, 1.0), (2.0, 1.0), (0.0, 5.0), (3.0, 2.0)])
-def test_decided_is_the_mutual_information(gap, std):
+def test_what_is_decided_is_the_mutual_information(gap, std):
     y = np.linspace(-30.0, 30.0, 200001)
     both = [
         np.exp(-0.5 * ((y - m) / s) ** 2) / (s * np.sqrt(2 * np.pi))
@@ -48,8 +48,9 @@ def test_decided_is_the_mutual_information(gap, std):
     ]
     middle = 0.5 * (both[0] + both[1])
     inside = [p * np.log(np.maximum(p, 1e-300) / np.maximum(middle, 1e-300)) for p in both]
-    exact = 0.5 * sum(np.trapezoid(part, y) for part in inside) / np.log(2.0)
-    assert decided([gaussian(0, 1), gaussian(gap, std)]) == pytest.approx(exact, abs=0.05)
+    exact = 0.5 * sum(np.trapezoid(part, y) for part in inside)
+    found = nats([gaussian(0, 1), gaussian(gap, std)], np.full(2, 0.5))
+    assert found == pytest.approx(exact, abs=0.035)
 
 
 @pytest.fixture(scope="module")
@@ -147,23 +148,23 @@ def test_what_no_measurement_speaks_of_leaves_the_next_question(made, monkeypatc
 
 def test_known_odds_leave_little_to_decide():
     """A test that settles a question settles all of it, whatever the odds."""
-    far = [gaussian(0, 1), gaussian(60, 1)]
-    assert decided(far, np.array([0.95, 0.05])) == pytest.approx(1.0)
-    assert decided([gaussian(0, 1)] * 2, np.array([0.95, 0.05])) == pytest.approx(0.0, abs=1e-12)
+    far, odds = [gaussian(0, 1), gaussian(60, 1)], np.array([0.95, 0.05])
+    assert nats(far, odds) == pytest.approx(-odds @ np.log(odds))
+    assert nats([gaussian(0, 1)] * 2, odds) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_test_beside_the_campaign_tells_presence_by_its_error():
     even = np.array([0.5, 0.5])
-    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], even) == pytest.approx(
+    assert nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], even) == pytest.approx(
         np.log(2.0), abs=0.02
     )
-    assert 0.0 <= _nats([gaussian(0.0, 1.0), gaussian(0.0, 1.1)], even) < 0.02
-    assert _nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], np.array([1.0, 0.0])) == 0.0
+    assert 0.0 <= nats([gaussian(0.0, 1.0), gaussian(0.0, 1.1)], even) < 0.02
+    assert nats([gaussian(0.0, 1e-3), gaussian(0.0, 1.0)], np.array([1.0, 0.0])) == 0.0
 
 
 def test_evidence_that_is_divided_decides_less():
     pair, even = [gaussian(0, 1), gaussian(3, 1)], np.array([0.5, 0.5])
-    left = [decided(pair, even, heat) for heat in (1.0, 4.0, 16.0)]
+    left = [nats(pair, even, heat) for heat in (1.0, 4.0, 16.0)]
     assert left[0] > left[1] > left[2] > 0.0
 
 

@@ -82,7 +82,7 @@ def _of_question(
     as_size: Callable[[float], str],
 ) -> xr.Dataset:
     """Of the measurements where such mechanisms are in question."""
-    whole = _open_nats(made, asked)
+    whole = _opennats(made, asked)
     rivals = {n: _rivals(by_name[n], asked) for n in ("stick", "curve") if n in by_name}
 
     def row(one: Option) -> dict:
@@ -159,7 +159,7 @@ def _nearest(found: Found) -> list[str]:
     return sorted(found.alone, key=lambda name: -found.alone[name].log_evidence)[:_NEAREST]
 
 
-def _open_nats(made: Diagnosis, asked: set[str]) -> float:
+def _opennats(made: Diagnosis, asked: set[str]) -> float:
     """Entropy of what is in question (nothing: 0); what is barred is as open as can be."""
     if not asked:
         return 0.0
@@ -249,15 +249,7 @@ def _gained(
         return 0.0
     fits = [replace(one.fit, scales=rivals[0].fit.scales) for one in rivals]
     predicted = [_predicted(p, one, old, new) for p, one in zip(problems, fits, strict=True)]
-    return _nats(predicted, np.array([one.probability for one in rivals]), rivals[0].heat)
-
-
-def _nats(predicted: Sequence[tuple], odds: Float[ndarray, " rival"], heat: float = 1.0) -> float:
-    """Nats that data of such predictions decide between rivals of such odds."""
-    share = odds / odds.sum()
-    if not share.min() > 0.0:
-        return 0.0
-    return float(odds.sum() * decided(predicted, share, heat) * -(share @ np.log(share)))
+    return nats(predicted, np.array([one.probability for one in rivals]), rivals[0].heat)
 
 
 def _predicted(problem: Problem, fitted: Fit, old: ndarray, new: ndarray) -> tuple[ndarray, ...]:
@@ -299,7 +291,7 @@ def _by_facts(
                 odds = min(odds, 0.5)
             there = (np.array([value]), np.array([[std**2 + facts[name] ** 2]]))
             absent = (np.zeros(1), np.array([[facts[name] ** 2]]))
-            gained += _nats([absent, there], np.array([1.0 - odds, odds]))
+            gained += nats([absent, there], np.array([1.0 - odds, odds]))
     covariance = first.fit.covariance
     if first.mechanisms and first.mechanisms[0].id in facts:
         size, column = first.mechanisms[0].parameters[0], covariance[:, base]
@@ -358,22 +350,19 @@ def _more_curves(
     return made, np.flatnonzero(~fresh), np.flatnonzero(fresh)
 
 
-def decided(
-    predicted: Sequence[tuple[ndarray, ndarray]],
-    odds: Float[ndarray, " rival"] | None = None,
-    heat: float = 1.0,
+def nats(
+    predicted: Sequence[tuple[ndarray, ndarray]], odds: Float[ndarray, " rival"], heat: float = 1.0
 ) -> float:
-    """Expected fall of the entropy between Gaussian predictions (mean, covariance) of the same
-    data, over that entropy; of such odds (equal ones), by draws. NaN for one.
+    """Nats that data are expected to decide between rivals of such odds, each with its Gaussian
+    prediction of them (mean, covariance): the expected fall of the entropy, by draws.
 
     heat: by which the verdict will divide the evidence, as laws are not exact.
     """
-    count = len(predicted)
-    if count < 2:
-        return np.nan
+    share = odds / odds.sum()
+    if not share.min() > 0.0:
+        return 0.0
     rng = np.random.default_rng(0)
     roots = [np.linalg.cholesky(covariance) for _, covariance in predicted]
-    share = np.full(count, 1.0 / count) if odds is None else odds
     left = 0.0
     for p, (mean, _), root in zip(share, predicted, roots, strict=True):
         drawn = mean + rng.standard_normal((_DRAWS, mean.size)) @ root.T
@@ -383,7 +372,8 @@ def decided(
         log = (log - log.max(axis=0)) / heat + np.log(share)[:, None]
         after = np.exp(log) / np.exp(log).sum(axis=0)
         left += -p * np.sum(after * np.log(np.maximum(after, 1e-300)), axis=0).mean()
-    return float(np.clip(1.0 + left / (share @ np.log(share)), 0.0, 1.0))
+    there = -(share @ np.log(share))
+    return float(odds.sum() * np.clip(there - left, 0.0, there))
 
 
 def _log_density(drawn: Float[ndarray, "draw datum"], mean: ndarray, root: ndarray) -> ndarray:
