@@ -10,7 +10,7 @@ from bladeroot.diagnosis.curve_model import curve_data
 from bladeroot.diagnosis.dataset import dataset
 from bladeroot.diagnosis.diagnose import Settings, diagnose, with_lower_forces
 from bladeroot.diagnosis.extension import curves, model_file, read
-from bladeroot.diagnosis.naming import Known, prepared
+from bladeroot.diagnosis.families import Known, prepared
 from bladeroot.diagnosis.next_measurement import following, next_measurements
 from bladeroot.diagnosis.records import faulty_records
 from bladeroot.diagnosis.shortfall import _trend

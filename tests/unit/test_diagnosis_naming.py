@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from bladeroot.diagnosis import guards, naming
 from bladeroot.diagnosis.channel import Channel
-from bladeroot.diagnosis.naming import Known, _Search, baseline, search
+from bladeroot.diagnosis.families import Known, baseline
+from bladeroot.diagnosis.naming import _Search, search
 from bladeroot.diagnosis.plausibility import explained_by_law, law_misfit
 from bladeroot.diagnosis.posterior import UNKNOWN, inclusion
 from bladeroot.inference.gaussian import fit

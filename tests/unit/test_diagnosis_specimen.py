@@ -281,7 +281,7 @@ def test_a_table_may_hold_slip_of_its_own():
     columns = ["mode", "load", "frequency_Hz", "loss_factor", "amplitude_m"]
     table = table_of(pd.DataFrame(rows, columns=columns), "t.csv", {"": 5e-3}, {})
     assert np.exp(table.ln_f[0]) == pytest.approx([100.0, 100.0])
-    slip = table.curves().sel(mode="a", force=2.0)
+    slip = table.slip.sel(mode="a", force=2.0)
     assert slip["ln_frequency"].values == pytest.approx([0.0, np.log(0.99)])
     assert slip["loss_factor"].values == pytest.approx([0.0, 0.01])
 

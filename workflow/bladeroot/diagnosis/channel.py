@@ -11,6 +11,7 @@ from bladeroot.diagnosis import curve_model, damping_model, stick_model
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.guards import TRUST, TRUST_CURVE
+from bladeroot.diagnosis.posterior import UNKNOWN
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import Parametric
 from bladeroot.diagnosis.stick_model import StickData
@@ -35,7 +36,8 @@ class Channel:
     may be left out, the number of the part that each datum belongs to. records: of stick
     frequencies. trust: the part of its own effect to which a law is exact. stiffnesses: which of
     `COORDINATES` each of the first parameters is, a stiffness of contacts, in which a posterior may
-    have several maxima.
+    have several maxima. unspoken: causes that want what the campaign does not say of its records,
+    by id; `UNKNOWN` of data in which what is of no catalogue may leave no trace.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Channel:
     records: Records | None = None
     trust: float = TRUST
     stiffnesses: tuple[str, ...] = ()
+    unspoken: tuple[str, ...] = ()
 
     def undone(self, one: Mechanism, own: Float[ndarray, " own"]) -> Float[ndarray, " base"]:
         """Shift of the baseline's parameters by which the contact stays as stiff as it was, on
@@ -64,29 +67,33 @@ def stick_channel(
     data: StickData, simulated: Simulation, candidates: Sequence[Mechanism]
 ) -> Channel:
     """Stick frequencies; mechanisms that need times or directions stay only where these are."""
+    judged, unspoken = _spoken([x for x in candidates if not simulated.silent(x)], "stick", data)
     return Channel(
         "stick",
         lambda mechanisms, extra: stick_model.problem(data, simulated, mechanisms, extra),
         simulated.of_records(data.records, data.hold, data.rounding).prior.mean.size,
-        tuple(one for one in _possible(candidates, "stick", data) if not simulated.silent(one)),
+        judged,
         lambda fitted: (
             _smooth(data, 3e-4) | (_contact(data, fitted) if simulated.knows_contact else {})
         ),
         _parts(data),
         data.records,
         stiffnesses=simulated.coordinates if isinstance(simulated, Parametric) else (),
+        unspoken=(*unspoken, UNKNOWN),  # as other operators that are not in the sheet
     )
 
 
 def damping_channel(data: DampingData, candidates: Sequence[Mechanism]) -> Channel:
     """Loss factors of the stuck joint."""
+    judged, unspoken = _spoken(candidates, "damping", data.stick)
     return Channel(
         "damping",
         lambda mechanisms, extra: damping_model.problem(data, mechanisms, extra),
         len(data.stick.modes),
-        _possible(candidates, "damping", data.stick),
+        judged,
         lambda _: _smooth(data.stick, 0.03, together=True),
         _parts(data.stick),
+        unspoken=unspoken,
     )
 
 
@@ -104,30 +111,17 @@ def curve_channel(data: CurveData, candidates: Sequence[Mechanism]) -> Channel:
     )
 
 
-def _possible(
+def _spoken(
     candidates: Sequence[Mechanism], channel: str, data: StickData
-) -> tuple[Mechanism, ...]:
-    """Those whose variables the campaign knows and varies."""
+) -> tuple[tuple[Mechanism, ...], tuple[str, ...]]:
+    """Those whose variables the campaign knows and varies, and ids of those that want times or
+    directions of records, and these are missing or alike.
+    """
     known = _known(data)
-    return tuple(
-        one
-        for one in candidates
-        if one.channel == channel and all(known[name] for name in one.over)
-    )
-
-
-def unspoken(
-    candidates: Sequence[Mechanism], channel: str, data: StickData, simulated: Simulation
-) -> tuple[str, ...]:
-    """Ids of those that want times or directions of records, and these are missing or alike."""
-    known = _known(data)
-    return tuple(
-        one.id
-        for one in candidates
-        if one.channel == channel
-        and not all(known[name] for name in one.over if name not in ("force", "temperature"))
-        and not (channel == "stick" and simulated.silent(one))
-    )
+    here = [one for one in candidates if one.channel == channel]
+    judged = tuple(one for one in here if all(known[name] for name in one.over))
+    said = {name for name in known if known[name]} | {"force", "temperature"}
+    return judged, tuple(one.id for one in here if not said.issuperset(one.over))
 
 
 def _known(data: StickData) -> dict[str, bool]:

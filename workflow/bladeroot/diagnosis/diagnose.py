@@ -12,14 +12,13 @@ from bladeroot.diagnosis.channel import (
     damping_channel,
     not_judged,
     stick_channel,
-    unspoken,
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
 from bladeroot.diagnosis.events import one_of_each_event
+from bladeroot.diagnosis.families import Known
 from bladeroot.diagnosis.guards import SIGMAS
-from bladeroot.diagnosis.naming import Found, Known, search
-from bladeroot.diagnosis.posterior import UNKNOWN
+from bladeroot.diagnosis.naming import Found, search
 from bladeroot.diagnosis.records import Faulty, faulty_records, showing
 from bladeroot.diagnosis.simulation.interface import Simulation
 from bladeroot.diagnosis.simulation.parametric import parametric
@@ -97,20 +96,14 @@ def diagnose(
     known = Known(settings.splits, not lacks, barred, _ruled_out(settings))
     faulty = faulty_records(seen, candidates)
     skip, left_out = _spoiled(seen, faulty)
-    curves = curve_model.curve_data(seen, modes, skip, simulated.curves())
+    curves = curve_model.curve_data(seen, modes, skip, simulated.slip)
     nothing = hopeless(data, simulated.kind)
     found = []
-
-    def knowing(channel: str, *more: str) -> Known:
-        return replace(known, unspoken=(*unspoken(candidates, channel, data, simulated), *more))
-
     if not nothing:
-        # What is of no catalogue may leave no trace, as other operators that are not in the sheet.
-        stick = stick_channel(data, simulated, candidates)
-        found.append(search(stick, knowing("stick", UNKNOWN)))
+        found.append(search(stick_channel(data, simulated, candidates), known))
     damping = damping_model.damping_data(seen, data) if data.ln_f.size else None
     if damping is not None and not nothing:
-        found.append(search(damping_channel(damping, candidates), knowing("damping")))
+        found.append(search(damping_channel(damping, candidates), known))
     curve_lacks = curves_lacking(curves)
     if curves is not None:
         of_contact = simulated.knows_contact and not nothing

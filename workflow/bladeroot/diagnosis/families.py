@@ -30,14 +30,12 @@ class Known:
     deviation of its first parameter. replicates: whether clampings are repeated often enough to
     tell gauge and level effects from their scatter. barred: mechanisms that are ranked but never
     named for want of data, with why. ruled_out: those that the campaign says are not there.
-    unspoken: those that want what the campaign does not say of its records.
     """
 
     splits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     replicates: bool = True
     barred: Mapping[str, str] = field(default_factory=dict)
     ruled_out: Mapping[str, str] = field(default_factory=dict)
-    unspoken: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

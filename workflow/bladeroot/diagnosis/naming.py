@@ -44,8 +44,6 @@ _CLASS_OF = {
     "direction": "direction", "amplitude": "amplitude",
 }  # fmt: skip
 
-__all__ = ["Cause", "Found", "Known", "Step", "prepared", "search"]
-
 
 @dataclass(frozen=True)
 class Step:
@@ -286,7 +284,7 @@ def _openings(made: _Search, here: frozenset) -> list[frozenset]:
 
 
 def _found(made: _Search) -> Found:
-    best, sets = made.best(), with_unspoken(made.weighed(), made.known.unspoken)
+    best, sets = made.best(), with_unspoken(made.weighed(), made.channel.unspoken)
     barred = sorted(best & set(made.known.barred))
     here = best - set(barred)
     if not made.allowed.get(here, False):

@@ -82,9 +82,9 @@ class Simulation(Protocol):
     """A simulation before it is asked of any records.
 
     modes: their names. structure: its name, "" where nothing is simulated. kind: `structure`,
-    `table` or `none`.
-    knows_contact: whether it has kn and kt. load_range: the least and the largest load, as of the
-    records, that it speaks of.
+    `table` or `none`. knows_contact: whether it has kn and kt. load_range: the least and the
+    largest load, as of the records, that it speaks of. slip: changes `ln_frequency` and
+    `loss_factor` over (mode, force, amplitude), if it has any.
     """
 
     modes: tuple[str, ...]
@@ -92,6 +92,7 @@ class Simulation(Protocol):
     kind: str
     knows_contact: bool
     load_range: tuple[float, float]
+    slip: xr.Dataset | None
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
@@ -100,6 +101,3 @@ class Simulation(Protocol):
 
     def silent(self, one: Mechanism) -> str:
         """Why it cannot speak of a cause, a phrase, or ""."""
-
-    def curves(self) -> xr.Dataset | None:
-        """Changes `ln_frequency` and `loss_factor` over (mode, force, amplitude), if it has any."""

@@ -13,7 +13,6 @@ their errors hold a factor of JOINT_DOUBT in that.
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float, Int
 from numpy import ndarray
 
@@ -53,6 +52,7 @@ class Linear:
     kind: str = "none"
     knows_contact: bool = False
     load_range: tuple[float, float] = (-np.inf, np.inf)
+    slip: None = None
 
     def of_records(
         self, records: Records, hold: Int[ndarray, " record"], rounding: float
@@ -74,10 +74,6 @@ class Linear:
         if not self.load and (changed == {"force"} or one.over == ("force",)):
             return "the campaign states no load"
         return ""
-
-    def curves(self) -> xr.Dataset | None:
-        """A linear mode's frequency and loss factor do not depend on the amplitude."""
-        return None
 
 
 def acts_on(one: Mechanism) -> set[str]:

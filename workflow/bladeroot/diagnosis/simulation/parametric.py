@@ -68,6 +68,7 @@ class Parametric:
     pivot: float | None = REFERENCE_FORCE
     per_load: float = 1.0
     shift: float = 0.0
+    slip: None = None
 
     @property
     def load_range(self) -> tuple[float, float]:
@@ -101,10 +102,6 @@ class Parametric:
         if any(part.any() for one in changes for part in (one.stiffness, one.mass)):
             return ""
         return "the structure has nothing that it would change"
-
-    def curves(self) -> xr.Dataset | None:
-        """It has no slip of its own."""
-        return None
 
 
 def parametric(

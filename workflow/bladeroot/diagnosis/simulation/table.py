@@ -86,10 +86,6 @@ class Table:
             return f"the table has no columns {' and '.join(CONTACT)}"
         return ""
 
-    def curves(self) -> xr.Dataset | None:
-        """Those of its amplitudes."""
-        return self.slip
-
 
 class _OfRecords(OneMode):
     """Parameters: one of each sensitivity, bias and tilt of each mode."""
