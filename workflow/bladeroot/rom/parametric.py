@@ -19,32 +19,13 @@ from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.rom.ritz import Pairs, Ritz, frequency, solve, turning
 
-# Projections in the artifact: dims besides mode, unit, what it is.
-SQUARE = ("vector", "vector_")
-PROJECTIONS = {
-    "beam": (SQUARE, "s-2", "projected stiffness of the beam without force"),
-    "slots": (SQUARE, "s-2", "projected stiffness of the slots"),
-    "geometric": (SQUARE, "s-2 N-1", "projected geometric stiffness per newton of axial force"),
-    "beam_mass": (SQUARE, "1", "the beam's share of the projected mass, which is the identity"),
-    "contact": (
-        ("pair", "local", "vector"),
-        "kg-1/2",
-        "motion of the beam against the slot at each contact pair per basis vector",
-    ),
-    "display": (
-        ("display", "axis", "vector"),
-        "kg-1/2",
-        "motion of the display nodes per basis vector",
-    ),
-    "residual": (("part", "part_"), "s-1", "factor of the residual's dual norm"),
-}
+# The matrices of a mode's small problem, as the artifact and `Ritz` name them; springs beside them.
+PROJECTED = ("beam", "slots", "geometric", "beam_mass", "contact", "display", "residual")
 
 
-def springs_of(count: int) -> dict[str, tuple]:
-    """Of each contact stiffness the factor of its projection: gap and slip by interface."""
-    names = ("gap", "slip") if count == 2 else tuple(f"spring_{k + 1}" for k in range(count))
-    text = "factor of the projected contact matrix of unit stiffness"
-    return {name: (SQUARE, "kg-1/2", text) for name in names}
+def spring_names(count: int) -> tuple[str, ...]:
+    """Of each contact stiffness the name of its projection's factor: gap and slip by interface."""
+    return ("gap", "slip") if count == 2 else tuple(f"spring_{k + 1}" for k in range(count))
 
 
 def surface_of(model: xr.Dataset) -> Surface:
@@ -58,16 +39,13 @@ def ritz_of(model: xr.Dataset, mode: str) -> Ritz:
         raise ValueError(f"the parametric model has modes {list(model['mode'].values)}, not {mode}")
     one = model.sel(mode=mode)
     counts = {name: int(one[name]) for name in ("vectors", "own", "rank")}
-    parts, of_k = {}, springs_of(len(model["coordinate"]) - 1)
-    for name, (dims, _, _) in (PROJECTIONS | of_k).items():
-        size = counts["vectors"]
-        if name == "residual":
-            size = (3 + len(of_k)) * counts["own"]
-        kept = {dim: slice(0, size) for dim in dims if dim in (*SQUARE, "part", "part_")}
-        parts[name] = one[name].transpose(*dims).isel(kept).values
+    springs = spring_names(len(model["coordinate"]) - 1)
+    vectors, parts = counts["vectors"], (3 + len(springs)) * counts["own"]
+    kept = {"vector": vectors, "vector_": vectors, "part": parts, "part_": parts}
+    here = one.isel({dim: slice(count) for dim, count in kept.items()})
     return Ritz(
-        springs=tuple(parts.pop(name) for name in of_k),
-        **parts,
+        springs=tuple(here[name].values for name in springs),
+        **{name: here[name].values for name in PROJECTED},
         display_x=model["display_x"].values,
         own=counts["own"],
         rank=counts["rank"],

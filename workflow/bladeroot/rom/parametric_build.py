@@ -11,7 +11,7 @@ from bladeroot.rom import chebyshev
 from bladeroot.rom.chebyshev import Surface
 from bladeroot.rom.greedy import find_bases
 from bladeroot.rom.joint import Joint, exact_modes
-from bladeroot.rom.parametric import PROJECTIONS, frequencies, springs_of
+from bladeroot.rom.parametric import frequencies, spring_names
 from bladeroot.rom.ritz import Ritz, error_bound, frequency, solve
 
 MODES = ("1B", "2B")
@@ -21,6 +21,25 @@ TOLERANCE = 1e-7  # of the frequency, against the whole joint
 # The final check, at random points of the box.
 _CHECK_POINTS = 500  # at which the bound is evaluated
 _EXACT_POINTS = 6  # of these that are solved exactly
+# Projections in the artifact: dims besides mode, unit, what it is.
+SQUARE = ("vector", "vector_")
+PROJECTIONS = {
+    "beam": (SQUARE, "s-2", "projected stiffness of the beam without force"),
+    "slots": (SQUARE, "s-2", "projected stiffness of the slots"),
+    "geometric": (SQUARE, "s-2 N-1", "projected geometric stiffness per newton of axial force"),
+    "beam_mass": (SQUARE, "1", "the beam's share of the projected mass, which is the identity"),
+    "contact": (
+        ("pair", "local", "vector"),
+        "kg-1/2",
+        "motion of the beam against the slot at each contact pair per basis vector",
+    ),
+    "display": (
+        ("display", "axis", "vector"),
+        "kg-1/2",
+        "motion of the display nodes per basis vector",
+    ),
+    "residual": (("part", "part_"), "s-1", "factor of the residual's dual norm"),
+}
 
 
 def parametric_model(
@@ -87,11 +106,13 @@ def _dataset(joint: Joint, modes: list[str], ritzes: list[Ritz], surface: Surfac
         attrs = {"units": units, "long_name": long_name}
         return (dims, values, attrs | ({"source": source} if source else {}))
 
-    of_k = springs_of(len(joint.rows))
-    parts = [vars(one) | dict(zip(of_k, one.springs, strict=True)) for one in ritzes]
+    springs = spring_names(len(joint.rows))
+    parts = [vars(one) | dict(zip(springs, one.springs, strict=True)) for one in ritzes]
+    text = "factor of the projected contact matrix of unit stiffness"
+    projections = PROJECTIONS | dict.fromkeys(springs, (SQUARE, "kg-1/2", text))
     entries = {
         name: var(("mode", *dims), _padded([one[name] for one in parts]), unit, text)
-        for name, (dims, unit, text) in (PROJECTIONS | of_k).items()
+        for name, (dims, unit, text) in projections.items()
     }
     checks = _checks(joint, modes, ritzes, surface)
     orders = ("order_kn", "order_kt", "order_force")
