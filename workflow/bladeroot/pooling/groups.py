@@ -98,12 +98,9 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
         for key, seen in of_event.items()
     }
     groups = [np.array([v for (g, _), v in sorted(values.items()) if g == name]) for name in names]
-    mean = np.array([one[:, 0].mean() for one in groups])
+    mean, scatter, freedom = _spread([one[:, 0] for one in groups])
     count = np.array([len(one) for one in groups])
     stated = np.array([np.sqrt((one[:, 1] ** 2).sum()) / len(one) for one in groups])
-    freedom = int(count.sum() - count.size)
-    rest = sum(((one[:, 0] - one[:, 0].mean()) ** 2).sum() for one in groups)
-    scatter = np.sqrt(rest / freedom) if freedom else 0.0
     error = np.hypot(scatter / np.sqrt(count), 0.0 if freedom else stated)
     error = np.maximum(error, stated)
     weight = 1.0 / error**2
@@ -118,14 +115,22 @@ def _compared(here: Sequence[_Motion], quantity: str) -> tuple[dict, list[dict]]
         "difference": ratio - 1.0,
         "difference_std": float(ratio * wide * np.hypot(error[low], error[high])),
         "low_group": names[low], "high_group": names[high], "chance": float(chance),
-        "scatter": float(scatter) if freedom else np.nan, "freedom": freedom,
-        "told": int(chance < DIFFER_CHANCE), **_largest(here, quantity, float(scatter)),
+        "scatter": scatter if freedom else np.nan, "freedom": freedom,
+        "told": int(chance < DIFFER_CHANCE), **_largest(here, quantity, scatter),
     }  # fmt: skip
     levels = [
         {"group": name, "level": m - mean.mean(), "level_std": e, "events": n}
         for name, m, e, n in zip(names, mean, error, count, strict=True)
     ]
     return row, levels
+
+
+def _spread(groups: Sequence[ndarray]) -> tuple[ndarray, float, int]:
+    """Mean of each group, the scatter within groups, and its degrees of freedom."""
+    mean = np.array([one.mean() for one in groups])
+    freedom = sum(one.size - 1 for one in groups)
+    rest = sum(((one - own) ** 2).sum() for one, own in zip(groups, mean, strict=True))
+    return mean, float(np.sqrt(rest / freedom)) if freedom else 0.0, freedom
 
 
 def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
@@ -146,10 +151,8 @@ def _largest(here: Sequence[_Motion], quantity: str, scatter: float) -> dict:
         for k in np.flatnonzero((count > 0).sum(axis=0) > 1):
             seen = [g for g in range(len(names)) if count[g, k]]
             values = [log[rows[g], k][known[rows[g], k]] for g in seen]
-            mean = np.array([one.mean() for one in values])
-            freedom = sum(one.size - 1 for one in values)
-            rest = sum(((one - one.mean()) ** 2).sum() for one in values)
-            here_std = max(scatter, np.sqrt(rest / freedom) if freedom else 0.0)
+            mean, here_std, _ = _spread(values)
+            here_std = max(scatter, here_std)
             stated = np.array([np.nanmean(error[rows[g], k]) for g in seen])
             std = np.hypot(here_std, stated) / np.sqrt([one.size for one in values])
             low, high = int(np.argmin(mean)), int(np.argmax(mean))
