@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray
+from scipy.interpolate import RegularGridInterpolator
 from scipy.linalg import block_diag
 
 from bladeroot.diagnosis.causes import places, with_causes, with_smooth
@@ -116,21 +117,17 @@ def curve_data(
 
 
 def _of_baseline(baseline: xr.Dataset, points: Points, modes: Sequence[str]) -> ndarray:
-    parts = []
-    for name in ("ln_frequency", "loss_factor"):
-        value = np.zeros(points.mode.size)
+    """Linear in the force and ln of the amplitude, constant beyond the simulated ones."""
+    axes = baseline["force"].values, np.log(baseline["amplitude"].values)
+    places = zip((points.force, np.log(points.amplitude)), axes, strict=True)
+    at = np.stack([np.clip(x, axis[0], axis[-1]) for x, axis in places], axis=1)
+    value = np.zeros((2, points.mode.size))
+    for quantity, name in enumerate(("ln_frequency", "loss_factor")):
         for number, mode in enumerate(modes):
-            mine = points.mode == number
             grid = baseline[name].sel(mode=mode).transpose("force", "amplitude").values
-            along = np.log(baseline["amplitude"].values)
-            at = np.array([np.interp(np.log(points.amplitude[mine]), along, row) for row in grid])
-            forces = baseline["force"].values
-            value[mine] = [
-                np.interp(f, forces, column)
-                for f, column in zip(points.force[mine], at.T, strict=True)
-            ]
-        parts.append(value)
-    return np.concatenate(parts)
+            mine = points.mode == number
+            value[quantity, mine] = RegularGridInterpolator(axes, grid)(at[mine])
+    return value.ravel()
 
 
 def problem(
