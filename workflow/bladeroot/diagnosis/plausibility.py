@@ -46,29 +46,20 @@ def possible(channel: Channel, chosen: Sequence[Mechanism], fitted: Fit) -> bool
     return all(plausible(one, fitted, own) for one, own in pairs)
 
 
-def largest(fitted: Fit, cause: int, own: slice, rows: slice = slice(None)) -> tuple[float, float]:
-    """The largest of a cause's effects on some of the data, and its standard deviation.
-
-    A number that all forms of a mechanism share: what it changes, not by which law.
-    """
-    effect = fitted.state.facts["effects"][cause][rows]
-    slope = fitted.state.slope[rows, own]
-    k = int(np.argmax(np.abs(effect)))
-    std = np.sqrt(slope[k] @ fitted.covariance[own, own] @ slope[k])
-    return float(effect[k]), float(std)
-
-
 def changes(found, number: int, own: slice) -> list[dict]:
     """The largest change that a cause makes of each quantity of its data, with its error.
 
     In ln of the frequency or of the loss factor of the stuck joint, and over amplitude the rise of
     the loss factor itself; of `bladeroot.diagnosis.naming.Found` and the number of a cause of it.
+    What all forms of a mechanism share: what it changes, not by which law.
     """
-    quantities, rows = NAMES[found.channel.name], []
-    n = found.final.problem.data.size // len(quantities)
-    for k, quantity in enumerate(quantities):
-        value, std = largest(found.final, number, own, slice(k * n, (k + 1) * n))
-        rows.append({"quantity": quantity, "value": value, "std": std, "unit": "1"})
+    fitted, quantities, rows = found.final, NAMES[found.channel.name], []
+    effects = fitted.state.facts["effects"][number].reshape(len(quantities), -1)
+    slopes = fitted.state.slope[:, own].reshape(*effects.shape, -1)
+    for quantity, effect, slope in zip(quantities, effects, slopes, strict=True):
+        k = int(np.argmax(np.abs(effect)))
+        std = float(np.sqrt(slope[k] @ fitted.covariance[own, own] @ slope[k]))
+        rows.append({"quantity": quantity, "value": float(effect[k]), "std": std, "unit": "1"})
     return rows
 
 

@@ -22,21 +22,19 @@ def of_records(
     """One entry a mode: the part of the miss that runs with `smooth_in`, and its size."""
     records = data.records
     miss = fitted.problem.data - fitted.state.mean
+    variable = smooth_in.partition(",")[0]
     along = {
-        "force": np.log(records.force),
         "time": records.time,
-        "force, through the contact": np.log(records.force),
-        "time, through the contact": records.time,
         "time in a clamping": records.since,
         "direction": records.sign,
         "temperature": records.temperature,
-    }.get(smooth_in, np.log(records.force))
+    }.get(variable, np.log(records.force))
     entries = []
     for number, mode in enumerate(data.modes):
         mine = records.mode == number
         if mine.sum() < 3 or np.ptp(along[mine]) == 0.0:
             continue
-        size, text = _trend(along[mine], miss[mine], smooth_in.partition(",")[0])
+        size, text = _trend(along[mine], miss[mine], variable)
         entries.append(
             {"quantity": NAMES[channel][0], "mode": mode, "trend": text, "size": size, "unit": "1"}
         )

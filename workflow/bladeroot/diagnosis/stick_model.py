@@ -188,6 +188,12 @@ def problem(
     prior = with_causes(here.prior.mean, here.prior.std, mechanisms)
     rows = np.arange(n)
 
+    def beyond_level(one: Mechanism, values: ndarray) -> ndarray:
+        """What a mechanism of levels changes beside each mode's mean, which it does not miss."""
+        if one.kind != "level":
+            return values
+        return values - of_mode @ ((of_mode.T @ values).T / np.maximum(of_mode.sum(axis=0), 1.0)).T
+
     def predict(theta: ndarray) -> State:
         own = theta[:base]
         made = causes(mechanisms, theta[base:], records, partial(here.structures, own))
@@ -215,11 +221,8 @@ def problem(
         for k, (one, own, kernel) in enumerate(zip(mechanisms, owns, trust, strict=True)):
             grown = np.einsum("npb,nb->np", turn, made.effects[k][:, :3])
             grown[:, own] += np.einsum("nc,ncp->np", whole, made.slopes[k])
-            e = effects[k]
-            if one.kind == "level":
-                e = e - of_mode @ _means(of_mode, e)
-                grown = grown - of_mode @ _means(of_mode, grown)
-            by_error = own_error_turned(trusted, kernel, e, grown, vector, matrix)
+            parts = (beyond_level(one, part) for part in (effects[k], grown))
+            by_error = own_error_turned(trusted, kernel, *parts, vector, matrix)
             times, traces = times + by_error[0], traces + by_error[1]
         return times, traces
 
@@ -231,7 +234,7 @@ def problem(
         whole, of_clampings = here.scatter(state.facts["gradient"], scales[:kinds])
         of_laws = np.zeros((n, n))
         for effect, kernel, one in zip(state.facts["effects"], trust, mechanisms, strict=True):
-            e = effect - of_mode @ _means(of_mode, effect) if one.kind == "level" else effect
+            e = beyond_level(one, effect)
             of_laws += np.outer(TRUST**2 * e, e) * kernel
         of_laws *= np.exp(2.0 * scales[kinds + 1])
         whole += of_laws
@@ -261,10 +264,6 @@ def _of_limits(data: StickData) -> Float[ndarray, "record record"] | None:
         return None
     alike = same_mode(data) * near(np.log(data.records.force), FORCE_LENGTH)
     return np.outer(data.shared, data.shared) * alike
-
-
-def _means(of_mode: ndarray, values: ndarray) -> ndarray:
-    return ((of_mode.T @ values).T / np.maximum(of_mode.sum(axis=0), 1.0)).T
 
 
 def trust_kernel(data: StickData, over: Sequence[str]) -> Float[ndarray, "record record"]:

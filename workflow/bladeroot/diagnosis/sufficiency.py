@@ -61,14 +61,12 @@ def curves_lacking(curves: CurveData | None) -> list[str]:
 def replicated(data: StickData) -> bool:
     """Whether at least half of the forces have repeated holds."""
     records = data.records
-    holds = [np.unique(data.hold[records.force == f]).size for f in np.unique(records.force)]
     per_mode = [
         np.unique(data.hold[(records.force == f) & (records.mode == m)]).size
         for f in np.unique(records.force)
         for m in np.unique(records.mode)
     ]
-    repeated = np.mean(np.array(per_mode) >= guards.HOLDS_A_FORCE) if per_mode else 0.0
-    return bool(holds) and bool(repeated >= 0.5)
+    return bool(per_mode) and bool(np.mean(np.array(per_mode) >= guards.HOLDS_A_FORCE) >= 0.5)
 
 
 def hopeless(data: StickData, kind: str = "structure") -> bool:
