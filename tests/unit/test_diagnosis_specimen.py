@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 from bladeroot.diagnosis import guards, judged
 from bladeroot.diagnosis.diagnose import Settings
-from bladeroot.diagnosis.events import one_of_each_event
+from bladeroot.diagnosis.observations import one_of_each_event
 from bladeroot.diagnosis.possible import impossible, impossible_table
 from bladeroot.diagnosis.simulation.linear import BEND, Linear
 from bladeroot.diagnosis.simulation.over_load import OverLoad

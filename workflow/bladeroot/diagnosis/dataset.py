@@ -45,7 +45,7 @@ def dataset(made: Diagnosis, said: Mapping) -> xr.Dataset:
             parts.append(_curves(made, found))
     whole = xr.merge(parts, compat="override", join="outer", combine_attrs="drop_conflicts")
     return whole.assign_attrs(
-        structure=made.structure,
+        structure=made.simulated.structure,
         answer=said["answer"],
         reason=said["reason"],
         named=";".join(one["mechanism"] for one in said["causes"] if one["shown"]),

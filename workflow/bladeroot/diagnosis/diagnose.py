@@ -15,13 +15,13 @@ from bladeroot.diagnosis.channel import (
 )
 from bladeroot.diagnosis.curve_model import CurveData
 from bladeroot.diagnosis.damping_model import DampingData
-from bladeroot.diagnosis.events import one_of_each_event
 from bladeroot.diagnosis.families import Known
 from bladeroot.diagnosis.guards import SIGMAS
 from bladeroot.diagnosis.naming import Found, search
+from bladeroot.diagnosis.observations import one_of_each_event
 from bladeroot.diagnosis.records import Faulty, faulty_records, showing
 from bladeroot.diagnosis.simulation.interface import Simulation
-from bladeroot.diagnosis.simulation.parametric import parametric
+from bladeroot.diagnosis.simulation.parametric import of_structure
 from bladeroot.diagnosis.stick_model import StickData
 from bladeroot.diagnosis.sufficiency import curves_lacking, hopeless, lacking, replicated
 from bladeroot.mechanisms.mechanism import Mechanism
@@ -57,7 +57,6 @@ class Diagnosis:
     """
 
     seen: xr.Dataset
-    structure: str
     settings: Settings
     known: Known
     data: StickData
@@ -113,7 +112,7 @@ def diagnose(
         never = {one.id: why for one in channel.candidates} if curve_lacks else {}
         found.append(search(channel, Known(settings.splits, True, never)))
     return Diagnosis(
-        seen, simulated.structure, settings, known, data, damping, curves, simulated,
+        seen, settings, known, data, damping, curves, simulated,
         tuple(found), tuple(faulty), tuple(lacks), tuple(curve_lacks), left_out,
         not_judged(candidates, data, simulated), terms,
     )  # fmt: skip
@@ -126,13 +125,8 @@ def simulation_of(
     if not isinstance(model, xr.Dataset):
         return model
     measured = set(seen["mode"].values.astype(str))
-    modes = tuple(mode for mode in settings.fe_bias if mode in measured)
-    return parametric(
-        model,
-        modes,
-        [settings.fe_bias[mode] for mode in modes],
-        [settings.fe_offset.get(mode, 0.0) for mode in modes],
-    )
+    bias = {mode: one for mode, one in settings.fe_bias.items() if mode in measured}
+    return of_structure(model, bias, settings.fe_offset)
 
 
 def with_lower_forces(

@@ -46,7 +46,7 @@ def model_file(made: Diagnosis) -> dict:
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),
-        "structure": made.structure,
+        "structure": made.simulated.structure,
         "contact": law,
         "mechanisms": mechanisms,
     }

@@ -45,7 +45,7 @@ def verdict(made: Diagnosis, every: Diagnosis | None = None) -> dict:
     return {
         "schema": SCHEMA,
         "campaign": str(made.seen.attrs.get("campaign", "")),
-        "structure": made.structure,
+        "structure": made.simulated.structure,
         "answer": answer,
         "probabilities": labelled(sets),
         "possible": {name: round(value, 9) for name, value in credible(sets).items()},

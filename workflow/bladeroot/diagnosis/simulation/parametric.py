@@ -4,7 +4,7 @@ ln f = ln f_model(ln k..., F) + bias. Contact stiffness is one law over all load
 the specimen changes kn and kt at random, of all interfaces alike, and the gauge is read to a step.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,12 +38,6 @@ from bladeroot.stiffness.priors import (
 # depth or length that is off changes the tension's part of the stiffness by some times as much.
 TENSION = 4.0
 TRIM = 1e-6  # of a frequency, that coefficients of the surface may be left out for
-# Of (ln kn, ln kt, F): scatter of kn, of kt, and of both together.
-_AXES = (
-    np.diag([1.0, 0.0, 0.0]),
-    np.diag([0.0, 1.0, 0.0]),
-    np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]),
-)
 
 
 @dataclass(frozen=True)
@@ -104,15 +98,17 @@ class Parametric:
         return "the structure has nothing that it would change"
 
 
-def parametric(
-    model: xr.Dataset, modes: Sequence[str], bias: Sequence[float], offset: Sequence[float]
+def of_structure(
+    model: xr.Dataset, bias: Mapping[str, float], offset: Mapping[str, float]
 ) -> Parametric:
-    """From `bladeroot.rom.parametric`; bias and offset relative, by mode."""
-    here = model.sel(mode=list(modes))
-    ritz = tuple(ritz_of(model, mode) for mode in modes)
-    surface = trimmed(surface_of(here), TRIM)
-    name = str(model.attrs.get("structure", ""))
-    return Parametric(surface, ritz, np.array(bias), np.array(offset), tuple(modes), name)
+    """Of a structure's model, the modes whose bias is given; bias and offset relative."""
+    modes = tuple(bias)
+    surface = trimmed(surface_of(model.sel(mode=list(modes))), TRIM)
+    return Parametric(
+        surface, tuple(ritz_of(model, mode) for mode in modes), np.array([*bias.values()], float),
+        np.array([offset.get(mode, 0.0) for mode in modes]), modes,
+        str(model.attrs.get("structure", "")),
+    )  # fmt: skip
 
 
 def of_assembly(model: xr.Dataset, bias: Mapping[str, float], offset: Mapping[str, float],
@@ -140,16 +136,18 @@ def biases(simulated: Parametric) -> slice:
     return slice(first, first + 2 * len(simulated.modes))
 
 
-def _parts(scales: Float[ndarray, " scale"]) -> tuple[ndarray, ndarray, ndarray, float]:
-    """Of kn, of kt and of both together between clampings, and their correlation."""
+def of_clamping(
+    scales: Float[ndarray, " scale"], rounding: float
+) -> tuple[Float[ndarray, "3 3"], list[Float[ndarray, "3 3"]]]:
+    """Covariance of (ln kn, ln kt, load) between clampings, and its derivatives by the scales."""
     s_n, s_t, r = np.exp(scales[0]), np.exp(scales[1]), np.tanh(scales[2])
-    return s_n**2 * _AXES[0], s_t**2 * _AXES[1], s_n * s_t * _AXES[2], r
-
-
-def of_clamping(scales: Float[ndarray, " scale"], rounding: float) -> Float[ndarray, "3 3"]:
-    """Covariance of (ln kn, ln kt, load) between clampings."""
-    normal, tangential, both, r = _parts(scales)
-    return normal + tangential + r * both + np.diag([0.0, 0.0, rounding**2])
+    alike = s_n * s_t
+    both = r * alike
+    whole = np.array([[s_n**2, both, 0.0], [both, s_t**2, 0.0], [0.0, 0.0, rounding**2]])
+    by_n = np.array([[2.0 * s_n**2, both, 0.0], [both, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    by_t = np.array([[0.0, both, 0.0], [both, 2.0 * s_t**2, 0.0], [0.0, 0.0, 0.0]])
+    turned = (1.0 - r**2) * alike
+    return whole, [by_n, by_t, np.array([[0.0, turned, 0.0], [turned, 0.0, 0.0], [0.0, 0.0, 0.0]])]
 
 
 def scatter_of_clampings(
@@ -157,16 +155,12 @@ def scatter_of_clampings(
     same_hold: ndarray,
 ) -> tuple[ndarray, Slopes]:  # fmt: skip
     """Covariance of ln f of such gradients by clampings, and its derivatives by the scales."""
+    whole, slopes = of_clamping(scales, rounding)
 
     def of_hold(scatter: ndarray) -> ndarray:
         return (g @ scatter @ g.T) * same_hold
 
-    def slopes() -> list[ndarray]:
-        normal, tangential, both, r = _parts(scales)
-        parts = (2.0 * normal + r * both, 2.0 * tangential + r * both, (1.0 - r**2) * both)
-        return [of_hold(part) for part in parts]
-
-    return of_hold(of_clamping(scales, rounding)), slopes
+    return of_hold(whole), lambda: [of_hold(part) for part in slopes]
 
 
 class _OfRecords:
@@ -187,26 +181,15 @@ class _OfRecords:
         self.x = np.log(records.force / simulated.pivot_of(records))
         of_mode = np.eye(modes)[records.mode]
         self.bias_rows = np.hstack([of_mode, of_mode * self.x[:, None]])
-        levels, bias = np.array(simulated.prior), simulated.bias
-        self.prior = Prior(
-            np.concatenate(
-                [
-                    levels[:, 0],
-                    SMOOTH_EXPONENT[:1],
-                    np.log1p(simulated.offset),
-                    np.zeros(modes + 1),
-                ]
-            ),
-            np.concatenate(
-                [
-                    levels[:, 1],
-                    SMOOTH_EXPONENT[1:2],
-                    bias,
-                    BIAS_TILT * bias,
-                    [TENSION * bias.mean()],
-                ]
-            ),
-        )
+        bias, none = simulated.bias, np.zeros(modes)
+        priors = [
+            simulated.prior,
+            [SMOOTH_EXPONENT[:2]],
+            np.column_stack([np.log1p(simulated.offset), bias]),
+            np.column_stack([none, BIAS_TILT * bias]),
+            [(0.0, TENSION * bias.mean())],
+        ]
+        self.prior = Prior(*np.vstack(priors).T.copy())
         self.own = biases(simulated)
         self.same_hold = (hold[:, None] == hold).astype(float)
 
@@ -278,7 +261,7 @@ class _OfRecords:
         self, g: ndarray, turn: ndarray, scales: ndarray, vector: ndarray, matrix: ndarray
     ) -> tuple[ndarray, ndarray]:
         """As the interface says."""
-        spread = g @ of_clamping(scales, self.rounding)
+        spread = g @ of_clamping(scales, self.rounding)[0]
         held = self.same_hold @ (vector[:, None] * spread)
         others = self.same_hold @ (vector[:, None, None] * turn).reshape(len(g), -1)
         times = np.einsum("npc,nc->np", turn, held)
